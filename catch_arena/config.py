@@ -1,0 +1,299 @@
+"""Everything that defines an arena, in human units: frozen, validated where it is made, and readable as JSON."""
+
+import dataclasses
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final, Literal, get_args
+
+from catch_arena.errors import ConfigError, suggest
+
+Control = Literal["target", "velocity", "full"]
+"""How a hunter is driven: R4.1, R4.4."""
+ArbitrationPolicy = Literal["nearest", "first_come", "capstone"]
+"""R5.9: who wins a contest."""
+TargetMotion = Literal["still"]
+"""R3.7: what targets do between their spawn and their catch."""
+
+TURTLESIM_SIDE_M: Final = 11.088889122009277
+"""R2.1: float32(499) / float32(45), the side of turtlesim's arena [m]."""
+RULESET: Final = "catch_arena_v0"
+"""R10.3: raised when equal inputs could play differently, and for nothing else."""
+
+MAX_HUNTERS: Final = 64
+MAX_TARGETS: Final = 64
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gains:
+    """R4.3: the hosted controllers' gains; the defaults are the standard ones, the capstone's have no integral part."""
+
+    kp_v: float = 2.0
+    """Linear speed per metre of distance [1/s]."""
+    ki_v: float = 1.0
+    """Linear speed per metre-second of accumulated distance [1/s^2]."""
+    kp_w: float = 6.0
+    """Turn rate per radian of bearing error [1/s]."""
+    ki_w: float = 0.0
+    """Turn rate per radian-second of accumulated bearing error [1/s^2]."""
+
+    def __post_init__(self) -> None:
+        for name in ("kp_v", "ki_v", "kp_w", "ki_w"):
+            _require_number(f"gains.{name}", getattr(self, name), at_least=0.0, at_most=1e6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RewardWeights:
+    """R6.2: the weight of each named part of the reward."""
+
+    catch: float = 1.0
+    """Per catch of one's own."""
+    rival_catch: float = 0.0
+    """Per catch by any other hunter; -1 / (hunters - 1) makes the game zero-sum."""
+    lost_contest: float = 0.0
+    """Per request that another hunter won."""
+    rejected_request: float = 0.0
+    """Per request refused for any other reason."""
+    progress: float = 0.0
+    """Per metre gained towards the target that was nearest after the commit."""
+    time: float = 0.0
+    """Per second that passes."""
+
+    def __post_init__(self) -> None:
+        for part in dataclasses.fields(self):
+            _require_number(f"rewards.{part.name}", getattr(self, part.name), at_least=-1e6, at_most=1e6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FaultRates:
+    """R8.3: how often the services fail, as probabilities in [0, 1]."""
+
+    kill_down: float = 0.0
+    """The kill service is down for a whole step."""
+    kill_refused: float = 0.0
+    """The simulator refuses to kill one target in one step."""
+    spawn_down: float = 0.0
+    """The spawn service is down at one firing of the timer."""
+    spawn_refused: float = 0.0
+    """The simulator refuses one spawn number."""
+
+    def __post_init__(self) -> None:
+        for rate in dataclasses.fields(self):
+            _require_number(f"faults.{rate.name}", getattr(self, rate.name), at_least=0.0, at_most=1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArenaConfig:
+    """Everything that defines an arena; equal configs play equal matches (R10.1)."""
+
+    hunters: int = 4
+    """How many hunters take part, 1 to 64."""
+    control: Control | tuple[Control, ...] = "target"
+    """R4.1, R4.4: one word for all hunters, or one for each seat."""
+    side_m: float = TURTLESIM_SIDE_M
+    """R2.1: the arena is the square [0, side_m] on both axes; 2 to 5000."""
+    hunter_poses: tuple[tuple[float, float, float], ...] | None = None
+    """R2.6: (x, y, theta) by seat; None draws the fair circle."""
+    start_radius_m: float | None = None
+    """R2.6: the radius of that circle; None is 0.3 of the side."""
+    max_speed_mps: float = 2.0
+    """R2.5: v_max."""
+    max_turn_rate_radps: float = 4.0
+    """R2.5: w_max."""
+    reverse: bool = False
+    """R2.5: whether hunters may drive backwards, down to -v_max."""
+    reach_m: float = 0.3
+    """R5.3: a target is within reach strictly below this distance."""
+    policy: ArbitrationPolicy = "nearest"
+    """R5.9: how contests are decided."""
+    spawn_frequency_hz: float = 1.0
+    """R3.1: spawns per second; a value that is not positive means one every 5 s, as in the capstone."""
+    initial_targets: int = 8
+    """R3.1: targets placed at reset."""
+    max_targets: int = 16
+    """R3.5: how many may be alive, 1 to 64."""
+    target_budget: int | None = None
+    """R1.5: the episode terminates when this many have been spawned and caught; None is without end."""
+    target_motion: TargetMotion = "still"
+    """R3.7."""
+    name_prefix: str = "target_turtle_"
+    """R3.4: a target's name is this and its number."""
+    observed_targets: int | None = None
+    """R7.1: K, how many of the nearest targets a hunter sees; None is min(8, max_targets)."""
+    observed_hunters: int | None = None
+    """R7.1: how many of the nearest rivals it sees; None is min(hunters - 1, 7)."""
+    mask_in_observation: bool = False
+    """R7.2: under target control, give Dict(observation, action_mask) instead of the bare vector."""
+    control_period_ms: int = 100
+    """R1.3: the time that one step spans, from 16 up."""
+    time_limit_s: float = 60.0
+    """R1.5: the episode is truncated at the first step boundary at or past this."""
+    max_cycles: int | None = None
+    """PettingZoo's way to say it: that many steps, whatever time_limit_s says."""
+    gains: Gains = field(default_factory=Gains)
+    rewards: RewardWeights = field(default_factory=RewardWeights)
+    faults: FaultRates = field(default_factory=FaultRates)
+
+    def __post_init__(self) -> None:
+        _require_integer("hunters", self.hunters, 1, MAX_HUNTERS)
+        _require_number("side_m", self.side_m, at_least=2.0, at_most=5000.0)
+        _require_number("max_speed_mps", self.max_speed_mps, above=0.0, at_most=1000.0)
+        _require_number("max_turn_rate_radps", self.max_turn_rate_radps, above=0.0, at_most=1000.0)
+        _require_number("reach_m", self.reach_m, above=0.0, at_most=10_000.0)
+        _require_number("spawn_frequency_hz", self.spawn_frequency_hz, at_least=-1e6, at_most=1e6)
+        _require_integer("max_targets", self.max_targets, 1, MAX_TARGETS)
+        _require_integer("initial_targets", self.initial_targets, 0, self.max_targets, "max_targets")
+        _require_integer("control_period_ms", self.control_period_ms, 16, 10**9)
+        _require_number("time_limit_s", self.time_limit_s, above=0.0, at_most=1e9)
+        if self.start_radius_m is not None:
+            _require_number("start_radius_m", self.start_radius_m, at_least=0.0, at_most=self.side_m / 2)
+        if self.target_budget is not None:
+            _require_integer("target_budget", self.target_budget, max(1, self.initial_targets), 2**40)
+        if self.max_cycles is not None:
+            _require_integer("max_cycles", self.max_cycles, 1, 10**9)
+        if self.observed_targets is not None:
+            _require_integer("observed_targets", self.observed_targets, 1, self.max_targets, "max_targets")
+        if self.observed_hunters is not None:
+            _require_integer("observed_hunters", self.observed_hunters, 0, self.hunters - 1, "hunters - 1")
+        for name in ("reverse", "mask_in_observation"):
+            if not isinstance(getattr(self, name), bool):
+                raise ConfigError(f"{name} must be true or false, got {getattr(self, name)!r}")
+        _require_choice("policy", self.policy, get_args(ArbitrationPolicy))
+        if self.target_motion != "still":
+            raise ConfigError(f"target_motion must be 'still' (R3.7's moving targets are not here yet), got {self.target_motion!r}")
+        if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200:
+            raise ConfigError(f"name_prefix must be a string of at most 200 characters, got {self.name_prefix!r}")
+        for name, kind in (("gains", Gains), ("rewards", RewardWeights), ("faults", FaultRates)):
+            if not isinstance(getattr(self, name), kind):
+                raise ConfigError(f"{name} must be a {kind.__name__}, got {getattr(self, name)!r}")
+        self._check_control()
+        self._check_poses()
+
+    def _check_control(self) -> None:
+        if isinstance(self.control, str):
+            _require_choice("control", self.control, get_args(Control))
+            return
+        if not isinstance(self.control, Sequence):
+            raise ConfigError(f"control must be one word or one word a seat, got {self.control!r}")
+        if len(self.control) != self.hunters:
+            raise ConfigError(f"control must have one word for each of {self.hunters} hunters, got {len(self.control)}")
+        for seat, word in enumerate(self.control):
+            _require_choice(f"control[{seat}]", word, get_args(Control))
+        object.__setattr__(self, "control", tuple(self.control))
+
+    def _check_poses(self) -> None:
+        if self.hunter_poses is None:
+            return
+        if not isinstance(self.hunter_poses, Sequence) or len(self.hunter_poses) != self.hunters:
+            raise ConfigError(f"hunter_poses must be {self.hunters} poses (x, y, theta), got {self.hunter_poses!r}")
+        for seat, pose in enumerate(self.hunter_poses):
+            if not isinstance(pose, Sequence) or len(pose) != 3:
+                raise ConfigError(f"hunter_poses[{seat}] must be (x, y, theta), got {pose!r}")
+            for axis, value in zip("xy", pose[:2], strict=True):
+                _require_number(f"hunter_poses[{seat}].{axis}", value, at_least=0.0, at_most=self.side_m)
+            _require_number(f"hunter_poses[{seat}].theta", pose[2], at_least=-1e3, at_most=1e3)
+        object.__setattr__(self, "hunter_poses", tuple((float(x), float(y), float(t)) for x, y, t in self.hunter_poses))
+
+    @property
+    def controls(self) -> tuple[Control, ...]:
+        """The control of each seat."""
+        return (self.control,) * self.hunters if isinstance(self.control, str) else self.control
+
+    @property
+    def targets_seen(self) -> int:
+        """R7.1's K."""
+        return min(8, self.max_targets) if self.observed_targets is None else self.observed_targets
+
+    @property
+    def hunters_seen(self) -> int:
+        """R7.1: how many rivals stand in an observation."""
+        return min(self.hunters - 1, 7) if self.observed_hunters is None else self.observed_hunters
+
+    @property
+    def reach_um(self) -> int:
+        """R5.3: reach in whole micrometres."""
+        return max(1, math.floor(1e6 * self.reach_m + 0.5))
+
+    @property
+    def spawn_period_ms(self) -> int:
+        """R3.1: the spawn timer's period."""
+        if self.spawn_frequency_hz <= 0:
+            return 5000
+        return max(1, math.floor(1000.0 / self.spawn_frequency_hz + 0.5))
+
+    @property
+    def time_limit_ms(self) -> int:
+        """R1.5: the time limit; with max_cycles, that many control periods."""
+        if self.max_cycles is not None:
+            return self.max_cycles * self.control_period_ms
+        return max(1, math.floor(1000.0 * self.time_limit_s + 0.5))
+
+    @property
+    def max_steps(self) -> int:
+        """The number of steps in an episode that runs to its time limit."""
+        return -(-self.time_limit_ms // self.control_period_ms)
+
+    @property
+    def hunter_names(self) -> tuple[str, ...]:
+        """PettingZoo's agents, by seat."""
+        return tuple(f"hunter_{seat}" for seat in range(self.hunters))
+
+    def replace(self, **overrides: object) -> "ArenaConfig":
+        """The same arena with other settings; `gains`, `rewards` and `faults` may be partial mappings."""
+        changes: dict[str, Any] = {}
+        known = [setting.name for setting in dataclasses.fields(self)]
+        for name, value in overrides.items():
+            if name not in known:
+                raise ConfigError(f"unknown setting {name!r}: {suggest(name, known)}")
+            old = getattr(self, name)
+            if isinstance(value, Mapping) and dataclasses.is_dataclass(old) and not isinstance(old, type):
+                parts = [part.name for part in dataclasses.fields(old)]
+                for part in value:
+                    if part not in parts:
+                        raise ConfigError(f"unknown setting {name}.{part}: {suggest(part, parts)}")
+                value = dataclasses.replace(old, **value)
+            changes[name] = tuple(value) if isinstance(value, list) else value
+        return dataclasses.replace(self, **changes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The settings as JSON-ready values; `from_dict` reads them back."""
+        return dataclasses.asdict(self)
+
+    @classmethod
+    def from_dict(cls, settings: Mapping[str, Any]) -> "ArenaConfig":
+        """The config that `to_dict` wrote; unknown or impossible settings are ConfigErrors."""
+        poses = settings.get("hunter_poses")
+        if isinstance(poses, list):
+            poses = tuple(tuple(pose) if isinstance(pose, list) else pose for pose in poses)
+            settings = {**settings, "hunter_poses": poses}
+        return cls().replace(**settings)
+
+    @property
+    def digest(self) -> str:
+        """16 hexadecimal digits that stand for these settings."""
+        text = json.dumps(self.to_dict(), sort_keys=True, separators=(",", ":"))
+        return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
+
+
+def _require_integer(name: str, value: object, low: int, high: int, high_is: str = "") -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        limit = f"{high} ({high_is})" if high_is else f"{high}"
+        raise ConfigError(f"{name} must be a whole number from {low} to {limit}, got {value!r}")
+
+
+def _require_number(
+    name: str, value: object, *, at_most: float, at_least: float | None = None, above: float | None = None
+) -> None:
+    low = f"above {above:g}" if above is not None else f"at least {at_least:g}"
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ConfigError(f"{name} must be a finite number {low}, got {value!r}")
+    too_low = (above is not None and value <= above) or (at_least is not None and value < at_least)
+    if too_low or value > at_most:
+        raise ConfigError(f"{name} must be {low} and at most {at_most:g}, got {value!r}")
+
+
+def _require_choice(name: str, value: object, choices: Sequence[str]) -> None:
+    if value not in choices:
+        raise ConfigError(f"{name} must be one of {', '.join(choices)}, got {value!r}; {suggest(value, choices)}")

@@ -1,0 +1,43 @@
+"""Every error that Catch Arena raises on purpose; each message names the field, the requirement and the value."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class CatchArenaError(Exception):
+    """The base of all errors below: catch this one to catch them all."""
+
+
+class ConfigError(CatchArenaError, ValueError):
+    """A setting, a scenario or an option that cannot be."""
+
+
+class ActionError(CatchArenaError, ValueError):
+    """An action, a catch request or a seat that no rule can judge; the arena is as it was before the call."""
+
+
+class EpisodeError(CatchArenaError, RuntimeError):
+    """A call at the wrong time: a step before the first reset or after the end."""
+
+
+class ReplayError(CatchArenaError):
+    """A replay file that cannot be read, or that does not play as it was recorded."""
+
+
+class AgentError(CatchArenaError):
+    """An agent that cannot be found, loaded or run."""
+
+
+class OutputError(CatchArenaError):
+    """A result that could not be written; nothing half-written is left behind."""
+
+
+class MissingExtraError(CatchArenaError, ImportError):
+    """A feature whose optional package is not installed; the message says what to install."""
+
+
+def suggest(name: object, known: Iterable[str]) -> str:
+    """The tail of an «unknown name» message: the nearest right names, or all of them where none is near."""
+    choices = sorted(known)
+    near = get_close_matches(str(name), choices, n=3, cutoff=0.5)
+    return f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(choices)}"

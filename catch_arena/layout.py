@@ -1,0 +1,98 @@
+"""Rulebook R7.1: the observation's columns, in one table.
+
+The space, the writer (core/observations.py), the named view for scripted agents (policy.py) and docs/observation.md are all made from it.
+"""
+
+import math
+from typing import Final, NamedTuple
+
+from catch_arena.config import ArenaConfig
+
+
+class Column(NamedTuple):
+    """One number of an observation."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    meaning: str
+
+
+SELF_COLUMNS: Final = (
+    "x",
+    "y",
+    "heading_cos",
+    "heading_sin",
+    "linear_velocity",
+    "angular_velocity",
+    "time_left",
+    "score",
+    "distance_integral",
+    "bearing_integral",
+)
+"""What a hunter knows of itself."""
+TARGET_COLUMNS: Final = ("forward", "left", "present", "age", "active")
+"""What it sees of each target, nearest first."""
+RIVAL_COLUMNS: Final = (
+    "forward",
+    "left",
+    "present",
+    "heading_cos",
+    "heading_sin",
+    "linear_velocity",
+    "score_difference",
+)
+"""What it sees of each rival, nearest first."""
+
+
+def width(config: ArenaConfig) -> int:
+    """D, the length of an observation."""
+    return (
+        len(SELF_COLUMNS) + len(TARGET_COLUMNS) * config.targets_seen + len(RIVAL_COLUMNS) * config.hunters_seen
+    )
+
+
+def columns(config: ArenaConfig) -> tuple[Column, ...]:
+    """The observation's columns in order; bounds hold after rounding to float32."""
+    side = config.side_m
+    # one part in a thousand of slack: sums and rotations round
+    diagonal = 1.001 * math.sqrt(2.0) * side
+    duration = config.max_steps * config.control_period_ms / 1000.0
+    catches = float(config.max_steps)
+    slowest = -config.max_speed_mps if config.reverse else 0.0
+    own = (
+        Column("x", "m", 0.0, side, "position in the world frame"),
+        Column("y", "m", 0.0, side, "position in the world frame"),
+        Column("heading_cos", "1", -1.0, 1.0, "cosine of the heading"),
+        Column("heading_sin", "1", -1.0, 1.0, "sine of the heading"),
+        Column("linear_velocity", "m/s", slowest, config.max_speed_mps, "forward velocity"),
+        Column(
+            "angular_velocity", "rad/s", -config.max_turn_rate_radps, config.max_turn_rate_radps, "turn rate, to the left"
+        ),
+        Column("time_left", "s", 0.0, config.time_limit_ms / 1000.0, "until the time limit"),
+        Column("score", "catches", 0.0, catches, "granted catches so far"),
+        Column("distance_integral", "m s", 0.0, diagonal * duration, "R4.3's linear integral"),
+        Column("bearing_integral", "rad s", -3.15 * duration, 3.15 * duration, "R4.3's angular integral"),
+    )
+    target = (
+        Column("forward", "m", -diagonal, diagonal, "how far ahead it is"),
+        Column("left", "m", -diagonal, diagonal, "how far to the left it is"),
+        Column("present", "flag", 0.0, 1.0, "1 where this rank has a target"),
+        Column("age", "s", 0.0, duration, "since it appeared"),
+        Column("active", "flag", 0.0, 1.0, "1 where it is the hunter's active target"),
+    )
+    rival = (
+        Column("forward", "m", -diagonal, diagonal, "how far ahead it is"),
+        Column("left", "m", -diagonal, diagonal, "how far to the left it is"),
+        Column("present", "flag", 0.0, 1.0, "1 where this rank has a rival"),
+        Column("heading_cos", "1", -1.0, 1.0, "cosine of its heading relative to one's own"),
+        Column("heading_sin", "1", -1.0, 1.0, "sine of its heading relative to one's own"),
+        Column("linear_velocity", "m/s", slowest, config.max_speed_mps, "its forward velocity"),
+        Column("score_difference", "catches", -catches, catches, "its score less one's own"),
+    )
+    return (
+        own
+        + tuple(c._replace(name=f"target_{rank}.{c.name}") for rank in range(1, config.targets_seen + 1) for c in target)
+        + tuple(c._replace(name=f"rival_{rank}.{c.name}") for rank in range(1, config.hunters_seen + 1) for c in rival)
+    )

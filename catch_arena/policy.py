@@ -1,0 +1,193 @@
+"""What an agent is: the Policy protocol, and the named view of an observation that scripted agents read."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+from catch_arena.config import ArenaConfig, Control
+from catch_arena.errors import AgentError
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
+
+_OWN = len(SELF_COLUMNS)
+_TARGET = len(TARGET_COLUMNS)
+_RIVAL = len(RIVAL_COLUMNS)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a hunter may know of its arena before the match."""
+
+    side_m: float
+    reach_m: float
+    max_speed_mps: float
+    min_speed_mps: float
+    """-max_speed_mps where hunters may drive backwards, else 0."""
+    max_turn_rate_radps: float
+    control_period_ms: int
+    time_limit_s: float
+    hunters: int
+    targets_seen: int
+    hunters_seen: int
+    control: Control
+    """How this hunter is driven."""
+
+    @classmethod
+    def of(cls, config: ArenaConfig, seat: int = 0) -> "Limits":
+        """The limits of one seat of an arena."""
+        return cls(
+            side_m=config.side_m,
+            reach_m=config.reach_m,
+            max_speed_mps=config.max_speed_mps,
+            min_speed_mps=-config.max_speed_mps if config.reverse else 0.0,
+            max_turn_rate_radps=config.max_turn_rate_radps,
+            control_period_ms=config.control_period_ms,
+            time_limit_s=config.time_limit_ms / 1000.0,
+            hunters=config.hunters,
+            targets_seen=config.targets_seen,
+            hunters_seen=config.hunters_seen,
+            control=config.controls[seat],
+        )
+
+
+class SeenTarget(NamedTuple):
+    """One target in the hunter's own frame."""
+
+    rank: int
+    """1 = nearest; the action that chooses it under target control, and `catch` under full control."""
+    forward: float
+    """How far ahead it is [m]."""
+    left: float
+    """How far to the left it is [m]."""
+    age: float
+    """Since it appeared [s]."""
+    active: bool
+    """Whether it is the hunter's active target."""
+
+    @property
+    def distance(self) -> float:
+        """Between the centres [m]."""
+        return math.hypot(self.forward, self.left)
+
+    @property
+    def bearing(self) -> float:
+        """The turn that would face it, to the left [rad] in [-pi, pi]."""
+        return math.atan2(self.left, self.forward)
+
+
+class SeenHunter(NamedTuple):
+    """One rival in the hunter's own frame."""
+
+    rank: int
+    """1 = nearest."""
+    forward: float
+    """How far ahead it is [m]."""
+    left: float
+    """How far to the left it is [m]."""
+    heading_cos: float
+    heading_sin: float
+    linear_velocity: float
+    """Along its own heading [m/s]."""
+    score_difference: int
+    """Its score less one's own."""
+
+    @property
+    def distance(self) -> float:
+        """Between the centres [m]."""
+        return math.hypot(self.forward, self.left)
+
+    @property
+    def heading(self) -> float:
+        """Its heading relative to one's own [rad] in [-pi, pi]."""
+        return math.atan2(self.heading_sin, self.heading_cos)
+
+    def distance_to(self, target: SeenTarget) -> float:
+        """Between this rival and a target [m]."""
+        return math.hypot(target.forward - self.forward, target.left - self.left)
+
+
+class View:
+    """One observation under names: what the hunter senses, its mask and its limits, and nothing else of the world.
+
+    Args: `observation`, D numbers (R7.1's layout); `mask`, the legal choices (empty under velocity control); `limits`.
+    """
+
+    def __init__(self, observation: Sequence[float], mask: Sequence[int], limits: Limits) -> None:
+        self.observation = observation
+        """R7.1's vector as it was given, for policies that learn."""
+        self.mask = mask
+        """R7.2: 1 where a choice is legal; `mask[0]`, hold, always is."""
+        self.limits = limits
+        (
+            self.x,
+            self.y,
+            self.heading_cos,
+            self.heading_sin,
+            self.linear_velocity,
+            self.angular_velocity,
+            self.time_left,
+            self.score,
+            self.distance_integral,
+            self.bearing_integral,
+        ) = observation[:_OWN]
+
+    @property
+    def heading(self) -> float:
+        """In the world frame [rad] in [-pi, pi]."""
+        return math.atan2(self.heading_sin, self.heading_cos)
+
+    @cached_property
+    def targets(self) -> tuple[SeenTarget, ...]:
+        """The targets in view, nearest first."""
+        seen = []
+        values, at = self.observation, _OWN
+        for rank in range(1, self.limits.targets_seen + 1):
+            forward, left, present, age, active = values[at : at + _TARGET]
+            if not present:
+                break
+            seen.append(SeenTarget(rank, forward, left, age, active > 0))
+            at += _TARGET
+        return tuple(seen)
+
+    @cached_property
+    def rivals(self) -> tuple[SeenHunter, ...]:
+        """The rivals in view, nearest first."""
+        seen = []
+        values, at = self.observation, _OWN + _TARGET * self.limits.targets_seen
+        for rank in range(1, self.limits.hunters_seen + 1):
+            forward, left, present, cosine, sine, velocity, difference = values[at : at + _RIVAL]
+            if not present:
+                break
+            seen.append(SeenHunter(rank, forward, left, cosine, sine, velocity, int(difference)))
+            at += _RIVAL
+        return tuple(seen)
+
+    def to_own_frame(self, x: float, y: float) -> tuple[float, float]:
+        """A point of the world frame [m] as (forward, left) of this hunter [m]."""
+        dx, dy = x - self.x, y - self.y
+        cosine, sine = self.heading_cos, self.heading_sin
+        return cosine * dx + sine * dy, cosine * dy - sine * dx
+
+
+@runtime_checkable
+class Policy(Protocol):
+    """An agent. It may also name its `control` ("target" where it does not): the kind of action that it gives.
+
+    target: an int, 0 = hold or a target's rank. velocity: two numbers in [-1, 1], linear and angular. full: {"cmd_vel": two such
+    numbers, "catch": an int}.
+    """
+
+    def reset(self, seed: int) -> None:
+        """Begin a match; `seed`, in [0, 2^63), is the agent's own and tells nothing of the match's."""
+
+    def act(self, view: View) -> Any:
+        """The action for this step."""
+
+
+def control_of(policy: object) -> Control:
+    """The control that a policy, or its class, asks for."""
+    word = getattr(policy, "control", "target")
+    if word not in ("target", "velocity", "full"):
+        raise AgentError(f"control of {policy!r} must be target, velocity or full, got {word!r}")
+    return word  # type: ignore[no-any-return]

@@ -1,0 +1,69 @@
+"""The typed, read-only picture of one arena, in the world frame: what people, rendering and the service view read."""
+
+from dataclasses import dataclass
+
+from catch_arena.messages import Pose, Turtle, TurtleArray
+from catch_arena.verdicts import Ruling
+
+
+@dataclass(frozen=True, slots=True)
+class HunterState:
+    """One hunter; metres, radians in [-pi, pi), metres and radians per second."""
+
+    name: str
+    """The PettingZoo name, `hunter_{seat}`."""
+    x: float
+    y: float
+    theta: float
+    linear_velocity: float
+    """The velocity that moves it (after R2.5's limits), signed; turtlesim's habit: not reduced by a wall."""
+    angular_velocity: float
+    score: int
+    active_target: str | None = None
+    """The target that it chose for its hosted controller, or asked for under full control."""
+    at_wall: bool = False
+    """R2.3: it was clamped to the arena during the last step."""
+    withdrawn: bool = False
+    """R1.6: it takes no further part."""
+
+    @property
+    def pose(self) -> Pose:
+        """The hunter as turtlesim publishes it: its linear velocity has no sign."""
+        return Pose(self.x, self.y, self.theta, abs(self.linear_velocity), self.angular_velocity)
+
+
+@dataclass(frozen=True, slots=True)
+class TargetState:
+    """One alive target; metres, and radians in [0, 2 pi) as drawn at its spawn (R3.2)."""
+
+    name: str
+    number: int
+    """R3.4: its identity, from 1, never used again in the episode."""
+    x: float
+    y: float
+    theta: float
+    spawned_ms: int
+    """When it appeared [ms since reset]."""
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """One arena at a step's boundary."""
+
+    time_ms: int
+    step: int
+    """How many steps have been played."""
+    side_m: float
+    hunters: tuple[HunterState, ...]
+    """By seat."""
+    targets: tuple[TargetState, ...]
+    """The alive ones, in spawning order (R8.2)."""
+    rulings: tuple[Ruling, ...] = ()
+    """The verdicts of the step that led here, by seat."""
+    spawned: int = 0
+    """How many targets have appeared so far: catches of all hunters + alive (R5.8)."""
+
+    @property
+    def alive_turtles(self) -> TurtleArray:
+        """R8.2: the alive list as the exercise's spawner publishes it."""
+        return TurtleArray(tuple(Turtle(target.name, target.x, target.y, target.theta) for target in self.targets))
