@@ -96,3 +96,43 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
         + tuple(c._replace(name=f"target_{rank}.{c.name}") for rank in range(1, config.targets_seen + 1) for c in target)
         + tuple(c._replace(name=f"rival_{rank}.{c.name}") for rank in range(1, config.hunters_seen + 1) for c in rival)
     )
+
+
+STATE_HUNTER_COLUMNS: Final = (
+    "x",
+    "y",
+    "heading_cos",
+    "heading_sin",
+    "linear_velocity",
+    "angular_velocity",
+    "score",
+    "withdrawn",
+)
+"""What R7.3's global view says of each hunter, by seat."""
+STATE_TARGET_COLUMNS: Final = ("present", "x", "y", "age")
+"""What it says of each target, in spawning order, up to max_targets."""
+
+
+def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
+    """R7.3: the columns of the global view, in the world frame."""
+    own = {column.name: column for column in columns(config)}
+    duration = config.max_steps * config.control_period_ms / 1000.0
+    extra = {
+        "withdrawn": Column("withdrawn", "flag", 0.0, 1.0, "1 where the hunter takes no further part"),
+        "present": Column("present", "flag", 0.0, 1.0, "1 where this place has a target"),
+        "age": Column("age", "s", 0.0, duration, "since it appeared"),
+    }
+    table = {**own, **extra}
+    return (
+        table["time_left"],
+        *(
+            table[name]._replace(name=f"hunter_{seat}.{name}")
+            for seat in range(config.hunters)
+            for name in STATE_HUNTER_COLUMNS
+        ),
+        *(
+            table[name]._replace(name=f"target_{place}.{name}")
+            for place in range(1, config.max_targets + 1)
+            for name in STATE_TARGET_COLUMNS
+        ),
+    )

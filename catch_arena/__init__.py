@@ -1,0 +1,62 @@
+"""Catch Arena: several hunters chase spawned targets in turtlesim's arena, and a central arbiter decides who caught what.
+
+What is listed here loads on first use, so that `import catch_arena` stays quick.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from catch_arena.arbitration import arbitrate as arbitrate
+    from catch_arena.config import ArenaConfig as ArenaConfig
+    from catch_arena.config import FaultRates as FaultRates
+    from catch_arena.config import Gains as Gains
+    from catch_arena.config import RewardWeights as RewardWeights
+    from catch_arena.engine import Engine as Engine
+    from catch_arena.envs.aec import env as env
+    from catch_arena.envs.parallel import parallel_env as parallel_env
+    from catch_arena.errors import CatchArenaError as CatchArenaError
+    from catch_arena.policy import Limits as Limits
+    from catch_arena.policy import Policy as Policy
+    from catch_arena.policy import View as View
+    from catch_arena.replay import Replay as Replay
+    from catch_arena.scenarios import SCENARIOS as SCENARIOS
+    from catch_arena.scenarios import scenario as scenario
+    from catch_arena.verdicts import Ruling as Ruling
+    from catch_arena.verdicts import Verdict as Verdict
+    from catch_arena.world import World as World
+
+_HOMES: Final = {
+    "ArenaConfig": "config",
+    "CatchArenaError": "errors",
+    "Engine": "engine",
+    "FaultRates": "config",
+    "Gains": "config",
+    "Limits": "policy",
+    "Policy": "policy",
+    "Replay": "replay",
+    "RewardWeights": "config",
+    "Ruling": "verdicts",
+    "SCENARIOS": "scenarios",
+    "Verdict": "verdicts",
+    "View": "policy",
+    "World": "world",
+    "arbitrate": "arbitration",
+    "env": "envs.aec",
+    "parallel_env": "envs.parallel",
+    "scenario": "scenarios",
+}
+
+__all__ = sorted(_HOMES)  # noqa: PLE0605 - a list of strings, though not a literal one
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'catch_arena' has no attribute {name!r}")
+    value = getattr(import_module(f"catch_arena.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOMES])

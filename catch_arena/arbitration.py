@@ -1,0 +1,132 @@
+"""The arbiter's public face: judge the requests of one step without any arena, by the same compiled rules that the engine plays by."""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from typing import Final, get_args
+
+import numpy as np
+
+from catch_arena.config import ArbitrationPolicy
+from catch_arena.core import arbiter
+from catch_arena.core.jit import INTERPRETED
+from catch_arena.errors import ActionError, ConfigError, suggest
+from catch_arena.seeding import checked_seed
+from catch_arena.verdicts import Ruling, Verdict
+
+_POLICIES: Final = {"nearest": arbiter.NEAREST, "first_come": arbiter.FIRST_COME, "capstone": arbiter.CAPSTONE}
+_LONGEST_NAME: Final = 255
+_FARTHEST_M: Final = 1e6
+
+
+def arbitrate(
+    *,
+    hunters: Sequence[tuple[float, float]],
+    targets: Mapping[str, tuple[float, float]],
+    requests: Sequence[tuple[int, object]],
+    reach_m: float = 0.3,
+    policy: ArbitrationPolicy = "nearest",
+    seed: int = 0,
+    step: int = 0,
+    caught: Collection[str] = (),
+    inactive: Collection[int] = (),
+    kill_service_up: bool = True,
+    kill_refused: Collection[str] = (),
+    match_over: bool = False,
+) -> list[Ruling]:
+    """The verdicts of chapter 5 on the requests of one step.
+
+    Args: `hunters`, (x, y) [m] by seat; `targets`, name -> (x, y) [m] of those alive, numbered from 1 in their order for the lots of R5.5; `requests`, (seat, name)
+    in any order, where any object may stand for the name; `reach_m` (R5.3); `policy` (R5.9); `seed` in [0, 2^64) and `step` from 0, which the lots are drawn from; `caught`, names caught
+    in earlier steps; `inactive`, seats that are withdrawn; `kill_service_up`; `kill_refused`, names whose kill the simulator refuses; `match_over`.
+    Returns: one Ruling for each request, in the order of the requests.
+    Raises: ActionError for a seat that does not exist or a position that is not two finite numbers; ConfigError for any other argument that cannot be.
+    """
+    seats = len(hunters)
+    places = [_checked_place(f"hunters[{seat}]", place) for seat, place in enumerate(hunters)]
+    alive = _checked_targets(targets)
+    gone, refused = _checked_names("caught", caught), _checked_names("kill_refused", kill_refused)
+    out = {_checked_seat("inactive", seat, seats) for seat in inactive}
+    if both := sorted(gone & alive.keys()):
+        raise ConfigError(f"caught must name targets that are no longer alive, got {both[0]!r}, which stands in targets")
+    if isinstance(reach_m, bool) or not isinstance(reach_m, int | float) or not 0 < reach_m <= _FARTHEST_M:
+        raise ConfigError(f"reach_m must be a positive number, got {reach_m!r}")
+    if policy not in _POLICIES:
+        raise ConfigError(f"policy must be one of {', '.join(get_args(ArbitrationPolicy))}, got {policy!r}; {suggest(policy, _POLICIES)}")
+    if isinstance(step, bool) or not isinstance(step, int) or not 0 <= step < 2**53:
+        raise ConfigError(f"step must be a whole number from 0, got {step!r}")
+    numbers = {name: number for number, name in enumerate(alive, start=1)}
+    docket = np.zeros((len(requests), arbiter.DOCKET_COLUMNS), dtype=np.int64)
+    for row, request in zip(docket, requests, strict=True):
+        seat, name = _checked_request(request, seats)
+        row[arbiter.SEAT] = seat
+        row[arbiter.INACTIVE] = seat in out
+        row[arbiter.DISTANCE] = -1
+        if not isinstance(name, str) or len(name) > _LONGEST_NAME:
+            row[arbiter.TARGET] = arbiter.NO_SUCH_RANK
+        elif name in alive:
+            (x, y), (target_x, target_y) = places[seat], alive[name]
+            row[arbiter.TARGET] = row[arbiter.TARGET_NUMBER] = numbers[name]
+            row[arbiter.DISTANCE] = arbiter.distance_um(target_x - x, target_y - y)
+            row[arbiter.REFUSED] = name in refused
+        else:
+            row[arbiter.TARGET] = arbiter.ALREADY_GONE if name in gone else arbiter.NEVER_SPAWNED
+    _judge(docket, policy, checked_seed(seed), step, reach_m, over=match_over, service_up=kill_service_up)
+    return [
+        Ruling(
+            verdict=Verdict(row[arbiter.VERDICT]),
+            hunter=row[arbiter.SEAT],
+            target=name,
+            distance_um=None if row[arbiter.DISTANCE] < 0 else row[arbiter.DISTANCE],
+            winner=None if row[arbiter.WINNER] < 0 else row[arbiter.WINNER],
+        )
+        for row, (_, name) in zip(docket.tolist(), requests, strict=True)
+    ]
+
+
+def _judge(
+    docket: arbiter.Docket, policy: str, seed: int, step: int, reach_m: float, *, over: bool, service_up: bool
+) -> None:
+    reach_um = max(1, math.floor(1e6 * reach_m + 0.5))
+    with np.errstate(over="ignore" if INTERPRETED else "warn"):  # interpreted, the lots' arithmetic modulo 2^64 would warn
+        arbiter.judge(docket, _POLICIES[policy], np.uint64(seed), step, reach_um, bool(over), bool(service_up))
+
+
+def _checked_place(field: str, place: object) -> tuple[float, float]:
+    try:
+        x, y = place  # type: ignore[misc]
+        x, y = float(x), float(y)
+    except (TypeError, ValueError):
+        raise ActionError(f"{field} must be two numbers (x, y), got {place!r}") from None
+    if not (math.isfinite(x) and math.isfinite(y) and max(abs(x), abs(y)) <= _FARTHEST_M):
+        raise ActionError(f"{field} must be two finite numbers of at most {_FARTHEST_M:g} m, got {place!r}")
+    return x, y
+
+
+def _checked_targets(targets: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+    if not isinstance(targets, Mapping):
+        raise ConfigError(f"targets must map names to places (x, y), got {targets!r}")
+    _checked_names("targets", targets)
+    return {name: _checked_place(f"targets[{name!r}]", place) for name, place in targets.items()}
+
+
+def _checked_names(field: str, names: Collection[str]) -> set[str]:
+    if isinstance(names, str):
+        raise ConfigError(f"{field} must be a collection of names, got the single string {names!r}")
+    for name in names:
+        if not isinstance(name, str):
+            raise ConfigError(f"{field} must hold strings, got {name!r}")
+    return set(names)
+
+
+def _checked_seat(field: str, seat: object, seats: int) -> int:
+    if isinstance(seat, bool) or not isinstance(seat, int | np.integer) or not 0 <= seat < seats:
+        raise ActionError(f"{field} must name a seat from 0 to {seats - 1}, got {seat!r}")
+    return int(seat)
+
+
+def _checked_request(request: object, seats: int) -> tuple[int, object]:
+    try:
+        seat, name = request  # type: ignore[misc]
+    except (TypeError, ValueError):
+        raise ActionError(f"a request must be (seat, name), got {request!r}") from None
+    return _checked_seat("the seat of a request", seat, seats), name

@@ -1,0 +1,173 @@
+"""Rulebook chapter 5: who caught what.
+
+The arbiter judges a *docket*: one row for each request of one step in one arena, in the columns below. It reads distances and eligibility
+from there alone, so nothing that it grants can change another request (R5.1). The engine and `catch_arena.arbitrate` fill the docket; both
+are judged by the same code.
+"""
+
+from math import floor, sqrt
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.core.jit import phase, rule
+from catch_arena.core.random import service_lot, ticket
+from catch_arena.verdicts import Verdict
+
+Docket = NDArray[np.int64]
+"""(requests, DOCKET_COLUMNS)."""
+
+SEAT: Final = 0
+TARGET: Final = 1  # which target is asked for: any number that tells targets apart, or one of the three below
+TARGET_NUMBER: Final = 2  # its spawn number, for the lot
+DISTANCE: Final = 3  # [micrometres]; -1 where reach was not tested (an output there)
+INACTIVE: Final = 4  # flag: the hunter is withdrawn
+REFUSED: Final = 5  # flag: the simulator would refuse this kill
+VERDICT: Final = 6  # output
+WINNER: Final = 7  # output: seat, -1 for none
+DOCKET_COLUMNS: Final = 8
+
+NO_SUCH_RANK: Final = -2
+NEVER_SPAWNED: Final = -3
+ALREADY_GONE: Final = -4
+
+NEAREST: Final = 0
+FIRST_COME: Final = 1
+CAPSTONE: Final = 2
+
+_ELIGIBLE: Final = 0
+_MATCH_OVER: Final = int(Verdict.MATCH_OVER)
+_MALFORMED: Final = int(Verdict.MALFORMED)
+_HUNTER_INACTIVE: Final = int(Verdict.HUNTER_INACTIVE)
+_DUPLICATE: Final = int(Verdict.DUPLICATE)
+_UNKNOWN_TARGET: Final = int(Verdict.UNKNOWN_TARGET)
+_ALREADY_CAUGHT: Final = int(Verdict.ALREADY_CAUGHT)
+_SERVICE_DOWN: Final = int(Verdict.SERVICE_DOWN)
+_OUT_OF_REACH: Final = int(Verdict.OUT_OF_REACH)
+_LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
+_KILL_FAILED: Final = int(Verdict.KILL_FAILED)
+_GRANTED: Final = int(Verdict.GRANTED)
+
+
+@rule
+def distance_um(dx: float, dy: float) -> float:
+    """R5.3: the distance between two centres in whole micrometres."""
+    return floor(1000000.0 * sqrt(dx * dx + dy * dy) + 0.5)
+
+
+@rule
+def within_reach(micrometres: float, reach_um: float) -> bool:
+    """R5.3: strictly less than reach."""
+    return micrometres < reach_um
+
+
+@rule
+def eligibility(
+    target: int, micrometres: int, reach_um: int, inactive: bool, duplicate: bool, over: bool, service_up: bool
+) -> int:
+    """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way."""
+    if over:
+        return _MATCH_OVER
+    if target == NO_SUCH_RANK:
+        return _MALFORMED
+    if inactive:
+        return _HUNTER_INACTIVE
+    if duplicate:
+        return _DUPLICATE
+    if target == NEVER_SPAWNED:
+        return _UNKNOWN_TARGET
+    if target == ALREADY_GONE:
+        return _ALREADY_CAUGHT
+    if not service_up:
+        return _SERVICE_DOWN
+    if not within_reach(micrometres, reach_um):
+        return _OUT_OF_REACH
+    return _ELIGIBLE
+
+
+@rule
+def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
+    """R9.1: the original's service says yes to everybody whom it can answer at all."""
+    if over:
+        return _MATCH_OVER
+    if target == NO_SUCH_RANK:
+        return _MALFORMED
+    if inactive:
+        return _HUNTER_INACTIVE
+    if not service_up:
+        return _SERVICE_DOWN
+    return _GRANTED
+
+
+@rule
+def is_preferred(
+    policy: int, seed: np.uint64, step: int, number: int, seat: int, micrometres: int, rival: int, rival_micrometres: int
+) -> bool:
+    """R5.4, R5.5, R5.9: whether a seat is preferred to a rival for the target that both may catch."""
+    if policy == FIRST_COME:
+        mine = service_lot(seed, step, seat)
+        other = service_lot(seed, step, rival)
+    else:
+        if micrometres != rival_micrometres:
+            return micrometres < rival_micrometres
+        mine = ticket(seed, step, number, seat)
+        other = ticket(seed, step, number, rival)
+    if mine != other:
+        return mine < other
+    return seat < rival
+
+
+@phase
+def judge(
+    docket: Docket, policy: int, seed: np.uint64, step: int, reach_um: int, over: bool, service_up: bool
+) -> None:
+    """R5.1 to R5.7: writes the verdict and the winner of every request of one step."""
+    for i in range(len(docket)):
+        duplicate = False
+        for j in range(i):
+            duplicate = duplicate or docket[j, SEAT] == docket[i, SEAT]
+        inactive = docket[i, INACTIVE] != 0
+        if policy == CAPSTONE:
+            verdict = capstone_verdict(docket[i, TARGET], inactive, over, service_up)
+        else:
+            verdict = eligibility(
+                docket[i, TARGET], docket[i, DISTANCE], reach_um, inactive, duplicate, over, service_up
+            )
+        docket[i, VERDICT] = verdict
+        docket[i, WINNER] = docket[i, SEAT] if verdict == _GRANTED else -1
+        if verdict not in (_ELIGIBLE, _OUT_OF_REACH):
+            docket[i, DISTANCE] = -1  # R5.6: reach was not tested
+    for i in range(len(docket)):
+        if docket[i, VERDICT] == _ELIGIBLE:
+            decide_contest(docket, i, policy, seed, step)
+
+
+@phase
+def decide_contest(docket: Docket, first: int, policy: int, seed: np.uint64, step: int) -> None:
+    """R5.4 to R5.7: the verdicts of all requests that may catch the same target as the request `first`."""
+    best = first
+    claimants = 0
+    for i in range(len(docket)):
+        if docket[i, VERDICT] == _ELIGIBLE and docket[i, TARGET] == docket[first, TARGET]:
+            claimants += 1
+            if i != best and is_preferred(
+                policy,
+                seed,
+                step,
+                docket[i, TARGET_NUMBER],
+                docket[i, SEAT],
+                docket[i, DISTANCE],
+                docket[best, SEAT],
+                docket[best, DISTANCE],
+            ):
+                best = i
+    target = docket[first, TARGET]
+    winner = docket[best, SEAT]
+    for i in range(len(docket)):
+        if docket[i, VERDICT] == _ELIGIBLE and docket[i, TARGET] == target:
+            docket[i, VERDICT] = _LOST_CONTEST
+            docket[i, WINNER] = winner
+    docket[best, VERDICT] = _KILL_FAILED if docket[best, REFUSED] != 0 else _GRANTED
+    if docket[best, REFUSED] != 0 and claimants == 1:
+        docket[best, WINNER] = -1  # R5.6: neither a grant nor a contest

@@ -1,0 +1,84 @@
+"""How the core is compiled: the only place with compiler flags.
+
+No fast-math and no fused multiply-add: the same bits compiled and interpreted (R10.1). `error_model="numpy"` drops the test for a zero divisor, which
+would keep loops from becoming SIMD code; no formula of ours divides by zero.
+
+Compiled code is kept in the user's cache directory, keyed by the sources of the whole core: Numba itself looks only at the file of the
+function that is called, and would miss an edit in another one.
+"""
+
+import hashlib
+import os
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Any, Final, TypeVar, cast
+
+import numba
+import numpy as np
+import platformdirs
+from numpy.typing import NDArray
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+Block = NDArray[np.float64]
+"""A slice of the arena memory (core/state.py): fields lie LANES apart, one lane is one arena."""
+
+INTERPRETED: Final = bool(numba.config.DISABLE_JIT)
+"""NUMBA_DISABLE_JIT=1: everything below runs as plain Python, for debuggers, coverage and doubters."""
+
+_FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "boundscheck": None}
+
+
+def _cache_directory() -> Path | None:
+    """Where compiled code is kept: one folder for each state of the sources; None where nothing can be written."""
+    package = Path(__file__).parent.parent
+    sources = [*sorted((package / "core").glob("*.py")), package / "layout.py", package / "verdicts.py"]
+    digest = hashlib.blake2b(digest_size=8)
+    for source in sources:
+        digest.update(source.name.encode())
+        digest.update(source.read_bytes())
+    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("catch_arena", appauthor=False)
+    folder = Path(base) / f"core-{digest.hexdigest()}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
+
+
+def _compiled(function: F, **flags: object) -> F:
+    if CACHE_DIRECTORY is None:
+        return cast(F, numba.njit(**_FLAGS, **flags)(function))
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while a function is decorated
+    try:
+        return cast(F, numba.njit(cache=True, **_FLAGS, **flags)(function))
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def rule(function: F) -> F:
+    """A rule: scalars in, scalars out, branch-free where it runs in a lane loop."""
+    return _compiled(function)
+
+
+def phase(function: F) -> F:
+    """A phase: one block, a loop over its lanes."""
+    return _compiled(function)
+
+
+def batch(function: F) -> F:
+    """A batch: the walk over the blocks; what the engine calls."""
+    if not INTERPRETED:
+        return _compiled(function)
+
+    @wraps(function)
+    def wrapped(*arguments: object) -> object:
+        with np.errstate(over="ignore"):  # the hashes of R10.1 are arithmetic modulo 2^64
+            return function(*arguments)
+
+    return cast(F, wrapped)

@@ -1,0 +1,87 @@
+"""Rulebook A.1 to A.4: the project's own elementary functions, so that every machine computes the same bits.
+
+The polynomials are those of fdlibm (Sun Microsystems 1993, k_sin.c, k_cos.c, s_atan.c); results are within 3e-16 of the true values.
+"""
+
+from math import floor
+from typing import Final
+
+from catch_arena.core.jit import rule
+
+PI: Final = 3.141592653589793
+TAU: Final = 6.283185307179586
+
+_TWO_OVER_PI: Final = 0.6366197723675814
+_P1: Final = 1.5707963267341256  # the leading 33 bits of pi/2, and the rest
+_P2: Final = 6.077100506506192e-11
+_S1, _S2, _S3 = -0.16666666666666632, 0.00833333333332249, -0.0001984126982985795
+_S4, _S5, _S6 = 2.7557313707070068e-06, -2.5050760253406863e-08, 1.58969099521155e-10
+_C1, _C2, _C3 = 0.0416666666666666, -0.001388888888887411, 2.480158728947673e-05
+_C4, _C5, _C6 = -2.7557314351390663e-07, 2.087572321298175e-09, -1.1359647557788195e-11
+
+_T0, _T1, _T2, _T3 = 0.3333333333333293, -0.19999999999876483, 0.14285714272503466, -0.11111110405462356
+_T4, _T5, _T6, _T7 = 0.09090887133436507, -0.0769187620504483, 0.06661073137387531, -0.058335701337905735
+_T8, _T9, _T10 = 0.049768779946159324, -0.036531572744216916, 0.016285820115365782
+_HALF_HIGH, _HALF_LOW = 0.4636476090008061, 2.2698777452961687e-17  # atan(1/2)
+_ONE_HIGH, _ONE_LOW = 0.7853981633974483, 3.061616997868383e-17  # atan(1)
+_RIGHT, _RIGHT_LOW = 1.5707963267948966, 6.123233995736766e-17  # pi/2
+_PI_LOW: Final = 1.2246467991473532e-16
+
+
+@rule
+def clamp(value: float, low: float, high: float) -> float:
+    """A.1: the nearest number of [low, high]. Not min and max: their choice between 0.0 and -0.0 is not fixed."""
+    value = low if value < low else value
+    return high if value > high else value
+
+
+@rule
+def wrap(angle: float) -> float:
+    """A.2: the same direction in [-pi, pi)."""
+    turned = angle - TAU * floor((angle + PI) / TAU)
+    turned = turned + TAU if turned < -PI else turned
+    return turned - TAU if turned >= PI else turned
+
+
+@rule
+def sincos(angle: float) -> tuple[float, float]:
+    """A.3: sine and cosine of an angle of at most 2000 rad."""
+    turns = floor(angle * _TWO_OVER_PI + 0.5)
+    r = (angle - turns * _P1) - turns * _P2
+    z = r * r
+    s = r + (z * r) * (_S1 + z * (_S2 + z * (_S3 + z * (_S4 + z * (_S5 + z * _S6)))))
+    h = 0.5 * z
+    u = 1.0 - h
+    c = u + (((1.0 - u) - h) + z * (z * (_C1 + z * (_C2 + z * (_C3 + z * (_C4 + z * (_C5 + z * _C6)))))))
+    quadrant = turns - 4.0 * floor(turns * 0.25)
+    odd = (quadrant == 1.0) | (quadrant == 3.0)
+    sine = c if odd else s
+    cosine = s if odd else c
+    sine = -sine if quadrant >= 2.0 else sine
+    cosine = -cosine if (quadrant == 1.0) | (quadrant == 2.0) else cosine
+    return sine, cosine
+
+
+@rule
+def atan2(y: float, x: float) -> float:
+    """A.4: the direction of (x, y) in [-pi, pi]; 0 for the origin."""
+    p = -x if x < 0.0 else x
+    q = -y if y < 0.0 else y
+    low = q if q < p else p
+    high = p if q < p else q
+    near_zero = low < 0.4375 * high
+    near_half = low < 0.6875 * high
+    n = low if near_zero else (2.0 * low - high if near_half else low - high)
+    d = high if near_zero else (2.0 * high + low if near_half else low + high)
+    base = 0.0 if near_zero else (_HALF_HIGH if near_half else _ONE_HIGH)
+    rest = 0.0 if near_zero else (_HALF_LOW if near_half else _ONE_LOW)
+    r = n / (d if d > 0.0 else 1.0)
+    z = r * r
+    w = z * z
+    odd = z * (_T0 + w * (_T2 + w * (_T4 + w * (_T6 + w * (_T8 + w * _T10)))))
+    even = w * (_T1 + w * (_T3 + w * (_T5 + w * (_T7 + w * _T9))))
+    angle = base - ((r * (odd + even) - rest) - r)
+    angle = 0.0 if high == 0.0 else angle
+    angle = _RIGHT - (angle - _RIGHT_LOW) if q > p else angle
+    angle = PI - (angle - _PI_LOW) if x < 0.0 else angle
+    return -angle if y < 0.0 else angle

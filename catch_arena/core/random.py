@@ -1,0 +1,100 @@
+"""Rulebook A.5: counter-based random numbers, so that a draw depends on its key and its counter and on nothing that happened before.
+
+SplitMix64's finaliser: Steele, Lea and Flood, «Fast splittable pseudorandom number generators», OOPSLA 2014.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from catch_arena.core.jit import rule
+
+_GOLDEN: Final = np.uint64(0x9E3779B97F4A7C15)
+_FIRST: Final = np.uint64(0xBF58476D1CE4E5B9)
+_SECOND: Final = np.uint64(0x94D049BB133111EB)
+_ONE: Final = np.uint64(1)
+
+START: Final = np.uint64(1)
+PLACE: Final = np.uint64(2)
+TICKET: Final = np.uint64(3)
+SERVICE_LOT: Final = np.uint64(4)
+KILL_DOWN: Final = np.uint64(5)
+KILL_REFUSED: Final = np.uint64(6)
+SPAWN_DOWN: Final = np.uint64(7)
+SPAWN_REFUSED: Final = np.uint64(8)
+NEXT_EPISODE: Final = np.uint64(9)
+BATCH_ROW: Final = np.uint64(10)
+
+
+@rule
+def mix(z: np.uint64) -> np.uint64:
+    """A.5: a permutation of the 64-bit words without visible pattern."""
+    z = (z ^ (z >> np.uint64(30))) * _FIRST
+    z = (z ^ (z >> np.uint64(27))) * _SECOND
+    return z ^ (z >> np.uint64(31))
+
+
+@rule
+def stream(seed: np.uint64, purpose: np.uint64) -> np.uint64:
+    """A.5's key: one stream of draws for each seed and purpose."""
+    return mix(mix(seed + _GOLDEN) + purpose * _GOLDEN)
+
+
+@rule
+def draw(key: np.uint64, counter: np.uint64) -> np.uint64:
+    """A.5: the counter-th word of a stream."""
+    return mix(key + (counter + _ONE) * _GOLDEN)
+
+
+@rule
+def fraction(bits: np.uint64) -> float:
+    """A.5: a word as a number in [0, 1), by its leading 53 bits."""
+    return np.float64(bits >> np.uint64(11)) * (1.0 / 9007199254740992.0)
+
+
+@rule
+def ticket(seed: np.uint64, step: float, number: float, seat: int) -> np.uint64:
+    """R5.5: a hunter's ticket in the lot for one target; the lowest wins."""
+    return draw(draw(draw(stream(seed, TICKET), np.uint64(step)), np.uint64(number)), np.uint64(seat))
+
+
+@rule
+def service_lot(seed: np.uint64, step: float, seat: int) -> np.uint64:
+    """R5.9: a hunter's place in the queue of one step under `first_come`; the lowest is served first."""
+    return draw(draw(stream(seed, SERVICE_LOT), np.uint64(step)), np.uint64(seat))
+
+
+@rule
+def kill_service_down(seed: np.uint64, step: float, rate: float) -> bool:
+    """R8.3: whether the kill service is down in a step."""
+    return fraction(draw(stream(seed, KILL_DOWN), np.uint64(step))) < rate
+
+
+@rule
+def kill_refused(seed: np.uint64, step: float, number: float, rate: float) -> bool:
+    """R8.3: whether the simulator refuses to kill one target in one step."""
+    return fraction(draw(draw(stream(seed, KILL_REFUSED), np.uint64(step)), np.uint64(number))) < rate
+
+
+@rule
+def spawn_service_down(seed: np.uint64, firing: float, rate: float) -> bool:
+    """R8.3: whether the spawn service is down at a firing of the timer."""
+    return fraction(draw(stream(seed, SPAWN_DOWN), np.uint64(firing))) < rate
+
+
+@rule
+def spawn_refused(seed: np.uint64, number: float, rate: float) -> bool:
+    """R8.3: whether the simulator refuses a spawn number."""
+    return fraction(draw(stream(seed, SPAWN_REFUSED), np.uint64(number))) < rate
+
+
+@rule
+def next_seed(seed: np.uint64) -> np.uint64:
+    """A.5: the seed of the episode after this one, where a reset names none."""
+    return draw(stream(seed, NEXT_EPISODE), np.uint64(0))
+
+
+@rule
+def row_seed(seed: np.uint64, row: int) -> np.uint64:
+    """A.5: the seed of one row of a batch that was reset with one seed."""
+    return draw(stream(seed, BATCH_ROW), np.uint64(row))

@@ -1,0 +1,102 @@
+"""Rulebook chapter 3: when and where targets appear. One lane at a time: spawns are rare."""
+
+import numpy as np
+
+from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.math import TAU
+from catch_arena.core.random import PLACE, draw, fraction, spawn_refused, spawn_service_down, stream
+from catch_arena.core.state import (
+    ALIVE,
+    FIRINGS,
+    LANES,
+    NUMBERS,
+    REFUSED,
+    SKIPPED_DOWN,
+    SKIPPED_FULL,
+    SPAWNED,
+    TIME,
+    Settings,
+    Targets,
+)
+
+
+@rule
+def place(seed: np.uint64, number: float, low: float, high: float, last: float) -> tuple[float, float, float]:
+    """R3.2, R3.3: where the target of that number appears: x, y [m], theta [rad] in [0, 2 pi)."""
+    key = stream(seed, PLACE)
+    first = np.uint64(3) * (np.uint64(number) - np.uint64(1))
+    x = low + fraction(draw(key, first)) * (high - low)
+    y = low + fraction(draw(key, first + np.uint64(1))) * (high - low)
+    theta = TAU * fraction(draw(key, first + np.uint64(2)))
+    return last if x > last else x, last if y > last else y, theta
+
+
+@phase
+def add_target(arena: Block, targets: Targets, lane: int, x: float, y: float, theta: float, time_ms: float) -> None:
+    """R3.4, R8.2: a target of the latest number at the end of the alive list."""
+    slot = int(arena[ALIVE + lane])
+    targets.number[slot * LANES + lane] = arena[NUMBERS + lane]
+    targets.x[slot * LANES + lane] = x
+    targets.y[slot * LANES + lane] = y
+    targets.theta[slot * LANES + lane] = theta
+    targets.appeared[slot * LANES + lane] = time_ms
+    arena[ALIVE + lane] += 1.0
+    arena[SPAWNED + lane] += 1.0
+
+
+@phase
+def remove_target(arena: Block, targets: Targets, lane: int, slot: int) -> None:
+    """R8.2: one target leaves the alive list; those behind it move up, so that the order stays."""
+    last = int(arena[ALIVE + lane]) - 1
+    for i in range(slot, last):
+        here = i * LANES + lane
+        there = here + LANES
+        targets.number[here] = targets.number[there]
+        targets.x[here] = targets.x[there]
+        targets.y[here] = targets.y[there]
+        targets.theta[here] = targets.theta[there]
+        targets.appeared[here] = targets.appeared[there]
+    here = last * LANES + lane
+    targets.number[here] = 0.0
+    targets.x[here] = 0.0
+    targets.y[here] = 0.0
+    targets.theta[here] = 0.0
+    targets.appeared[here] = 0.0
+    arena[ALIVE + lane] = last
+
+
+@phase
+def spawn_next(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Settings, time_ms: float) -> None:
+    """R3.3: the place of the next number, taken."""
+    arena[NUMBERS + lane] += 1.0
+    x, y, theta = place(seed, arena[NUMBERS + lane], s.spawn_low, s.spawn_high, s.spawn_last)
+    add_target(arena, targets, lane, x, y, theta, time_ms)
+
+
+@phase
+def fire(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Settings) -> None:
+    """R3.1, R3.5, R3.6, R8.3: one firing of the spawn timer."""
+    arena[FIRINGS + lane] += 1.0
+    if arena[SPAWNED + lane] >= s.target_budget:
+        return
+    if arena[ALIVE + lane] >= s.slots:
+        arena[SKIPPED_FULL + lane] += 1.0
+    elif spawn_service_down(seed, arena[FIRINGS + lane], s.spawn_down_rate):
+        arena[SKIPPED_DOWN + lane] += 1.0
+    elif spawn_refused(seed, arena[NUMBERS + lane] + 1.0, s.spawn_refused_rate):
+        arena[NUMBERS + lane] += 1.0
+        arena[REFUSED + lane] += 1.0
+    else:
+        spawn_next(arena, targets, lane, seed, s, arena[FIRINGS + lane] * s.spawn_period)
+
+
+@phase
+def spawn_through(arena: Block, targets: Targets, lanes: int, seeds: np.ndarray, s: Settings) -> None:
+    """R1.4's phase 5, its spawning half: all firings in (t, t + period].
+
+    Still targets (R3.7) and hunters do not touch each other, so that these firings may follow the step's ticks; moving targets will have
+    to be moved here, between the firings.
+    """
+    for lane in range(lanes):
+        while (arena[FIRINGS + lane] + 1.0) * s.spawn_period <= arena[TIME + lane] + s.period:
+            fire(arena, targets, lane, seeds[lane], s)

@@ -1,0 +1,396 @@
+"""Rulebook R1.4: one step, phase by phase; and reset. This file is the table of contents of the core."""
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.core.arbiter import (
+    DISTANCE,
+    INACTIVE,
+    NO_SUCH_RANK,
+    REFUSED,
+    SEAT,
+    TARGET,
+    TARGET_NUMBER,
+    Docket,
+    distance_um,
+    judge,
+)
+from catch_arena.core.arbiter import VERDICT as DOCKET_VERDICT
+from catch_arena.core.arbiter import WINNER as DOCKET_WINNER
+from catch_arena.core.controllers import (
+    choose,
+    drive_by_command,
+    drive_to_target,
+    mark_active,
+    request_nearest,
+)
+from catch_arena.core.jit import Block, batch, phase
+from catch_arena.core.math import PI, TAU, sincos, wrap
+from catch_arena.core.observations import observe
+from catch_arena.core.physics import move
+from catch_arena.core.random import START, draw, fraction, kill_refused, kill_service_down, stream
+from catch_arena.core.rewards import aim_again, aim_at_nearest, reward
+from catch_arena.core.spawner import remove_target, spawn_next, spawn_through
+from catch_arena.core.state import (
+    ALIVE,
+    DISTANCE_UM,
+    ENDED,
+    LANES,
+    NO_TARGET,
+    NUMBERS,
+    PARTS,
+    REQUEST,
+    RUNNING,
+    SCORE,
+    SEED,
+    SPAWNED,
+    SPEED,
+    STEP,
+    TERMINATED,
+    THETA,
+    TIME,
+    TRUNCATED,
+    TURN_RATE,
+    VERDICT,
+    WANTED,
+    WINNER,
+    WITHDRAWN,
+    Settings,
+    Targets,
+    X,
+    Y,
+    seat_of,
+    targets_of,
+    view_of,
+)
+from catch_arena.verdicts import Verdict
+
+_GRANTED: Final = int(Verdict.GRANTED)
+_MATCH_OVER: Final = int(Verdict.MATCH_OVER)
+
+TARGET_CONTROL: Final = 0
+VELOCITY_CONTROL: Final = 1
+FULL_CONTROL: Final = 2
+
+
+class Tables(NamedTuple):
+    """What a config fixes besides its scalars."""
+
+    controls: NDArray[np.int64]
+    """(H,): TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL."""
+    target_network: NDArray[np.int64]
+    """(n, 2): `observations.selection_network`."""
+    rival_network: NDArray[np.int64]
+    start_poses: NDArray[np.float64]
+    """(H, 3), or (0, 3) for the fair circle (R2.6)."""
+
+
+class Scratch(NamedTuple):
+    """Working memory for one block; one for each thread."""
+
+    numbers: Block
+    docket: Docket
+    """(H, DOCKET_COLUMNS)."""
+
+
+class Outputs(NamedTuple):
+    """What a step delivers, row by row of the batch."""
+
+    observations: NDArray[np.float32]
+    """(B, H, D)."""
+    masks: NDArray[np.int8]
+    """(B, H, K + 1)."""
+    rewards: NDArray[np.float64]
+    """(B, H)."""
+
+
+@phase
+def take_in(
+    block: Block,
+    s: Settings,
+    lanes: int,
+    tables: Tables,
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+) -> None:
+    """R1.4's phases 1 and 2: from actions to velocities and wishes, on S_t."""
+    targets = targets_of(block, s)
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        view = view_of(block, seat, s)
+        if tables.controls[seat] == TARGET_CONTROL:
+            choose(me, view, choices[:, seat], lanes)
+            drive_to_target(me, targets, lanes, s)
+        elif tables.controls[seat] == VELOCITY_CONTROL:
+            request_nearest(me, view, targets, lanes, s)
+            drive_by_command(me, commands[:, seat], lanes, s)
+        else:
+            choose(me, view, choices[:, seat], lanes)
+            mark_active(me, targets, lanes)
+            drive_by_command(me, commands[:, seat], lanes, s)
+        if s.progress_wanted:
+            aim_at_nearest(me, view, targets, lanes)
+
+
+@phase
+def clear_evidence(block: Block, s: Settings, lanes: int, asked: Block) -> None:
+    """No request yet; `asked` counts the wishes of each lane."""
+    asked[:LANES] = 0.0
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        for lane in range(lanes):
+            me[REQUEST + lane] = 0.0
+            me[VERDICT + lane] = 0.0
+            me[DISTANCE_UM + lane] = -1.0
+            me[WINNER + lane] = -1.0
+            asked[lane] += 0.0 if me[WANTED + lane] == NO_TARGET else 1.0
+
+
+@phase
+def arbitrate(block: Block, s: Settings, lane: int, targets: Targets, docket: Docket) -> None:
+    """R1.4's phase 3 in one lane: the docket is filled from S_t, judged, and the evidence noted."""
+    seed = block[SEED + lane : SEED + lane + 1].view(np.uint64)[0]
+    step = block[STEP + lane]
+    requests = 0
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        wanted = int(me[WANTED + lane])
+        if wanted == NO_TARGET:
+            continue
+        docket[requests, SEAT] = seat
+        docket[requests, TARGET] = wanted
+        docket[requests, TARGET_NUMBER] = 0
+        docket[requests, DISTANCE] = -1
+        docket[requests, INACTIVE] = int(me[WITHDRAWN + lane])
+        docket[requests, REFUSED] = 0
+        if wanted != NO_SUCH_RANK:
+            at = wanted * LANES + lane
+            number = targets.number[at]
+            me[REQUEST + lane] = number
+            docket[requests, TARGET_NUMBER] = int(number)
+            docket[requests, DISTANCE] = int(distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane]))
+            docket[requests, REFUSED] = int(kill_refused(seed, step, number, s.kill_refused_rate))
+        requests += 1
+    service_up = not kill_service_down(seed, step, s.kill_down_rate)
+    judge(docket[:requests], s.policy, seed, int(step), int(s.reach_um), block[ENDED + lane] != RUNNING, service_up)
+    for i in range(requests):
+        me = seat_of(block, docket[i, SEAT])
+        me[VERDICT + lane] = docket[i, DOCKET_VERDICT]
+        me[DISTANCE_UM + lane] = docket[i, DISTANCE]
+        me[WINNER + lane] = docket[i, DOCKET_WINNER]
+
+
+@phase
+def commit(block: Block, s: Settings, lane: int, targets: Targets) -> None:
+    """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8)."""
+    seed = block[SEED + lane : SEED + lane + 1].view(np.uint64)[0]
+    removed = 0
+    for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: those behind a removed slot move up
+        number = targets.number[slot * LANES + lane]
+        caught = False
+        for seat in range(s.hunters):
+            me = seat_of(block, seat)
+            caught = caught or (me[VERDICT + lane] == _GRANTED and me[REQUEST + lane] == number)
+        if caught and not kill_refused(seed, block[STEP + lane], number, s.kill_refused_rate):
+            remove_target(block, targets, lane, slot)
+            removed += 1
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        me[SCORE + lane] += 1.0 if me[VERDICT + lane] == _GRANTED else 0.0
+    if removed > 0 and s.progress_wanted:
+        for seat in range(s.hunters):
+            aim_again(block, seat_of(block, seat), targets, lane)
+
+
+@phase
+def end_test(block: Block, s: Settings, lanes: int) -> None:
+    """R1.5, R1.4's phase 6: the clock goes on, and the episode may end."""
+    for lane in range(lanes):
+        time = block[TIME + lane] + s.period
+        finished = (block[SPAWNED + lane] >= s.target_budget) & (block[ALIVE + lane] == 0.0)
+        block[TIME + lane] = time
+        block[STEP + lane] += 1.0
+        block[ENDED + lane] = TERMINATED if finished else (TRUNCATED if time >= s.time_limit else RUNNING)
+
+
+@phase
+def step_block(
+    block: Block,
+    s: Settings,
+    lanes: int,
+    tables: Tables,
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+    scratch: Scratch,
+    out: Outputs,
+) -> None:
+    """R1.4: one step of up to LANES arenas that all run."""
+    targets = targets_of(block, s)
+    rows = scratch.numbers[: 2 * LANES]
+    take_in(block, s, lanes, tables, choices, commands)
+    clear_evidence(block, s, lanes, rows)
+    for lane in range(lanes):
+        if rows[lane] > 0.0:
+            arbitrate(block, s, lane, targets, scratch.docket)
+            commit(block, s, lane, targets)
+    move(block, s, lanes, rows)
+    spawn_through(block, targets, lanes, block[SEED : SEED + LANES].view(np.uint64), s)
+    end_test(block, s, lanes)
+    reward(block, s, lanes, rows, out.rewards)
+    observe(
+        block, s, lanes, tables.target_network, tables.rival_network, scratch.numbers, out.observations, out.masks
+    )
+
+
+@phase
+def refuse_all(block: Block, s: Settings, lane: int, rewards: NDArray[np.float64]) -> None:
+    """R5.2: after the end every request is MATCH_OVER, and nothing else changes."""
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        asked = me[WANTED + lane] != NO_TARGET
+        me[VERDICT + lane] = _MATCH_OVER if asked else 0.0
+        me[DISTANCE_UM + lane] = -1.0
+        me[WINNER + lane] = -1.0
+        for part in range(6):
+            me[PARTS + part * LANES + lane] = 0.0
+        rewards[lane, seat] = 0.0
+
+
+@phase
+def step_with_ended(
+    block: Block,
+    s: Settings,
+    lanes: int,
+    tables: Tables,
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+    scratch: Scratch,
+    out: Outputs,
+) -> None:
+    """One step of a block in which some arenas have ended: those are played too, and then put back as they were."""
+    before = block.copy()
+    step_block(block, s, lanes, tables, choices, commands, scratch, out)
+    rows = len(block) // LANES
+    for lane in range(lanes):
+        if before[ENDED + lane] != RUNNING:
+            for seat in range(s.hunters):  # what was asked for is judged; all else is put back
+                before_me = seat_of(before, seat)
+                me = seat_of(block, seat)
+                before_me[WANTED + lane] = me[WANTED + lane]
+                before_me[REQUEST + lane] = me[REQUEST + lane]
+            for row in range(rows):
+                block[row * LANES + lane] = before[row * LANES + lane]
+            refuse_all(block, s, lane, out.rewards)
+    observe(
+        block, s, lanes, tables.target_network, tables.rival_network, scratch.numbers, out.observations, out.masks
+    )
+
+
+@phase
+def any_ended(block: Block, lanes: int) -> bool:
+    """Whether some arena of a block has ended."""
+    for lane in range(lanes):
+        if block[ENDED + lane] != RUNNING:
+            return True
+    return False
+
+
+@batch
+def step(
+    memory: NDArray[np.float64],
+    settings: Settings,
+    tables: Tables,
+    rows: int,
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+    scratch: Scratch,
+    out: Outputs,
+) -> None:
+    """One step of every arena of a batch."""
+    for index in range(len(memory)):
+        first = index * LANES
+        lanes = min(LANES, rows - first)
+        block_out = Outputs(
+            out.observations[first : first + lanes], out.masks[first : first + lanes], out.rewards[first : first + lanes]
+        )
+        play = choices[first : first + lanes]
+        drive = commands[first : first + lanes]
+        if any_ended(memory[index], lanes):
+            step_with_ended(memory[index], settings, lanes, tables, play, drive, scratch, block_out)
+        else:
+            step_block(memory[index], settings, lanes, tables, play, drive, scratch, block_out)
+
+
+@phase
+def reset_lane(block: Block, s: Settings, lane: int, tables: Tables, seed: np.uint64) -> None:
+    """R2.6, R3.1, A.6: one arena at the beginning of an episode."""
+    rows = len(block) // LANES
+    for row in range(rows):
+        block[row * LANES + lane] = 0.0
+    block[SEED + lane : SEED + lane + 1].view(np.uint64)[0] = seed
+    turn = TAU * fraction(draw(stream(seed, START), np.uint64(0)))
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        if len(tables.start_poses) > 0:
+            me[X + lane] = tables.start_poses[seat, 0]
+            me[Y + lane] = tables.start_poses[seat, 1]
+            me[THETA + lane] = wrap(tables.start_poses[seat, 2])
+        elif s.hunters == 1:
+            me[X + lane] = s.side / 2.0
+            me[Y + lane] = s.side / 2.0
+        else:
+            angle = wrap(turn + TAU * seat / s.hunters)
+            sine, cosine = sincos(angle)
+            me[X + lane] = s.side / 2.0 + s.start_radius * cosine
+            me[Y + lane] = s.side / 2.0 + s.start_radius * sine
+            me[THETA + lane] = wrap(angle + PI)
+        clear_hunter(me, lane)
+    targets = targets_of(block, s)
+    for _ in range(s.initial_targets):
+        spawn_next(block, targets, lane, seed, s, 0.0)
+
+
+@phase
+def clear_hunter(me: Block, lane: int) -> None:
+    """At rest, and with no verdict."""
+    me[SPEED + lane] = 0.0
+    me[TURN_RATE + lane] = 0.0
+    me[WANTED + lane] = NO_TARGET
+    me[DISTANCE_UM + lane] = -1.0
+    me[WINNER + lane] = -1.0
+
+
+@batch
+def reset(
+    memory: NDArray[np.float64],
+    settings: Settings,
+    tables: Tables,
+    rows: int,
+    chosen: NDArray[np.int64],
+    seeds: NDArray[np.uint64],
+) -> None:
+    """The chosen rows of a batch at the beginning of an episode with the seeds given; `observe_all` shows them."""
+    for i in range(len(chosen)):
+        reset_lane(memory[chosen[i] // LANES], settings, chosen[i] % LANES, tables, seeds[i])
+
+
+@batch
+def observe_all(
+    memory: NDArray[np.float64], settings: Settings, tables: Tables, rows: int, scratch: Scratch, out: Outputs
+) -> None:
+    """The observations and masks of a batch as it stands."""
+    for index in range(len(memory)):
+        first = index * LANES
+        lanes = min(LANES, rows - first)
+        observe(
+            memory[index],
+            settings,
+            lanes,
+            tables.target_network,
+            tables.rival_network,
+            scratch.numbers,
+            out.observations[first : first + lanes],
+            out.masks[first : first + lanes],
+        )

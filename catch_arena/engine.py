@@ -1,0 +1,354 @@
+"""The engine: owns the memory of a batch of arenas, and calls the core. Trusts its callers; the doors (envs, arbitration) check what people give."""
+
+import hashlib
+import math
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
+from catch_arena.core import state as rows
+from catch_arena.core import tick
+from catch_arena.core.arbiter import CAPSTONE, DOCKET_COLUMNS, FIRST_COME, NEAREST
+from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.observations import selection_network
+from catch_arena.core.random import next_seed, row_seed
+from catch_arena.core.state import LANES, Settings, block_rows
+from catch_arena.layout import width
+from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
+from catch_arena.world import HunterState, TargetState, World
+
+_POLICIES: Final = {"nearest": NEAREST, "first_come": FIRST_COME, "capstone": CAPSTONE}
+_CONTROLS: Final = {"target": tick.TARGET_CONTROL, "velocity": tick.VELOCITY_CONTROL, "full": tick.FULL_CONTROL}
+_SPAWN_LOW_M: Final = 0.5
+_SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
+
+
+def settings_of(config: ArenaConfig, *, progress_wanted: bool = True) -> Settings:
+    """The scalars of a config, as the core reads them."""
+    high = config.side_m - _SPAWN_WALL_M
+    return Settings(
+        hunters=config.hunters,
+        slots=config.max_targets,
+        targets_seen=config.targets_seen,
+        hunters_seen=config.hunters_seen,
+        policy=_POLICIES[config.policy],
+        progress_wanted=int(progress_wanted or config.rewards.progress != 0.0),
+        target_budget=math.inf if config.target_budget is None else float(config.target_budget),
+        side=float(config.side_m),
+        reach_um=float(config.reach_um),
+        max_speed=float(config.max_speed_mps),
+        min_speed=-float(config.max_speed_mps) if config.reverse else 0.0,
+        max_turn_rate=float(config.max_turn_rate_radps),
+        kp_v=float(config.gains.kp_v),
+        ki_v=float(config.gains.ki_v),
+        kp_w=float(config.gains.kp_w),
+        ki_w=float(config.gains.ki_w),
+        period=float(config.control_period_ms),
+        period_s=config.control_period_ms / 1000.0,
+        time_limit=float(config.time_limit_ms),
+        spawn_period=float(config.spawn_period_ms),
+        spawn_low=_SPAWN_LOW_M,
+        spawn_high=high,
+        spawn_last=math.nextafter(high, 0.0),
+        start_radius=0.3 * config.side_m if config.start_radius_m is None else float(config.start_radius_m),
+        initial_targets=config.initial_targets,
+        kill_down_rate=float(config.faults.kill_down),
+        kill_refused_rate=float(config.faults.kill_refused),
+        spawn_down_rate=float(config.faults.spawn_down),
+        spawn_refused_rate=float(config.faults.spawn_refused),
+        catch_weight=float(config.rewards.catch),
+        rival_catch_weight=float(config.rewards.rival_catch),
+        lost_contest_weight=float(config.rewards.lost_contest),
+        rejected_request_weight=float(config.rewards.rejected_request),
+        progress_weight=float(config.rewards.progress),
+        time_weight=float(config.rewards.time),
+    )
+
+
+def _tables_of(config: ArenaConfig) -> tick.Tables:
+    poses = config.hunter_poses or ()
+    return tick.Tables(
+        controls=np.array([_CONTROLS[control] for control in config.controls], dtype=np.int64),
+        target_network=selection_network(config.max_targets, config.targets_seen),
+        # one rank more than is seen: a tie at the edge of the view has to be noticed
+        rival_network=selection_network(config.hunters, min(config.hunters, config.hunters_seen + 1)),
+        start_poses=np.array(poses, dtype=np.float64).reshape(-1, 3),
+    )
+
+
+class Engine:
+    """A batch of arenas of one config, played in lockstep.
+
+    Args: `config`; `num_arenas`, B, from 1 up. All arrays below are the engine's own and change with every step: copy what is to be kept.
+    `progress_wanted` False leaves R6.2's progress unmeasured where its weight is zero.
+    """
+
+    def __init__(self, config: ArenaConfig, num_arenas: int = 1, *, progress_wanted: bool = True) -> None:
+        _compile_once()
+        self.config = config
+        self.num_arenas = num_arenas
+        self.settings = settings_of(config, progress_wanted=progress_wanted)
+        self._tables = _tables_of(config)
+        hunters, seen = config.hunters, config.targets_seen
+        block = block_rows(hunters, config.max_targets, seen)
+        blocks = -(-num_arenas // LANES)
+        self.memory: NDArray[np.float64] = np.zeros((blocks, block * LANES))
+        """core/state.py's blocks."""
+        self._scratch = tick.Scratch(
+            np.zeros((64 + width(config)) * LANES), np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64)
+        )
+        self.observations = np.zeros((num_arenas, hunters, width(config)), dtype=np.float32)
+        """R7.1: (B, H, D)."""
+        self.masks = np.zeros((num_arenas, hunters, seen + 1), dtype=np.int8)
+        """R7.2: (B, H, K + 1)."""
+        self.rewards = np.zeros((num_arenas, hunters))
+        """R6.2: (B, H)."""
+        self._outputs = tick.Outputs(self.observations, self.masks, self.rewards)
+        self._fields = self.memory.reshape(blocks, block, LANES)  # the same memory: [block, row, lane]
+        self._hunters = self._fields[:, rows.ARENA_ROWS : rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS].reshape(
+            blocks, hunters, rows.HUNTER_ROWS, LANES
+        )
+        first = rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS
+        self._targets = self._fields[:, first : first + config.max_targets * rows.TARGET_ROWS].reshape(
+            blocks, rows.TARGET_ROWS, config.max_targets, LANES
+        )
+
+    # playing
+
+    def reset(self, seeds: Sequence[int] | NDArray[np.uint64], arenas: Sequence[int] | None = None) -> None:
+        """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each."""
+        chosen = np.arange(self.num_arenas) if arenas is None else np.asarray(arenas, dtype=np.int64)
+        tick.reset(
+            self.memory, self.settings, self._tables, self.num_arenas, chosen, np.asarray(seeds, dtype=np.uint64)
+        )
+        self.rewards[chosen] = 0.0
+        self.observe()
+
+    def step(self, choices: NDArray[np.int64], commands: NDArray[np.float32]) -> None:
+        """R1.4: one step of every arena.
+
+        Args: `choices` (B, H) int64: the rank chosen under target control, or requested under full control, 0 for none; `commands` (B, H, 2)
+        float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a seat's control does not read is ignored.
+        """
+        tick.step(
+            self.memory, self.settings, self._tables, self.num_arenas, choices, commands, self._scratch, self._outputs
+        )
+
+    def observe(self) -> None:
+        """Write observations and masks of the arenas as they stand."""
+        tick.observe_all(
+            self.memory, self.settings, self._tables, self.num_arenas, self._scratch, self._outputs
+        )
+
+    def withdraw(self, arena: int, seat: int) -> None:
+        """R1.6: the hunter stands still from now on, and the others do not see it."""
+        me = self._hunters[arena // LANES, seat, :, arena % LANES]
+        me[rows.WITHDRAWN // LANES] = 1.0
+        for row in (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE):
+            me[row // LANES] = 0.0
+        self.observe()
+
+    def place(
+        self,
+        arena: int,
+        hunters: Sequence[tuple[float, float, float]],
+        targets: Sequence[tuple[float, float]],
+    ) -> None:
+        """A position for tests and lessons: hunters at rest at these poses, and these targets alive instead of those that were.
+
+        The targets take the next spawn numbers, in their order, and appear now with theta 0.
+        """
+        block, lane = divmod(arena, LANES)
+        own = self._fields[block, :, lane]
+        for seat, pose in enumerate(hunters):
+            me = self._hunters[block, seat, :, lane]
+            me[[row // LANES for row in (rows.X, rows.Y, rows.THETA)]] = pose
+            for row in (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE):
+                me[row // LANES] = 0.0
+        slots = self._targets[block, :, :, lane]
+        slots[:] = 0.0
+        for slot, (x, y) in enumerate(targets):
+            own[rows.NUMBERS // LANES] += 1.0
+            slots[:, slot] = own[rows.NUMBERS // LANES], x, y, 0.0, own[rows.TIME // LANES]
+        own[rows.SPAWNED // LANES] += len(targets)
+        own[rows.ALIVE // LANES] = len(targets)
+        self.observe()
+
+    # reading
+
+    @property
+    def terminated(self) -> NDArray[np.bool_]:
+        """R1.5: (B,)."""
+        return self._ended() == rows.TERMINATED
+
+    @property
+    def truncated(self) -> NDArray[np.bool_]:
+        """R1.5: (B,)."""
+        return self._ended() == rows.TRUNCATED
+
+    def _ended(self) -> NDArray[np.float64]:
+        return self._fields[:, rows.ENDED // LANES].reshape(-1)[: self.num_arenas]
+
+    @property
+    def parts(self) -> NDArray[np.float64]:
+        """R6.2: the parts of the last reward, unweighted, in the order of `core.state.PART_NAMES`: (B, H, 6), a copy."""
+        first = rows.PARTS // LANES
+        parts = self._hunters[:, :, first : first + len(rows.PART_NAMES)]
+        return parts.transpose(0, 3, 1, 2).reshape(-1, self.config.hunters, len(rows.PART_NAMES))[: self.num_arenas]
+
+    def hunter_rows(self, arena: int) -> NDArray[np.float64]:
+        """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
+        return self._hunters[arena // LANES, :, :, arena % LANES]
+
+    def rulings(self, arena: int) -> tuple[Ruling, ...]:
+        """R5.6: the verdicts of the last step with their evidence, by seat."""
+        found = []
+        for seat, me in enumerate(self.hunter_rows(arena).tolist()):
+            verdict = int(me[rows.VERDICT // LANES])
+            if verdict == NO_REQUEST:
+                continue
+            number = int(me[rows.REQUEST // LANES])
+            distance = int(me[rows.DISTANCE_UM // LANES])
+            winner = int(me[rows.WINNER // LANES])
+            found.append(
+                Ruling(
+                    verdict=Verdict(verdict),
+                    hunter=seat,
+                    target=self._name(number) if number else None,
+                    distance_um=None if distance < 0 else distance,
+                    winner=None if winner < 0 else winner,
+                )
+            )
+        return tuple(found)
+
+    def world(self, arena: int = 0) -> World:
+        """One arena as people read it."""
+        block, lane = divmod(arena, LANES)
+        own = self._fields[block, : rows.ARENA_ROWS, lane]
+        alive = int(own[rows.ALIVE // LANES])
+        return World(
+            time_ms=int(own[rows.TIME // LANES]),
+            step=int(own[rows.STEP // LANES]),
+            side_m=self.config.side_m,
+            hunters=tuple(
+                HunterState(
+                    name=name,
+                    x=me[rows.X // LANES],
+                    y=me[rows.Y // LANES],
+                    theta=me[rows.THETA // LANES],
+                    linear_velocity=me[rows.SPEED // LANES],
+                    angular_velocity=me[rows.TURN_RATE // LANES],
+                    score=int(me[rows.SCORE // LANES]),
+                    active_target=self._name(int(me[rows.ACTIVE // LANES])) if me[rows.ACTIVE // LANES] else None,
+                    at_wall=me[rows.AT_WALL // LANES] > 0,
+                    withdrawn=me[rows.WITHDRAWN // LANES] > 0,
+                )
+                for name, me in zip(self.config.hunter_names, self.hunter_rows(arena).tolist(), strict=True)
+            ),
+            targets=tuple(
+                TargetState(self._name(int(number)), int(number), x, y, theta, int(appeared))
+                for number, x, y, theta, appeared in self._targets[block, :, :alive, lane].T.tolist()
+            ),
+            rulings=self.rulings(arena),
+            spawned=int(own[rows.SPAWNED // LANES]),
+        )
+
+    def _name(self, number: int) -> str:
+        return f"{self.config.name_prefix}{number}"
+
+    def seed(self, arena: int = 0) -> int:
+        """The seed of an arena's episode."""
+        block, lane = divmod(arena, LANES)
+        return int(self._fields[block, rows.SEED // LANES, lane : lane + 1].view(np.uint64)[0])
+
+    def state(self, arena: int = 0) -> NDArray[np.float64]:
+        """A.8: the numbers of one arena's state, in the order in which the digest reads them."""
+        block, lane = divmod(arena, LANES)
+        own = self._fields[block, :, lane]
+        alive = int(own[rows.ALIVE // LANES])
+        return np.concatenate(
+            (
+                own[: rows.ARENA_DIGEST_ROWS],
+                self._hunters[block, :, : rows.HUNTER_DIGEST_ROWS, lane].reshape(-1),
+                self._targets[block, :, :alive, lane].T.reshape(-1),
+            )
+        )
+
+    def digest(self, arena: int = 0) -> bytes:
+        """A.8: eight bytes that stand for one arena's state."""
+        return hashlib.blake2b(self.state(arena).astype("<f8", copy=False).tobytes(), digest_size=8).digest()
+
+    # keeping
+
+    def save(self) -> NDArray[np.float64]:
+        """R10.2: the state of all arenas; `restore` takes it back, here or in an engine of an equal config and size."""
+        return self.memory.copy()
+
+    def restore(self, saved: NDArray[np.float64]) -> None:
+        """Go on from a saved state."""
+        self.memory[:] = saved
+        self.observe()
+
+    def save_row(self, arena: int) -> NDArray[np.float64]:
+        """R10.2: the state of one arena, which any row of an engine of an equal config can take."""
+        return self._fields[arena // LANES, :, arena % LANES].copy()
+
+    def restore_row(self, arena: int, saved: NDArray[np.float64]) -> None:
+        """Go on, in one arena, from a saved state."""
+        self._fields[arena // LANES, :, arena % LANES] = saved
+        self.observe()
+
+    def clone(self) -> "Engine":
+        """An engine of its own in the same state."""
+        twin = Engine(self.config, self.num_arenas, progress_wanted=bool(self.settings.progress_wanted))
+        twin.restore(self.memory)
+        twin.rewards[:] = self.rewards
+        return twin
+
+
+def next_episode_seed(seed: int) -> int:
+    """A.5: the seed of the episode that follows, where a reset names none."""
+    with np.errstate(over="ignore"):
+        return int(next_seed(np.uint64(seed)))
+
+
+def batch_seeds(seed: int, num_arenas: int) -> NDArray[np.uint64]:
+    """A.5: the seeds of a batch's rows from one seed: (B,)."""
+    with np.errstate(over="ignore"):
+        return np.array([row_seed(np.uint64(seed), row) for row in range(num_arenas)], dtype=np.uint64)
+
+
+_compiled = False
+
+
+def _compile_once() -> None:
+    """Compile, or load from the cache, everything that the engine calls, and say so where it takes long."""
+    global _compiled  # noqa: PLW0603 - a fact about this process
+    if _compiled:
+        return
+    _compiled = True
+    if INTERPRETED:
+        return
+    with _notice_if_slow():
+        smallest = Engine(ArenaConfig(hunters=1, max_targets=1, initial_targets=1))
+        smallest.reset([0])
+        smallest.step(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.float32))
+
+
+@contextmanager
+def _notice_if_slow() -> Iterator[None]:
+    notice = threading.Timer(
+        1.0, lambda: print("catch_arena: compiling the rules for this machine (once, some seconds)", file=sys.stderr)
+    )
+    notice.daemon = True
+    notice.start()
+    try:
+        yield
+    finally:
+        notice.cancel()

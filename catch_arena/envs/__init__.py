@@ -1,0 +1,1 @@
+"""The doors for learning: PettingZoo's parallel and AEC environments over the engine."""

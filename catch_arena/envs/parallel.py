@@ -1,0 +1,350 @@
+"""The arena as a PettingZoo parallel environment: the batch engine with one arena, names for seats, and checks at the door."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from catch_arena.config import ArenaConfig
+from catch_arena.core import state as rows
+from catch_arena.engine import Engine, next_episode_seed
+from catch_arena.envs.spaces import (
+    action_space,
+    checked_choice,
+    checked_command,
+    checked_full,
+    observation_space,
+    state_space,
+)
+from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
+from catch_arena.replay import Replay
+from catch_arena.scenarios import scenario as named_scenario
+from catch_arena.seeding import checked_seed, fresh_seed
+from catch_arena.verdicts import Ruling
+from catch_arena.world import World
+
+RENDER_MODES: Final = ("rgb_array", "human")
+RENDER_SIZE: Final = (500, 500)
+"""Of the frames that `render` gives: turtlesim's window."""
+
+_PARTS = slice(rows.PARTS // rows.LANES, rows.PARTS // rows.LANES + len(rows.PART_NAMES))
+_VERDICT: Final = rows.VERDICT // rows.LANES
+
+
+def parallel_env(
+    scenario: str | ArenaConfig = "standard", render_mode: str | None = None, **overrides: object
+) -> "CatchArenaEnv":
+    """The arena as a PettingZoo parallel environment.
+
+    Args: `scenario`, a name or a config; `render_mode`, None, "rgb_array" or "human"; `overrides`, fields of ArenaConfig.
+    Raises: ConfigError that names the setting, the requirement and the value.
+    """
+    config = scenario.replace(**overrides) if isinstance(scenario, ArenaConfig) else named_scenario(scenario, **overrides)
+    return CatchArenaEnv(config, render_mode)
+
+
+class CatchArenaEnv(ParallelEnv[str, Any, Any]):
+    """Hunters chase targets; the arbiter decides (docs/rulebook.md).
+
+    Agents are `hunter_0`, `hunter_1`, ... Observations are float32 vectors (docs/observation.md). Under target control an action is 0 (hold) or a target's rank
+    in view; under velocity control two numbers in [-1, 1]; under full control {"cmd_vel": two such numbers, "catch": a rank or 0}. `infos[agent]` holds
+
+    - `action_mask`: R7.2's mask (not under velocity control);
+    - `verdict`, `reason`, `target`, `distance_um`, `winner`: the answer to the agent's catch request in this step, all None without one;
+    - `reward_parts`: R6.2's parts, unweighted.
+
+    Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
+    """
+
+    metadata: dict[str, Any] = {"name": "catch_arena_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
+
+    def __init__(self, config: ArenaConfig, render_mode: str | None = None) -> None:
+        if render_mode is not None and render_mode not in RENDER_MODES:
+            raise ConfigError(
+                f"render_mode must be None, rgb_array or human, got {render_mode!r}; {suggest(render_mode, RENDER_MODES)}"
+            )
+        self.config = config
+        self.render_mode = render_mode
+        self.metadata = {**type(self).metadata, "render_fps": 1000.0 / config.control_period_ms}
+        self.possible_agents = list(config.hunter_names)
+        self.agents: list[str] = []
+        self.max_cycles = config.max_steps
+        self.state_space = state_space(config)
+        self._seats = {name: seat for seat, name in enumerate(config.hunter_names)}
+        self._observation_spaces = {
+            name: observation_space(config, control)
+            for name, control in zip(config.hunter_names, config.controls, strict=True)
+        }
+        self._action_spaces = {
+            name: action_space(config, control)
+            for name, control in zip(config.hunter_names, config.controls, strict=True)
+        }
+        self._engine = Engine(config)
+        self._all_target_control = set(config.controls) == {"target"}
+        self._choices = np.zeros((1, config.hunters), dtype=np.int64)
+        self._commands = np.zeros((1, config.hunters, 2), dtype=np.float32)
+        self._seed: int | None = None
+        self._over = True
+        self._withdrawn: set[str] = set()
+        self._record_as: tuple[tuple[str, ...], str] | None = None
+        self._replay: Replay | None = None
+        self._painter: Any = None
+        self._window: Any = None
+
+    def __str__(self) -> str:
+        return str(self.metadata["name"])
+
+    def observation_space(self, agent: str) -> spaces.Space[Any]:
+        """R7.1: what that agent sees."""
+        return self._observation_spaces[self._known(agent)]
+
+    def action_space(self, agent: str) -> spaces.Space[Any]:
+        """R4.1, R4.4: what that agent may do."""
+        return self._action_spaces[self._known(agent)]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
+        """Begin an episode.
+
+        Args: `seed`, a whole number in [0, 2^64); without one the first episode's is the operating system's, and each further one follows from the one before
+        (A.5), so that a run is repeated by its first seed. `options` are not used.
+        Returns: observations and infos by agent.
+        """
+        del options
+        if seed is not None:
+            self._seed = checked_seed(seed)
+        else:
+            self._seed = fresh_seed() if self._seed is None else next_episode_seed(self._seed)
+        self._engine.reset([self._seed])
+        self.agents = self.possible_agents[:]
+        self._over = False
+        self._withdrawn.clear()
+        self._replay = None
+        if self._record_as is not None:
+            names, title = self._record_as
+            self._replay = Replay(self.config, self._seed, names, title, digests=[self._engine.digest()])
+        if self.render_mode == "human":
+            self.render()
+        return self._observations(), self._infos()
+
+    def step(
+        self, actions: Mapping[str, Any]
+    ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
+        """R1.4: one control period; an action for each of `agents`.
+
+        Returns: observations, rewards, terminations, truncations and infos by agent.
+        """
+        if self._over:
+            raise EpisodeError(
+                "step must follow a reset: " + ("no episode has begun" if self._seed is None else "this episode is over")
+            )
+        self._take_in(actions)
+        engine = self._engine
+        engine.step(self._choices, self._commands)
+        if self._replay is not None:
+            self._replay.append(self._choices[0], self._commands[0], engine.digest())
+        agents = self.agents
+        ended = engine.memory[0, rows.ENDED]
+        terminations = dict.fromkeys(agents, bool(ended == rows.TERMINATED))
+        truncations = dict.fromkeys(agents, bool(ended == rows.TRUNCATED))
+        rewards = dict(zip(self.possible_agents, engine.rewards[0].tolist(), strict=True))
+        if len(agents) < len(self.possible_agents):
+            rewards = {agent: rewards[agent] for agent in agents}
+        result = self._observations(), rewards, terminations, truncations, self._infos()
+        if ended:
+            self._over = True
+            self.agents = []
+        elif self._withdrawn:
+            terminations.update((agent, True) for agent in self._withdrawn if agent in terminations)
+            self.agents = [agent for agent in agents if agent not in self._withdrawn]
+            self._over = not self.agents
+        if self.render_mode == "human":
+            self.render()
+        return result
+
+    def withdraw(self, agent: str) -> None:
+        """R1.6: the agent takes no further part.
+
+        It is among `agents` for one more step, in which its requests are HUNTER_INACTIVE; that step ends with its termination and its last observation.
+        """
+        seat = self._seats[self._known(agent)]
+        if self._over or agent not in self.agents:
+            raise EpisodeError(f"{agent} must be in play to be withdrawn")
+        if agent in self._withdrawn:
+            return
+        self._engine.withdraw(0, seat)
+        self._withdrawn.add(agent)
+        if self._replay is not None:
+            self._replay.withdrawals.append((self._replay.steps, seat))
+
+    def world(self) -> World:
+        """The arena in the world frame, for people, rendering and tests."""
+        self._require_episode("world")
+        return self._engine.world()
+
+    def state(self) -> NDArray[np.float32]:
+        """R7.3: the global view as one float32 vector, in the order of `layout.state_columns`."""
+        self._require_episode("state")
+        return state_vector(self._engine.world(), self.config)
+
+    def digest(self) -> bytes:
+        """A.8: eight bytes that stand for the state."""
+        self._require_episode("digest")
+        return self._engine.digest()
+
+    def record(self, names: Sequence[str] | None = None, title: str = "") -> None:
+        """Keep every episode from the next reset on; `names` are the agents' names by seat."""
+        names = tuple(names) if names is not None else self.config.hunter_names
+        if len(names) != self.config.hunters or not all(isinstance(name, str) for name in names):
+            raise ConfigError(f"names must be {self.config.hunters} strings, got {names!r}")
+        self._record_as = (names, title)
+
+    def replay(self) -> Replay:
+        """The episode so far, where `record` was called before its reset."""
+        if self._replay is None:
+            raise EpisodeError("replay must follow a record and a reset: nothing was recorded")
+        return self._replay
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """A fresh (height, width, 3) uint8 frame under "rgb_array"; under "human" the window shows it."""
+        if self.render_mode is None:
+            return None
+        self._require_episode("render")
+        from catch_arena.render.raster import ArenaPainter
+
+        if self._painter is None:
+            self._painter = ArenaPainter(self.config, size=RENDER_SIZE)
+        frame: NDArray[np.uint8] = self._painter.paint(self._engine.world())
+        if self.render_mode == "rgb_array":
+            return frame
+        from catch_arena.render.window import Window
+
+        if self._window is None:
+            self._window = Window("Catch Arena", RENDER_SIZE, self.config.control_period_ms)
+        self._window.show(frame)
+        return None
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+
+    def check_action(self, agent: str, action: object) -> None:
+        """Raise the ActionError that `step` would raise for that action; nothing moves."""
+        seat = self._seats[self._known(agent)]
+        self._take_in_one(agent, seat, action, self._choices.copy(), self._commands.copy())
+
+    def _known(self, agent: str) -> str:
+        if agent not in self._seats:
+            raise ActionError(f"unknown agent {agent!r}: {suggest(agent, self._seats)}")
+        return agent
+
+    def _require_episode(self, what: str) -> None:
+        if self._seed is None:
+            raise EpisodeError(f"{what} must follow a reset: no episode has begun")
+
+    def _take_in(self, actions: Mapping[str, Any]) -> None:
+        if not isinstance(actions, Mapping):
+            raise ActionError(f"actions must map each agent to its action, got {actions!r}")
+        agents = self.agents
+        if len(actions) != len(agents) or any(agent not in actions for agent in agents):
+            self._explain_mismatch(actions)
+        choices, commands = self._choices, self._commands
+        if self._all_target_control:
+            ranks = self.config.targets_seen
+            seats = self._seats
+            for agent in agents:
+                action = actions[agent]
+                if type(action) is not int or not 0 <= action <= ranks:
+                    action = checked_choice(agent, "an action", action, ranks)
+                choices[0, seats[agent]] = action
+        else:
+            for agent in agents:
+                self._take_in_one(agent, self._seats[agent], actions[agent], choices, commands)
+        for agent in self._withdrawn:
+            if agent not in agents:
+                choices[0, self._seats[agent]] = 0
+                commands[0, self._seats[agent]] = 0.0
+
+    def _take_in_one(
+        self, agent: str, seat: int, action: object, choices: NDArray[np.int64], commands: NDArray[np.float32]
+    ) -> None:
+        control, ranks = self.config.controls[seat], self.config.targets_seen
+        if control == "target":
+            choices[0, seat] = checked_choice(agent, "an action", action, ranks)
+        elif control == "velocity":
+            checked_command(agent, "an action", action, commands[0, seat])
+        else:
+            choices[0, seat] = checked_full(agent, action, ranks, commands[0, seat])
+
+    def _explain_mismatch(self, actions: Mapping[str, Any]) -> None:
+        for agent in actions:
+            self._known(agent)
+        for agent in actions:
+            if agent not in self.agents:
+                raise ActionError(f"{agent} must give no action: it was withdrawn")
+        missing = [agent for agent in self.agents if agent not in actions]
+        raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
+
+    def _observations(self) -> dict[str, Any]:
+        fresh = self._engine.observations[0].copy()
+        if self.config.mask_in_observation:
+            masks = self._engine.masks[0].copy()
+            return {
+                agent: {"observation": fresh[seat], "action_mask": masks[seat]}
+                if self.config.controls[seat] == "target"
+                else fresh[seat]
+                for agent, seat in self._seats.items()
+                if agent in self.agents
+            }
+        if len(self.agents) == len(self.possible_agents):
+            return dict(zip(self.possible_agents, fresh, strict=True))
+        return {agent: fresh[self._seats[agent]] for agent in self.agents}
+
+    def _infos(self) -> dict[str, dict[str, Any]]:
+        masks = self._engine.masks[0].copy()
+        hunters = self._engine.hunter_rows(0)
+        parts = hunters[:, _PARTS].tolist()
+        rulings: dict[int, Ruling] = {}
+        if hunters[:, _VERDICT].any():
+            rulings = {ruling.hunter: ruling for ruling in self._engine.rulings(0)}
+        infos: dict[str, dict[str, Any]] = {}
+        for agent in self.agents:
+            seat = self._seats[agent]
+            ruling = rulings.get(seat)
+            info: dict[str, Any] = (
+                {"verdict": None, "reason": None, "target": None, "distance_um": None, "winner": None}
+                if ruling is None
+                else {
+                    "verdict": ruling.verdict,
+                    "reason": ruling.reason,
+                    "target": ruling.target,
+                    "distance_um": ruling.distance_um,
+                    "winner": ruling.winner,
+                }
+            )
+            info["reward_parts"] = dict(zip(rows.PART_NAMES, parts[seat], strict=True))
+            control = self.config.controls[seat]
+            if control == "target":
+                info["action_mask"] = masks[seat]
+            elif control == "full":
+                info["action_mask"] = {"cmd_vel": None, "catch": masks[seat]}
+            infos[agent] = info
+        return infos
+
+
+def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
+    """R7.3: a world as the numbers of `layout.state_columns`."""
+    numbers = [max(0.0, (config.time_limit_ms - world.time_ms) / 1000.0)]
+    for hunter in world.hunters:
+        numbers += [hunter.x, hunter.y, np.cos(hunter.theta), np.sin(hunter.theta)]
+        numbers += [hunter.linear_velocity, hunter.angular_velocity, hunter.score, hunter.withdrawn]
+    for target in world.targets:
+        numbers += [1.0, target.x, target.y, (world.time_ms - target.spawned_ms) / 1000.0]
+    numbers += [0.0] * (4 * (config.max_targets - len(world.targets)))
+    return np.array(numbers, dtype=np.float32)

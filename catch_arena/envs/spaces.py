@@ -1,0 +1,78 @@
+"""The spaces of an arena, and the check of an action against them."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from catch_arena.config import ArenaConfig, Control
+from catch_arena.errors import ActionError
+from catch_arena.layout import columns, state_columns
+
+
+def observation_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
+    """R7.1's vector as a Box, with the mask of R7.2 beside it under target control where the config asks for that."""
+    table = columns(config)
+    box = spaces.Box(
+        np.array([column.low for column in table], dtype=np.float32),
+        np.array([column.high for column in table], dtype=np.float32),
+        dtype=np.float32,
+    )
+    if control == "target" and config.mask_in_observation:
+        mask = spaces.Box(0, 1, (config.targets_seen + 1,), dtype=np.int8)
+        return spaces.Dict({"observation": box, "action_mask": mask})
+    return box
+
+
+def action_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
+    """R4.1, R4.4: what a hunter of that control may do."""
+    choice = spaces.Discrete(config.targets_seen + 1)
+    if control == "target":
+        return choice
+    command = spaces.Box(-1.0, 1.0, (2,), dtype=np.float32)
+    return command if control == "velocity" else spaces.Dict({"cmd_vel": command, "catch": choice})
+
+
+def state_space(config: ArenaConfig) -> spaces.Box:
+    """R7.3: the global view."""
+    table = state_columns(config)
+    return spaces.Box(
+        np.array([column.low for column in table], dtype=np.float32),
+        np.array([column.high for column in table], dtype=np.float32),
+        dtype=np.float32,
+    )
+
+
+def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:
+    """A rank from 0 to `ranks`. Raises: ActionError."""
+    if isinstance(action, int | np.integer) and not isinstance(action, bool):
+        if 0 <= action <= ranks:
+            return int(action)
+    elif isinstance(action, np.ndarray) and action.shape == () and action.dtype.kind in "iu":
+        return checked_choice(agent, what, action.item(), ranks)
+    raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {action!r}")
+
+
+def checked_command(agent: str, what: str, action: object, out: NDArray[np.float32]) -> None:
+    """Two numbers in [-1, 1], written to `out`, (2,). Raises: ActionError."""
+    try:
+        speed, turn_rate = action  # type: ignore[misc]
+        speed, turn_rate = float(speed), float(turn_rate)
+    except (TypeError, ValueError):
+        raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {action!r}") from None
+    if not (math.fabs(speed) <= 1.0 and math.fabs(turn_rate) <= 1.0):  # false for NaN too
+        raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {action!r}")
+    out[0] = speed
+    out[1] = turn_rate
+
+
+def checked_full(agent: str, action: object, ranks: int, out: NDArray[np.float32]) -> int:
+    """{"cmd_vel": two numbers in [-1, 1], "catch": a rank}; the rank is returned. Raises: ActionError."""
+    if not isinstance(action, Mapping) or set(action) != {"cmd_vel", "catch"}:
+        raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {action!r}")
+    choice = checked_choice(agent, "catch", action["catch"], ranks)
+    checked_command(agent, "cmd_vel", action["cmd_vel"], out)
+    return choice

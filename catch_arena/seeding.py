@@ -1,0 +1,25 @@
+"""Seeds at the doors: what people may give, and what is drawn where they give none."""
+
+import secrets
+from typing import Final
+
+from catch_arena.errors import ConfigError
+
+SEED_LIMIT: Final = 2**64
+"""A.5: seeds are whole numbers from 0 to this, exclusive."""
+
+
+def checked_seed(seed: object) -> int:
+    """The seed as an int. Raises: ConfigError unless it is a whole number in [0, 2^64)."""
+    try:
+        number = seed.__index__()  # type: ignore[attr-defined]
+    except AttributeError:
+        number = -1
+    if isinstance(seed, bool) or not 0 <= number < SEED_LIMIT:
+        raise ConfigError(f"seed must be a whole number from 0 to 2^64 - 1, got {seed!r}")
+    return int(number)
+
+
+def fresh_seed() -> int:
+    """A seed from the operating system, for a first reset that names none; it is small enough to be typed again."""
+    return secrets.randbits(32)

@@ -1,0 +1,158 @@
+"""The appendix's arithmetic against the C library's, and against values that can be looked up."""
+
+import math
+import random
+import struct
+
+import pytest
+from oracle.arithmetic import (
+    GOLDEN,
+    NEXT_SEED,
+    PI,
+    PLACE,
+    RIGHT,
+    ROW_SEED,
+    TAU,
+    WORD,
+    atan2,
+    clamp,
+    draw,
+    fraction,
+    key,
+    mix,
+    sincos,
+    to_float32,
+    wrap,
+)
+
+ULP_OF_ONE = 2.0**-52
+
+
+def test_the_constants_are_the_doubles_that_the_book_means() -> None:
+    """PI and TAU are the doubles nearest to pi and 2 pi, and TAU is exactly 2 PI."""
+    assert math.pi == PI
+    assert math.tau == TAU
+    assert 2.0 * PI == TAU
+    assert math.pi / 2 == RIGHT
+
+
+def test_sincos_is_within_one_ulp_of_one_of_the_c_library() -> None:
+    """A dense grid over [-2000, 2000], and one over the first turns."""
+    points = [2000.0 * (i / 40_000 - 1.0) for i in range(80_001)]
+    points += [10.0 * (i / 20_000 - 1.0) for i in range(40_001)]
+    worst = 0.0
+    for angle in points:
+        sine, cosine = sincos(angle)
+        worst = max(worst, abs(sine - math.sin(angle)), abs(cosine - math.cos(angle)))
+    assert worst < 3e-16
+
+
+def test_no_coefficient_was_misread() -> None:
+    """Where nothing is reduced the kernels nearly always round correctly: they give the C library's bits."""
+    angles = [PI / 4 * (i / 10_000 - 1.0) for i in range(20_001)]
+    assert sum(sincos(a)[0] == math.sin(a) for a in angles) > 0.95 * len(angles)
+    assert sum(sincos(a)[1] == math.cos(a) for a in angles) > 0.95 * len(angles)
+    slopes = [i / 20_000 for i in range(20_001)]
+    assert sum(atan2(slope, 1.0) == math.atan(slope) for slope in slopes) > 0.7 * len(slopes)
+
+
+def test_sine_and_cosine_change_places_in_each_quadrant() -> None:
+    """The four directions along the axes."""
+    assert sincos(0.0) == (0.0, 1.0)
+    for angle, expected in ((RIGHT, (1.0, 0.0)), (PI, (0.0, -1.0)), (-RIGHT, (-1.0, 0.0)), (-PI, (0.0, -1.0))):
+        assert sincos(angle) == pytest.approx(expected, abs=ULP_OF_ONE)
+
+
+def test_atan2_is_within_one_ulp_of_the_c_library() -> None:
+    """All directions, at several distances, and random points."""
+    points = []
+    for i in range(60_000):
+        angle = TAU * i / 60_000
+        scale = (1e-6, 1.0, 15.0, 7000.0)[i % 4]
+        points.append((scale * math.sin(angle), scale * math.cos(angle)))
+    source = random.Random(4)
+    points += [(source.uniform(-12, 12), source.uniform(-12, 12)) for _ in range(20_000)]
+    worst = max(abs(atan2(y, x) - math.atan2(y, x)) for y, x in points)
+    assert worst < 5e-16  # one ulp of pi is 4.4e-16
+    near = max(abs(atan2(y, x) - math.atan2(y, x)) for y, x in points if x > 0)
+    assert near < 3e-16  # one ulp of pi / 2 is 2.2e-16
+
+
+def test_atan2_ignores_the_signs_of_zeros() -> None:
+    """The axes and the origin."""
+    for zero in (0.0, -0.0):
+        assert atan2(zero, 0.0) == 0.0
+        assert atan2(zero, -0.0) == 0.0
+        assert atan2(zero, 2.0) == 0.0
+        assert atan2(zero, -2.0) == PI
+        assert atan2(2.0, zero) == RIGHT
+        assert atan2(-2.0, zero) == -RIGHT
+
+
+def test_wrap_lands_in_the_half_open_turn() -> None:
+    """Dense, around the seams of many turns, bit by bit, and for the largest angles."""
+    angles = [i * 0.013 - 1300.0 for i in range(200_001)]
+    for turn in range(-20, 21):
+        seam = PI + TAU * turn
+        for _ in range(8):
+            seam = math.nextafter(seam, -math.inf)
+        for _ in range(16):
+            angles.append(seam)
+            seam = math.nextafter(seam, math.inf)
+    for angle in angles:
+        wrapped = wrap(angle)
+        assert -PI <= wrapped < PI, angle
+        sine, cosine = math.sin(angle), math.cos(angle)
+        assert abs(math.sin(wrapped) - sine) + abs(math.cos(wrapped) - cosine) < 1e-12, angle
+
+
+def test_wrap_leaves_an_angle_of_the_turn_alone() -> None:
+    """PI itself becomes -PI."""
+    for i in range(-3141, 3142):
+        assert wrap(i / 1000) == i / 1000
+    assert wrap(PI) == -PI
+    assert wrap(-PI) == -PI
+    assert wrap(math.nextafter(PI, 0.0)) == math.nextafter(PI, 0.0)
+
+
+def test_clamp_keeps_what_lies_between() -> None:
+    """Both ends included, and the zero's sign is the value's own."""
+    assert [clamp(v, 0.0, 2.0) for v in (-1.0, 0.0, 1.5, 2.0, 2.1)] == [0.0, 0.0, 1.5, 2.0, 2.0]
+    assert math.copysign(1.0, clamp(-0.0, 0.0, 2.0)) == -1.0
+
+
+def test_rounding_to_float32_takes_the_even_neighbour_of_a_tie() -> None:
+    """Exactly half way between two float32 numbers."""
+    step = 2.0**-23
+    assert to_float32(1.0 + 0.5 * step) == 1.0
+    assert to_float32(1.0 + 1.5 * step) == 1.0 + 2.0 * step
+    assert to_float32(0.1) == struct.unpack("<f", b"\xcd\xcc\xcc\x3d")[0]
+    assert to_float32(11.088889122009277) == 11.088889122009277  # R2.1: turtlesim's side is a float32
+
+
+def test_draws_are_splitmix64() -> None:
+    """The published first outputs of SplitMix64 started from 0 and from 1234567."""
+    assert [draw(0, n) for n in range(3)] == [0xE220A8397B1DCDAF, 0x6E789E6AA1B965F4, 0x06C45D188009454F]
+    assert [draw(1234567, n) for n in range(3)] == [
+        6457827717110365317,
+        3203168211198807973,
+        9817491932198370423,
+    ]
+
+
+def test_keys_are_two_mixes() -> None:
+    """The largest seed does not overflow, and each purpose has a stream of its own."""
+    assert mix(0) == 0
+    assert key(WORD, PLACE) == mix((mix((WORD + GOLDEN) & WORD) + 2 * GOLDEN) & WORD)
+    keys = {key(seed, purpose) for seed in (0, 1, 2**63, WORD) for purpose in range(1, 11)}
+    assert len(keys) == 40
+    assert {NEXT_SEED, ROW_SEED} == {9, 10}
+
+
+def test_fractions_lie_in_the_half_open_interval() -> None:
+    """The extreme words, and the mean of many."""
+    assert fraction(0) == 0.0
+    assert fraction(WORD) == 1.0 - 2.0**-53
+    assert fraction((1 << 11) - 1) == 0.0
+    mean = sum(fraction(draw(7, n)) for n in range(10_000)) / 10_000
+    assert abs(mean - 0.5) < 0.01

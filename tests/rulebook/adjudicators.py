@@ -1,0 +1,258 @@
+"""Four adjudicators behind one face: the oracle, the engine, a row of a batch, and the parallel env.
+
+A test of a clause asks for an `arena` (see conftest.py) and thereby runs on all of them.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from oracle.arena import OracleArena
+
+from catch_arena.config import ArenaConfig
+from catch_arena.verdicts import Ruling, Verdict
+
+Action = Any
+"""An int under target control, (a1, a2) under velocity control, ((a1, a2), rank) under full control."""
+
+
+class HunterNumbers(NamedTuple):
+    """A.8's numbers of one hunter."""
+
+    x: float
+    y: float
+    theta: float
+    v: float
+    w: float
+    distance_integral: float
+    bearing_integral: float
+    active: float
+    score: float
+    at_wall: float
+    withdrawn: float
+
+
+class TargetNumbers(NamedTuple):
+    """A.8's numbers of one alive target."""
+
+    number: float
+    x: float
+    y: float
+    theta: float
+    appeared: float
+
+
+class Evidence(NamedTuple):
+    """R5.6 with the target's number in place of its name."""
+
+    verdict: Verdict
+    number: int | None
+    distance_um: int | None
+    winner: int | None
+
+
+class Adjudicator:
+    """What a rulebook test may ask of an arena. Everything about the state is read from A.8's numbers."""
+
+    def __init__(self, config: ArenaConfig) -> None:
+        self.config = config
+
+    # what each adjudicator does in its own way
+
+    def reset(self, seed: int) -> None: ...
+    def step(self, *actions: Action) -> None: ...
+    def withdraw(self, seat: int) -> None: ...
+    def place(
+        self,
+        hunters: Sequence[tuple[float, float, float]] | None = None,
+        targets: Sequence[tuple[float, float]] | None = None,
+    ) -> None: ...
+    def numbers(self) -> list[float]: ...
+    def digest(self) -> bytes: ...
+    def evidence(self) -> list[Evidence | None]: ...
+    def observation(self, seat: int) -> list[float]: ...
+    def mask(self, seat: int) -> list[int]: ...
+    @property
+    def rewards(self) -> list[float]: ...
+    @property
+    def parts(self) -> list[tuple[float, ...]]: ...
+    @property
+    def terminated(self) -> bool: ...
+    @property
+    def truncated(self) -> bool: ...
+
+    # what follows from it
+
+    def hold(self, times: int = 1) -> None:
+        """Nobody moves, and nobody asks (but under velocity control, where whoever is in reach does)."""
+        still = {"target": 0, "velocity": (0.0, 0.0), "full": ((0.0, 0.0), 0)}
+        for _ in range(times):
+            self.step(*(still[control] for control in self.config.controls))
+
+    def hunter(self, seat: int = 0) -> HunterNumbers:
+        at = 8 + 11 * seat
+        return HunterNumbers(*self.numbers()[at : at + 11])
+
+    @property
+    def targets(self) -> list[TargetNumbers]:
+        numbers = self.numbers()[8 + 11 * self.config.hunters :]
+        return [TargetNumbers(*numbers[at : at + 5]) for at in range(0, len(numbers), 5)]
+
+    @property
+    def alive(self) -> list[int]:
+        return [int(target.number) for target in self.targets]
+
+    @property
+    def verdicts(self) -> list[Verdict | None]:
+        return [None if found is None else found.verdict for found in self.evidence()]
+
+    @property
+    def scores(self) -> list[int]:
+        return [int(self.hunter(seat).score) for seat in range(self.config.hunters)]
+
+    time = property(lambda self: self.numbers()[0])
+    steps = property(lambda self: self.numbers()[1])
+    spawned = property(lambda self: self.numbers()[2])
+    used = property(lambda self: self.numbers()[3])
+    firings = property(lambda self: self.numbers()[4])
+    skipped_full = property(lambda self: self.numbers()[5])
+    skipped_down = property(lambda self: self.numbers()[6])
+    refused = property(lambda self: self.numbers()[7])
+
+
+class OracleAdjudicator(Adjudicator):
+    """tests/oracle: the book in plain Python."""
+
+    def __init__(self, config: ArenaConfig) -> None:
+        super().__init__(config)
+        self.oracle = OracleArena(config.to_dict())
+
+    def reset(self, seed: int) -> None:
+        self.oracle.reset(seed)
+
+    def step(self, *actions: Action) -> None:
+        self.oracle.step(actions)
+
+    def withdraw(self, seat: int) -> None:
+        self.oracle.withdraw(seat)
+
+    def place(self, hunters: Any = None, targets: Any = None) -> None:
+        self.oracle.place(hunters, targets)
+
+    def numbers(self) -> list[float]:
+        return self.oracle.numbers()
+
+    def digest(self) -> bytes:
+        return self.oracle.digest()
+
+    def evidence(self) -> list[Evidence | None]:
+        return [None if found is None else Evidence(Verdict(found[0]), *found[1:]) for found in self.oracle.rulings]
+
+    def observation(self, seat: int) -> list[float]:
+        return self.oracle.observations()[seat]
+
+    def mask(self, seat: int) -> list[int]:
+        return self.oracle.masks()[seat] or []
+
+    rewards = property(lambda self: self.oracle.rewards)
+    parts = property(lambda self: self.oracle.parts)
+    terminated = property(lambda self: self.oracle.terminated)
+    truncated = property(lambda self: self.oracle.truncated)
+
+
+def as_arrays(config: ArenaConfig, actions: Sequence[Action]) -> tuple[np.ndarray, np.ndarray]:
+    """One arena's actions as the engine's choices (H,) and commands (H, 2)."""
+    choices = np.zeros(config.hunters, np.int64)
+    commands = np.zeros((config.hunters, 2), np.float32)
+    for seat, (control, action) in enumerate(zip(config.controls, actions, strict=True)):
+        if control == "target":
+            choices[seat] = action
+        elif control == "velocity":
+            commands[seat] = action
+        else:
+            commands[seat], choices[seat] = action
+    return choices, commands
+
+
+def by_seat(rulings: Sequence[Ruling], config: ArenaConfig) -> list[Evidence | None]:
+    """An arena's rulings as one entry a seat."""
+    found: list[Evidence | None] = [None] * config.hunters
+    for ruling in rulings:
+        assert found[ruling.hunter] is None, "two rulings for one seat"
+        number = None if ruling.target is None else int(str(ruling.target).removeprefix(config.name_prefix))
+        found[ruling.hunter] = Evidence(ruling.verdict, number, ruling.distance_um, ruling.winner)
+    return found
+
+
+class EngineAdjudicator(Adjudicator):
+    """One row of the engine; in a batch the other rows play matches of their own beside it."""
+
+    def __init__(self, config: ArenaConfig, arenas: int = 1, row: int = 0) -> None:
+        from catch_arena.engine import Engine
+
+        super().__init__(config)
+        self.engine = Engine(config, arenas)
+        self.arenas = arenas
+        self.row = row
+        self.others = np.random.default_rng(37)
+
+    def reset(self, seed: int) -> None:
+        self.engine.reset([(seed + 1000 * (row - self.row)) % 2**64 for row in range(self.arenas)])
+
+    def step(self, *actions: Action) -> None:
+        shape = (self.arenas, self.config.hunters)
+        choices = self.others.integers(0, 2, shape)
+        for seat, control in enumerate(self.config.controls):
+            if control == "velocity":
+                choices[:, seat] = 0
+        commands = self.others.uniform(-1, 1, (*shape, 2)).astype(np.float32)
+        choices[self.row], commands[self.row] = as_arrays(self.config, actions)
+        self.engine.step(choices, commands)
+
+    def withdraw(self, seat: int) -> None:
+        self.engine.withdraw(self.row, seat)
+
+    def place(self, hunters: Any = None, targets: Any = None) -> None:
+        self.engine.place(self.row, hunters=hunters, targets=targets)
+
+    def numbers(self) -> list[float]:
+        return [float(number) for number in self.engine.state(self.row)]
+
+    def digest(self) -> bytes:
+        return bytes(self.engine.digest(self.row))
+
+    def evidence(self) -> list[Evidence | None]:
+        return by_seat(self.engine.rulings(self.row), self.config)
+
+    def observation(self, seat: int) -> list[float]:
+        return [float(number) for number in self.engine.observations[self.row, seat]]
+
+    def mask(self, seat: int) -> list[int]:
+        if self.config.controls[seat] == "velocity":
+            return []
+        return [int(bit) for bit in self.engine.masks[self.row, seat]]
+
+    rewards = property(lambda self: [float(reward) for reward in self.engine.rewards[self.row]])
+    parts = property(lambda self: [tuple(float(part) for part in row) for row in self.engine.parts[self.row]])
+    terminated = property(lambda self: bool(self.engine.terminated[self.row]))
+    truncated = property(lambda self: bool(self.engine.truncated[self.row]))
+
+
+ADJUDICATORS = ("oracle", "engine", "batch")
+
+
+def adjudicator(kind: str, config: ArenaConfig) -> Adjudicator:
+    """The adjudicator of that name."""
+    if kind == "oracle":
+        return OracleAdjudicator(config)
+    if kind == "engine":
+        return EngineAdjudicator(config)
+    return EngineAdjudicator(config, arenas=40, row=37)
+
+
+def ticks_turned(before: float, after: float, turn_rate: float) -> int:
+    """How many ticks a turn at that rate took; the rate is so low that no wrap is crossed."""
+    ticks = (after - before) / (turn_rate * 0.016)
+    assert math.isclose(ticks, round(ticks), abs_tol=1e-6)
+    return round(ticks)
