@@ -8,7 +8,6 @@ import numpy as np
 
 from catch_arena.config import ArbitrationPolicy
 from catch_arena.core import arbiter
-from catch_arena.core.jit import INTERPRETED
 from catch_arena.errors import ActionError, ConfigError, suggest
 from catch_arena.seeding import checked_seed
 from catch_arena.verdicts import Ruling, Verdict
@@ -70,7 +69,10 @@ def arbitrate(
             row[arbiter.REFUSED] = name in refused
         else:
             row[arbiter.TARGET] = arbiter.ALREADY_GONE if name in gone else arbiter.NEVER_SPAWNED
-    _judge(docket, policy, checked_seed(seed), step, reach_m, over=match_over, service_up=kill_service_up)
+    reach_um = max(1, math.floor(1e6 * reach_m + 0.5))
+    arbiter.judge(
+        docket, _POLICIES[policy], np.uint64(checked_seed(seed)), step, reach_um, bool(match_over), bool(kill_service_up)
+    )
     return [
         Ruling(
             verdict=Verdict(row[arbiter.VERDICT]),
@@ -81,14 +83,6 @@ def arbitrate(
         )
         for row, (_, name) in zip(docket.tolist(), requests, strict=True)
     ]
-
-
-def _judge(
-    docket: arbiter.Docket, policy: str, seed: int, step: int, reach_m: float, *, over: bool, service_up: bool
-) -> None:
-    reach_um = max(1, math.floor(1e6 * reach_m + 0.5))
-    with np.errstate(over="ignore" if INTERPRETED else "warn"):  # interpreted, the lots' arithmetic modulo 2^64 would warn
-        arbiter.judge(docket, _POLICIES[policy], np.uint64(seed), step, reach_um, bool(over), bool(service_up))
 
 
 def _checked_place(field: str, place: object) -> tuple[float, float]:

@@ -71,17 +71,6 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool = True) -> Setting
     )
 
 
-def _tables_of(config: ArenaConfig) -> tick.Tables:
-    poses = config.hunter_poses or ()
-    return tick.Tables(
-        controls=np.array([_CONTROLS[control] for control in config.controls], dtype=np.int64),
-        target_network=selection_network(config.max_targets, config.targets_seen),
-        # one rank more than is seen: a tie at the edge of the view has to be noticed
-        rival_network=selection_network(config.hunters, min(config.hunters, config.hunters_seen + 1)),
-        start_poses=np.array(poses, dtype=np.float64).reshape(-1, 3),
-    )
-
-
 class Engine:
     """A batch of arenas of one config, played in lockstep.
 
@@ -94,22 +83,27 @@ class Engine:
         self.config = config
         self.num_arenas = num_arenas
         self.settings = settings_of(config, progress_wanted=progress_wanted)
-        self._tables = _tables_of(config)
+        self._numbers = np.array(self.settings, dtype=np.float64)
+        self._controls = np.array([_CONTROLS[control] for control in config.controls], dtype=np.int64)
+        self._networks = (
+            selection_network(config.max_targets, config.targets_seen),
+            # one rank more than is seen: a tie at the edge of the view has to be noticed
+            selection_network(config.hunters, min(config.hunters, config.hunters_seen + 1)),
+        )
+        self._start_poses = np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3)
         hunters, seen = config.hunters, config.targets_seen
         block = block_rows(hunters, config.max_targets, seen)
         blocks = -(-num_arenas // LANES)
         self.memory: NDArray[np.float64] = np.zeros((blocks, block * LANES))
         """core/state.py's blocks."""
-        self._scratch = tick.Scratch(
-            np.zeros((64 + width(config)) * LANES), np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64)
-        )
+        self._scratch = np.zeros((64 + width(config) + block) * LANES)
+        self._docket = np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64)
         self.observations = np.zeros((num_arenas, hunters, width(config)), dtype=np.float32)
         """R7.1: (B, H, D)."""
         self.masks = np.zeros((num_arenas, hunters, seen + 1), dtype=np.int8)
         """R7.2: (B, H, K + 1)."""
         self.rewards = np.zeros((num_arenas, hunters))
         """R6.2: (B, H)."""
-        self._outputs = tick.Outputs(self.observations, self.masks, self.rewards)
         self._fields = self.memory.reshape(blocks, block, LANES)  # the same memory: [block, row, lane]
         self._hunters = self._fields[:, rows.ARENA_ROWS : rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS].reshape(
             blocks, hunters, rows.HUNTER_ROWS, LANES
@@ -124,9 +118,7 @@ class Engine:
     def reset(self, seeds: Sequence[int] | NDArray[np.uint64], arenas: Sequence[int] | None = None) -> None:
         """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each."""
         chosen = np.arange(self.num_arenas) if arenas is None else np.asarray(arenas, dtype=np.int64)
-        tick.reset(
-            self.memory, self.settings, self._tables, self.num_arenas, chosen, np.asarray(seeds, dtype=np.uint64)
-        )
+        tick.reset(self.memory, self._numbers, self._start_poses, chosen, np.asarray(seeds, dtype=np.uint64))
         self.rewards[chosen] = 0.0
         self.observe()
 
@@ -137,13 +129,23 @@ class Engine:
         float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a seat's control does not read is ignored.
         """
         tick.step(
-            self.memory, self.settings, self._tables, self.num_arenas, choices, commands, self._scratch, self._outputs
+            self.memory,
+            self._numbers,
+            self._controls,
+            *self._networks,
+            choices,
+            commands,
+            self._scratch,
+            self._docket,
+            self.observations,
+            self.masks,
+            self.rewards,
         )
 
     def observe(self) -> None:
         """Write observations and masks of the arenas as they stand."""
         tick.observe_all(
-            self.memory, self.settings, self._tables, self.num_arenas, self._scratch, self._outputs
+            self.memory, self._numbers, *self._networks, self._scratch, self.observations, self.masks
         )
 
     def withdraw(self, arena: int, seat: int) -> None:
@@ -314,14 +316,12 @@ class Engine:
 
 def next_episode_seed(seed: int) -> int:
     """A.5: the seed of the episode that follows, where a reset names none."""
-    with np.errstate(over="ignore"):
-        return int(next_seed(np.uint64(seed)))
+    return int(next_seed(np.uint64(seed)))
 
 
 def batch_seeds(seed: int, num_arenas: int) -> NDArray[np.uint64]:
     """A.5: the seeds of a batch's rows from one seed: (B,)."""
-    with np.errstate(over="ignore"):
-        return np.array([row_seed(np.uint64(seed), row) for row in range(num_arenas)], dtype=np.uint64)
+    return np.array([row_seed(np.uint64(seed), row) for row in range(num_arenas)], dtype=np.uint64)
 
 
 _compiled = False

@@ -5,13 +5,13 @@ from there alone, so nothing that it grants can change another request (R5.1). T
 are judged by the same code.
 """
 
-from math import floor, sqrt
+from math import sqrt
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import phase, rule
+from catch_arena.core.jit import entry, phase, rule
 from catch_arena.core.random import service_lot, ticket
 from catch_arena.verdicts import Verdict
 
@@ -50,10 +50,10 @@ _KILL_FAILED: Final = int(Verdict.KILL_FAILED)
 _GRANTED: Final = int(Verdict.GRANTED)
 
 
-@rule
+@entry
 def distance_um(dx: float, dy: float) -> float:
     """R5.3: the distance between two centres in whole micrometres."""
-    return floor(1000000.0 * sqrt(dx * dx + dy * dy) + 0.5)
+    return np.floor(1000000.0 * sqrt(dx * dx + dy * dy) + 0.5)
 
 
 @rule
@@ -118,7 +118,7 @@ def is_preferred(
     return seat < rival
 
 
-@phase
+@entry
 def judge(
     docket: Docket, policy: int, seed: np.uint64, step: int, reach_um: int, over: bool, service_up: bool
 ) -> None:

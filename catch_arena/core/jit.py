@@ -50,35 +50,34 @@ def _cache_directory() -> Path | None:
 CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
 
 
-def _compiled(function: F, **flags: object) -> F:
-    if CACHE_DIRECTORY is None:
-        return cast(F, numba.njit(**_FLAGS, **flags)(function))
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while a function is decorated
-    try:
-        return cast(F, numba.njit(cache=True, **_FLAGS, **flags)(function))
-    finally:
-        numba.config.CACHE_DIR = before
-
-
 def rule(function: F) -> F:
     """A rule: scalars in, scalars out, branch-free where it runs in a lane loop."""
-    return _compiled(function)
+    return cast(F, numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_FLAGS)(function))
 
 
 def phase(function: F) -> F:
     """A phase: one block, a loop over its lanes."""
-    return _compiled(function)
+    return cast(F, numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_FLAGS)(function))
 
 
-def batch(function: F) -> F:
-    """A batch: the walk over the blocks; what the engine calls."""
-    if not INTERPRETED:
-        return _compiled(function)
+def entry(function: F) -> F:
+    """What Python calls: a batch, or a rule with a door of its own. Only these are kept in the cache: they contain all that they call."""
+    if INTERPRETED:
+        return _with_silent_overflow(function)
+    if CACHE_DIRECTORY is None:
+        return cast(F, numba.njit(**_FLAGS)(function))
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while a function is decorated
+    try:
+        return cast(F, numba.njit(cache=True, **_FLAGS)(function))
+    finally:
+        numba.config.CACHE_DIR = before
 
+
+def _with_silent_overflow(function: F) -> F:
     @wraps(function)
     def wrapped(*arguments: object) -> object:
-        with np.errstate(over="ignore"):  # the hashes of R10.1 are arithmetic modulo 2^64
+        with np.errstate(over="ignore"):  # the hashes of A.5 are arithmetic modulo 2^64
             return function(*arguments)
 
     return cast(F, wrapped)

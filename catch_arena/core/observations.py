@@ -1,6 +1,5 @@
 """Rulebook chapter 7: what each hunter sees, written in the order of layout.py's table."""
 
-from math import floor
 from typing import Final
 
 import numpy as np
@@ -87,7 +86,7 @@ def order(keys: Block, network: NDArray[np.int64], lanes: int) -> None:
 @rule
 def item_of(key: float) -> float:
     """The slot or seat in a key."""
-    return key - _PER_UM * floor(key / _PER_UM)
+    return key - _PER_UM * np.floor(key / _PER_UM)
 
 
 @phase
@@ -221,7 +220,7 @@ def break_ties(block: Block, seat: int, lane: int, s: Settings, keys: Block) -> 
         at = count
         while at > 0:
             before = keys[(at - 1) * LANES + lane]
-            distance = floor(before / _PER_UM)
+            distance = np.floor(before / _PER_UM)
             if distance < micrometres:
                 break
             if distance == micrometres and not stands_before(row, rival_row(block, me, int(item_of(before)), lane)):
@@ -242,7 +241,7 @@ def see_rivals(block: Block, seat: int, lanes: int, s: Settings, keys: Block, se
     for rank in range(min(s.hunters_seen, s.hunters - 2)):
         for lane in range(lanes):
             key = keys[rank * LANES + lane]
-            tied = tied | ((key < _ABSENT) & (floor(key / _PER_UM) == floor(keys[(rank + 1) * LANES + lane] / _PER_UM)))
+            tied = tied | ((key < _ABSENT) & (np.floor(key / _PER_UM) == np.floor(keys[(rank + 1) * LANES + lane] / _PER_UM)))
     if tied:
         for lane in range(lanes):
             break_ties(block, seat, lane, s, keys)

@@ -1,9 +1,10 @@
 """Rulebook chapter 2: how turtles move. Blocks of LANES arenas; metres, radians, seconds."""
 
-from math import floor
 from typing import Final
 
-from catch_arena.core.jit import Block, phase, rule
+import numpy as np
+
+from catch_arena.core.jit import Block, entry, phase, rule
 from catch_arena.core.math import clamp, sincos, wrap
 from catch_arena.core.state import AT_WALL, LANES, SPEED, THETA, TIME, TURN_RATE, Settings, X, Y, seat_of
 
@@ -14,7 +15,7 @@ WATCHDOG_MS: Final = 1000.0
 """R2.4: a velocity command older than this is dropped."""
 
 
-@rule
+@entry
 def next_pose(
     x: float, y: float, theta: float, speed: float, turn_rate: float, side: float
 ) -> tuple[float, float, float]:
@@ -27,7 +28,7 @@ def next_pose(
 @rule
 def ticks_until(time_ms: float) -> float:
     """R1.2, R1.3: how many ticks fall in (0, time]."""
-    return floor(time_ms / TICK_MS)
+    return np.floor(time_ms / TICK_MS)
 
 
 @phase
@@ -71,7 +72,8 @@ def move(block: Block, s: Settings, lanes: int, counts: Block) -> None:
         soonest_stale = min(soonest_stale, fresh[lane])
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        me[AT_WALL : AT_WALL + LANES] = 0.0
+        for lane in range(lanes):
+            me[AT_WALL + lane] = 0.0
         for tick in range(int(most)):
             if tick >= soonest_stale:
                 drop_stale_commands(me, lanes, tick, fresh, ticks)

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.core.jit import rule
+from catch_arena.core.jit import entry, rule
 
 _GOLDEN: Final = np.uint64(0x9E3779B97F4A7C15)
 _FIRST: Final = np.uint64(0xBF58476D1CE4E5B9)
@@ -88,13 +88,13 @@ def spawn_refused(seed: np.uint64, number: float, rate: float) -> bool:
     return fraction(draw(stream(seed, SPAWN_REFUSED), np.uint64(number))) < rate
 
 
-@rule
+@entry
 def next_seed(seed: np.uint64) -> np.uint64:
     """A.5: the seed of the episode after this one, where a reset names none."""
     return draw(stream(seed, NEXT_EPISODE), np.uint64(0))
 
 
-@rule
+@entry
 def row_seed(seed: np.uint64, row: int) -> np.uint64:
     """A.5: the seed of one row of a batch that was reset with one seed."""
     return draw(stream(seed, BATCH_ROW), np.uint64(row))

@@ -66,7 +66,8 @@ def aim_again(arena: Block, me: Block, targets: Targets, lane: int) -> None:
 @phase
 def reward(block: Block, s: Settings, lanes: int, catches: Block, rewards: NDArray[np.float64]) -> None:
     """R6.2: the parts, and their sum; `catches` is scratch of one row."""
-    catches[:LANES] = 0.0
+    for lane in range(lanes):
+        catches[lane] = 0.0
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         for lane in range(lanes):

@@ -11,6 +11,7 @@ from catch_arena.core.state import (
     LANES,
     NUMBERS,
     REFUSED,
+    SEED,
     SKIPPED_DOWN,
     SKIPPED_FULL,
     SPAWNED,
@@ -91,12 +92,13 @@ def fire(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Settings
 
 
 @phase
-def spawn_through(arena: Block, targets: Targets, lanes: int, seeds: np.ndarray, s: Settings) -> None:
+def spawn_through(arena: Block, targets: Targets, lanes: int, s: Settings) -> None:
     """R1.4's phase 5, its spawning half: all firings in (t, t + period].
 
     Still targets (R3.7) and hunters do not touch each other, so that these firings may follow the step's ticks; moving targets will have
     to be moved here, between the firings.
     """
+    seeds = arena[SEED : SEED + LANES].view(np.uint64)
     for lane in range(lanes):
         while (arena[FIRINGS + lane] + 1.0) * s.spawn_period <= arena[TIME + lane] + s.period:
             fire(arena, targets, lane, seeds[lane], s)

@@ -7,7 +7,10 @@ Integers are exact in float64; the seed is stored by its 64 bits. Alive targets 
 
 from typing import Final, NamedTuple
 
-from catch_arena.core.jit import Block, rule
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.core.jit import Block, entry, rule
 
 LANES: Final = 32
 """Arenas side by side in a block: enough for the widest SIMD registers, few enough for the first caches."""
@@ -118,6 +121,48 @@ class Settings(NamedTuple):
 
 
 @rule
+def read_settings(numbers: NDArray[np.float64]) -> Settings:
+    """The settings from the array in which they reach compiled code: a tuple of scalars would cost microseconds a call to hand over."""
+    return Settings(
+        int(numbers[0]),
+        int(numbers[1]),
+        int(numbers[2]),
+        int(numbers[3]),
+        int(numbers[4]),
+        int(numbers[5]),
+        numbers[6],
+        numbers[7],
+        numbers[8],
+        numbers[9],
+        numbers[10],
+        numbers[11],
+        numbers[12],
+        numbers[13],
+        numbers[14],
+        numbers[15],
+        numbers[16],
+        numbers[17],
+        numbers[18],
+        numbers[19],
+        numbers[20],
+        numbers[21],
+        numbers[22],
+        numbers[23],
+        int(numbers[24]),
+        numbers[25],
+        numbers[26],
+        numbers[27],
+        numbers[28],
+        numbers[29],
+        numbers[30],
+        numbers[31],
+        numbers[32],
+        numbers[33],
+        numbers[34],
+    )
+
+
+@entry
 def block_rows(hunters: int, slots: int, targets_seen: int) -> int:
     """How many rows a block has."""
     return ARENA_ROWS + hunters * HUNTER_ROWS + slots * TARGET_ROWS + hunters * targets_seen

@@ -1,6 +1,6 @@
 """Rulebook R1.4: one step, phase by phase; and reset. This file is the table of contents of the core."""
 
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ from catch_arena.core.controllers import (
     mark_active,
     request_nearest,
 )
-from catch_arena.core.jit import Block, batch, phase
+from catch_arena.core.jit import Block, entry, phase
 from catch_arena.core.math import PI, TAU, sincos, wrap
 from catch_arena.core.observations import observe
 from catch_arena.core.physics import move
@@ -39,7 +39,7 @@ from catch_arena.core.state import (
     ENDED,
     LANES,
     NO_TARGET,
-    NUMBERS,
+    PART_NAMES,
     PARTS,
     REQUEST,
     RUNNING,
@@ -61,6 +61,7 @@ from catch_arena.core.state import (
     Targets,
     X,
     Y,
+    read_settings,
     seat_of,
     targets_of,
     view_of,
@@ -69,41 +70,12 @@ from catch_arena.verdicts import Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
 _MATCH_OVER: Final = int(Verdict.MATCH_OVER)
+_PARTS: Final = len(PART_NAMES)
 
 TARGET_CONTROL: Final = 0
 VELOCITY_CONTROL: Final = 1
 FULL_CONTROL: Final = 2
 
-
-class Tables(NamedTuple):
-    """What a config fixes besides its scalars."""
-
-    controls: NDArray[np.int64]
-    """(H,): TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL."""
-    target_network: NDArray[np.int64]
-    """(n, 2): `observations.selection_network`."""
-    rival_network: NDArray[np.int64]
-    start_poses: NDArray[np.float64]
-    """(H, 3), or (0, 3) for the fair circle (R2.6)."""
-
-
-class Scratch(NamedTuple):
-    """Working memory for one block; one for each thread."""
-
-    numbers: Block
-    docket: Docket
-    """(H, DOCKET_COLUMNS)."""
-
-
-class Outputs(NamedTuple):
-    """What a step delivers, row by row of the batch."""
-
-    observations: NDArray[np.float32]
-    """(B, H, D)."""
-    masks: NDArray[np.int8]
-    """(B, H, K + 1)."""
-    rewards: NDArray[np.float64]
-    """(B, H)."""
 
 
 @phase
@@ -111,7 +83,7 @@ def take_in(
     block: Block,
     s: Settings,
     lanes: int,
-    tables: Tables,
+    controls: NDArray[np.int64],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
 ) -> None:
@@ -120,10 +92,10 @@ def take_in(
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         view = view_of(block, seat, s)
-        if tables.controls[seat] == TARGET_CONTROL:
+        if controls[seat] == TARGET_CONTROL:
             choose(me, view, choices[:, seat], lanes)
             drive_to_target(me, targets, lanes, s)
-        elif tables.controls[seat] == VELOCITY_CONTROL:
+        elif controls[seat] == VELOCITY_CONTROL:
             request_nearest(me, view, targets, lanes, s)
             drive_by_command(me, commands[:, seat], lanes, s)
         else:
@@ -137,7 +109,8 @@ def take_in(
 @phase
 def clear_evidence(block: Block, s: Settings, lanes: int, asked: Block) -> None:
     """No request yet; `asked` counts the wishes of each lane."""
-    asked[:LANES] = 0.0
+    for lane in range(lanes):
+        asked[lane] = 0.0
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         for lane in range(lanes):
@@ -216,115 +189,86 @@ def end_test(block: Block, s: Settings, lanes: int) -> None:
 
 
 @phase
-def step_block(
-    block: Block,
-    s: Settings,
-    lanes: int,
-    tables: Tables,
-    choices: NDArray[np.int64],
-    commands: NDArray[np.float32],
-    scratch: Scratch,
-    out: Outputs,
+def keep_ended(block: Block, lanes: int, kept: Block) -> bool:
+    """R5.2: arenas that have ended are played with the others of their block, and then put back; here they are copied."""
+    some = False
+    for lane in range(lanes):
+        some = some or block[ENDED + lane] != RUNNING
+    if some:
+        for i in range(len(block)):
+            kept[i] = block[i]
+    return some
+
+
+@phase
+def put_back_ended(
+    block: Block, s: Settings, lanes: int, kept: Block, rewards: NDArray[np.float64]
 ) -> None:
-    """R1.4: one step of up to LANES arenas that all run."""
-    targets = targets_of(block, s)
-    rows = scratch.numbers[: 2 * LANES]
-    take_in(block, s, lanes, tables, choices, commands)
-    clear_evidence(block, s, lanes, rows)
+    """R5.2: after the end nothing moves, and every request is MATCH_OVER."""
     for lane in range(lanes):
-        if rows[lane] > 0.0:
-            arbitrate(block, s, lane, targets, scratch.docket)
-            commit(block, s, lane, targets)
-    move(block, s, lanes, rows)
-    spawn_through(block, targets, lanes, block[SEED : SEED + LANES].view(np.uint64), s)
-    end_test(block, s, lanes)
-    reward(block, s, lanes, rows, out.rewards)
-    observe(
-        block, s, lanes, tables.target_network, tables.rival_network, scratch.numbers, out.observations, out.masks
-    )
+        if kept[ENDED + lane] == RUNNING:
+            continue
+        for seat in range(s.hunters):
+            now, then = seat_of(block, seat), seat_of(kept, seat)
+            then[WANTED + lane] = now[WANTED + lane]
+            then[REQUEST + lane] = now[REQUEST + lane]
+            then[VERDICT + lane] = 0.0 if now[WANTED + lane] == NO_TARGET else float(_MATCH_OVER)
+            then[DISTANCE_UM + lane] = -1.0
+            then[WINNER + lane] = -1.0
+            for part in range(_PARTS):
+                then[PARTS + part * LANES + lane] = 0.0
+            rewards[lane, seat] = 0.0
+        for row in range(len(block) // LANES):
+            block[row * LANES + lane] = kept[row * LANES + lane]
 
 
-@phase
-def refuse_all(block: Block, s: Settings, lane: int, rewards: NDArray[np.float64]) -> None:
-    """R5.2: after the end every request is MATCH_OVER, and nothing else changes."""
-    for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        asked = me[WANTED + lane] != NO_TARGET
-        me[VERDICT + lane] = _MATCH_OVER if asked else 0.0
-        me[DISTANCE_UM + lane] = -1.0
-        me[WINNER + lane] = -1.0
-        for part in range(6):
-            me[PARTS + part * LANES + lane] = 0.0
-        rewards[lane, seat] = 0.0
-
-
-@phase
-def step_with_ended(
-    block: Block,
-    s: Settings,
-    lanes: int,
-    tables: Tables,
-    choices: NDArray[np.int64],
-    commands: NDArray[np.float32],
-    scratch: Scratch,
-    out: Outputs,
-) -> None:
-    """One step of a block in which some arenas have ended: those are played too, and then put back as they were."""
-    before = block.copy()
-    step_block(block, s, lanes, tables, choices, commands, scratch, out)
-    rows = len(block) // LANES
-    for lane in range(lanes):
-        if before[ENDED + lane] != RUNNING:
-            for seat in range(s.hunters):  # what was asked for is judged; all else is put back
-                before_me = seat_of(before, seat)
-                me = seat_of(block, seat)
-                before_me[WANTED + lane] = me[WANTED + lane]
-                before_me[REQUEST + lane] = me[REQUEST + lane]
-            for row in range(rows):
-                block[row * LANES + lane] = before[row * LANES + lane]
-            refuse_all(block, s, lane, out.rewards)
-    observe(
-        block, s, lanes, tables.target_network, tables.rival_network, scratch.numbers, out.observations, out.masks
-    )
-
-
-@phase
-def any_ended(block: Block, lanes: int) -> bool:
-    """Whether some arena of a block has ended."""
-    for lane in range(lanes):
-        if block[ENDED + lane] != RUNNING:
-            return True
-    return False
-
-
-@batch
+@entry
 def step(
     memory: NDArray[np.float64],
-    settings: Settings,
-    tables: Tables,
-    rows: int,
+    settings: NDArray[np.float64],
+    controls: NDArray[np.int64],
+    target_network: NDArray[np.int64],
+    rival_network: NDArray[np.int64],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
-    scratch: Scratch,
-    out: Outputs,
+    numbers: NDArray[np.float64],
+    docket: Docket,
+    observations: NDArray[np.float32],
+    masks: NDArray[np.int8],
+    rewards: NDArray[np.float64],
 ) -> None:
-    """One step of every arena of a batch."""
+    """R1.4: one step of every arena of a batch.
+
+    Args: `memory` (blocks, rows * LANES); `settings`, see `state.read_settings`; `controls` (H,); the networks (n, 2) of `selection_network`; `choices` (B, H) and `commands`
+    (B, H, 2), the actions; `numbers` and `docket`, scratch; `observations` (B, H, D), `masks` (B, H, K + 1) and `rewards` (B, H), outputs.
+    """
+    s = read_settings(settings)
+    rows = numbers[: 2 * LANES]
+    kept = numbers[len(numbers) - memory.shape[1] :]
     for index in range(len(memory)):
+        block = memory[index]
         first = index * LANES
-        lanes = min(LANES, rows - first)
-        block_out = Outputs(
-            out.observations[first : first + lanes], out.masks[first : first + lanes], out.rewards[first : first + lanes]
-        )
-        play = choices[first : first + lanes]
-        drive = commands[first : first + lanes]
-        if any_ended(memory[index], lanes):
-            step_with_ended(memory[index], settings, lanes, tables, play, drive, scratch, block_out)
-        else:
-            step_block(memory[index], settings, lanes, tables, play, drive, scratch, block_out)
+        last = min(first + LANES, len(choices))
+        lanes = last - first
+        targets = targets_of(block, s)
+        some_ended = keep_ended(block, lanes, kept)
+        take_in(block, s, lanes, controls, choices[first:last], commands[first:last])
+        clear_evidence(block, s, lanes, rows)
+        for lane in range(lanes):
+            if rows[lane] > 0.0:
+                arbitrate(block, s, lane, targets, docket)
+                commit(block, s, lane, targets)
+        move(block, s, lanes, rows)
+        spawn_through(block, targets, lanes, s)
+        end_test(block, s, lanes)
+        reward(block, s, lanes, rows, rewards[first:last])
+        if some_ended:
+            put_back_ended(block, s, lanes, kept, rewards[first:last])
+        observe(block, s, lanes, target_network, rival_network, numbers, observations[first:last], masks[first:last])
 
 
 @phase
-def reset_lane(block: Block, s: Settings, lane: int, tables: Tables, seed: np.uint64) -> None:
+def reset_lane(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64], seed: np.uint64) -> None:
     """R2.6, R3.1, A.6: one arena at the beginning of an episode."""
     rows = len(block) // LANES
     for row in range(rows):
@@ -333,10 +277,10 @@ def reset_lane(block: Block, s: Settings, lane: int, tables: Tables, seed: np.ui
     turn = TAU * fraction(draw(stream(seed, START), np.uint64(0)))
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        if len(tables.start_poses) > 0:
-            me[X + lane] = tables.start_poses[seat, 0]
-            me[Y + lane] = tables.start_poses[seat, 1]
-            me[THETA + lane] = wrap(tables.start_poses[seat, 2])
+        if len(start_poses) > 0:
+            me[X + lane] = start_poses[seat, 0]
+            me[Y + lane] = start_poses[seat, 1]
+            me[THETA + lane] = wrap(start_poses[seat, 2])
         elif s.hunters == 1:
             me[X + lane] = s.side / 2.0
             me[Y + lane] = s.side / 2.0
@@ -362,35 +306,42 @@ def clear_hunter(me: Block, lane: int) -> None:
     me[WINNER + lane] = -1.0
 
 
-@batch
+@entry
 def reset(
     memory: NDArray[np.float64],
-    settings: Settings,
-    tables: Tables,
-    rows: int,
+    settings: NDArray[np.float64],
+    start_poses: NDArray[np.float64],
     chosen: NDArray[np.int64],
     seeds: NDArray[np.uint64],
 ) -> None:
-    """The chosen rows of a batch at the beginning of an episode with the seeds given; `observe_all` shows them."""
+    """The chosen arenas at the beginning of an episode; `start_poses` (H, 3), or (0, 3) for the fair circle. `observe_all` shows them."""
+    s = read_settings(settings)
     for i in range(len(chosen)):
-        reset_lane(memory[chosen[i] // LANES], settings, chosen[i] % LANES, tables, seeds[i])
+        reset_lane(memory[chosen[i] // LANES], s, chosen[i] % LANES, start_poses, seeds[i])
 
 
-@batch
+@entry
 def observe_all(
-    memory: NDArray[np.float64], settings: Settings, tables: Tables, rows: int, scratch: Scratch, out: Outputs
+    memory: NDArray[np.float64],
+    settings: NDArray[np.float64],
+    target_network: NDArray[np.int64],
+    rival_network: NDArray[np.int64],
+    numbers: NDArray[np.float64],
+    observations: NDArray[np.float32],
+    masks: NDArray[np.int8],
 ) -> None:
     """The observations and masks of a batch as it stands."""
+    s = read_settings(settings)
     for index in range(len(memory)):
         first = index * LANES
-        lanes = min(LANES, rows - first)
+        last = min(first + LANES, len(observations))
         observe(
             memory[index],
-            settings,
-            lanes,
-            tables.target_network,
-            tables.rival_network,
-            scratch.numbers,
-            out.observations[first : first + lanes],
-            out.masks[first : first + lanes],
+            s,
+            last - first,
+            target_network,
+            rival_network,
+            numbers,
+            observations[first:last],
+            masks[first:last],
         )

@@ -1,0 +1,109 @@
+"""Where every hunter is at any instant: the ticks between two step boundaries, run again, and straight lines between ticks."""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from catch_arena.core.physics import next_pose
+from catch_arena.render.scene import Pose
+from catch_arena.world import HunterState, World
+
+TICK_MS: Final = 16
+WATCHDOG_MS: Final = 1000
+"""R2.4: ticks later than this after the command do not move."""
+_AGREES_M: Final = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One step's motion.
+
+    `after` has the scores, the rulings and the targets that count from the step's beginning on (R1.4: judged and committed before motion).
+    """
+
+    before: World
+    after: World
+    poses: tuple[tuple[Pose, ...], ...]
+    """By tick, each hunter's: first those in which the step began. After the last one here nobody moves."""
+
+    def at(self, time_ms: float, next_tick: tuple[Pose, ...] | None = None) -> tuple[Pose, ...]:
+        """The poses at an instant of this step, between the ticks about it.
+
+        Args: `next_tick`, the first tick after this step, towards which they move once the last one is past; without it they stay.
+        """
+        tick = math.floor(time_ms / TICK_MS)
+        index = tick - self.before.time_ms // TICK_MS
+        if index + 1 < len(self.poses):
+            start, end = self.poses[index], self.poses[index + 1]
+        elif next_tick is not None and tick >= self.after.time_ms // TICK_MS:
+            start, end = self.poses[-1], next_tick
+        else:
+            return self.poses[-1]
+        part = time_ms / TICK_MS - tick
+        return tuple(between(a, b, part) for a, b in zip(start, end, strict=True))
+
+
+def between(start: Pose, end: Pose, part: float) -> Pose:
+    """The pose that far along the straight way, turning the shorter way round."""
+    turn = (end[2] - start[2] + math.pi) % (2.0 * math.pi) - math.pi
+    return (
+        start[0] + (end[0] - start[0]) * part,
+        start[1] + (end[1] - start[1]) * part,
+        start[2] + turn * part,
+    )
+
+
+def leg(before: World, after: World) -> Leg:
+    """One step's ticks, from the former world's poses with the velocities that the latter shows."""
+    first = before.time_ms // TICK_MS
+    ticks = min(after.time_ms, before.time_ms + WATCHDOG_MS) // TICK_MS - first
+    ways = [_way(start, end, ticks, after.side_m) for start, end in zip(before.hunters, after.hunters, strict=True)]
+    return Leg(before, after, tuple(zip(*ways, strict=True)))
+
+
+def _way(start: HunterState, end: HunterState, ticks: int, side_m: float) -> list[Pose]:
+    pose = (start.x, start.y, start.theta)
+    way = [pose]
+    for _ in range(ticks):
+        pose = next_pose(*pose, end.linear_velocity, end.angular_velocity, side_m)
+        way.append(pose)
+    if math.hypot(pose[0] - end.x, pose[1] - end.y) > _AGREES_M:
+        # in steps of more than a second the watchdog has taken the velocity away: a straight way is all that is known
+        goal = (end.x, end.y, end.theta)
+        way = [between(way[0], goal, tick / max(1, ticks)) for tick in range(ticks + 1)]
+    return way
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """One leg and the frames that fall into it: none where steps are shorter than frames."""
+
+    leg: Leg
+    frames: range
+    next_tick: tuple[Pose, ...] | None
+
+
+def passages(worlds: Iterable[World], fps: int, frames: int) -> Iterator[Passage]:
+    """The legs of a match with their frames; frame k shows the instant k / fps [s], and a leg has those in [t, t + period).
+
+    Memory does not grow with the match: two legs are known at a time. A match without steps is one leg that leads nowhere.
+    """
+    stream = _legs(worlds)
+    now: Leg | None = next(stream)
+    shown = 0
+    while now is not None:
+        following = next(stream, None)
+        end = frames if following is None else min(frames, -(-now.after.time_ms * fps // 1000))
+        yield Passage(now, range(shown, end), None if following is None else following.poses[min(1, len(following.poses) - 1)])
+        shown, now = end, following
+
+
+def _legs(worlds: Iterable[World]) -> Iterator[Leg]:
+    stream = iter(worlds)
+    first = before = next(stream)
+    for after in stream:
+        yield leg(before, after)
+        before = after
+    if before is first:
+        yield leg(first, first)

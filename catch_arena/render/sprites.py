@@ -1,0 +1,221 @@
+"""Small pictures that are drawn once and used often: turtles, rings and texts, premultiplied, by angle and half pixel."""
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from typing import Any, Final, NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.render import text
+from catch_arena.render.scene import INK, Color, Label, Ring, Turtle, mix
+from catch_arena.render.sdl import pygame
+
+PHASES: Final = 2
+"""A sprite is drawn at every 1 / PHASES of a pixel."""
+LIGHT: Final = (0.55, 0.83)
+"""Where shadows fall, x and y on the screen: the light does not turn with the turtle."""
+CACHE_BYTES: Final = 96 << 20
+
+
+class Sprite(NamedTuple):
+    """A premultiplied picture, and where its origin lies in it."""
+
+    surface: "pygame.Surface"
+    origin_x: int
+    origin_y: int
+
+
+class SpriteCache:
+    """Sprites by what they show; those that were not used for longest make room when there are too many bytes."""
+
+    def __init__(self, most_bytes: int = CACHE_BYTES) -> None:
+        self._most_bytes = most_bytes
+        self._bytes = 0
+        self._sprites: OrderedDict[Hashable, Any] = OrderedDict()
+
+    def turtle(self, shape: Turtle) -> tuple[Sprite, int, int]:
+        """A turtle's sprite, and the whole pixels at which its origin belongs."""
+        x, y, phase_x, phase_y = _phase(shape.x, shape.y)
+        turns = max(64, min(192, 8 * round(0.3 * shape.length)))
+        angle = round(shape.theta * turns / (2.0 * math.pi)) % turns
+        length = round(shape.length)
+        key = ("turtle", length, angle, phase_x, phase_y, shape.color, shape.faded)
+
+        def make() -> Sprite:
+            inks = self._get(
+                ("inks", length, angle, phase_x, phase_y),
+                lambda: _turtle_inks(length, 2.0 * math.pi * angle / turns, phase_x / PHASES, phase_y / PHASES),
+            )
+            return _dyed(inks, shape.color, shape.faded)
+
+        return self._get(key, make), x, y
+
+    def ring(self, shape: Ring) -> tuple[Sprite, int, int]:
+        """A ring's sprite, likewise."""
+        x, y, phase_x, phase_y = _phase(shape.x, shape.y)
+        radius, width = round(2.0 * shape.radius) / 2.0, round(4.0 * shape.width) / 4.0
+        opacity, veil = round(shape.opacity * 24) / 24, round(shape.veil * 50) / 50
+        key = ("ring", radius, width, shape.color, opacity, veil, shape.glow, phase_x, phase_y)
+        return self._get(key, lambda: _ring(shape, radius, width, opacity, veil, phase_x, phase_y)), x, y
+
+    def label(self, shape: Label) -> tuple[Sprite, int, int]:
+        """A text's sprite, likewise; only outlined ones move, and stand at half pixels."""
+        shown = text.fitted(shape.text, shape.size, shape.weight, shape.max_width)
+        width = text.text_width(shown, shape.size, shape.weight)
+        left = shape.x - {"left": 0.0, "center": width / 2.0, "right": width}[shape.align]
+        baseline = shape.y + text.MIDDLE * shape.size
+        if shape.outline is None:
+            x, y, phase_x, phase_y = round(left), round(baseline), 0, 0
+        else:
+            x, y, phase_x, phase_y = _phase(left, baseline)
+        opacity = round(shape.opacity * 8) / 8
+        key = ("label", shown, shape.size, shape.weight, shape.color, shape.outline, opacity, phase_x, phase_y)
+        return self._get(key, lambda: _label(shape, shown, opacity, phase_x, phase_y)), x, y
+
+    def _get(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        found = self._sprites.get(key)
+        if found is not None:
+            self._sprites.move_to_end(key)
+            return found
+        made = make()
+        self._sprites[key] = made
+        self._bytes += _bytes_of(made)
+        while self._bytes > self._most_bytes and len(self._sprites) > 1:
+            _, dropped = self._sprites.popitem(last=False)
+            self._bytes -= _bytes_of(dropped)
+        return made
+
+
+def _bytes_of(made: Any) -> int:
+    if isinstance(made, Sprite):
+        return 4 * made.surface.get_width() * made.surface.get_height()
+    return int(made.nbytes)
+
+
+def _phase(x: float, y: float) -> tuple[int, int, int, int]:
+    """The whole pixel and the part of one that are nearest below a place."""
+    at_x, at_y = round(x * PHASES), round(y * PHASES)
+    return at_x // PHASES, at_y // PHASES, at_x % PHASES, at_y % PHASES
+
+
+def _sprite(pixels: NDArray[np.float32], origin_x: int, origin_y: int) -> Sprite:
+    """Premultiplied colours and coverage, 0 to 255, as a surface in the canvas's own channel order."""
+    whole = np.ascontiguousarray(np.clip(pixels + 0.5, 0, 255).astype(np.uint8))
+    height, width = whole.shape[:2]
+    # a copy: the surface of frombuffer would lean on an array that nobody else keeps
+    return Sprite(pygame.image.frombuffer(whole, (width, height), "RGBA").copy(), origin_x, origin_y)
+
+
+# A turtle facing right, one unit long, y up: (centre x, centre y, half length, half width, degrees), both sides
+_FLIPPERS: Final = ((0.17, 0.27, 0.18, 0.075, 52.0), (-0.29, 0.21, 0.13, 0.065, 140.0))
+_HEAD: Final = (0.40, 0.0, 0.125, 0.095, 0.0)
+_SHELL: Final = (-0.03, 0.0, 0.335, 0.275, 0.0)
+_SHELL_TOP: Final = (-0.03, 0.0, 0.285, 0.228, 0.0)
+_TAIL: Final = ((-0.33, 0.05), (-0.5, 0.0), (-0.33, -0.05))
+_HEXAGON: Final = tuple((-0.03 + 0.135 * math.cos(k * math.pi / 3), 0.125 * math.sin(k * math.pi / 3)) for k in range(6))
+_RIM: Final = tuple((-0.03 + 0.285 * math.cos(k * math.pi / 3), 0.228 * math.sin(k * math.pi / 3)) for k in range(6))
+
+
+def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> NDArray[np.float32]:
+    """A turtle in three inks, before it has a colour: (side, side, 4) of its own colour's part, white's, coverage, shadow's coverage; 0 to 1."""
+    fine = 8 if length <= 64 else 4
+    half = math.ceil(0.62 * length) + 2
+    side = 2 * half
+    picture = np.zeros((side * fine, side * fine, 3), dtype=np.uint8)
+    cosine, sine = math.cos(theta), math.sin(theta)
+    unit = length * fine
+    middle_x, middle_y = (half + phase_x) * fine, (half + phase_y) * fine
+
+    def turned(points: Any) -> NDArray[np.int32]:
+        x, y = np.asarray(points, dtype=np.float64).T
+        screen = np.stack([middle_x + (cosine * x - sine * y) * unit, middle_y - (sine * x + cosine * y) * unit], axis=1)
+        return np.round(screen).astype(np.int32)
+
+    def ellipse(x: float, y: float, a: float, b: float, degrees: float) -> NDArray[np.int32]:
+        around = np.linspace(0.0, 2.0 * math.pi, 40, endpoint=False)
+        along, across = a * np.cos(around), b * np.sin(around)
+        c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+        return turned(np.stack([x + c * along - s * across, y + s * along + c * across], axis=1))
+
+    def fill(points: NDArray[np.int32], own: float, white: float) -> None:
+        cv2.fillPoly(picture, [points], (255.0 * own, 255.0 * white, 255.0))
+
+    rim, skin = (0.42, 0.0), (0.80, 0.05)
+    limbs = [(x, sign * y, a, b, sign * turn) for x, y, a, b, turn in _FLIPPERS for sign in (1.0, -1.0)]
+    edge = 0.022
+    for x, y, a, b, turn in [*limbs, _HEAD]:
+        fill(ellipse(x, y, a + edge, b + edge, turn), *rim)
+    fill(turned(_TAIL), *rim)
+    for x, y, a, b, turn in [*limbs, _HEAD]:
+        fill(ellipse(x, y, a - 0.004, b - 0.004, turn), *skin)
+    for sign in (1.0, -1.0):
+        fill(ellipse(0.445, sign * 0.052, 0.026, 0.026, 0.0), 0.0, 0.04)
+    fill(ellipse(*_SHELL), *rim)
+    fill(ellipse(*_SHELL_TOP), 0.96, 0.02)
+    lit = math.hypot(*LIGHT)
+    away_x, away_y = (-LIGHT[0] / lit * 0.075, LIGHT[1] / lit * 0.075)  # towards the light, y up, on the screen
+    fill(ellipse(-0.03 + cosine * away_x + sine * away_y, -sine * away_x + cosine * away_y, 0.185, 0.14, 0.0), 0.86, 0.14)
+    thick = max(1, round(0.022 * unit))
+    line = (255.0 * 0.62, 0.0, 255.0)
+    hexagon, spokes = turned(_HEXAGON), turned(_RIM)
+    cv2.polylines(picture, [hexagon], isClosed=True, color=line, thickness=thick)
+    for inner, outer in zip(hexagon.tolist(), spokes.tolist(), strict=True):
+        cv2.line(picture, inner, outer, line, thick)
+    small = cv2.resize(picture, (side, side), interpolation=cv2.INTER_AREA).astype(np.float32) / 255.0
+    fall = np.float32([[1, 0, 0.085 * length * LIGHT[0]], [0, 1, 0.085 * length * LIGHT[1]]])
+    shadow = cv2.warpAffine(cv2.GaussianBlur(small[..., 2], (0, 0), max(0.6, 0.035 * length)), fall, (side, side))
+    return np.dstack([small, 0.42 * shadow]).astype(np.float32)
+
+
+def _dyed(inks: NDArray[np.float32], color: Color, faded: bool) -> Sprite:
+    own, white, body, shadow = (inks[..., channel, None] for channel in range(4))
+    dye = mix(color, INK, 0.5) if faded else color
+    under = shadow * (1.0 - body)
+    rgb = own * np.float32(dye) + 255.0 * white + under * np.float32(INK)
+    pixels = np.concatenate([rgb, 255.0 * (body + under)], axis=2)
+    half = inks.shape[0] // 2
+    return _sprite(pixels * (0.55 if faded else 1.0), half, half)
+
+
+def _ring(
+    shape: Ring, radius: float, width: float, opacity: float, veil: float, phase_x: int, phase_y: int
+) -> Sprite:
+    reach = radius + (2.5 * width if shape.glow else 0.5 * width) + 2.0
+    half = math.ceil(reach)
+    place = np.arange(2 * half, dtype=np.float32) + 0.5 - half
+    distance = np.hypot(place[None, :] - phase_x / PHASES, place[:, None] - phase_y / PHASES)
+    off = np.abs(distance - radius)
+    cover = np.clip(0.5 + width / 2.0 - off, 0.0, 1.0) * opacity
+    if shape.glow:
+        cover = np.maximum(cover, 0.55 * opacity * np.exp(-((off / (1.1 * width + 0.5)) ** 2)))
+    cover = np.maximum(cover, veil * np.clip(radius - distance + 0.5, 0.0, 1.0))
+    rgba = np.float32([*shape.color, 255.0])
+    return _sprite(cover[..., None] * rgba, half, half)
+
+
+def _label(shape: Label, shown: str, opacity: float, phase_x: int, phase_y: int) -> Sprite:
+    size = shape.size
+    color = np.float32([*shape.color, 255.0])
+    baseline = round(text.BASELINE * size)
+    if shape.outline is None:
+        ink = text.coverage(shown, size, shape.weight).astype(np.float32) / 255.0
+        return _sprite(ink[..., None] * color * opacity, size, baseline)
+    fine = 4
+    large = text.coverage(shown, size * fine, shape.weight)
+    rows, columns = -(-large.shape[0] // fine) + 2, -(-large.shape[1] // fine) + 2
+    room = np.zeros((rows * fine, columns * fine), dtype=np.uint8)
+    down = baseline * fine - round(text.BASELINE * size * fine)
+    top, left = max(0, down + fine * phase_y // PHASES), fine * phase_x // PHASES
+    room[top : top + large.shape[0], left : left + large.shape[1]] = large
+    thick = max(1.0, 0.11 * size) * fine
+    brush = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * round(thick) + 1, 2 * round(thick) + 1))
+    around = cv2.dilate(room, brush)
+    ink, edge = (
+        cv2.resize(layer, (columns, rows), interpolation=cv2.INTER_AREA).astype(np.float32)[..., None] / 255.0
+        for layer in (room, around)
+    )
+    outline = np.float32([*shape.outline, 255.0])
+    return _sprite((ink * color + np.maximum(edge - ink, 0.0) * 0.92 * outline) * opacity, size, baseline)
