@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Final
 
 
 class Verdict(IntEnum):
@@ -23,10 +24,10 @@ class Verdict(IntEnum):
     GRANTED = 11
 
 
-NO_REQUEST = 0
+NO_REQUEST: Final = 0
 """What stands in a table of verdicts for a hunter that requested nothing."""
 
-_REASONS = {
+REASONS: Final = {
     Verdict.MATCH_OVER: "the match is over (R5.2)",
     Verdict.MALFORMED: "the request names no target that could be (R5.2)",
     Verdict.HUNTER_INACTIVE: "the hunter is withdrawn (R1.6)",
@@ -39,6 +40,7 @@ _REASONS = {
     Verdict.KILL_FAILED: "the contest was won, but the simulator refused the kill (R5.7)",
     Verdict.GRANTED: "caught (R5.4)",
 }
+"""Each verdict in words, with the clause it rests on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +65,7 @@ class Ruling:
     @property
     def reason(self) -> str:
         """The verdict in words, with the clause it rests on."""
-        return _REASONS[self.verdict]
+        return REASONS[self.verdict]
 
     def __str__(self) -> str:
         """One line for people: who asked for what, the answer, and the evidence."""

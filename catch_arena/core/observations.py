@@ -11,12 +11,14 @@ from catch_arena.core.math import sincos
 from catch_arena.core.state import (
     ACTIVE,
     ALIVE,
+    ARENA_ROWS,
     BEARING_INTEGRAL,
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
     NO_TARGET,
     SCORE,
+    SEAT_SIZE,
     SEEN,
     SINE,
     SPEED,
@@ -39,6 +41,7 @@ TARGET_WIDTH: Final = len(TARGET_COLUMNS)
 RIVAL_WIDTH: Final = len(RIVAL_COLUMNS)
 
 _PER_UM: Final = 64.0
+_UM: Final = 1.0 / _PER_UM  # a power of two: exact
 """A sorting key is micrometres * 64 + slot or seat: one exact float64 that sorts by distance and then by spawning order."""
 _ABSENT: Final = 9007199254740992.0
 """The key of what is not there: above any other."""
@@ -86,7 +89,7 @@ def order(keys: Block, network: NDArray[np.int64], lanes: int) -> None:
 @rule
 def item_of(key: float) -> float:
     """The slot or seat in a key."""
-    return key - _PER_UM * np.floor(key / _PER_UM)
+    return key - _PER_UM * np.floor(key * _UM)
 
 
 @phase
@@ -171,20 +174,22 @@ def rank_rivals(block: Block, seat: int, lanes: int, network: NDArray[np.int64],
 
 
 @rule
-def rival_row(block: Block, me: Block, other: int, lane: int) -> tuple[float, float, float, float, float, float]:
+def rival_row(block: Block, me: Block, other: float, lane: int) -> tuple[float, float, float, float, float, float]:
     """R7.1: a rival as its observer sees it: forward, left, relative cosine and sine, velocity, score difference."""
-    rival = seat_of(block, other)
-    dx = rival[X + lane] - me[X + lane]
-    dy = rival[Y + lane] - me[Y + lane]
+    at = np.uint64(other) * np.uint64(SEAT_SIZE) + np.uint64(ARENA_ROWS * LANES) + np.uint64(lane)  # in seat_of(block, other)
+    dx = block[at + np.uint64(X)] - me[X + lane]
+    dy = block[at + np.uint64(Y)] - me[Y + lane]
+    rival_sine = block[at + np.uint64(SINE)]
+    rival_cosine = block[at + np.uint64(COSINE)]
     sine = me[SINE + lane]
     cosine = me[COSINE + lane]
     return (
         cosine * dx + sine * dy,
         cosine * dy - sine * dx,
-        rival[COSINE + lane] * cosine + rival[SINE + lane] * sine,
-        rival[SINE + lane] * cosine - rival[COSINE + lane] * sine,
-        rival[SPEED + lane],
-        rival[SCORE + lane] - me[SCORE + lane],
+        rival_cosine * cosine + rival_sine * sine,
+        rival_sine * cosine - rival_cosine * sine,
+        block[at + np.uint64(SPEED)],
+        block[at + np.uint64(SCORE)] - me[SCORE + lane],
     )
 
 
@@ -216,14 +221,14 @@ def break_ties(block: Block, seat: int, lane: int, s: Settings, keys: Block) -> 
         if other == seat or rival[WITHDRAWN + lane] > 0.0:
             continue
         micrometres = distance_um(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane])
-        row = rival_row(block, me, other, lane)
+        row = rival_row(block, me, float(other), lane)
         at = count
         while at > 0:
             before = keys[(at - 1) * LANES + lane]
-            distance = np.floor(before / _PER_UM)
+            distance = np.floor(before * _UM)
             if distance < micrometres:
                 break
-            if distance == micrometres and not stands_before(row, rival_row(block, me, int(item_of(before)), lane)):
+            if distance == micrometres and not stands_before(row, rival_row(block, me, item_of(before), lane)):
                 break
             keys[at * LANES + lane] = before
             at -= 1
@@ -237,22 +242,24 @@ def break_ties(block: Block, seat: int, lane: int, s: Settings, keys: Block) -> 
 def see_rivals(block: Block, seat: int, lanes: int, s: Settings, keys: Block, seen: Block) -> None:
     """R7.1: the nearest rivals."""
     me = seat_of(block, seat)
-    tied = False
+    ties = 0
     for rank in range(min(s.hunters_seen, s.hunters - 2)):
+        nearer = keys[rank * LANES : (rank + 1) * LANES]
+        farther = keys[(rank + 1) * LANES : (rank + 2) * LANES]
         for lane in range(lanes):
-            key = keys[rank * LANES + lane]
-            tied = tied | ((key < _ABSENT) & (np.floor(key / _PER_UM) == np.floor(keys[(rank + 1) * LANES + lane] / _PER_UM)))
-    if tied:
+            tied = (nearer[lane] < _ABSENT) & (np.floor(nearer[lane] * _UM) == np.floor(farther[lane] * _UM))
+            ties += 1 if tied else 0
+    if ties > 0:
         for lane in range(lanes):
             break_ties(block, seat, lane, s, keys)
     for rank in range(s.hunters_seen):
         first = (SELF_WIDTH + s.targets_seen * TARGET_WIDTH + rank * RIVAL_WIDTH) * LANES
         columns = seen[first : first + RIVAL_WIDTH * LANES]
+        key = keys[rank * LANES : (rank + 1) * LANES]
         for lane in range(lanes):
-            key = keys[rank * LANES + lane]
-            present = key < _ABSENT
+            present = key[lane] < _ABSENT
             forward, left, cosine, sine, velocity, difference = rival_row(
-                block, me, int(item_of(key)) if present else 0, lane
+                block, me, item_of(key[lane]) if present else 0.0, lane
             )
             columns[0 * LANES + lane] = forward if present else 0.0
             columns[1 * LANES + lane] = left if present else 0.0
@@ -261,6 +268,15 @@ def see_rivals(block: Block, seat: int, lanes: int, s: Settings, keys: Block, se
             columns[4 * LANES + lane] = sine if present else 0.0
             columns[5 * LANES + lane] = velocity if present else 0.0
             columns[6 * LANES + lane] = difference if present else 0.0
+
+
+@rule
+def deliver(observation: NDArray[np.float32], mask: NDArray[np.int8], seen: Block, choices: float) -> None:
+    """R7.1, R7.2: one lane's numbers as the row that the agent gets, and its mask."""
+    for column in range(len(observation)):
+        observation[column] = np.float32(seen[column * LANES])
+    for rank in range(len(mask)):
+        mask[rank] = 1 if rank <= choices else 0
 
 
 @phase
@@ -290,7 +306,4 @@ def observe(
             rank_rivals(block, seat, lanes, rival_network, s, keys)
             see_rivals(block, seat, lanes, s, keys, seen)
         for lane in range(lanes):
-            for column in range(width):
-                observations[lane, seat, column] = np.float32(seen[column * LANES + lane])
-            for rank in range(s.targets_seen + 1):
-                masks[lane, seat, rank] = 1 if rank <= me[SEEN + lane] else 0
+            deliver(observations[lane, seat], masks[lane, seat], seen[lane:], me[SEEN + lane])

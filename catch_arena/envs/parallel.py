@@ -23,15 +23,15 @@ from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.replay import Replay
 from catch_arena.scenarios import scenario as named_scenario
 from catch_arena.seeding import checked_seed, fresh_seed
-from catch_arena.verdicts import Ruling
+from catch_arena.verdicts import REASONS, Verdict
 from catch_arena.world import World
 
 RENDER_MODES: Final = ("rgb_array", "human")
 RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
-_PARTS = slice(rows.PARTS // rows.LANES, rows.PARTS // rows.LANES + len(rows.PART_NAMES))
-_VERDICT: Final = rows.VERDICT // rows.LANES
+_EVIDENCE: Final = slice(rows.REQUEST // rows.LANES, rows.PARTS // rows.LANES + len(rows.PART_NAMES))
+"""The rows of a hunter from which its info is made: request, verdict, distance, winner, ..., the parts of the reward."""
 
 
 def parallel_env(
@@ -83,6 +83,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):
             for name, control in zip(config.hunter_names, config.controls, strict=True)
         }
         self._engine = Engine(config)
+        self._evidence = self._engine.hunter_rows(0)[:, _EVIDENCE]
+        self._ended = self._engine.memory[0, rows.ENDED : rows.ENDED + 1]
         self._all_target_control = set(config.controls) == {"target"}
         self._choices = np.zeros((1, config.hunters), dtype=np.int64)
         self._commands = np.zeros((1, config.hunters, 2), dtype=np.float32)
@@ -148,9 +150,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):
         if self._replay is not None:
             self._replay.append(self._choices[0], self._commands[0], engine.digest())
         agents = self.agents
-        ended = engine.memory[0, rows.ENDED]
-        terminations = dict.fromkeys(agents, bool(ended == rows.TERMINATED))
-        truncations = dict.fromkeys(agents, bool(ended == rows.TRUNCATED))
+        ended = self._ended.item()
+        terminations = dict.fromkeys(agents, ended == rows.TERMINATED)
+        truncations = dict.fromkeys(agents, ended == rows.TRUNCATED)
         rewards = dict(zip(self.possible_agents, engine.rewards[0].tolist(), strict=True))
         if len(agents) < len(self.possible_agents):
             rewards = {agent: rewards[agent] for agent in agents}
@@ -308,33 +310,41 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):
 
     def _infos(self) -> dict[str, dict[str, Any]]:
         masks = self._engine.masks[0].copy()
-        hunters = self._engine.hunter_rows(0)
-        parts = hunters[:, _PARTS].tolist()
-        rulings: dict[int, Ruling] = {}
-        if hunters[:, _VERDICT].any():
-            rulings = {ruling.hunter: ruling for ruling in self._engine.rulings(0)}
         infos: dict[str, dict[str, Any]] = {}
-        for agent in self.agents:
-            seat = self._seats[agent]
-            ruling = rulings.get(seat)
-            info: dict[str, Any] = (
-                {"verdict": None, "reason": None, "target": None, "distance_um": None, "winner": None}
-                if ruling is None
-                else {
-                    "verdict": ruling.verdict,
-                    "reason": ruling.reason,
-                    "target": ruling.target,
-                    "distance_um": ruling.distance_um,
-                    "winner": ruling.winner,
-                }
-            )
-            info["reward_parts"] = dict(zip(rows.PART_NAMES, parts[seat], strict=True))
-            control = self.config.controls[seat]
+        for agent, control, mask, evidence in zip(
+            self.possible_agents, self.config.controls, masks, self._evidence.tolist(), strict=True
+        ):
+            number, verdict, distance, winner, *parts = evidence
+            catch, rival_catch, lost_contest, rejected_request, progress, elapsed = parts[-6:]
+            info: dict[str, Any] = {
+                "verdict": None,
+                "reason": None,
+                "target": None,
+                "distance_um": None,
+                "winner": None,
+                "reward_parts": {
+                    "catch": catch,
+                    "rival_catch": rival_catch,
+                    "lost_contest": lost_contest,
+                    "rejected_request": rejected_request,
+                    "progress": progress,
+                    "time": elapsed,
+                },
+            }
+            if verdict:
+                answer = Verdict(int(verdict))
+                info["verdict"] = answer
+                info["reason"] = REASONS[answer]
+                info["target"] = f"{self.config.name_prefix}{int(number)}" if number else None
+                info["distance_um"] = None if distance < 0 else int(distance)
+                info["winner"] = None if winner < 0 else int(winner)
             if control == "target":
-                info["action_mask"] = masks[seat]
+                info["action_mask"] = mask
             elif control == "full":
-                info["action_mask"] = {"cmd_vel": None, "catch": masks[seat]}
+                info["action_mask"] = {"cmd_vel": None, "catch": mask}
             infos[agent] = info
+        if len(self.agents) < len(infos):
+            return {agent: infos[agent] for agent in self.agents}
         return infos
 
 

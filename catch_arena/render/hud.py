@@ -20,6 +20,10 @@ COLUMNS: Final = 220
 """Of the timeline: however long the match, it is kept and drawn in so many parts."""
 
 
+ROW: Final = 58.0
+"""The most that a line of the standings takes, in units."""
+
+
 class Rect(NamedTuple):
     """Whole pixels."""
 
@@ -55,8 +59,8 @@ class Timeline:
 
     duration_ms: int
     catches: int = 0
-    catchers: list[int | None] = field(default_factory=lambda: [None] * COLUMNS)
-    """The seat of the last catch in each part."""
+    catchers: list[frozenset[int]] = field(default_factory=lambda: [frozenset()] * COLUMNS)
+    """The seats that caught in each part."""
     leads: list[tuple[int, int] | None] = field(default_factory=lambda: [None] * COLUMNS)
     """(seat, catches ahead of the next) at the end of each part; seat -1 where nobody is ahead; None for the future."""
     _reached: int = -1
@@ -72,9 +76,8 @@ class Timeline:
             self.leads[part] = self.leads[self._reached] if self._reached >= 0 else (-1, 0)
         self._reached = column
         self.leads[column] = lead(scores)
-        for seat in catchers:
-            self.catchers[column] = seat
-            self.catches += 1
+        self.catchers[column] |= frozenset(catchers)
+        self.catches += len(catchers)
 
 
 def lead(scores: Sequence[int]) -> tuple[int, int]:
@@ -85,7 +88,7 @@ def lead(scores: Sequence[int]) -> tuple[int, int]:
     return list(scores).index(best), best - max((score for score in scores if score != best), default=0)
 
 
-def arrange(size: tuple[int, int], layout: Layout) -> Arrangement:
+def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
     """Where everything stands in a frame of that size: the panel at the right of a wide one, below in a tall one, around in a square one."""
     width, height = size
     nothing = Rect(0, 0, 0, 0)
@@ -97,7 +100,7 @@ def arrange(size: tuple[int, int], layout: Layout) -> Arrangement:
         side = min(height, round(0.64 * width))
         unit = min(height / 720.0, (width - side) / 560.0)
         gap = round(20 * unit)
-        header, standings, timeline = _cards(Rect(side + gap, gap, width - side - 2 * gap, height - 2 * gap), unit)
+        header, standings, timeline = _cards(Rect(side + gap, gap, width - side - 2 * gap, height - 2 * gap), unit, hunters)
         return Arrangement(Rect(0, 0, side, height), header, standings, timeline, unit)
     if height >= 1.25 * width:
         unit = max(0.6, min(width / 560.0, height / 1160.0))
@@ -106,7 +109,7 @@ def arrange(size: tuple[int, int], layout: Layout) -> Arrangement:
         arena_height = min(width, height - top - round(200 * unit))
         below = top + arena_height + gap
         rest = Rect(gap, below, width - 2 * gap, height - below - gap)
-        _, standings, timeline = _cards(rest, unit, header=False)
+        _, standings, timeline = _cards(rest, unit, hunters, header=False)
         return Arrangement(Rect(0, top, width, arena_height), Rect(gap, gap // 2, width - 2 * gap, top - gap), standings, timeline, unit)
     unit = max(0.55, min(width, height) / 800.0)
     gap = round(14 * unit)
@@ -122,7 +125,7 @@ def arrange(size: tuple[int, int], layout: Layout) -> Arrangement:
     )
 
 
-def _cards(panel: Rect, unit: float, *, header: bool = True) -> tuple[Rect, Rect, Rect]:
+def _cards(panel: Rect, unit: float, hunters: int, *, header: bool = True) -> tuple[Rect, Rect, Rect]:
     """Header, standings and timeline in a panel: one below the other, or the last two side by side in a wide one."""
     gap = round(14 * unit)
     top = round(48 * unit) + gap if header else 0
@@ -132,7 +135,8 @@ def _cards(panel: Rect, unit: float, *, header: bool = True) -> tuple[Rect, Rect
         half = (rest.width - gap) // 2
         left = Rect(rest.left, rest.top, half, rest.height)
         return head, left, Rect(rest.left + half + gap, rest.top, rest.width - half - gap, rest.height)
-    below = min(round(0.36 * rest.height), round(190 * unit))
+    wanted = round(hunters * ROW * unit + 16 * unit)
+    below = max(rest.height - gap - wanted, min(round(0.36 * rest.height), round(190 * unit)))
     standings = Rect(rest.left, rest.top, rest.width, rest.height - below - gap)
     return head, standings, Rect(rest.left, rest.top + rest.height - below, rest.width, below)
 
@@ -167,25 +171,34 @@ def header_shapes(area: Rect, look: Look, seed: int | None, time_text: str, unit
     return shapes
 
 
-def strip_shapes(area: Rect, look: Look, standings: Sequence[Standing], time_text: str) -> list[Shape]:
-    """One line over the arena: every hunter's number, colour and score as far as there is room, and the clock."""
+def split_strip(area: Rect, time_text: str) -> tuple[Rect, Rect]:
+    """The line over the arena: the part for the scores, and the clock's at its right end."""
+    room = round((len(time_text) + 1.5) * 0.62 * _size(0.58 * area.height, 12))
+    return area._replace(width=area.width - room), area._replace(left=area.left + area.width - room, width=room)
+
+
+def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
+    """The clock in the line over the arena."""
+    size = _size(0.58 * area.height, 12)
+    return [Label(area.left + area.width - 0.5 * size, area.top + area.height / 2.0, time_text, size, BRIGHT, 700, "right")]
+
+
+def chip_shapes(area: Rect, look: Look, standings: Sequence[Standing]) -> list[Shape]:
+    """Every hunter's number on its colour, and its score: by seat, or the best as far as there is room."""
     size = _size(0.58 * area.height, 12)
     middle = area.top + area.height / 2.0
-    right = area.left + area.width - 0.5 * size
-    shapes: list[Shape] = [Label(right, middle, time_text, size, BRIGHT, 700, "right")]
-    room = area.width - (len(time_text) + 2.5) * 0.62 * size
-    digits = max(len(str(one.score)) for one in standings)
-    step = (1.9 + len(str(len(standings) - 1)) * 0.55 + 0.66 * digits) * size
-    fits = max(1, int(room // step))
+    number_width = 0.6 * len(str(len(standings) - 1)) * size
+    step = number_width + (1.6 + 0.66 * max(len(str(one.score)) for one in standings)) * size
+    fits = max(1, int((area.width - 0.5 * size) // step))
     shown = sorted(standings) if fits >= len(standings) else ranked(standings)[:fits]
+    shapes: list[Shape] = []
     x = area.left + 0.5 * size
     for one in shown:
         color = mix(look.color(one.seat), PANEL, 0.6 if one.withdrawn else 0.0)
-        number = str(one.seat)
-        chip = (0.7 + 0.6 * len(number)) * size
+        chip = number_width + 0.7 * size
         shapes += [
             Box(x, middle - 0.56 * size, chip, 1.12 * size, color, 0.3 * size),
-            Label(x + chip / 2.0, middle, number, _size(0.82 * size, 9), readable_on(color), 800, "center"),
+            Label(x + chip / 2.0, middle, str(one.seat), _size(0.82 * size, 9), readable_on(color), 800, "center"),
             Label(x + chip + 0.25 * size, middle, str(one.score), size, BRIGHT, 700),
         ]
         x += step
@@ -194,7 +207,6 @@ def strip_shapes(area: Rect, look: Look, standings: Sequence[Standing], time_tex
 
 def standings_shapes(area: Rect, look: Look, standings: Sequence[Standing], unit: float) -> list[Shape]:
     """A line for each hunter, the best first: turtle, number, name, a bar as long as its share of the leader's score, and the score."""
-    shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
     pad = 8 * unit
     lines = ranked(standings)
     best = max(1, lines[0].score)
@@ -207,8 +219,9 @@ def standings_shapes(area: Rect, look: Look, standings: Sequence[Standing], unit
         left_out += 1
         lines = lines[: rows * columns - 1]
     per_column = -(-(len(lines) + (left_out > 0)) // columns)
-    height = min(room / per_column, 40.0 * unit if unit > 0.7 else 28.0)
+    height = min(room / per_column, max(28.0, ROW * unit))
     width = (area.width - 2.0 * pad) / columns
+    shapes: list[Shape] = [Box(area.left, area.top, area.width, per_column * height + 2.0 * pad, CARD, 12 * unit)]
     for place, one in enumerate(lines):
         column, row = divmod(place, per_column)
         line = (area.left + pad + column * width, area.top + pad + row * height, width, height)
@@ -223,7 +236,7 @@ def standings_shapes(area: Rect, look: Look, standings: Sequence[Standing], unit
 def _line(line: tuple[float, float, float, float], look: Look, one: Standing, best: int, unit: float) -> list[Shape]:
     left, top, width, height = line
     middle = top + height / 2.0
-    size = min(_size(0.54 * height, 10), _size(19 * unit, 11))
+    size = min(_size(0.54 * height, 10), _size(21 * unit, 11), _size(0.1 * width, 9))
     color = look.color(one.seat)
     digits = len(str(best))
     x = left + 0.3 * size
@@ -234,8 +247,8 @@ def _line(line: tuple[float, float, float, float], look: Look, one: Standing, be
     shapes.append(Label(x + number_room, middle, str(one.seat), number_size, DIM, 600, "right"))
     x += number_room + 0.6 * size
     right = left + width - 0.5 * size
-    bar_end = right - (0.68 * digits + 0.5) * size
-    has_bar = width >= 15 * size
+    bar_end = right - (0.78 * digits + 0.6) * size
+    has_bar = width >= 21 * size
     bar_start = max(x + 4.5 * size, bar_end - 0.44 * width) if has_bar else bar_end
     name = look.names[one.seat] + ("  (out)" if one.withdrawn else "")
     shapes.append(Label(x, middle, name, size, DIM if one.withdrawn else BRIGHT, 500, max_width=bar_start - x - 0.5 * size))
@@ -271,23 +284,30 @@ def timeline_shapes(area: Rect, look: Look, timeline: Timeline, time_ms: float, 
     right = left + width
     alone = len(look.names) == 1
     many = "1 catch" if timeline.catches == 1 else f"{timeline.catches} catches"
-    head = area.top + max(0.95 * text, 0.11 * area.height)
+    head = area.top + max(0.95 * text, min(0.11 * area.height, 22 * unit))
     many_room = 0.6 * text * len(many)
     shapes += [
         Label(area.left + pad, head, "Catches" if alone else "Catches and lead", text, DIM, 500, max_width=area.width - 2 * pad - many_room),
         Label(right, head, many, text, DIM, 500, "right"),
     ]
-    foot = area.top + area.height - max(0.85 * small, 0.08 * area.height)
+    foot = area.top + area.height - max(0.85 * small, min(0.08 * area.height, 18 * unit))
     lane_top = head + 0.95 * text
-    lane = max(4.0, min(12.0 * unit, 0.1 * area.height))
     base = foot - 1.15 * small
-    top = lane_top + lane + max(4.0, 0.05 * area.height)
-    shapes.append(Box(left, lane_top, width, lane, TRACK, lane / 2))
+    lanes = len(look.names) if (base - lane_top) / 2.0 >= 1.25 * small * len(look.names) else 1
+    pitch = min(20.0 * unit, 0.5 * (base - lane_top) / lanes)
+    lane = max(4.0, min(12.0 * unit, 0.7 * pitch))
     step = width / COLUMNS
-    for part, seat in enumerate(timeline.catchers):
-        if seat is not None:
-            tick = max(step, min(3.0 * unit, 3.0), 1.5)
-            shapes.append(Box(left + (part + 0.5) * step - tick / 2, lane_top, tick, lane, look.color(seat)))
+    for row in range(lanes):
+        row_top = lane_top + row * pitch
+        shapes.append(Box(left, row_top, width, lane, TRACK, lane / 2))
+        if lanes > 1:
+            shapes.append(Label(left - 0.5 * small, row_top + lane / 2, str(row), small, look.color(row), 700, "right"))
+    tick = max(step, min(3.0 * unit, 3.0), 1.5)
+    for part, seats in enumerate(timeline.catchers):
+        for seat in sorted(seats):
+            row_top = lane_top + (seat * pitch if lanes > 1 else 0.0)
+            shapes.append(Box(left + (part + 0.5) * step - tick / 2, row_top, tick, lane, look.color(seat)))
+    top = lane_top + (lanes - 1) * pitch + lane + max(4.0, 0.05 * area.height)
     most = max((ahead for _, ahead in (now or (-1, 0) for now in timeline.leads)), default=0)
     height = base - top
     now_x = cursor_x(area, timeline, time_ms, unit)

@@ -129,6 +129,8 @@ class Ground:
         self._clean = clean.pixels
         self._trace = Canvas.blank(view.width, view.height, scene.OUTSIDE, sprites)
         self._floor = Canvas.blank(view.width, view.height, scene.OUTSIDE, sprites)
+        # kept, since a new megabyte for every fade costs more than the fade
+        self._above, self._below = np.empty_like(self._clean), np.empty_like(self._clean)
         self._time_ms = 0.0
         self.reset()
 
@@ -151,25 +153,25 @@ class Ground:
 
     def fade(self, time_ms: float) -> None:
         """Fade as much as so late an instant asks for; after long waits there is nothing left to fade."""
-        for layer, goal, every, speed in (
-            (self._trace.pixels, self._clean, TRACE_FADE_MS, _SLOW),
-            (self._floor.pixels, self._trace.pixels, FADE_MS, _FAST),
+        for layer, goal, every, part in (
+            (self._trace.pixels, self._clean, TRACE_FADE_MS, 0.012),
+            (self._floor.pixels, self._trace.pixels, FADE_MS, 0.024),
         ):
             times = int(time_ms // every) - int(self._time_ms // every)
             for _ in range(min(times, 150)):
-                _approach(layer, goal, speed)
+                self._approach(layer, goal, part)
         self._time_ms = time_ms
 
-
-_SLOW: Final = np.minimum(np.arange(256), 1).astype(np.uint8)
-_FAST: Final = np.ceil(np.arange(256) * 0.024).astype(np.uint8)
-
-
-def _approach(layer: Pixels, goal: Pixels, by: Pixels) -> None:
-    """Move every byte of a layer towards its goal by what the table says for their difference; it gets there exactly."""
-    above, below = cv2.subtract(layer, goal), cv2.subtract(goal, layer)
-    cv2.subtract(layer, cv2.LUT(above, by), layer)
-    cv2.add(layer, cv2.LUT(below, by), layer)
+    def _approach(self, layer: Pixels, goal: Pixels, part: float) -> None:
+        """Move every byte of a layer by that part of its way to the goal, and by 1 at least: it gets there exactly."""
+        above, below = self._above, self._below
+        cv2.subtract(layer, goal, above)
+        cv2.subtract(goal, layer, below)
+        # rounding 0.49 + part * way leaves 0 at 0 and makes 1 of the least way
+        cv2.convertScaleAbs(above, above, part, 0.49)
+        cv2.convertScaleAbs(below, below, part, 0.49)
+        cv2.subtract(layer, above, layer)
+        cv2.add(layer, below, layer)
 
 
 class Stage:
@@ -180,7 +182,7 @@ class Stage:
             raise ConfigError(f"layout must be broadcast or arena, got {layout!r}; {suggest(layout, get_args(hud.Layout))}")
         self.look = look
         self._seed = seed
-        self._plan = hud.arrange(size, layout)
+        self._plan = hud.arrange(size, layout, look.config.hunters)
         self._sprites = SpriteCache()
         self._frame = Canvas.blank(*size, hud.PANEL, self._sprites)
         self._arena = self._frame.part(self._plan.arena)
@@ -239,8 +241,11 @@ class Stage:
         plan, unit = self._plan, self._plan.unit
         clock = hud.clock(time_ms)
         if not plan.standings.width:
-            if self._changed("header", (clock, self._standings)):
-                self._redraw(plan.header, hud.strip_shapes(plan.header, self.look, self._standings, clock))
+            chips, right = hud.split_strip(plan.header, clock)
+            if self._changed("chips", (chips, self._standings)):
+                self._redraw(chips, hud.chip_shapes(chips, self.look, self._standings))
+            if self._changed("clock", clock):
+                self._redraw(right, hud.strip_clock_shapes(right, clock))
             return
         if self._changed("header", clock):
             self._redraw(plan.header, hud.header_shapes(plan.header, self.look, self._seed, clock, unit))

@@ -6,6 +6,7 @@ World units are metres, y up; shapes are in pixels, y down. raster.py turns shap
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Literal
 
 from catch_arena.config import ArenaConfig
@@ -25,7 +26,7 @@ GRID: Final[Color] = (78, 95, 255)
 OUTSIDE: Final[Color] = (62, 77, 236)
 TRACE: Final[Color] = (94, 113, 255)
 """What remains of a trail."""
-TARGET: Final[Color] = (238, 232, 255)
+TARGET: Final[Color] = (240, 234, 255)
 WHITE: Final[Color] = (255, 255, 255)
 INK: Final[Color] = (14, 18, 44)
 
@@ -109,6 +110,8 @@ class Turtle:
     length: float
     color: Color
     faded: bool = False
+    contrast: float = 1.0
+    """How dark its darker parts are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,10 +158,10 @@ class Look:
         """A seat's colour: eight, then the same eight lighter, then darker, and again."""
         color = HUNTER_COLORS[seat % len(HUNTER_COLORS)]
         shade = seat // len(HUNTER_COLORS) % 3
-        return color if shade == 0 else mix(color, WHITE if shade == 1 else INK, 0.42)
+        return (color, mix(color, WHITE, 0.42), mix(color, INK, 0.3))[shade]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Viewport:
     """Where the arena's square lies in a picture of so many pixels: as large as fits, in the middle, with a margin."""
 
@@ -166,28 +169,33 @@ class Viewport:
     height: int
     side_m: float
 
-    @property
+    @cached_property
     def scale(self) -> float:
         """Pixels per metre."""
         return min(self.width, self.height) / (self.side_m * (1.0 + 2.0 * MARGIN))
 
     def place(self, x: float, y: float) -> tuple[float, float]:
         """A point of the world [m] in pixels."""
-        half = self.side_m / 2.0
-        return self.width / 2.0 + (x - half) * self.scale, self.height / 2.0 - (y - half) * self.scale
+        left, bottom = self._corner
+        return left + x * self.scale, bottom - y * self.scale
 
-    @property
+    @cached_property
+    def _corner(self) -> tuple[float, float]:
+        half = self.side_m * self.scale / 2.0
+        return self.width / 2.0 - half, self.height / 2.0 + half
+
+    @cached_property
     def hunter_length(self) -> float:
         """Pixels: true to HUNTER_LENGTH_M until that would be too small to see."""
         least = max(20.0, min(self.width, self.height) / 26.0)
         return max(HUNTER_LENGTH_M * self.scale, least)
 
-    @property
+    @cached_property
     def target_length(self) -> float:
         """Pixels."""
         return self.hunter_length * TARGET_LENGTH_M / HUNTER_LENGTH_M
 
-    @property
+    @cached_property
     def trail_width(self) -> float:
         """Pixels."""
         return max(1.6, 0.1 * self.hunter_length)
@@ -282,14 +290,15 @@ def arena_shapes(
     shapes: list[Shape] = []
     for target in targets:
         shapes += _target(view, target, time_ms)
-    shapes += [_contest(view, mark, look.color(mark.seat), poses[mark.seat], time_ms) for mark in marks if mark.kind == "lost"]
     reach = look.config.reach_m * view.scale
     for seat, hunter in enumerate(hunters):
         shapes += _hunter(view, hunter, poses[seat], look.color(seat), reach)
     for mark in marks:
         if mark.kind == "catch":
             shapes.append(_catch_ring(view, mark, time_ms))
-    size = max(9, round(0.34 * view.hunter_length))
+        elif mark.kind == "lost":
+            shapes.append(_contest(view, mark, look.color(mark.seat), poses[mark.seat], time_ms))
+    size = max(10, round(0.34 * view.hunter_length))
     for seat, (x, y, _) in enumerate(poses):
         shapes.append(Label(*view.place(x, y), str(seat), size, WHITE, 800, "center", outline=INK))
     for mark in marks:
@@ -305,7 +314,7 @@ def _target(view: Viewport, target: TargetState, time_ms: float) -> list[Shape]:
         part = age / SPAWN_MS
         radius = view.target_length * (1.3 - 0.7 * part)
         shapes.append(Ring(x, y, radius, 1.5, WHITE, 0.8 * part))
-    shapes.append(Turtle(x, y, target.theta, view.target_length, TARGET))
+    shapes.append(Turtle(x, y, target.theta, view.target_length, TARGET, contrast=0.6))
     return shapes
 
 
@@ -344,14 +353,16 @@ def _contest(view: Viewport, mark: Mark, color: Color, pose: Pose, time_ms: floa
 
 
 def _word(view: Viewport, mark: Mark, color: Color, pose: Pose, reach: float, time_ms: float) -> Label:
-    """+1, - or ! over the hunter, rising; kept inside the picture."""
+    """+1 or ! rising over the hunter, or - sinking below it, clear of the winner's; kept inside the picture."""
     part = (time_ms - mark.time_ms) / mark.lasts_ms
     size = max(11, round((0.48 if mark.kind == "catch" else 0.42) * view.hunter_length))
     x, y = view.place(pose[0], pose[1])
-    above = max(reach, 0.5 * view.hunter_length) + 0.75 * size + 0.3 * view.hunter_length * part
-    y = y - above if y - above > 0.6 * size else y + above
+    away = max(reach, 0.5 * view.hunter_length) + 0.75 * size + 0.3 * view.hunter_length * part
+    side = 1.0 if mark.kind == "lost" else -1.0
+    if not 0.6 * size < y + side * away < view.height - 0.6 * size:
+        side = -side
     x = min(max(x, 0.8 * size), view.width - 0.8 * size)
     text = {"catch": "+1", "lost": "−", "refused": "!"}[mark.kind]
     opacity = min(1.0, 3.0 * (1.0 - part))
     words = WHITE if mark.kind == "catch" else mix(color, WHITE, 0.35)
-    return Label(x, y, text, size, words, 800, "center", outline=INK, opacity=opacity)
+    return Label(x, y + side * away, text, size, words, 800, "center", outline=INK, opacity=opacity)

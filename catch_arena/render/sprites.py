@@ -42,14 +42,14 @@ class SpriteCache:
         turns = max(64, min(192, 8 * round(0.3 * shape.length)))
         angle = round(shape.theta * turns / (2.0 * math.pi)) % turns
         length = round(shape.length)
-        key = ("turtle", length, angle, phase_x, phase_y, shape.color, shape.faded)
+        key = ("turtle", length, angle, phase_x, phase_y, shape.color, shape.faded, shape.contrast)
 
         def make() -> Sprite:
             inks = self._get(
                 ("inks", length, angle, phase_x, phase_y),
                 lambda: _turtle_inks(length, 2.0 * math.pi * angle / turns, phase_x / PHASES, phase_y / PHASES),
             )
-            return _dyed(inks, shape.color, shape.faded)
+            return _dyed(inks, shape)
 
         return self._get(key, make), x, y
 
@@ -109,75 +109,78 @@ def _sprite(pixels: NDArray[np.float32], origin_x: int, origin_y: int) -> Sprite
     return Sprite(pygame.image.frombuffer(whole, (width, height), "RGBA").copy(), origin_x, origin_y)
 
 
-# A turtle facing right, one unit long, y up: (centre x, centre y, half length, half width, degrees), both sides
-_FLIPPERS: Final = ((0.17, 0.27, 0.18, 0.075, 52.0), (-0.29, 0.21, 0.13, 0.065, 140.0))
-_HEAD: Final = (0.40, 0.0, 0.125, 0.095, 0.0)
-_SHELL: Final = (-0.03, 0.0, 0.335, 0.275, 0.0)
-_SHELL_TOP: Final = (-0.03, 0.0, 0.285, 0.228, 0.0)
-_TAIL: Final = ((-0.33, 0.05), (-0.5, 0.0), (-0.33, -0.05))
-_HEXAGON: Final = tuple((-0.03 + 0.135 * math.cos(k * math.pi / 3), 0.125 * math.sin(k * math.pi / 3)) for k in range(6))
-_RIM: Final = tuple((-0.03 + 0.285 * math.cos(k * math.pi / 3), 0.228 * math.sin(k * math.pi / 3)) for k in range(6))
+Points = NDArray[np.float64]
+
+
+def _ellipse(x: float, y: float, a: float, b: float, degrees: float = 0.0) -> Points:
+    """Centre, half length, half width, and how it is turned."""
+    around = np.linspace(0.0, 2.0 * math.pi, 40, endpoint=False)
+    along, across = a * np.cos(around), b * np.sin(around)
+    cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    return np.stack([x + cosine * along - sine * across, y + sine * along + cosine * across], axis=1)
+
+
+def _turtle_parts() -> list[tuple[Points, float, float]]:
+    """A turtle facing right, one unit long, y up, lowest part first: outline, its own colour's part, white's part."""
+    limbs = [
+        (x, side * y, a, b, side * turn)
+        for x, y, a, b, turn in ((0.17, 0.27, 0.18, 0.075, 52.0), (-0.29, 0.21, 0.13, 0.065, 140.0))
+        for side in (1.0, -1.0)
+    ]
+    limbs.append((0.40, 0.0, 0.125, 0.095, 0.0))  # the head
+    rim = (0.42, 0.0)
+    parts = [(_ellipse(x, y, a + 0.022, b + 0.022, turn), *rim) for x, y, a, b, turn in limbs]
+    parts.append((np.array([(-0.33, 0.05), (-0.5, 0.0), (-0.33, -0.05)]), *rim))
+    parts += [(_ellipse(x, y, a - 0.004, b - 0.004, turn), 0.80, 0.05) for x, y, a, b, turn in limbs]
+    parts += [(_ellipse(0.445, side * 0.052, 0.026, 0.026), 0.0, 0.04) for side in (1.0, -1.0)]
+    parts.append((_ellipse(-0.03, 0.0, 0.335, 0.275), *rim))
+    parts.append((_ellipse(-0.03, 0.0, 0.285, 0.228), 0.96, 0.02))
+    return parts
+
+
+_PARTS: Final = _turtle_parts()
+_CORNERS: Final = np.linspace(0.0, 2.0 * math.pi, 6, endpoint=False)
+_SCUTE: Final = np.stack([-0.03 + 0.135 * np.cos(_CORNERS), 0.125 * np.sin(_CORNERS)], axis=1)
+"""The hexagon in the middle of the shell; lines lead from its corners to the edge."""
+_EDGE: Final = np.stack([-0.03 + 0.285 * np.cos(_CORNERS), 0.228 * np.sin(_CORNERS)], axis=1)
+_SHEEN: Final = _ellipse(0.0, 0.0, 0.185, 0.14)
 
 
 def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> NDArray[np.float32]:
-    """A turtle in three inks, before it has a colour: (side, side, 4) of its own colour's part, white's, coverage, shadow's coverage; 0 to 1."""
+    """A turtle before it has a colour: (side, side, 4) of its own colour's part, white's part, coverage and its shadow's coverage, 0 to 1."""
     fine = 8 if length <= 64 else 4
     half = math.ceil(0.62 * length) + 2
     side = 2 * half
     picture = np.zeros((side * fine, side * fine, 3), dtype=np.uint8)
-    cosine, sine = math.cos(theta), math.sin(theta)
-    unit = length * fine
-    middle_x, middle_y = (half + phase_x) * fine, (half + phase_y) * fine
+    unit = float(length * fine)
+    turn = unit * np.array([[math.cos(theta), -math.sin(theta)], [-math.sin(theta), -math.cos(theta)]])
+    middle = np.array([(half + phase_x) * fine, (half + phase_y) * fine])
 
-    def turned(points: Any) -> NDArray[np.int32]:
-        x, y = np.asarray(points, dtype=np.float64).T
-        screen = np.stack([middle_x + (cosine * x - sine * y) * unit, middle_y - (sine * x + cosine * y) * unit], axis=1)
-        return np.round(screen).astype(np.int32)
+    def placed(points: Points) -> NDArray[np.int32]:
+        return np.rint(points @ turn.T + middle).astype(np.int32)
 
-    def ellipse(x: float, y: float, a: float, b: float, degrees: float) -> NDArray[np.int32]:
-        around = np.linspace(0.0, 2.0 * math.pi, 40, endpoint=False)
-        along, across = a * np.cos(around), b * np.sin(around)
-        c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-        return turned(np.stack([x + c * along - s * across, y + s * along + c * across], axis=1))
-
-    def fill(points: NDArray[np.int32], own: float, white: float) -> None:
-        cv2.fillPoly(picture, [points], (255.0 * own, 255.0 * white, 255.0))
-
-    rim, skin = (0.42, 0.0), (0.80, 0.05)
-    limbs = [(x, sign * y, a, b, sign * turn) for x, y, a, b, turn in _FLIPPERS for sign in (1.0, -1.0)]
-    edge = 0.022
-    for x, y, a, b, turn in [*limbs, _HEAD]:
-        fill(ellipse(x, y, a + edge, b + edge, turn), *rim)
-    fill(turned(_TAIL), *rim)
-    for x, y, a, b, turn in [*limbs, _HEAD]:
-        fill(ellipse(x, y, a - 0.004, b - 0.004, turn), *skin)
-    for sign in (1.0, -1.0):
-        fill(ellipse(0.445, sign * 0.052, 0.026, 0.026, 0.0), 0.0, 0.04)
-    fill(ellipse(*_SHELL), *rim)
-    fill(ellipse(*_SHELL_TOP), 0.96, 0.02)
-    lit = math.hypot(*LIGHT)
-    away_x, away_y = (-LIGHT[0] / lit * 0.075, LIGHT[1] / lit * 0.075)  # towards the light, y up, on the screen
-    fill(ellipse(-0.03 + cosine * away_x + sine * away_y, -sine * away_x + cosine * away_y, 0.185, 0.14, 0.0), 0.86, 0.14)
-    thick = max(1, round(0.022 * unit))
-    line = (255.0 * 0.62, 0.0, 255.0)
-    hexagon, spokes = turned(_HEXAGON), turned(_RIM)
-    cv2.polylines(picture, [hexagon], isClosed=True, color=line, thickness=thick)
-    for inner, outer in zip(hexagon.tolist(), spokes.tolist(), strict=True):
-        cv2.line(picture, inner, outer, line, thick)
+    for points, own, white in _PARTS:
+        cv2.fillPoly(picture, [placed(points)], (255.0 * own, 255.0 * white, 255.0))
+    sheen = _SHEEN * unit + placed(np.array([[-0.03, 0.0]])) - np.array(LIGHT) * 0.075 * unit
+    cv2.fillPoly(picture, [np.rint(sheen).astype(np.int32)], (255.0 * 0.86, 255.0 * 0.14, 255.0))
+    thick, line = max(1, round(0.022 * unit)), (255.0 * 0.62, 0.0, 255.0)
+    inner, outer = placed(_SCUTE), placed(_EDGE)
+    cv2.polylines(picture, [inner, *np.stack([inner, outer], axis=1)], True, line, thick)
     small = cv2.resize(picture, (side, side), interpolation=cv2.INTER_AREA).astype(np.float32) / 255.0
-    fall = np.float32([[1, 0, 0.085 * length * LIGHT[0]], [0, 1, 0.085 * length * LIGHT[1]]])
+    fall = np.array([[1.0, 0.0, 0.085 * length * LIGHT[0]], [0.0, 1.0, 0.085 * length * LIGHT[1]]])
     shadow = cv2.warpAffine(cv2.GaussianBlur(small[..., 2], (0, 0), max(0.6, 0.035 * length)), fall, (side, side))
     return np.dstack([small, 0.42 * shadow]).astype(np.float32)
 
 
-def _dyed(inks: NDArray[np.float32], color: Color, faded: bool) -> Sprite:
+def _dyed(inks: NDArray[np.float32], shape: Turtle) -> Sprite:
     own, white, body, shadow = (inks[..., channel, None] for channel in range(4))
-    dye = mix(color, INK, 0.5) if faded else color
+    own = body - white - (body - white - own) * shape.contrast
+    dye = mix(shape.color, INK, 0.5) if shape.faded else shape.color
     under = shadow * (1.0 - body)
     rgb = own * np.float32(dye) + 255.0 * white + under * np.float32(INK)
     pixels = np.concatenate([rgb, 255.0 * (body + under)], axis=2)
     half = inks.shape[0] // 2
-    return _sprite(pixels * (0.55 if faded else 1.0), half, half)
+    return _sprite(pixels * (0.55 if shape.faded else 1.0), half, half)
 
 
 def _ring(

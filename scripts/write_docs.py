@@ -1,0 +1,49 @@
+"""Write the tables in docs/ that are made from code; a test checks that they are up to date."""
+
+from pathlib import Path
+
+from catch_arena.layout import Column, columns, state_columns
+from catch_arena.scenarios import scenario
+
+DOCS = Path(__file__).parent.parent / "docs"
+
+HEAD = """# What a hunter sees
+
+Made from `catch_arena/layout.py` by `make docs`; do not edit. The clauses are R7.1 to R7.3.
+
+An observation is one float32 vector. `catch_arena.View(observation, mask, limits)` gives it names. Numbers are SI units in the hunter's own frame (forward, left), except its own
+position, which is in the world's. The bounds are those of the observation space; `(o - low) / (high - low)` brings every column into [0, 1].
+
+Below is the scenario `standard`: 4 hunters, 8 targets and 3 rivals in view. The columns of `target_2` to `target_8` and of `rival_2` and `rival_3` repeat those of the first.
+"""
+
+
+def table(rows: tuple[Column, ...], *, skip_repeats: tuple[str, ...]) -> str:
+    """The columns as a Markdown table."""
+    lines = ["| index | name | unit | low | high | meaning |", "|---:|---|---|---:|---:|---|"]
+    for index, row in enumerate(rows):
+        if not row.name.startswith(skip_repeats):
+            lines.append(f"| {index} | {row.name} | {row.unit} | {row.low:.5g} | {row.high:.5g} | {row.meaning} |")
+    return "\n".join(lines)
+
+
+def observation_page() -> str:
+    """docs/observation.md."""
+    config = scenario("standard")
+    others = tuple(f"{what}_{i}." for what in ("target", "rival") for i in range(2, 10))
+    seats = (*(f"hunter_{i}." for i in range(1, 10)), *(f"target_{i}." for i in range(2, 17)), "target_1")
+    return "\n".join(
+        (
+            HEAD,
+            table(columns(config), skip_repeats=others),
+            "\n## The global view\n",
+            "`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then `max_targets` places for targets in spawning order.\n",
+            table(state_columns(config), skip_repeats=tuple(s for s in seats if s != "target_1")),
+            "",
+        )
+    )
+
+
+if __name__ == "__main__":
+    (DOCS / "observation.md").write_text(observation_page())
+    print("docs/observation.md")
