@@ -1,0 +1,175 @@
+"""A bad call is refused with a message that names field, requirement and value, and the arena is as it was before it."""
+
+import re
+
+import numpy as np
+import pytest
+
+import catch_arena
+from catch_arena.errors import ActionError, CatchArenaError, ConfigError, EpisodeError
+
+NAN = float("nan")
+
+BAD_CONFIGS = [
+    ({"reach_m": -0.3}, "reach_m must be above 0 and at most 10000, got -0.3"),
+    ({"reach_m": NAN}, "reach_m must be a finite number above 0, got nan"),
+    ({"hunters": 0}, "hunters must be a whole number from 1 to 64, got 0"),
+    ({"hunters": 10_000_000}, "hunters must be a whole number from 1 to 64, got 10000000"),
+    ({"hunters": 2.5}, "hunters must be a whole number from 1 to 64, got 2.5"),
+    ({"hunters": True}, "hunters must be a whole number from 1 to 64, got True"),
+    ({"observed_targets": 17}, "observed_targets must be a whole number from 1 to 16 (max_targets), got 17"),
+    ({"observed_hunters": 4}, "observed_hunters must be a whole number from 0 to 3 (hunters - 1), got 4"),
+    ({"initial_targets": 17}, "initial_targets must be a whole number from 0 to 16 (max_targets), got 17"),
+    ({"control_period_ms": 15}, "control_period_ms must be a whole number from 16"),
+    ({"control_period_ms": 100.0}, "control_period_ms must be a whole number from 16"),
+    ({"time_limit_s": 0}, "time_limit_s must be above 0"),
+    ({"max_cycles": 0}, "max_cycles must be a whole number from 1"),
+    ({"control": "telepathy"}, "control must be one of target, velocity, full, got 'telepathy'"),
+    ({"control": ("target",)}, "control must have one word for each of 4 hunters, got 1"),
+    ({"policy": "nearst"}, "did you mean nearest?"),
+    ({"target_motion": "flee"}, "target_motion must be 'still'"),
+    ({"side_m": 1.0}, "side_m must be at least 2"),
+    ({"hunter_poses": ((1.0, 1.0, 0.0),)}, "hunter_poses must be 4 poses"),
+    ({"hunter_poses": ((1.0, 99.0, 0.0),) * 4}, "hunter_poses[0].y must be at least 0 and at most 11.0889, got 99.0"),
+    ({"faults": {"kill_down": 1.5}}, "faults.kill_down must be at least 0 and at most 1, got 1.5"),
+    ({"gains": {"kp": 1.0}}, "unknown setting gains.kp: did you mean kp_"),
+    ({"spawn_frequenzy_hz": 1}, "unknown setting 'spawn_frequenzy_hz': did you mean spawn_frequency_hz"),
+    ({"render_mode": "rgb"}, "render_mode must be None, rgb_array or human, got 'rgb'; did you mean rgb_array?"),
+]
+
+
+@pytest.mark.parametrize(("overrides", "message"), BAD_CONFIGS, ids=lambda value: str(value)[:40])
+def test_a_config_that_cannot_be_is_refused(overrides, message):
+    """The message names the setting, the requirement and the value."""
+    with pytest.raises(ConfigError, match=re.escape(message)):
+        catch_arena.parallel_env(**overrides)
+
+
+def test_an_unknown_scenario_gets_suggestions():
+    """The nearest right name."""
+    with pytest.raises(ConfigError, match="unknown scenario 'standart': did you mean standard?"):
+        catch_arena.parallel_env("standart")
+
+
+@pytest.mark.parametrize("seed", [-1, 2**64, 1.5, "7", True])
+def test_a_seed_that_is_none_is_refused(seed):
+    """Whole numbers below 2^64 only; the episode under way goes on."""
+    env = catch_arena.parallel_env()
+    env.reset(seed=1)
+    before = env.digest()
+    with pytest.raises(ConfigError, match="seed must be a whole number from 0 to"):
+        env.reset(seed=seed)
+
+    assert env.digest() == before
+
+
+def good(env):
+    return {agent: env.action_space(agent).sample() for agent in env.agents}
+
+
+BAD_ACTIONS = {
+    "target": [9, -1, 1.0, "1", None, True, [1], np.array([1]), np.float32(1), NAN],
+    "velocity": [(0.0,), (0.0, 0.0, 0.0), (1.1, 0.0), (0.0, -1.01), (NAN, 0.0), (0.0, float("inf")), None, 3, "ab", "a"],
+    "full": [
+        3,
+        {"cmd_vel": (0.0, 0.0)},
+        {"cmd_vel": (0.0, 0.0), "catch": 9},
+        {"cmd_vel": (0.0, NAN), "catch": 0},
+        {"cmd_vel": None, "catch": 0},
+        {"cmd_vel": (0.0, 0.0), "catch": 0, "extra": 1},
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("control", "action"), [(control, action) for control, actions in BAD_ACTIONS.items() for action in actions], ids=repr
+)
+def test_a_bad_action_is_refused_and_nothing_moves(control, action):
+    """By the parallel door; the same step with good actions then plays as if nothing had been."""
+    env, twin = (catch_arena.parallel_env(control=control) for _ in range(2))
+    for each in (env, twin):
+        each.reset(seed=2)
+    actions = good(env)
+    before = env.digest()
+    with pytest.raises(ActionError, match="hunter_3: "):
+        env.step({**actions, "hunter_3": action})
+
+    assert env.digest() == before
+
+    env.step(actions)
+    twin.step(actions)
+
+    assert env.digest() == twin.digest()
+
+
+@pytest.mark.parametrize("control", list(BAD_ACTIONS))
+def test_a_bad_action_is_refused_at_once_under_aec(control):
+    """By the call that gives it, and that hunter may try again."""
+    env = catch_arena.env(control=control)
+    env.reset(seed=2)
+    with pytest.raises(ActionError, match="hunter_0: "):
+        env.step(BAD_ACTIONS[control][0])
+
+    assert env.agent_selection == "hunter_0"
+
+    env.step(env.action_space("hunter_0").sample())
+
+    assert env.agent_selection == "hunter_1"
+
+
+def test_agents_that_are_missing_or_unknown_are_named():
+    """Neither is guessed."""
+    env = catch_arena.parallel_env()
+    env.reset(seed=2)
+    before = env.digest()
+    with pytest.raises(ActionError, match="got none for hunter_2"):
+        env.step({"hunter_0": 0, "hunter_1": 0, "hunter_3": 0})
+    with pytest.raises(ActionError, match="unknown agent 'hunter_4': did you mean hunter_"):
+        env.step({**good(env), "hunter_4": 0})
+    with pytest.raises(ActionError, match="actions must map each agent"):
+        env.step([0, 0, 0, 0])
+    with pytest.raises(ActionError, match="unknown agent 'turtle1'"):
+        env.observation_space("turtle1")
+
+    assert env.digest() == before
+
+
+def test_a_step_at_the_wrong_time_is_refused():
+    """Before the first reset, and after the end."""
+    env = catch_arena.parallel_env(max_cycles=1)
+    for call in (lambda: env.step({}), env.world, env.state, env.digest, env.replay):
+        with pytest.raises(EpisodeError, match="reset"):
+            call()
+    env.reset(seed=1)
+    env.step(good(env))
+    last = env.digest()
+    with pytest.raises(EpisodeError, match="this episode is over"):
+        env.step({})
+
+    assert env.digest() == last
+
+
+def test_every_error_is_ours():
+    """One base class catches them all, and they are what Python's conventions expect too."""
+    for error in (ActionError, ConfigError, EpisodeError):
+        assert issubclass(error, CatchArenaError)
+    assert issubclass(ActionError, ValueError)
+    assert issubclass(ConfigError, ValueError)
+
+
+def test_a_withdrawn_hunter_leaves_in_good_order():
+    """R1.6 by the parallel door: one more step, termination, and then no more actions."""
+    env = catch_arena.parallel_env(max_cycles=10)
+    env.reset(seed=3)
+    env.withdraw("hunter_1")
+    observations, _, terminations, _, _ = env.step(good(env))
+
+    assert terminations == {"hunter_0": False, "hunter_1": True, "hunter_2": False, "hunter_3": False}
+    assert "hunter_1" in observations
+    assert env.agents == ["hunter_0", "hunter_2", "hunter_3"]
+
+    with pytest.raises(ActionError, match="hunter_1 must give no action"):
+        env.step({**good(env), "hunter_1": 0})
+    observations, rewards, _, _, infos = env.step(good(env))
+
+    assert set(observations) == set(rewards) == set(infos) == set(env.agents)
