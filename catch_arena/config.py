@@ -194,7 +194,9 @@ class ArenaConfig:
             for axis, value in zip("xy", pose[:2], strict=True):
                 _require_number(f"hunter_poses[{seat}].{axis}", value, at_least=0.0, at_most=self.side_m)
             _require_number(f"hunter_poses[{seat}].theta", pose[2], at_least=-1e3, at_most=1e3)
-        object.__setattr__(self, "hunter_poses", tuple((float(x), float(y), float(t)) for x, y, t in self.hunter_poses))
+        # 0.0 is added so that no zero has a sign, which the digest would see
+        poses = tuple((x + 0.0, y + 0.0, theta + 0.0) for x, y, theta in self.hunter_poses)
+        object.__setattr__(self, "hunter_poses", poses)
 
     @property
     def controls(self) -> tuple[Control, ...]:

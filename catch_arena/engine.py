@@ -16,15 +16,22 @@ from catch_arena.core import state as rows
 from catch_arena.core import tick
 from catch_arena.core.arbiter import CAPSTONE, DOCKET_COLUMNS, FIRST_COME, NEAREST
 from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.math import wrap
 from catch_arena.core.observations import selection_network
 from catch_arena.core.random import next_seed, row_seed
 from catch_arena.core.state import LANES, Settings, block_rows
+from catch_arena.errors import ConfigError
 from catch_arena.layout import width
+from catch_arena.seeding import checked_seed
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, TargetState, World
 
 _POLICIES: Final = {"nearest": NEAREST, "first_come": FIRST_COME, "capstone": CAPSTONE}
 _CONTROLS: Final = {"target": tick.TARGET_CONTROL, "velocity": tick.VELOCITY_CONTROL, "full": tick.FULL_CONTROL}
+_AT_REST: Final = (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE)
+"""The rows of a hunter that are zero while nothing drives it."""
+_NONE: Final = np.zeros(0, dtype=np.int64)
+_NO_SEEDS: Final = np.zeros(0, dtype=np.uint64)
 _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
@@ -116,11 +123,27 @@ class Engine:
     # playing
 
     def reset(self, seeds: Sequence[int] | NDArray[np.uint64], arenas: Sequence[int] | None = None) -> None:
-        """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each."""
+        """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each. Raises: ConfigError."""
         chosen = np.arange(self.num_arenas) if arenas is None else np.asarray(arenas, dtype=np.int64)
-        tick.reset(self.memory, self._numbers, self._start_poses, chosen, np.asarray(seeds, dtype=np.uint64))
+        if len(seeds) != len(chosen):
+            raise ConfigError(f"seeds must be one for each of {len(chosen)} arenas, got {len(seeds)}")
+        if not isinstance(seeds, np.ndarray) or seeds.dtype != np.uint64:
+            seeds = np.array([checked_seed(seed) for seed in seeds], dtype=np.uint64)
         self.rewards[chosen] = 0.0
-        self.observe()
+        self._reset(chosen, seeds)
+
+    def _reset(self, chosen: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
+        tick.reset(
+            self.memory,
+            self._numbers,
+            *self._networks,
+            self._start_poses,
+            chosen,
+            seeds,
+            self._scratch,
+            self.observations,
+            self.masks,
+        )
 
     def step(self, choices: NDArray[np.int64], commands: NDArray[np.float32]) -> None:
         """R1.4: one step of every arena.
@@ -144,15 +167,13 @@ class Engine:
 
     def observe(self) -> None:
         """Write observations and masks of the arenas as they stand."""
-        tick.observe_all(
-            self.memory, self._numbers, *self._networks, self._scratch, self.observations, self.masks
-        )
+        self._reset(_NONE, _NO_SEEDS)
 
     def withdraw(self, arena: int, seat: int) -> None:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
         me = self._hunters[arena // LANES, seat, :, arena % LANES]
         me[rows.WITHDRAWN // LANES] = 1.0
-        for row in (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE):
+        for row in _AT_REST:
             me[row // LANES] = 0.0
         self.observe()
 
@@ -168,10 +189,11 @@ class Engine:
         """
         block, lane = divmod(arena, LANES)
         own = self._fields[block, :, lane]
-        for seat, pose in enumerate(hunters):
+        for seat, (x, y, theta) in enumerate(hunters):
             me = self._hunters[block, seat, :, lane]
-            me[[row // LANES for row in (rows.X, rows.Y, rows.THETA)]] = pose
-            for row in (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE):
+            # 0.0 is added so that no zero has a sign
+            me[[row // LANES for row in (rows.X, rows.Y, rows.THETA)]] = x + 0.0, y + 0.0, wrap(theta + 0.0)
+            for row in (*_AT_REST, rows.AT_WALL):
                 me[row // LANES] = 0.0
         slots = self._targets[block, :, :, lane]
         slots[:] = 0.0

@@ -52,7 +52,7 @@ def choose(me: Block, view: Block, ranks: NDArray[np.int64], lanes: int) -> None
 
 @phase
 def drive_to_target(me: Block, targets: Targets, lanes: int, s: Settings) -> None:
-    """R4.1 to R4.3: the hosted controllers; a target out of reach is driven to, but not yet requested."""
+    """R4.1, R4.2, R4.3: the hosted controllers; a target out of reach is driven to, but not yet requested."""
     for lane in range(lanes):
         holds = (me[WANTED + lane] < 0.0) | (me[WITHDRAWN + lane] > 0.0)
         slot = np.uint64(max(me[WANTED + lane], 0.0)) * np.uint64(LANES) + np.uint64(lane)

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.core.jit import rule
+from catch_arena.core.jit import entry, rule
 
 PI: Final = 3.141592653589793
 TAU: Final = 6.283185307179586
@@ -36,7 +36,7 @@ def clamp(value: float, low: float, high: float) -> float:
     return high if value > high else value
 
 
-@rule
+@entry
 def wrap(angle: float) -> float:
     """A.2: the same direction in [-pi, pi)."""
     turned = angle - TAU * np.floor((angle + PI) / TAU)

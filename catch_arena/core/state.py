@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, entry, rule
+from catch_arena.core.jit import Block, accessor, entry, rule
 
 LANES: Final = 32
 """Arenas side by side in a block: enough for the widest SIMD registers, few enough for the first caches."""
@@ -168,7 +168,7 @@ def block_rows(hunters: int, slots: int, targets_seen: int) -> int:
     return ARENA_ROWS + hunters * HUNTER_ROWS + slots * TARGET_ROWS + hunters * targets_seen
 
 
-@rule
+@accessor
 def targets_of(block: Block, s: Settings) -> Targets:
     """The target slots of a block."""
     first = (ARENA_ROWS + s.hunters * HUNTER_ROWS) * LANES
@@ -182,14 +182,14 @@ def targets_of(block: Block, s: Settings) -> Targets:
     )
 
 
-@rule
+@accessor
 def seat_of(block: Block, seat: int) -> Block:
     """The rows of one seat."""
     first = ARENA_ROWS * LANES + seat * SEAT_SIZE
     return block[first : first + SEAT_SIZE]
 
 
-@rule
+@accessor
 def view_of(block: Block, seat: int, s: Settings) -> Block:
     """The slots that one seat sees, by rank: rank r of lane l lies at (r - 1) * LANES + l."""
     first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + s.slots * TARGET_ROWS + seat * s.targets_seen) * LANES

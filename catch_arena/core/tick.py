@@ -179,7 +179,7 @@ def commit(block: Block, s: Settings, lane: int, targets: Targets) -> None:
 
 @phase
 def end_test(block: Block, s: Settings, lanes: int) -> None:
-    """R1.5, R1.4's phase 6: the clock goes on, and the episode may end."""
+    """R1.1, R1.5, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
     for lane in range(lanes):
         time = block[TIME + lane] + s.period
         finished = (block[SPAWNED + lane] >= s.target_budget) & (block[ALIVE + lane] == 0.0)
@@ -310,28 +310,22 @@ def clear_hunter(me: Block, lane: int) -> None:
 def reset(
     memory: NDArray[np.float64],
     settings: NDArray[np.float64],
+    target_network: NDArray[np.int64],
+    rival_network: NDArray[np.int64],
     start_poses: NDArray[np.float64],
     chosen: NDArray[np.int64],
     seeds: NDArray[np.uint64],
-) -> None:
-    """The chosen arenas at the beginning of an episode; `start_poses` (H, 3), or (0, 3) for the fair circle. `observe_all` shows them."""
-    s = read_settings(settings)
-    for i in range(len(chosen)):
-        reset_lane(memory[chosen[i] // LANES], s, chosen[i] % LANES, start_poses, seeds[i])
-
-
-@entry
-def observe_all(
-    memory: NDArray[np.float64],
-    settings: NDArray[np.float64],
-    target_network: NDArray[np.int64],
-    rival_network: NDArray[np.int64],
     numbers: NDArray[np.float64],
     observations: NDArray[np.float32],
     masks: NDArray[np.int8],
 ) -> None:
-    """The observations and masks of a batch as it stands."""
+    """The chosen arenas at the beginning of an episode, and the observations of all, chosen or not.
+
+    Args: `start_poses` (H, 3), or (0, 3) for the fair circle (R2.6); `chosen` (n,) rows of the batch; `seeds` (n,); the others as for `step`.
+    """
     s = read_settings(settings)
+    for i in range(len(chosen)):
+        reset_lane(memory[chosen[i] // LANES], s, chosen[i] % LANES, start_poses, seeds[i])
     for index in range(len(memory)):
         first = index * LANES
         last = min(first + LANES, len(observations))

@@ -1,1 +1,1 @@
-"""Pictures of a World: shapes (scene, hud), their pixels (raster), frames at any instant (motion), MP4 (video) and a window."""
+"""Pictures of a World: shapes (scene, hud), their pixels (raster), any instant (motion), MP4 (video) and a window."""

@@ -1,4 +1,7 @@
-"""What stands around the arena: who leads, how it came about, and the clock; pure functions from small states to shapes."""
+"""What stands around the arena: who leads, how it came about, and the clock.
+
+Pure functions from small states to shapes.
+"""
 
 import math
 from collections.abc import Sequence
@@ -62,7 +65,7 @@ class Timeline:
     catchers: list[frozenset[int]] = field(default_factory=lambda: [frozenset()] * COLUMNS)
     """The seats that caught in each part."""
     leads: list[tuple[int, int] | None] = field(default_factory=lambda: [None] * COLUMNS)
-    """(seat, catches ahead of the next) at the end of each part; seat -1 where nobody is ahead; None for the future."""
+    """(seat, catches ahead of the next) at the end of each part; seat -1 where nobody is; None for the future."""
     _reached: int = -1
 
     def column(self, time_ms: float) -> int:
@@ -81,7 +84,7 @@ class Timeline:
 
 
 def lead(scores: Sequence[int]) -> tuple[int, int]:
-    """The leader's seat and how far the next is behind; (-1, 0) where the best are level. One alone leads by all it has."""
+    """The leader's seat and how far behind the next is; (-1, 0) where the best are level. One alone leads nobody's 0."""
     best = max(scores)
     if list(scores).count(best) > 1 or best == 0:
         return -1, 0
@@ -89,7 +92,7 @@ def lead(scores: Sequence[int]) -> tuple[int, int]:
 
 
 def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
-    """Where everything stands in a frame of that size: the panel at the right of a wide one, below in a tall one, around in a square one."""
+    """Where everything stands in a frame: the panel at the right of a wide one, below in a tall one, else around."""
     width, height = size
     nothing = Rect(0, 0, 0, 0)
     if layout == "arena":
@@ -100,7 +103,9 @@ def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
         side = min(height, round(0.64 * width))
         unit = min(height / 720.0, (width - side) / 560.0)
         gap = round(20 * unit)
-        header, standings, timeline = _cards(Rect(side + gap, gap, width - side - 2 * gap, height - 2 * gap), unit, hunters)
+        header, standings, timeline = _cards(
+            Rect(side + gap, gap, width - side - 2 * gap, height - 2 * gap), unit, hunters
+        )
         return Arrangement(Rect(0, 0, side, height), header, standings, timeline, unit)
     if height >= 1.25 * width:
         unit = max(0.6, min(width / 560.0, height / 1160.0))
@@ -110,7 +115,13 @@ def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
         below = top + arena_height + gap
         rest = Rect(gap, below, width - 2 * gap, height - below - gap)
         _, standings, timeline = _cards(rest, unit, hunters, header=False)
-        return Arrangement(Rect(0, top, width, arena_height), Rect(gap, gap // 2, width - 2 * gap, top - gap), standings, timeline, unit)
+        return Arrangement(
+            Rect(0, top, width, arena_height),
+            Rect(gap, gap // 2, width - 2 * gap, top - gap),
+            standings,
+            timeline,
+            unit,
+        )
     unit = max(0.55, min(width, height) / 800.0)
     gap = round(14 * unit)
     top, bottom = round(56 * unit) + gap, round(max(0.2 * height, 84.0))
@@ -162,12 +173,18 @@ def header_shapes(area: Rect, look: Look, seed: int | None, time_text: str, unit
     clock_room = len(time_text) * 0.68 * big + 1.6 * small
     middle = area.top + area.height * (0.36 if about else 0.5)
     shapes: list[Shape] = [
-        Label(area.left, middle, "CATCH ARENA", _size(28 * unit, 13), BRIGHT, 700, max_width=area.width - clock_room - 8),
+        Label(
+            area.left, middle, "CATCH ARENA", _size(28 * unit, 13), BRIGHT, 700, max_width=area.width - clock_room - 8
+        ),
         Label(right - 1.2 * small, middle, time_text, big, BRIGHT, 700, "right"),
         Label(right, middle + 0.36 * (big - small), "s" if ":" not in time_text else "", small, DIM, 500, "right"),
     ]
     if about:
-        shapes.append(Label(area.left, area.top + area.height * 0.86, about, small, DIM, 500, max_width=area.width - clock_room - 8))
+        shapes.append(
+            Label(
+                area.left, area.top + area.height * 0.86, about, small, DIM, 500, max_width=area.width - clock_room - 8
+            )
+        )
     return shapes
 
 
@@ -180,7 +197,9 @@ def split_strip(area: Rect, time_text: str) -> tuple[Rect, Rect]:
 def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
     """The clock in the line over the arena."""
     size = _size(0.58 * area.height, 12)
-    return [Label(area.left + area.width - 0.5 * size, area.top + area.height / 2.0, time_text, size, BRIGHT, 700, "right")]
+    return [
+        Label(area.left + area.width - 0.5 * size, area.top + area.height / 2.0, time_text, size, BRIGHT, 700, "right")
+    ]
 
 
 def chip_shapes(area: Rect, look: Look, standings: Sequence[Standing]) -> list[Shape]:
@@ -206,14 +225,16 @@ def chip_shapes(area: Rect, look: Look, standings: Sequence[Standing]) -> list[S
 
 
 def standings_shapes(area: Rect, look: Look, standings: Sequence[Standing], unit: float) -> list[Shape]:
-    """A line for each hunter, the best first: turtle, number, name, a bar as long as its share of the leader's score, and the score."""
+    """A line for each hunter, the best first: turtle, number, name, its share of the leader's score, and the score."""
     pad = 8 * unit
     lines = ranked(standings)
     best = max(1, lines[0].score)
     room = area.height - 2.0 * pad
     least = max(15.0, 19.0 * unit)
     rows = max(1, int(room // least))
-    columns = 1 if len(lines) <= rows else max(1, min(-(-len(lines) // rows), int(area.width // max(130.0, 165.0 * unit))))
+    columns = (
+        1 if len(lines) <= rows else max(1, min(-(-len(lines) // rows), int(area.width // max(130.0, 165.0 * unit))))
+    )
     left_out = len(lines) - rows * columns
     if left_out > 0:  # the last line says how many more there are
         left_out += 1
@@ -251,7 +272,9 @@ def _line(line: tuple[float, float, float, float], look: Look, one: Standing, be
     has_bar = width >= 21 * size
     bar_start = max(x + 4.5 * size, bar_end - 0.44 * width) if has_bar else bar_end
     name = look.names[one.seat] + ("  (out)" if one.withdrawn else "")
-    shapes.append(Label(x, middle, name, size, DIM if one.withdrawn else BRIGHT, 500, max_width=bar_start - x - 0.5 * size))
+    shapes.append(
+        Label(x, middle, name, size, DIM if one.withdrawn else BRIGHT, 500, max_width=bar_start - x - 0.5 * size)
+    )
     shapes.append(Label(right, middle, str(one.score), _size(1.1 * size, 11), BRIGHT, 800, "right"))
     if has_bar:
         thick = max(3.0, 0.48 * size)
@@ -259,7 +282,9 @@ def _line(line: tuple[float, float, float, float], look: Look, one: Standing, be
         shapes.append(Box(bar_start, middle - thick / 2, length, thick, TRACK, thick / 2))
         if one.score:
             filled = max(thick, length * one.score / best)
-            shapes.append(Box(bar_start, middle - thick / 2, filled, thick, mix(color, CARD, 0.5 * one.withdrawn), thick / 2))
+            shapes.append(
+                Box(bar_start, middle - thick / 2, filled, thick, mix(color, CARD, 0.5 * one.withdrawn), thick / 2)
+            )
     return shapes
 
 
@@ -287,7 +312,15 @@ def timeline_shapes(area: Rect, look: Look, timeline: Timeline, time_ms: float, 
     head = area.top + max(0.95 * text, min(0.11 * area.height, 22 * unit))
     many_room = 0.6 * text * len(many)
     shapes += [
-        Label(area.left + pad, head, "Catches" if alone else "Catches and lead", text, DIM, 500, max_width=area.width - 2 * pad - many_room),
+        Label(
+            area.left + pad,
+            head,
+            "Catches" if alone else "Catches and lead",
+            text,
+            DIM,
+            500,
+            max_width=area.width - 2 * pad - many_room,
+        ),
         Label(right, head, many, text, DIM, 500, "right"),
     ]
     foot = area.top + area.height - max(0.85 * small, min(0.08 * area.height, 18 * unit))

@@ -1,4 +1,4 @@
-"""Where every hunter is at any instant: the ticks between two step boundaries, run again, and straight lines between ticks."""
+"""Where every hunter is at any instant: a step's ticks, run again, and straight lines between them."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -19,7 +19,8 @@ _AGREES_M: Final = 1e-6
 class Leg:
     """One step's motion.
 
-    `after` has the scores, the rulings and the targets that count from the step's beginning on (R1.4: judged and committed before motion).
+    `after` has the scores, the rulings and the targets that count from the step's beginning on:
+    R1.4 judges and commits before it moves.
     """
 
     before: World
@@ -30,7 +31,8 @@ class Leg:
     def at(self, time_ms: float, next_tick: tuple[Pose, ...] | None = None) -> tuple[Pose, ...]:
         """The poses at an instant of this step, between the ticks about it.
 
-        Args: `next_tick`, the first tick after this step, towards which they move once the last one is past; without it they stay.
+        Args: `next_tick`, the first tick after this step, towards which they move from the last one; without it they
+        stay.
         """
         tick = math.floor(time_ms / TICK_MS)
         index = tick - self.before.time_ms // TICK_MS
@@ -85,9 +87,10 @@ class Passage:
 
 
 def passages(worlds: Iterable[World], fps: int, frames: int) -> Iterator[Passage]:
-    """The legs of a match with their frames; frame k shows the instant k / fps [s], and a leg has those in [t, t + period).
+    """The legs of a match with their frames; frame k shows the instant k / fps [s], a leg has those in [t, t + period).
 
-    Memory does not grow with the match: two legs are known at a time. A match without steps is one leg that leads nowhere.
+    Memory does not grow with the match: two legs are known at a time. A match without steps is one leg that leads
+    nowhere.
     """
     stream = _legs(worlds)
     now: Leg | None = next(stream)
@@ -95,7 +98,9 @@ def passages(worlds: Iterable[World], fps: int, frames: int) -> Iterator[Passage
     while now is not None:
         following = next(stream, None)
         end = frames if following is None else min(frames, -(-now.after.time_ms * fps // 1000))
-        yield Passage(now, range(shown, end), None if following is None else following.poses[min(1, len(following.poses) - 1)])
+        yield Passage(
+            now, range(shown, end), None if following is None else following.poses[min(1, len(following.poses) - 1)]
+        )
         shown, now = end, following
 
 

@@ -53,12 +53,14 @@ class Canvas:
         """A new buffer of one colour."""
         buffer = np.empty((height, width, 4), dtype=np.uint8)
         buffer[:] = (*color, 255)
-        return cls(buffer, pygame.image.frombuffer(buffer, (width, height), "RGBX"), sprites)
+        return cls(buffer, pygame.image.frombuffer(buffer.data, (width, height), "RGBX"), sprites)
 
     def part(self, area: hud.Rect) -> "Canvas":
         """The same pixels, seen through a rectangle."""
         left, top, width, height = area
-        return Canvas(self.pixels[top : top + height, left : left + width], self._surface.subsurface(area), self._sprites)
+        return Canvas(
+            self.pixels[top : top + height, left : left + width], self._surface.subsurface(area), self._sprites
+        )
 
     def draw(self, shapes: Iterable[scene.Shape]) -> None:
         """Draw shapes, the first one lowest."""
@@ -89,7 +91,13 @@ class Canvas:
         elif shape.radius < 4 * max(self.pixels.shape):  # wider than that, its line is out of sight
             centre = (round(shape.x * 16 - 8), round(shape.y * 16 - 8))
             cv2.circle(
-                self.pixels, centre, round(shape.radius * 16), (*shape.color, 255), round(max(1, shape.width)), cv2.LINE_AA, _SHIFT
+                self.pixels,
+                centre,
+                round(shape.radius * 16),
+                (*shape.color, 255),
+                round(max(1, shape.width)),
+                cv2.LINE_AA,
+                _SHIFT,
             )
 
     def _stroke(self, shape: scene.Stroke) -> None:
@@ -179,7 +187,9 @@ class Stage:
 
     def __init__(self, look: scene.Look, size: tuple[int, int], layout: hud.Layout, seed: int | None = None) -> None:
         if layout not in get_args(hud.Layout):
-            raise ConfigError(f"layout must be broadcast or arena, got {layout!r}; {suggest(layout, get_args(hud.Layout))}")
+            raise ConfigError(
+                f"layout must be broadcast or arena, got {layout!r}; {suggest(layout, get_args(hud.Layout))}"
+            )
         self.look = look
         self._seed = seed
         self._plan = hud.arrange(size, layout, look.config.hunters)
@@ -231,7 +241,15 @@ class Stage:
         targets = [target for target in now.after.targets if target.spawned_ms <= time_ms]
         self._arena.pixels[:] = self._ground.pixels
         self._arena.draw(
-            scene.arena_shapes(self._ground.view, self.look, now.after.hunters, poses, targets, self._marks, time_ms)
+            scene.arena_shapes(
+                self._ground.view,
+                self.look,
+                hunters=now.after.hunters,
+                poses=poses,
+                targets=targets,
+                marks=self._marks,
+                time_ms=time_ms,
+            )
         )
         self._draw_around(time_ms)
         return self.pixels
@@ -269,7 +287,8 @@ class Stage:
 class ArenaPainter:
     """One arena's picture at every step that it is shown, for `env.render()`.
 
-    Trails and catches come from the worlds that were painted before; a world of step 0, or one that the last cannot have led to, begins anew.
+    Trails and catches come from the worlds that were painted before; a world of step 0, or one that the last cannot
+    have led to, begins anew.
 
     Args: `config`; `names` by seat; `size`, (width, height) [pixels]; `layout`, "arena" or "broadcast".
     Raises: ConfigError.
@@ -304,8 +323,7 @@ class ArenaPainter:
             stage.enter(now)
         self._last = world
         pixels = stage.draw(now, float(world.time_ms), now.poses[-1])
-        frame: Pixels = cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB)
-        return frame
+        return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB), dtype=np.uint8)
 
     def _led_to(self, last: World, world: World) -> bool:
         """Nobody can have driven further."""

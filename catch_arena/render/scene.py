@@ -1,5 +1,6 @@
-"""What a frame of the arena shows, as shapes: pure functions of the world, of the hunters' poses at an instant, and of what was ruled lately.
+"""What a frame of the arena shows, as shapes.
 
+Pure functions of the world, of the hunters' poses at an instant, and of what was ruled lately.
 World units are metres, y up; shapes are in pixels, y down. raster.py turns shapes into pixels.
 """
 
@@ -40,7 +41,7 @@ HUNTER_COLORS: Final[tuple[Color, ...]] = (
     (40, 140, 80),
     (130, 40, 120),
 )
-"""Eight that stay apart, and apart from the ground, in protanopia, deuteranopia and tritanopia too; a test measures it."""
+"""Eight that stay apart, from each other and from the ground, for the colour-blind too; a test measures it."""
 
 HUNTER_LENGTH_M: Final = 0.66
 TARGET_LENGTH_M: Final = 0.44
@@ -280,6 +281,7 @@ def trail_shapes(view: Viewport, seat_color: Color, start: Pose, end: Pose) -> t
 def arena_shapes(
     view: Viewport,
     look: Look,
+    *,
     hunters: Sequence[HunterState],
     poses: Sequence[Pose],
     targets: Sequence[TargetState],
@@ -302,7 +304,7 @@ def arena_shapes(
     for seat, (x, y, _) in enumerate(poses):
         shapes.append(Label(*view.place(x, y), str(seat), size, WHITE, 800, "center", outline=INK))
     for mark in marks:
-        shapes.append(_word(view, mark, look.color(mark.seat), poses[mark.seat], reach, time_ms))
+        shapes.append(_word(view, mark, look.color(mark.seat), poses[mark.seat], reach=reach, time_ms=time_ms))
     return shapes
 
 
@@ -352,7 +354,7 @@ def _contest(view: Viewport, mark: Mark, color: Color, pose: Pose, time_ms: floa
     return Stroke(*view.place(pose[0], pose[1]), *view.place(mark.x, mark.y), width, mix(color, GROUND, 0.8 * part))
 
 
-def _word(view: Viewport, mark: Mark, color: Color, pose: Pose, reach: float, time_ms: float) -> Label:
+def _word(view: Viewport, mark: Mark, color: Color, pose: Pose, *, reach: float, time_ms: float) -> Label:
     """+1 or ! rising over the hunter, or - sinking below it, clear of the winner's; kept inside the picture."""
     part = (time_ms - mark.time_ms) / mark.lasts_ms
     size = max(11, round((0.48 if mark.kind == "catch" else 0.42) * view.hunter_length))

@@ -2,12 +2,14 @@
 
 import os
 
+__all__ = ["pygame"]
+
 _HUSH = "PYGAME_HIDE_SUPPORT_PROMPT"
 
 _was_set = _HUSH in os.environ
 os.environ.setdefault(_HUSH, "1")
 try:
-    import pygame as pygame
+    import pygame
 finally:
     if not _was_set:  # child processes find the environment as it was
         del os.environ[_HUSH]

@@ -1,8 +1,9 @@
-"""Small pictures that are drawn once and used often: turtles, rings and texts, premultiplied, by angle and half pixel."""
+"""Small pictures, drawn once and used often: turtles, rings and texts, premultiplied, by angle and half pixel."""
 
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
+from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 import cv2
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.render import text
-from catch_arena.render.scene import INK, Color, Label, Ring, Turtle, mix
+from catch_arena.render.scene import INK, Label, Ring, Turtle, mix
 from catch_arena.render.sdl import pygame
 
 PHASES: Final = 2
@@ -59,7 +60,8 @@ class SpriteCache:
         radius, width = round(2.0 * shape.radius) / 2.0, round(4.0 * shape.width) / 4.0
         opacity, veil = round(shape.opacity * 24) / 24, round(shape.veil * 50) / 50
         key = ("ring", radius, width, shape.color, opacity, veil, shape.glow, phase_x, phase_y)
-        return self._get(key, lambda: _ring(shape, radius, width, opacity, veil, phase_x, phase_y)), x, y
+        rounded = replace(shape, radius=radius, width=width, opacity=opacity, veil=veil)
+        return self._get(key, lambda: _ring(rounded, phase_x, phase_y)), x, y
 
     def label(self, shape: Label) -> tuple[Sprite, int, int]:
         """A text's sprite, likewise; only outlined ones move, and stand at half pixels."""
@@ -101,12 +103,12 @@ def _phase(x: float, y: float) -> tuple[int, int, int, int]:
     return at_x // PHASES, at_y // PHASES, at_x % PHASES, at_y % PHASES
 
 
-def _sprite(pixels: NDArray[np.float32], origin_x: int, origin_y: int) -> Sprite:
+def _sprite(pixels: NDArray[np.floating[Any]], origin_x: int, origin_y: int) -> Sprite:
     """Premultiplied colours and coverage, 0 to 255, as a surface in the canvas's own channel order."""
     whole = np.ascontiguousarray(np.clip(pixels + 0.5, 0, 255).astype(np.uint8))
     height, width = whole.shape[:2]
     # a copy: the surface of frombuffer would lean on an array that nobody else keeps
-    return Sprite(pygame.image.frombuffer(whole, (width, height), "RGBA").copy(), origin_x, origin_y)
+    return Sprite(pygame.image.frombuffer(whole.data, (width, height), "RGBA").copy(), origin_x, origin_y)
 
 
 Points = NDArray[np.float64]
@@ -147,7 +149,10 @@ _SHEEN: Final = _ellipse(0.0, 0.0, 0.185, 0.14)
 
 
 def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> NDArray[np.float32]:
-    """A turtle before it has a colour: (side, side, 4) of its own colour's part, white's part, coverage and its shadow's coverage, 0 to 1."""
+    """A turtle before it has a colour: (side, side, 4), 0 to 1.
+
+    Its own colour's part, white's part, coverage, and its shadow's coverage.
+    """
     fine = 8 if length <= 64 else 4
     half = math.ceil(0.62 * length) + 2
     side = 2 * half
@@ -157,7 +162,7 @@ def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> N
     middle = np.array([(half + phase_x) * fine, (half + phase_y) * fine])
 
     def placed(points: Points) -> NDArray[np.int32]:
-        return np.rint(points @ turn.T + middle).astype(np.int32)
+        return np.asarray(np.rint(points @ turn.T + middle), dtype=np.int32)
 
     for points, own, white in _PARTS:
         cv2.fillPoly(picture, [placed(points)], (255.0 * own, 255.0 * white, 255.0))
@@ -177,15 +182,14 @@ def _dyed(inks: NDArray[np.float32], shape: Turtle) -> Sprite:
     own = body - white - (body - white - own) * shape.contrast
     dye = mix(shape.color, INK, 0.5) if shape.faded else shape.color
     under = shadow * (1.0 - body)
-    rgb = own * np.float32(dye) + 255.0 * white + under * np.float32(INK)
+    rgb = own * np.array(dye, dtype=np.float32) + 255.0 * white + under * np.array(INK, dtype=np.float32)
     pixels = np.concatenate([rgb, 255.0 * (body + under)], axis=2)
     half = inks.shape[0] // 2
     return _sprite(pixels * (0.55 if shape.faded else 1.0), half, half)
 
 
-def _ring(
-    shape: Ring, radius: float, width: float, opacity: float, veil: float, phase_x: int, phase_y: int
-) -> Sprite:
+def _ring(shape: Ring, phase_x: int, phase_y: int) -> Sprite:
+    radius, width, opacity = shape.radius, shape.width, shape.opacity
     reach = radius + (2.5 * width if shape.glow else 0.5 * width) + 2.0
     half = math.ceil(reach)
     place = np.arange(2 * half, dtype=np.float32) + 0.5 - half
@@ -194,14 +198,13 @@ def _ring(
     cover = np.clip(0.5 + width / 2.0 - off, 0.0, 1.0) * opacity
     if shape.glow:
         cover = np.maximum(cover, 0.55 * opacity * np.exp(-((off / (1.1 * width + 0.5)) ** 2)))
-    cover = np.maximum(cover, veil * np.clip(radius - distance + 0.5, 0.0, 1.0))
-    rgba = np.float32([*shape.color, 255.0])
-    return _sprite(cover[..., None] * rgba, half, half)
+    cover = np.maximum(cover, shape.veil * np.clip(radius - distance + 0.5, 0.0, 1.0))
+    return _sprite(cover[..., None] * np.array([*shape.color, 255.0]), half, half)
 
 
 def _label(shape: Label, shown: str, opacity: float, phase_x: int, phase_y: int) -> Sprite:
     size = shape.size
-    color = np.float32([*shape.color, 255.0])
+    color = np.array([*shape.color, 255.0], dtype=np.float32)
     baseline = round(text.BASELINE * size)
     if shape.outline is None:
         ink = text.coverage(shown, size, shape.weight).astype(np.float32) / 255.0
@@ -220,5 +223,5 @@ def _label(shape: Label, shown: str, opacity: float, phase_x: int, phase_y: int)
         cv2.resize(layer, (columns, rows), interpolation=cv2.INTER_AREA).astype(np.float32)[..., None] / 255.0
         for layer in (room, around)
     )
-    outline = np.float32([*shape.outline, 255.0])
+    outline = np.array([*shape.outline, 255.0], dtype=np.float32)
     return _sprite((ink * color + np.maximum(edge - ink, 0.0) * 0.92 * outline) * opacity, size, baseline)

@@ -1,4 +1,4 @@
-"""A match as an MP4 file: H.264 that a browser plays, written frame by frame, decoded and counted before it gets its name."""
+"""A match as an MP4 file: H.264 that a browser plays, written frame by frame, and counted before it gets its name."""
 
 import os
 import tempfile
@@ -24,7 +24,7 @@ Pixels = NDArray[np.uint8]
 
 MOST_FPS: Final = 240
 NO_AV_NOTICE: Final = (
-    "the video is MPEG-4 Part 2, which browsers do not play: PyAV, which writes H.264, is missing (pip install 'catch-arena[video]')"
+    "the video is MPEG-4 Part 2, which no browser plays: PyAV with H.264 is missing (pip install 'catch-arena[video]')"
 )
 
 _BT601: Final = 6
@@ -57,7 +57,7 @@ class RenderReport:
 
 
 def frame_count(duration_ms: int, fps: int) -> int:
-    """How many frames a match of that length has: duration * fps, rounded half up, at least 1; frame k shows the instant k / fps."""
+    """How many frames a match has: duration * fps, rounded half up, at least 1; frame k shows the instant k / fps."""
     return max(1, (2 * duration_ms * fps + 1000) // 2000)
 
 
@@ -72,10 +72,12 @@ def render_replay(
 ) -> RenderReport:
     """Write a match as an MP4 file that spans it and nothing before or after: `frame_count(duration_ms, fps)` frames.
 
-    Args: `path`, which must end in .mp4; `size`, (width, height) from 320 x 320 to 3840 x 2160, of which H.264 needs even numbers: an odd one becomes the next even
-    one; `fps`, 1 to 240; `layout`, "broadcast" (arena, standings, timeline) or "arena"; `progress`, called with (frames written, frames in all).
-    Raises: ConfigError for a setting that cannot be, OutputError where the file cannot be written, ReplayError where the replay does not play as recorded. Whatever is
-    raised, Ctrl-C included, no half-written file is left, and what stood under the name before stands there still.
+    Args: `path`, which must end in .mp4; `size`, (width, height) from 320 x 320 to 3840 x 2160, of which H.264 needs
+    even numbers: an odd one becomes the next even one; `fps`, 1 to 240; `layout`, "broadcast" (arena, standings,
+    timeline) or "arena"; `progress`, called with (frames written, frames in all).
+    Raises: ConfigError for a setting that cannot be, OutputError where the file cannot be written, ReplayError where
+    the replay does not play as recorded. Whatever is raised, Ctrl-C included, no half-written file is left, and what
+    stood under the name before stands there still.
     """
     began = time.perf_counter()
     path = Path(path)
@@ -116,6 +118,10 @@ class Encoder(Protocol):
     codec: str
     notice: str
 
+    @property
+    def failures(self) -> tuple[type[Exception], ...]:
+        """What its methods raise when the file cannot be written or read back."""
+
     def write(self, pixels: Pixels) -> None:
         """One more frame: (height, width, 4), red, green, blue and a byte that means nothing."""
 
@@ -131,7 +137,7 @@ class Encoder(Protocol):
 
 @contextmanager
 def mp4_file(path: Path, size: tuple[int, int], fps: int, frames: int) -> Iterator[Encoder]:
-    """An MP4 file that appears under its name when all went well and it holds that many frames, else not at all. Raises: OutputError."""
+    """An MP4 file that appears under its name when all went well and it holds that many frames. Raises: OutputError."""
     if path.is_dir():
         raise OutputError(f"{path}: cannot be written: is a folder")
     try:
@@ -145,24 +151,31 @@ def mp4_file(path: Path, size: tuple[int, int], fps: int, frames: int) -> Iterat
         encoder = _encoder(unfinished, size, fps)
         yield encoder
         encoder.finish()
-        counted = encoder.count()
-        if counted != frames:
-            raise OutputError(f"{path}: cannot be written: {counted} of {frames} frames could be read back; is the disk full?")
+        _require_frames(path, encoder.count(), frames)
         unfinished.chmod(0o644)  # mkstemp's files are for their owner alone
         unfinished.replace(path)
     except BaseException as error:
         if encoder is not None:
             encoder.abandon()
         unfinished.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
+        if isinstance(error, (OSError,) if encoder is None else encoder.failures):
+            raise OutputError(f"{path}: cannot be written: {getattr(error, 'strerror', None) or error}") from None
         raise
+
+
+def _require_frames(path: Path, counted: int, frames: int) -> None:
+    if counted != frames:
+        raise OutputError(
+            f"{path}: cannot be written: {counted} of {frames} frames could be read back; is the disk full?"
+        )
 
 
 def _encoder(path: Path, size: tuple[int, int], fps: int) -> Encoder:
     try:
         import av
     except ImportError:
+        return _PlainEncoder(path, size, fps)
+    if "libx264" not in av.codecs_available:  # some distributions build it without
         return _PlainEncoder(path, size, fps)
     return _H264Encoder(av, path, size, fps)
 
@@ -174,6 +187,7 @@ class _H264Encoder:
     notice = ""
 
     def __init__(self, av: Any, path: Path, size: tuple[int, int], fps: int) -> None:
+        self.failures = (OSError, av.error.FFmpegError)
         self._av = av
         self._path = path
         self._written = 0
@@ -201,7 +215,7 @@ class _H264Encoder:
         self._container.close()
 
     def abandon(self) -> None:
-        with suppress(OSError, ValueError):  # a full disk fails again when its file is closed
+        with suppress(*self.failures):  # a full disk fails again when its file is closed
             self._container.close()
 
     def count(self) -> int:
@@ -216,6 +230,7 @@ class _PlainEncoder:
 
     codec = "mpeg4"
     notice = NO_AV_NOTICE
+    failures = (OSError, cv2.error)
 
     def __init__(self, path: Path, size: tuple[int, int], fps: int) -> None:
         self._path = path

@@ -16,7 +16,8 @@ _NAP_S: Final = 0.02
 class Window:
     """Frames on the screen, at the pace of the match.
 
-    It opens with its first frame. When its user closes it, it stays closed: further frames are dropped and the match goes on, no longer held to real time.
+    It opens with its first frame. When its user closes it, it stays closed: further frames are dropped and the match
+    goes on, no longer held to real time.
 
     Args: `title`; `size`, (width, height) [pixels]; `period_ms`, how long each frame stays at least.
     """
@@ -31,7 +32,7 @@ class Window:
         """Its user, or `close`, has closed it."""
 
     def show(self, frame: NDArray[np.uint8]) -> None:
-        """Show a (height, width, 3) frame once the one before has stood for its period. Raises: OutputError without a display."""
+        """Show a (height, width, 3) frame once the last one has had its time. Raises: OutputError without a display."""
         if self.closed:
             return
         if self._screen is None:
@@ -40,7 +41,7 @@ class Window:
         if self.closed or self._screen is None:
             return
         height, width = frame.shape[:2]
-        picture = pygame.image.frombuffer(np.ascontiguousarray(frame), (width, height), "RGB")
+        picture = pygame.image.frombuffer(np.ascontiguousarray(frame).data, (width, height), "RGB")
         self._screen.blit(picture, (0, 0))
         pygame.display.flip()
 

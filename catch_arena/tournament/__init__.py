@@ -1,1 +1,5 @@
-"""Tournaments: who plays (entrants), what is played (schedule), one match (match), all of them (runner), what came out (standings, results)."""
+"""Tournaments, a module for each question.
+
+Who plays: entrants. What is played: schedule. How one match goes: match. How all of them go: runner. What came out:
+standings, results.
+"""

@@ -11,6 +11,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, AgentError, ConfigError
 from catch_arena.policy import Limits, Policy, View, control_of
+from catch_arena.tournament.entrants import reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +41,10 @@ def play(
 ) -> MatchResult:
     """Play one match to its end.
 
-    Args: `config`, whose `control` gives way to what the policies ask for; `seed`, the match's; `policies`, fresh for this match, and their `names`, by
-    seat; `places`, each one's place among the entrants (else its seat), from which its own seed is made; `title` and `record`, the heading and the file
-    of a replay; `watch`, called after the reset and after every step.
+    Args: `config`, whose `control` gives way to what the policies ask for; `seed`, the match's; `policies`, fresh for
+    this match, and their `names`, by seat; `places`, each one's place among the entrants (else its seat), from which
+    its own seed is made; `title` and `record`, the heading and the file of a replay; `watch`, called after the reset
+    and after every step.
     Raises: AgentError that names the agent and the step; OutputError for a replay that cannot be written.
     """
     if not len(policies) == len(names) == config.hunters:
@@ -89,7 +91,7 @@ def play(
 
 
 def agent_seed(match_seed: int, place: int) -> int:
-    """What an agent is told as its seed, in [0, 2^63): a digest, because the match's own seed would tell it every spawn."""
+    """What an agent is told as its seed, in [0, 2^63): a digest, as the match's own seed would tell it every spawn."""
     digest = hashlib.blake2b(f"agent {place} of match {match_seed}".encode(), digest_size=8).digest()
     return int.from_bytes(digest, "little") >> 1
 
@@ -100,11 +102,11 @@ def ranks_of(scores: Sequence[int]) -> tuple[int, ...]:
 
 
 def _view(observation: Any, info: dict[str, Any], limits: Limits) -> View:
-    mask = info.get("action_mask", ())
+    mask = info.get("action_mask")
     if isinstance(mask, dict):  # full control: the mask of "catch"
         mask = mask["catch"]
-    # plain floats: a scripted agent reads them one by one, which is slow on arrays
-    return View(observation.tolist(), mask, limits)
+    # plain numbers: a scripted agent reads them one by one, which is slow on arrays
+    return View(observation.tolist(), () if mask is None else mask.tolist(), limits)
 
 
 def _asked(name: str, what: str, step: int, method: Callable[[Any], Any], argument: object) -> Any:
@@ -112,11 +114,12 @@ def _asked(name: str, what: str, step: int, method: Callable[[Any], Any], argume
     try:
         return method(argument)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-        detail = f"{type(error).__name__}: {error}".splitlines()[0][:200].removesuffix(": ")
-        raise AgentError(f"{name}: {what} raised {detail} (step {step})") from error
+        raise AgentError(f"{name}: {what} raised {reason(error)} (step {step})") from error
 
 
-def _blame(error: ActionError, env: CatchArenaEnv, actions: dict[str, Any], names: Sequence[str], step: int) -> NoReturn:
+def _blame(
+    error: ActionError, env: CatchArenaEnv, actions: dict[str, Any], names: Sequence[str], step: int
+) -> NoReturn:
     """Say which agent gave the action that the env refused."""
     for agent, name in zip(env.possible_agents, names, strict=True):
         try:

@@ -129,9 +129,7 @@ def contest_winner(eligible: Sequence[Request], number: int, policy: str, seed: 
     return min(tied, key=lambda seat: (draw(tickets, seat), seat))
 
 
-def decide_contests(
-    requests: Sequence[Request], refused: Iterable[int], policy: str, seed: int, step: int
-) -> None:
+def decide_contests(requests: Sequence[Request], refused: Iterable[int], policy: str, seed: int, step: int) -> None:
     """R5.4 to R5.7: verdicts for all requests that no earlier test has refused."""
     contests: dict[int, list[Request]] = {}
     for request in requests:
@@ -304,23 +302,17 @@ class OracleArena:
         hunter.withdrawn = True
         hunter.stand_still()
 
-    def place(
-        self,
-        hunters: Sequence[tuple[float, float, float]] | None = None,
-        targets: Sequence[tuple[float, float]] | None = None,
-    ) -> None:
-        """For tests: put the hunters and the alive targets somewhere else; new targets get new numbers."""
-        if hunters is not None:
-            for hunter, (x, y, theta) in zip(self.hunters, hunters, strict=True):
-                hunter.x, hunter.y, hunter.theta = x, y, wrap(theta)
-                hunter.stand_still()
-                hunter.at_wall = False
-        if targets is not None:
-            self.alive = []
-            for x, y in targets:
-                self.used += 1
-                self.spawned += 1
-                self.alive.append(Target(self.used, x, y, 0.0, self.time))
+    def place(self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]]) -> None:
+        """For tests: hunters at rest at these poses, and these targets, with new numbers, instead of the alive ones."""
+        for hunter, (x, y, theta) in zip(self.hunters, hunters, strict=True):
+            hunter.x, hunter.y, hunter.theta = x, y, wrap(theta)
+            hunter.stand_still()
+            hunter.at_wall = False
+        self.alive = []
+        for x, y in targets:
+            self.used += 1
+            self.spawned += 1
+            self.alive.append(Target(self.used, x, y, 0.0, self.time))
 
     # ---- one step ----
 
@@ -508,10 +500,6 @@ class OracleArena:
         catches = [1.0 if verdict == GRANTED else 0.0 for verdict in verdicts]
         self.rewards, self.parts = [], []
         for hunter, verdict, goal, was in zip(self.hunters, verdicts, goals, before, strict=True):
-            if hunter.withdrawn:
-                self.parts.append((0.0,) * 6)
-                self.rewards.append(0.0)
-                continue
             progress = 0.0
             if goal is not None:
                 progress = was - distance(hunter.x, hunter.y, goal.x, goal.y)
@@ -524,6 +512,8 @@ class OracleArena:
                 progress,
                 self.period / 1000.0,
             )
+            if hunter.withdrawn:
+                parts = (0.0,) * 6
             reward = weights[PART_NAMES[0]] * parts[0]
             for name, amount in zip(PART_NAMES[1:], parts[1:], strict=True):
                 reward = reward + weights[name] * amount

@@ -5,6 +5,7 @@ import random
 import struct
 
 import pytest
+from oracle import arithmetic
 from oracle.arithmetic import (
     GOLDEN,
     NEXT_SEED,
@@ -45,6 +46,49 @@ def test_sincos_is_within_one_ulp_of_one_of_the_c_library() -> None:
         sine, cosine = sincos(angle)
         worst = max(worst, abs(sine - math.sin(angle)), abs(cosine - math.cos(angle)))
     assert worst < 3e-16
+
+
+FDLIBM = {
+    "P1": "3ff921fb54400000",
+    "P2": "3dd0b4611a626331",
+    "S1": "bfc5555555555549",
+    "S2": "3f8111111110f8a6",
+    "S3": "bf2a01a019c161d5",
+    "S4": "3ec71de357b1fe7d",
+    "S5": "be5ae5e68a2b9ceb",
+    "S6": "3de5d93a5acfd57c",
+    "C1": "3fa555555555554c",
+    "C2": "bf56c16c16c15177",
+    "C3": "3efa01a019cb1590",
+    "C4": "be927e4f809c52ad",
+    "C5": "3e21ee9ebdb4b1c4",
+    "C6": "bda8fae9be8838d4",
+    "T0": "3fd555555555550d",
+    "T1": "bfc999999998ebc4",
+    "T2": "3fc24924920083ff",
+    "T3": "bfbc71c6fe231671",
+    "T4": "3fb745cdc54c206e",
+    "T5": "bfb3b0f2af749a6d",
+    "T6": "3fb10d66a0d03d51",
+    "T7": "bfadde2d52defd9a",
+    "T8": "3fa97b4b24760deb",
+    "T9": "bfa2b4442c6a6c2f",
+    "T10": "3f90ad3ae322da11",
+    "HALF_HIGH": "3fddac670561bb4f",
+    "HALF_LOW": "3c7a2b7f222f65e2",
+    "ONE_HIGH": "3fe921fb54442d18",
+    "ONE_LOW": "3c81a62633145c07",
+    "RIGHT": "3ff921fb54442d18",
+    "RIGHT_LOW": "3c91a62633145c07",
+    "PI_LOW": "3ca1a62633145c07",
+}
+"""The words that fdlibm's sources give beside its constants."""
+
+
+@pytest.mark.parametrize("name", FDLIBM)
+def test_the_books_decimal_digits_identify_fdlibms_constants(name: str) -> None:
+    """Bit for bit."""
+    assert struct.pack(">d", getattr(arithmetic, name)).hex() == FDLIBM[name]
 
 
 def test_no_coefficient_was_misread() -> None:

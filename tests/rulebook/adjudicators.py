@@ -64,9 +64,7 @@ class Adjudicator:
     def step(self, *actions: Action) -> None: ...
     def withdraw(self, seat: int) -> None: ...
     def place(
-        self,
-        hunters: Sequence[tuple[float, float, float]] | None = None,
-        targets: Sequence[tuple[float, float]] | None = None,
+        self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]] = ()
     ) -> None: ...
     def numbers(self) -> list[float]: ...
     def digest(self) -> bytes: ...
@@ -137,7 +135,7 @@ class OracleAdjudicator(Adjudicator):
     def withdraw(self, seat: int) -> None:
         self.oracle.withdraw(seat)
 
-    def place(self, hunters: Any = None, targets: Any = None) -> None:
+    def place(self, hunters: Any, targets: Any = ()) -> None:
         self.oracle.place(hunters, targets)
 
     def numbers(self) -> list[float]:
@@ -213,7 +211,7 @@ class EngineAdjudicator(Adjudicator):
     def withdraw(self, seat: int) -> None:
         self.engine.withdraw(self.row, seat)
 
-    def place(self, hunters: Any = None, targets: Any = None) -> None:
+    def place(self, hunters: Any, targets: Any = ()) -> None:
         self.engine.place(self.row, hunters=hunters, targets=targets)
 
     def numbers(self) -> list[float]:
@@ -239,7 +237,95 @@ class EngineAdjudicator(Adjudicator):
     truncated = property(lambda self: bool(self.engine.truncated[self.row]))
 
 
-ADJUDICATORS = ("oracle", "engine", "batch")
+class EnvAdjudicator(Adjudicator):
+    """The PettingZoo parallel env: what it hands out in its dictionaries; the state's numbers are its engine's."""
+
+    def __init__(self, config: ArenaConfig) -> None:
+        from catch_arena.envs.parallel import parallel_env
+
+        super().__init__(config)
+        self.env = parallel_env(config)
+
+    def reset(self, seed: int) -> None:
+        observations, infos = self.env.reset(seed=seed)
+        seats = range(self.config.hunters)
+        self.results: Any = (
+            observations,
+            {f"hunter_{seat}": 0.0 for seat in seats},
+            {f"hunter_{seat}": False for seat in seats},
+            {f"hunter_{seat}": False for seat in seats},
+            infos,
+        )
+        self.placed = False
+
+    def step(self, *actions: Action) -> None:
+        given = {}
+        for agent in self.env.agents:
+            seat = int(agent.removeprefix("hunter_"))
+            control, action = self.config.controls[seat], actions[seat]
+            if control == "velocity":
+                action = np.array(action, np.float32)
+            elif control == "full":
+                action = {"cmd_vel": np.array(action[0], np.float32), "catch": action[1]}
+            given[agent] = action
+        self.results = self.env.step(given)
+        self.placed = False
+
+    def withdraw(self, seat: int) -> None:
+        self.env.withdraw(f"hunter_{seat}")
+        self.placed = True
+
+    def place(self, hunters: Any, targets: Any = ()) -> None:
+        self.env._engine.place(0, hunters, targets)
+        self.placed = True
+
+    def numbers(self) -> list[float]:
+        return [float(number) for number in self.env._engine.state(0)]
+
+    def digest(self) -> bytes:
+        return self.env.digest()
+
+    def evidence(self) -> list[Evidence | None]:
+        found: list[Evidence | None] = []
+        for seat in range(self.config.hunters):
+            info = self.results[4].get(f"hunter_{seat}", {"verdict": None})
+            if info["verdict"] is None:
+                found.append(None)
+                continue
+            number = None
+            if info["target"] is not None:
+                number = int(info["target"].removeprefix(self.config.name_prefix))
+            found.append(Evidence(info["verdict"], number, info["distance_um"], info["winner"]))
+        return found
+
+    def observation(self, seat: int) -> list[float]:
+        if self.placed:  # a position that no step has led to: only the engine has seen it
+            return [float(number) for number in self.env._engine.observations[0, seat]]
+        return [float(number) for number in self.results[0][f"hunter_{seat}"]]
+
+    def mask(self, seat: int) -> list[int]:
+        if self.config.controls[seat] == "velocity":
+            return []
+        if self.placed:
+            return [int(bit) for bit in self.env._engine.masks[0, seat]]
+        mask = self.results[4][f"hunter_{seat}"]["action_mask"]
+        return [int(bit) for bit in (mask if self.config.controls[seat] == "target" else mask["catch"])]
+
+    def _of_seats(self, results: Any, default: Any) -> list[Any]:
+        return [results.get(f"hunter_{seat}", default) for seat in range(self.config.hunters)]
+
+    rewards = property(lambda self: self._of_seats(self.results[1], 0.0))
+    parts = property(
+        lambda self: [
+            tuple(info["reward_parts"].values()) if info else (0.0,) * 6
+            for info in self._of_seats(self.results[4], None)
+        ]
+    )
+    terminated = property(lambda self: all(self._of_seats(self.results[2], True)))
+    truncated = property(lambda self: any(self._of_seats(self.results[3], False)))
+
+
+ADJUDICATORS = ("oracle", "engine", "batch", "parallel env")
 
 
 def adjudicator(kind: str, config: ArenaConfig) -> Adjudicator:
@@ -248,7 +334,9 @@ def adjudicator(kind: str, config: ArenaConfig) -> Adjudicator:
         return OracleAdjudicator(config)
     if kind == "engine":
         return EngineAdjudicator(config)
-    return EngineAdjudicator(config, arenas=40, row=37)
+    if kind == "batch":
+        return EngineAdjudicator(config, arenas=40, row=37)
+    return EnvAdjudicator(config)
 
 
 def ticks_turned(before: float, after: float, turn_rate: float) -> int:

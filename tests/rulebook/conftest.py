@@ -1,13 +1,18 @@
-"""The `arena` of the rulebook's tests."""
+"""The `arena` of the rulebook's tests, and the `court` that judges requests by name."""
 
 from collections.abc import Callable
+from typing import Any
 
 import pytest
+from oracle.arena import judge
 from rulebook.adjudicators import ADJUDICATORS, Adjudicator, adjudicator
 
+from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
+from catch_arena.verdicts import Ruling, Verdict
 
 ArenaFactory = Callable[..., Adjudicator]
+Court = Callable[..., list[Ruling]]
 
 
 @pytest.fixture(params=ADJUDICATORS)
@@ -24,3 +29,15 @@ def arena(request: pytest.FixtureRequest) -> ArenaFactory:
         return made
 
     return make
+
+
+def oracle_court(**case: Any) -> list[Ruling]:
+    """The oracle's judgement as Rulings."""
+    return [Ruling(Verdict(verdict), *rest) for verdict, *rest in judge(**case)]
+
+
+@pytest.fixture(params=[oracle_court, arbitrate], ids=["oracle", "arbitrate"])
+def court(request: pytest.FixtureRequest) -> Court:
+    """Whoever judges requests by name: `arbitrate`, and the oracle's `judge`."""
+    judged: Court = request.param
+    return judged

@@ -156,19 +156,18 @@ def test_r1_5_max_cycles_says_the_limit_in_steps(arena: ArenaFactory) -> None:
 
 @pytest.mark.rule("R1.5")
 def test_r1_5_an_episode_terminates_when_its_budget_is_spawned_and_caught(arena: ArenaFactory) -> None:
-    """The initial targets count, and so does the one that the timer adds."""
-    match = arena(control="full", initial_targets=1, max_targets=2, target_budget=2, spawn_frequency_hz=5.0)
-    first = match.targets[0]
-    match.place(hunters=[(first.x, first.y, 0.0)])
+    """The initial target counts, and so does the one that the timer adds."""
+    match = arena(
+        control="full", initial_targets=1, max_targets=2, target_budget=2, spawn_frequency_hz=5.0, reach_m=50.0
+    )
     match.step(((0.0, 0.0), 1))
     assert match.scores == [1]
+    assert match.alive == []
     assert not match.terminated
     match.hold()
-    second = match.targets[0]
-    match.place(hunters=[(second.x, second.y, 0.0)])
-    match.hold()
-    assert not match.terminated
     assert match.spawned == 2
+    match.hold()
+    assert not match.terminated
     match.step(((0.0, 0.0), 1))
     assert match.terminated
     assert not match.truncated
@@ -183,6 +182,16 @@ def test_r1_5_a_budget_that_is_spawned_in_full_is_not_exceeded(arena: ArenaFacto
     assert match.spawned == match.used == 3
     assert match.firings == 10
     assert match.skipped_full == 0
+
+
+@pytest.mark.rule("R1.5")
+def test_r1_5_the_budget_counts_the_targets_that_appeared(arena: ArenaFactory) -> None:
+    """Not the numbers: a spawn that the simulator refused is made up for."""
+    match = arena(target_budget=6, max_targets=6, spawn_frequency_hz=10.0, faults={"spawn_refused": 0.5})
+    match.hold(40)
+    assert match.spawned == len(match.alive) == 6
+    assert match.used == 6 + match.refused
+    assert match.refused > 0
 
 
 @pytest.mark.rule("R1.5")

@@ -7,6 +7,7 @@ import pytest
 from rulebook.conftest import ArenaFactory
 
 from catch_arena.config import RewardWeights
+from catch_arena.tournament.match import ranks_of
 from catch_arena.verdicts import Verdict
 
 CATCH, RIVAL_CATCH, LOST_CONTEST, REJECTED, PROGRESS, TIME = range(6)
@@ -24,6 +25,18 @@ def test_r6_1_the_score_is_the_number_of_granted_catches(arena: ArenaFactory) ->
         assert match.scores == [catches, 0]
         assert match.observation(0)[7] == catches
         assert match.observation(1)[7] == 0.0
+
+
+@pytest.mark.rule("R6.1")
+@pytest.mark.parametrize(
+    ("scores", "ranks"),
+    [((3,), (1,)), ((5, 7), (2, 1)), ((4, 4, 1), (1, 1, 3)), ((0, 2, 2, 5), (4, 2, 2, 1)), ((0, 0, 0), (1, 1, 1))],
+)
+def test_r6_1_a_match_is_ranked_by_score_and_equal_scores_share_a_rank(
+    scores: tuple[int, ...], ranks: tuple[int, ...]
+) -> None:
+    """Whatever the seats: one's rank is one more than the number of hunters with more."""
+    assert ranks_of(scores) == ranks
 
 
 @pytest.mark.rule("R6.2")

@@ -1,0 +1,199 @@
+"""A row of a batch is the arena that it would be alone, and a saved or cloned engine goes on as the first one does."""
+
+from random import Random
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from oracle.arithmetic import ROW_SEED, draw, key
+from properties.matches import EFFORT, settings_of, some_config, some_pose, some_seed
+
+from catch_arena.config import ArenaConfig
+from catch_arena.engine import Engine, batch_seeds
+
+FIRST_SEED = 70
+STEPS = 20
+Actions = tuple[NDArray[np.int64], NDArray[np.float32]]
+
+
+def some_batch_actions(source: Random, config: ArenaConfig, arenas: int) -> Actions:
+    """Random choices and commands for every row."""
+    generator = np.random.default_rng(source.getrandbits(64))
+    shape = (arenas, config.hunters)
+    choices = generator.integers(0, min(3, config.targets_seen) + 1, shape)
+    return choices, generator.uniform(-1, 1, (*shape, 2)).astype(np.float32)
+
+
+def seen(engine: Engine, row: int) -> list[object]:
+    """Everything that one row hands out."""
+    return [
+        engine.state(row).tobytes(),
+        engine.digest(row),
+        engine.observations[row].tobytes(),
+        engine.masks[row].tobytes(),
+        engine.rewards[row].tobytes(),
+        engine.parts[row].tobytes(),
+        bool(engine.terminated[row]),
+        bool(engine.truncated[row]),
+        engine.rulings(row),
+        engine.world(row),
+    ]
+
+
+NAMES = ("state", "digest", "observations", "masks", "rewards", "parts", "terminated", "truncated", "rulings", "world")
+
+
+def assert_rows_same(batch: Engine, row: int, other: Engine, other_row: int, where: str) -> None:
+    for name, one, two in zip(NAMES, seen(batch, row), seen(other, other_row), strict=True):
+        assert one == two, f"{name} differ: {where}"
+
+
+@pytest.mark.parametrize("arenas", [1, 7, 33, 70])
+def test_a_row_of_a_batch_equals_an_arena_alone(arenas: int) -> None:
+    """Every row of batches below, at and above the blocks' sizes; rows end, are withdrawn from and are placed apart."""
+    for match in range(2 * EFFORT):
+        source = Random(FIRST_SEED * arenas + match)
+        config = some_config(source)
+        seeds = [some_seed(source) for _ in range(arenas)]
+        batch = Engine(config, arenas)
+        batch.reset(seeds)
+        alone = [Engine(config) for _ in seeds]
+        for engine, seed in zip(alone, seeds, strict=True):
+            engine.reset([seed])
+        for step in range(STEPS):
+            where = f"step {step}, match {match} of {arenas} arenas, {settings_of(config)}"
+            if step % 6 == 3:
+                row, seat = source.randrange(arenas), source.randrange(config.hunters)
+                batch.withdraw(row, seat)
+                alone[row].withdraw(0, seat)
+            if step % 7 == 4:
+                row = source.randrange(arenas)
+                hunters = [some_pose(source, config.side_m) for _ in range(config.hunters)]
+                batch.place(row, hunters, [(1.0, 1.0)])
+                alone[row].place(0, hunters, [(1.0, 1.0)])
+            choices, commands = some_batch_actions(source, config, arenas)
+            batch.step(choices, commands)
+            for row, engine in enumerate(alone):
+                engine.step(choices[row : row + 1], commands[row : row + 1])
+                assert_rows_same(batch, row, engine, 0, f"row {row}, {where}")
+
+
+@pytest.mark.parametrize("arenas", [1, 7, 33, 70])
+def test_the_order_of_the_rows_does_not_matter(arenas: int) -> None:
+    """The same matches in reversed rows."""
+    source = Random(arenas)
+    config = ArenaConfig(hunters=3, control=("target", "velocity", "full"), spawn_frequency_hz=5.0, reach_m=1.0)
+    seeds = [some_seed(source) for _ in range(arenas)]
+    one, other = Engine(config, arenas), Engine(config, arenas)
+    one.reset(seeds)
+    other.reset(seeds[::-1])
+    for step in range(STEPS):
+        choices, commands = some_batch_actions(source, config, arenas)
+        one.step(choices, commands)
+        other.step(choices[::-1].copy(), commands[::-1].copy())
+        for row in range(arenas):
+            assert_rows_same(one, row, other, arenas - 1 - row, f"row {row}, step {step}")
+
+
+@pytest.mark.parametrize("arenas", [1, 33])
+def test_some_rows_can_begin_anew_while_the_others_go_on(arenas: int) -> None:
+    """A reset of one row equals a fresh arena with that seed, and disturbs no other row."""
+    source = Random(arenas)
+    config = ArenaConfig(hunters=2, spawn_frequency_hz=5.0, reach_m=1.0)
+    batch, undisturbed = Engine(config, arenas), Engine(config, arenas)
+    for engine in (batch, undisturbed):
+        engine.reset(range(arenas))
+    for _ in range(10):
+        actions = some_batch_actions(source, config, arenas)
+        batch.step(*actions)
+        undisturbed.step(*actions)
+    row = arenas // 2
+    batch.reset([2**63], [row])
+    fresh = Engine(config)
+    fresh.reset([2**63])
+    for step in range(10):
+        assert_rows_same(batch, row, fresh, 0, f"step {step}")
+        actions = some_batch_actions(source, config, arenas)
+        batch.step(*actions)
+        undisturbed.step(*actions)
+        fresh.step(actions[0][row : row + 1], actions[1][row : row + 1])
+        for other in range(arenas):
+            if other != row:
+                assert_rows_same(batch, other, undisturbed, other, f"row {other}, step {step}")
+
+
+def test_a_batchs_seeds_follow_from_one() -> None:
+    """Appendix A.5, purpose 10: as the oracle draws them."""
+    for seed in (0, 1, 2**64 - 1):
+        expected = [draw(key(seed, ROW_SEED), row) for row in range(40)]
+        assert [int(row_seed) for row_seed in batch_seeds(seed, 40)] == expected
+
+
+@pytest.mark.parametrize("arenas", [1, 7, 33, 70])
+def test_a_restored_engine_goes_on_identically(arenas: int) -> None:
+    """The same engine gone back, and another one of the same size; the saved state itself does not change."""
+    for match in range(2 * EFFORT):
+        source = Random(1000 * arenas + match)
+        config = some_config(source)
+        engine = Engine(config, arenas)
+        engine.reset([some_seed(source) for _ in range(arenas)])
+        for _ in range(5):
+            engine.step(*some_batch_actions(source, config, arenas))
+        engine.withdraw(arenas - 1, 0)
+        saved = engine.save()
+        before = saved.copy()
+        later = [some_batch_actions(source, config, arenas) for _ in range(8)]
+        went_on = []
+        for actions in later:
+            engine.step(*actions)
+            went_on.append([seen(engine, row) for row in range(arenas)])
+        assert np.array_equal(saved, before, equal_nan=True)
+        other = Engine(config, arenas)
+        other.reset([0] * arenas)
+        for copy in (engine, other):
+            copy.restore(saved)
+            for actions, expected in zip(later, went_on, strict=True):
+                copy.step(*actions)
+                assert [seen(copy, row) for row in range(arenas)] == expected
+
+
+def test_a_saved_row_goes_on_in_any_row_of_another_engine() -> None:
+    """Out of row 40 of 70 into row 2 of 3."""
+    source = Random(5)
+    config = ArenaConfig(hunters=3, control="full", reach_m=2.0, spawn_frequency_hz=8.0)
+    big, small = Engine(config, 70), Engine(config, 3)
+    big.reset(range(70))
+    small.reset([7, 8, 9])
+    for _ in range(6):
+        big.step(*some_batch_actions(source, config, 70))
+    small.restore_row(2, big.save_row(40))
+    for step in range(10):
+        choices, commands = some_batch_actions(source, config, 70)
+        big.step(choices, commands)
+        small.step(choices[38:41], commands[38:41])
+        assert_rows_same(big, 40, small, 2, f"step {step}")
+
+
+@pytest.mark.parametrize("arenas", [1, 33])
+def test_a_clone_is_equal_and_independent(arenas: int) -> None:
+    """What one plays the other does not notice."""
+    source = Random(arenas)
+    config = ArenaConfig(hunters=3, control="full", reach_m=2.0, spawn_frequency_hz=8.0)
+    engine = Engine(config, arenas)
+    engine.reset(range(arenas))
+    for _ in range(5):
+        engine.step(*some_batch_actions(source, config, arenas))
+    clone = engine.clone()
+    at_clone = [seen(clone, row) for row in range(arenas)]
+    later = [some_batch_actions(source, config, arenas) for _ in range(8)]
+    went_on = []
+    for actions in later:
+        engine.step(*actions)
+        went_on.append([seen(engine, row) for row in range(arenas)])
+    assert [seen(clone, row) for row in range(arenas)] == at_clone
+    at_end = [seen(engine, row) for row in range(arenas)]
+    for actions, expected in zip(later, went_on, strict=True):
+        clone.step(*actions)
+        assert [seen(clone, row) for row in range(arenas)] == expected
+    clone.reset(range(100, 100 + arenas))
+    assert [seen(engine, row) for row in range(arenas)] == at_end

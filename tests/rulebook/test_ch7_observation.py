@@ -1,0 +1,277 @@
+"""Chapter 7: observation."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from rulebook.adjudicators import Adjudicator
+from rulebook.conftest import ArenaFactory
+
+from catch_arena.config import ArenaConfig
+from catch_arena.envs.parallel import parallel_env
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS, columns, state_columns
+from catch_arena.policy import Limits, View
+
+STILL = (0.0, 0.0)
+OWN, TARGET, RIVAL = len(SELF_COLUMNS), len(TARGET_COLUMNS), len(RIVAL_COLUMNS)
+
+
+def own(match: Adjudicator, seat: int = 0) -> dict[str, float]:
+    return dict(zip(SELF_COLUMNS, match.observation(seat)[:OWN], strict=True))
+
+
+def seen_targets(match: Adjudicator, seat: int = 0) -> list[dict[str, float]]:
+    numbers = match.observation(seat)[OWN : OWN + TARGET * match.config.targets_seen]
+    return [dict(zip(TARGET_COLUMNS, numbers[at : at + TARGET], strict=True)) for at in range(0, len(numbers), TARGET)]
+
+
+def seen_rivals(match: Adjudicator, seat: int = 0) -> list[dict[str, float]]:
+    numbers = match.observation(seat)[OWN + TARGET * match.config.targets_seen :]
+    return [dict(zip(RIVAL_COLUMNS, numbers[at : at + RIVAL], strict=True)) for at in range(0, len(numbers), RIVAL)]
+
+
+@pytest.mark.rule("R7.1")
+def test_r7_1_first_the_hunter_itself(arena: ArenaFactory) -> None:
+    """Position, heading, velocities, time left and score, in the world's units."""
+    match = arena(control="velocity", time_limit_s=0.25)
+    match.place(hunters=[(3.0, 4.0, 0.7)])
+    match.step((0.5, 0.25))
+    found = own(match)
+    x, y, theta, v, w = match.hunter()[:5]
+    assert (v, w) == (1.0, 1.0)
+    expected = (x, y, math.cos(theta), math.sin(theta), 1.0, 1.0, 0.15, 0.0, 0.0, 0.0)
+    assert tuple(found.values()) == pytest.approx(expected, abs=1e-6)
+    match.hold(2)
+    assert match.truncated
+    assert own(match)["time_left"] == 0.0
+
+
+@pytest.mark.rule("R7.1")
+def test_r7_1_the_integrals_are_seen(arena: ArenaFactory) -> None:
+    """R4.3's two."""
+    match = arena(gains={"ki_w": 1.0}, max_speed_mps=50.0, max_turn_rate_radps=50.0)
+    match.place(hunters=[(3.0, 4.0, 0.0)], targets=[(5.0, 6.0)])
+    match.step(1)
+    assert own(match)["distance_integral"] == pytest.approx(0.1 * math.sqrt(8), abs=1e-6)
+    assert own(match)["bearing_integral"] == pytest.approx(0.1 * math.pi / 4, abs=1e-6)
+
+
+@pytest.mark.rule("R7.1")
+def test_r7_1_targets_stand_in_the_hunters_own_frame_nearest_first(arena: ArenaFactory) -> None:
+    """Forward and left, their age, and which one is active."""
+    match = arena(control="full", observed_targets=4)
+    match.hold()
+    match.place(hunters=[(5.0, 5.0, math.pi / 2)], targets=[(5.0, 8.0), (4.0, 5.0), (7.0, 5.0)])
+    first, second, third, fourth = seen_targets(match)
+    assert tuple(first.values()) == pytest.approx((0.0, 1.0, 1.0, 0.0, 0.0), abs=1e-7)
+    assert tuple(second.values()) == pytest.approx((0.0, -2.0, 1.0, 0.0, 0.0), abs=1e-7)
+    assert tuple(third.values()) == pytest.approx((3.0, 0.0, 1.0, 0.0, 0.0), abs=1e-7)
+    assert set(fourth.values()) == {0.0}
+    match.step((STILL, 2))
+    assert [target["age"] for target in seen_targets(match)] == pytest.approx([0.1, 0.1, 0.1, 0.0])
+    assert [target["active"] for target in seen_targets(match)] == [0.0, 1.0, 0.0, 0.0]
+
+
+@pytest.mark.rule("R7.1")
+def test_r7_1_targets_equal_in_micrometres_are_ordered_by_number(arena: ArenaFactory) -> None:
+    """A tenth of a micrometre more makes no difference; a whole one does."""
+    match = arena(observed_targets=3)
+    match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(6.0, 5.0), (5.0, 6.0000001), (4.000001, 5.0)])
+    assert [round(target["left"]) for target in seen_targets(match)] == [0, 0, 1]
+    assert [round(target["forward"]) for target in seen_targets(match)] == [-1, 1, 0]
+
+
+@pytest.mark.rule("R7.1")
+def test_r7_1_the_k_nearest_are_seen_eight_by_default(arena: ArenaFactory) -> None:
+    """Of twelve, or all where fewer may be alive."""
+    match = arena()
+    match.place(hunters=[(0.0, 0.0, 0.0)], targets=[(11.0 - 0.5 * i, 0.0) for i in range(12)])
+    assert [target["forward"] for target in seen_targets(match)] == pytest.approx([5.5 + 0.5 * i for i in range(8)])
+    assert ArenaConfig(max_targets=3, initial_targets=0).targets_seen == 3
+
+
+@pytest.mark.rule("R7.1")
+def test_r7_1_rivals_stand_in_the_hunters_own_frame_nearest_first(arena: ArenaFactory) -> None:
+    """Where they are, how they are turned, how fast they drive, and their score less one's own."""
+    match = arena(hunters=3, control="full", max_targets=2, observed_targets=1)
+    match.place(
+        hunters=[(5.0, 5.0, math.pi / 2), (5.0, 8.0, 0.0), (7.0, 5.0, math.pi)], targets=[(5.0, 8.0), (9.0, 9.0)]
+    )
+    near, far = seen_rivals(match)
+    assert tuple(near.values()) == pytest.approx((0.0, -2.0, 1.0, 0.0, 1.0, 0.0, 0.0), abs=1e-6)
+    assert tuple(far.values()) == pytest.approx((3.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0), abs=1e-6)
+    match.step((STILL, 0), (STILL, 1), ((0.25, 0.0), 0))
+    near, far = seen_rivals(match)
+    assert near["linear_velocity"] == 0.5
+    assert near["score_difference"] == 0.0
+    assert far["score_difference"] == 1.0
+    assert [rival["score_difference"] for rival in seen_rivals(match, 1)] == [-1.0, -1.0]
+
+
+@pytest.mark.rule("R7.1")
+@pytest.mark.parametrize("swapped", [False, True])
+def test_r7_1_equally_near_rivals_are_ordered_by_what_is_seen_of_them(arena: ArenaFactory, swapped: bool) -> None:
+    """The greater left, then the greater forward, then the greater cosine: never the seat."""
+    match = arena(hunters=3)
+    for one, other, column, greater, lesser in (
+        ((5.0, 6.0, 0.0), (5.0, 4.0, 0.0), "left", 1.0, -1.0),
+        ((6.0, 5.0, 0.0), (4.0, 5.0, 0.0), "forward", 1.0, -1.0),
+        ((5.0, 4.0, 0.0), (5.0, 4.0, 3.0), "heading_cos", 1.0, math.cos(3.0)),
+        ((5.0, 4.0, 1.0), (5.0, 4.0, -1.0), "heading_sin", math.sin(1.0), math.sin(-1.0)),
+    ):
+        rivals = [other, one] if swapped else [one, other]
+        match.place(hunters=[(5.0, 5.0, 0.0), *rivals])
+        assert [rival[column] for rival in seen_rivals(match)] == pytest.approx([greater, lesser], abs=1e-6)
+
+
+@pytest.mark.rule("R7.1")
+def test_r7_1_at_most_the_nearest_seven_rivals_are_seen_by_default(arena: ArenaFactory) -> None:
+    """Of nine; or all of fewer; or as many as the scenario says."""
+    match = arena(hunters=10)
+    match.place(hunters=[(float(seat), 5.0, 0.0) for seat in range(10)])
+    assert [rival["forward"] for rival in seen_rivals(match)] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+    assert [rival["forward"] for rival in seen_rivals(match, 9)] == [-1.0, -2.0, -3.0, -4.0, -5.0, -6.0, -7.0]
+    assert ArenaConfig(hunters=3).hunters_seen == 2
+    assert ArenaConfig(hunters=3, observed_hunters=1).hunters_seen == 1
+    assert ArenaConfig(hunters=1).hunters_seen == 0
+
+
+@pytest.mark.rule("R7.1")
+def test_r7_1_from_the_same_place_everybody_sees_the_same(arena: ArenaFactory) -> None:
+    """Each of three hunters in turn takes one seat in a figure of three."""
+    match = arena(hunters=3, observed_targets=2)
+    figure = [(5.0, 5.0, 1.0), (6.0, 5.5, 2.0), (4.0, 7.0, -2.5)]
+    views: list[list[list[float]]] = []
+    for turn in range(3):
+        match.place(hunters=figure[turn:] + figure[:turn], targets=[(5.0, 6.0), (7.0, 7.0)])
+        views.append([match.observation((place - turn) % 3) for place in range(3)])
+    assert views[0] == views[1] == views[2]
+
+
+@pytest.mark.rule("R7.1")
+@pytest.mark.parametrize("control", ["target", "velocity", "full"])
+def test_r7_1_one_table_gives_every_number_its_name_place_and_range(control: str) -> None:
+    """A random match stays within the table's bounds and the space's; the named view reads the same numbers."""
+    env = parallel_env("standard", hunters=3, control=control, reverse=True, time_limit_s=20.0, gains={"ki_w": 1.0})
+    config = env.config
+    table = columns(config)
+    low = np.array([column.low for column in table], np.float32)
+    high = np.array([column.high for column in table], np.float32)
+    assert len({column.name for column in table}) == len(table) == OWN + 8 * TARGET + 2 * RIVAL
+    observations, infos = env.reset(seed=4)
+    for agent in env.agents:
+        env.action_space(agent).seed(4)
+    while env.agents:
+        for seat, agent in enumerate(env.agents):
+            observation = observations[agent]
+            assert observation.dtype == np.float32
+            assert env.observation_space(agent).contains(observation)
+            assert np.all(observation >= low)
+            assert np.all(observation <= high)
+            world = env.world().hunters[seat]
+            mask: Any = infos[agent].get("action_mask", ())
+            view = View(observation, mask["catch"] if control == "full" else mask, Limits.of(config, seat))
+            assert (view.x, view.y, view.score) == (np.float32(world.x), np.float32(world.y), world.score)
+            assert len(view.targets) == min(8, len(env.world().targets))
+            assert len(view.rivals) == 2
+        observations, _, _, _, infos = env.step({agent: env.action_space(agent).sample() for agent in env.agents})
+
+
+@pytest.mark.rule("R7.2")
+def test_r7_2_ranks_without_a_target_are_zero_and_masked(arena: ArenaFactory) -> None:
+    """Hold is always legal."""
+    match = arena(control="full", observed_targets=3)
+    match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(5.1, 5.0), (9.0, 5.0)])
+    assert match.mask(0) == [1, 1, 1, 0]
+    assert set(seen_targets(match)[2].values()) == {0.0}
+    match.step((STILL, 1))
+    assert match.mask(0) == [1, 1, 0, 0]
+    assert [set(target.values()) for target in seen_targets(match)[1:]] == [{0.0}] * 2
+    match.step(((1.0, 0.0), 0))
+    assert match.mask(0) == [1, 1, 0, 0]
+
+
+@pytest.mark.rule("R7.2")
+def test_r7_2_the_mask_comes_in_info_in_the_form_of_the_control() -> None:
+    """An int8 array, a dictionary with one, or none; at reset and after each step."""
+    env = parallel_env("standard", hunters=3, control=("target", "full", "velocity"), initial_targets=2)
+    _, infos = env.reset(seed=1)
+    for _ in range(2):
+        expected = np.array([1, 1, 1, 0, 0, 0, 0, 0, 0], np.int8)
+        mask = infos["hunter_0"]["action_mask"]
+        assert mask.dtype == np.int8
+        assert np.array_equal(mask, expected)
+        assert set(infos["hunter_1"]["action_mask"]) == {"cmd_vel", "catch"}
+        assert infos["hunter_1"]["action_mask"]["cmd_vel"] is None
+        assert infos["hunter_1"]["action_mask"]["catch"].dtype == np.int8
+        assert np.array_equal(infos["hunter_1"]["action_mask"]["catch"], expected)
+        assert "action_mask" not in infos["hunter_2"]
+        for agent in env.agents[:2]:  # the form that spaces sample by
+            env.action_space(agent).sample(infos[agent]["action_mask"])
+        still = np.zeros(2, np.float32)
+        infos = env.step({"hunter_0": 0, "hunter_1": {"cmd_vel": still, "catch": 0}, "hunter_2": still})[4]
+
+
+@pytest.mark.rule("R7.2")
+def test_r7_2_where_asked_for_the_mask_stands_in_the_observation_under_target_control() -> None:
+    """And only there."""
+    env = parallel_env("standard", hunters=2, control=("target", "velocity"), mask_in_observation=True)
+    observations, infos = env.reset(seed=1)
+    assert set(observations["hunter_0"]) == {"observation", "action_mask"}
+    assert np.array_equal(observations["hunter_0"]["action_mask"], infos["hunter_0"]["action_mask"])
+    assert observations["hunter_1"].shape == observations["hunter_0"]["observation"].shape
+    for agent in env.agents:
+        assert env.observation_space(agent).contains(observations[agent])
+
+
+@pytest.mark.rule("R7.3")
+def test_r7_3_state_is_the_global_view_in_the_world_frame() -> None:
+    """It is named by its table, and says what the world says."""
+    env = parallel_env("standard", hunters=2, initial_targets=3)
+    env.reset(seed=6)
+    for _ in range(7):
+        env.step({"hunter_0": 1, "hunter_1": 2})
+    state = env.state()
+    assert state.dtype == np.float32
+    assert env.state_space.contains(state)
+    names = [column.name for column in state_columns(env.config)]
+    assert len(names) == len(set(names)) == len(state)
+    view = dict(zip(names, state.tolist(), strict=True))
+    world = env.world()
+    assert view["time_left"] == pytest.approx(59.3, abs=1e-5)
+    for seat, hunter in enumerate(world.hunters):
+        assert view[f"hunter_{seat}.x"] == np.float32(hunter.x)
+        assert view[f"hunter_{seat}.y"] == np.float32(hunter.y)
+        assert view[f"hunter_{seat}.heading_cos"] == pytest.approx(math.cos(hunter.theta), abs=1e-6)
+        assert view[f"hunter_{seat}.heading_sin"] == pytest.approx(math.sin(hunter.theta), abs=1e-6)
+        assert view[f"hunter_{seat}.score"] == hunter.score
+    for place, target in enumerate(world.targets, start=1):
+        assert view[f"target_{place}.present"] == 1.0
+        assert (view[f"target_{place}.x"], view[f"target_{place}.y"]) == (np.float32(target.x), np.float32(target.y))
+        assert view[f"target_{place}.age"] == pytest.approx((700 - target.spawned_ms) / 1000, abs=1e-6)
+    assert view[f"target_{len(world.targets) + 1}.present"] == 0.0
+
+
+@pytest.mark.rule("R7.3")
+@pytest.mark.parametrize("budget", [None, 1])
+def test_r7_3_truncation_and_termination_are_told_apart_and_the_last_observation_is_delivered(
+    budget: int | None,
+) -> None:
+    """The first by the time limit, the second by the budget; the last observation shows the last state."""
+    env = parallel_env(
+        "standard", hunters=2, initial_targets=1, target_budget=budget, time_limit_s=0.2, reach_m=20.0, max_targets=1
+    )
+    env.reset(seed=1)
+    env.step({"hunter_0": 0, "hunter_1": 0})
+    observations, _, terminations, truncations, infos = env.step({"hunter_0": 1, "hunter_1": 0})
+    assert set(terminations.values()) == {budget is not None}
+    assert set(truncations.values()) == {budget is None}
+    assert env.agents == []
+    for seat, agent in enumerate(env.possible_agents):
+        hunter = env.world().hunters[seat]
+        found = dict(zip(SELF_COLUMNS, observations[agent][:OWN].tolist(), strict=True))
+        assert (found["x"], found["y"]) == (np.float32(hunter.x), np.float32(hunter.y))
+        assert found["time_left"] == 0.0
+        assert found["score"] == hunter.score == 1 - seat
+    assert set(infos) == set(env.possible_agents)

@@ -1,0 +1,168 @@
+"""Chapter 8: services."""
+
+import math
+
+import pytest
+from oracle.arithmetic import KILL_DOWN, KILL_REFUSED, SPAWN_DOWN, SPAWN_REFUSED, draw, fraction, key
+from rulebook.conftest import ArenaFactory
+
+from catch_arena.arbitration import arbitrate
+from catch_arena.config import ArenaConfig, FaultRates
+from catch_arena.engine import Engine
+from catch_arena.errors import ConfigError
+from catch_arena.messages import (
+    CatchTurtleRequest,
+    CatchTurtleResponse,
+    Pose,
+    Turtle,
+    TurtleArray,
+    Twist,
+)
+from catch_arena.verdicts import Verdict
+from catch_arena.world import HunterState
+
+STILL = (0.0, 0.0)
+
+
+@pytest.mark.rule("R8.1")
+def test_r8_1_the_messages_have_the_capstones_fields() -> None:
+    """In the order of its interface files."""
+    assert Turtle._fields == ("name", "x", "y", "theta")
+    assert TurtleArray._fields == ("turtles",)
+    assert CatchTurtleRequest._fields == ("name",)
+    assert CatchTurtleResponse._fields == ("success",)
+    assert Pose._fields == ("x", "y", "theta", "linear_velocity", "angular_velocity")
+    assert Twist._fields == ("linear_x", "angular_z")
+
+
+@pytest.mark.rule("R8.1")
+def test_r8_1_a_catch_is_asked_for_by_name_and_answered_by_success() -> None:
+    """Through the arbiter's public face."""
+    for name, success in (("target_turtle_1", True), ("target_turtle_2", False)):
+        request = CatchTurtleRequest(name)
+        (ruling,) = arbitrate(
+            hunters=[(1.0, 1.0)], targets={"target_turtle_1": (1.1, 1.0)}, requests=[(0, request.name)]
+        )
+        assert CatchTurtleResponse(ruling.success) == (success,)
+
+
+@pytest.mark.rule("R8.1")
+def test_r8_1_a_hunters_pose_is_turtlesims() -> None:
+    """The linear velocity has no sign there."""
+    hunter = HunterState("hunter_0", 1.0, 2.0, 0.5, -1.5, 0.25, score=3)
+    assert hunter.pose == Pose(1.0, 2.0, 0.5, 1.5, 0.25)
+
+
+@pytest.mark.rule("R8.1", "R8.2")
+def test_r8_1_the_alive_list_is_a_turtle_array() -> None:
+    """Names, places and headings as requested at the spawn."""
+    engine = Engine(ArenaConfig(hunters=1, initial_targets=3))
+    engine.reset([8])
+    turtles = engine.world(0).alive_turtles.turtles
+    assert [turtle.name for turtle in turtles] == ["target_turtle_1", "target_turtle_2", "target_turtle_3"]
+    numbers = engine.state(0).tolist()[19:]
+    assert [tuple(turtle[1:]) for turtle in turtles] == [tuple(numbers[at + 1 : at + 4]) for at in (0, 5, 10)]
+    assert all(0.0 <= turtle.theta < math.tau for turtle in turtles)
+
+
+@pytest.mark.rule("R8.2")
+def test_r8_2_the_alive_list_keeps_its_spawning_order(arena: ArenaFactory) -> None:
+    """A caught one leaves it wherever it stands, the others keep their order, and new ones stand at the end."""
+    match = arena(hunters=2, control="full", reach_m=50.0, initial_targets=6, spawn_frequency_hz=2.5, max_targets=6)
+    for step in range(40):
+        before = match.alive
+        match.step((STILL, 2 if step % 3 else 0), (STILL, 3 if step % 2 else 0))
+        gone = [found.number for found in match.evidence() if found and found.verdict is Verdict.GRANTED]
+        kept = [number for number in before if number not in gone]
+        assert match.alive[: len(kept)] == kept
+        assert match.alive == sorted(match.alive)
+    assert match.used > 12
+
+
+@pytest.mark.rule("R8.3")
+def test_r8_3_the_kill_service_fails_by_the_step(arena: ArenaFactory) -> None:
+    """At each step the whole service, as its stream says."""
+    match = arena(hunters=2, control="full", faults={"kill_down": 0.5}, seed=12)
+    stream = key(12, KILL_DOWN)
+    down = [fraction(draw(stream, step)) < 0.5 for step in range(20)]
+    assert 0 < sum(down) < 20
+    for step in range(20):
+        match.place(hunters=[(2.0, 2.0, 0.0), (8.0, 8.0, 0.0)], targets=[(2.0, 2.1), (8.0, 8.1)])
+        match.step((STILL, 1), (STILL, 1))
+        assert match.verdicts == [Verdict.SERVICE_DOWN if down[step] else Verdict.GRANTED] * 2
+
+
+@pytest.mark.rule("R8.3")
+def test_r8_3_a_kill_is_refused_by_step_and_target(arena: ArenaFactory) -> None:
+    """Of two targets in one step each has a draw of its own."""
+    match = arena(hunters=2, control="full", faults={"kill_refused": 0.5}, seed=13)
+    outcomes = set()
+    for step in range(20):
+        match.place(hunters=[(2.0, 2.0, 0.0), (8.0, 8.0, 0.0)], targets=[(2.0, 2.1), (8.0, 8.1)])
+        expected = []
+        for number in match.alive:
+            refused = fraction(draw(draw(key(13, KILL_REFUSED), step), number)) < 0.5
+            expected.append(Verdict.KILL_FAILED if refused else Verdict.GRANTED)
+        match.step((STILL, 1), (STILL, 1))
+        assert match.verdicts == expected
+        outcomes.add(tuple(expected))
+    assert len(outcomes) == 4
+
+
+@pytest.mark.rule("R8.3")
+def test_r8_3_the_spawn_service_fails_by_the_firing(arena: ArenaFactory) -> None:
+    """Firings that find the arena full count too: the stream goes by the firing's number."""
+    match = arena(
+        control="full", spawn_frequency_hz=10.0, max_targets=2, reach_m=50.0, faults={"spawn_down": 0.5}, seed=14
+    )
+    for firing in range(1, 41):
+        catch = firing % 5 == 0 and bool(match.alive)
+        down, full = match.skipped_down, match.skipped_full
+        was_full = len(match.alive) - catch == 2
+        match.step((STILL, int(catch)))
+        fails = fraction(draw(key(14, SPAWN_DOWN), firing)) < 0.5
+        assert match.firings == firing
+        assert match.skipped_full == full + was_full
+        assert match.skipped_down == down + (fails and not was_full)
+
+
+@pytest.mark.rule("R8.3")
+def test_r8_3_spawns_are_refused_by_their_number(arena: ArenaFactory) -> None:
+    """The same numbers, whatever the timer's pace."""
+    expected = [number for number in range(1, 21) if not fraction(draw(key(15, SPAWN_REFUSED), number)) < 0.3]
+    assert len(expected) < 20
+    for frequency in (10.0, 5.0):
+        match = arena(spawn_frequency_hz=frequency, max_targets=64, faults={"spawn_refused": 0.3}, seed=15)
+        while match.used < 20:
+            match.hold()
+        assert match.alive == expected
+
+
+@pytest.mark.rule("R8.3")
+def test_r8_3_initial_targets_are_exempt(arena: ArenaFactory) -> None:
+    """Even where every spawn fails."""
+    for rates in ({"spawn_down": 1.0}, {"spawn_refused": 1.0}):
+        match = arena(initial_targets=4, spawn_frequency_hz=10.0, faults=rates)
+        assert match.alive == [1, 2, 3, 4]
+        match.hold(5)
+        assert match.alive == [1, 2, 3, 4]
+
+
+@pytest.mark.rule("R8.3")
+def test_r8_3_each_rate_has_a_stream_of_its_own(arena: ArenaFactory) -> None:
+    """Switching one fault on changes nothing of another's."""
+    for others in ({}, {"kill_down": 0.5, "kill_refused": 0.5, "spawn_refused": 0.5}):
+        match = arena(spawn_frequency_hz=10.0, max_targets=64, faults={"spawn_down": 0.4, **others}, seed=16)
+        match.hold(50)
+        expected = sum(fraction(draw(key(16, SPAWN_DOWN), firing)) < 0.4 for firing in range(1, 51))
+        assert match.skipped_down == expected
+
+
+@pytest.mark.rule("R8.3")
+@pytest.mark.parametrize("rate", ["kill_down", "kill_refused", "spawn_down", "spawn_refused"])
+def test_r8_3_rates_are_probabilities_and_zero_by_default(rate: str) -> None:
+    """Outside [0, 1] they are refused by name."""
+    assert getattr(FaultRates(), rate) == 0.0
+    for value in (-0.1, 1.1, math.nan, "1"):
+        with pytest.raises(ConfigError, match=rate):
+            ArenaConfig().replace(faults={rate: value})
