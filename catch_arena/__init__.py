@@ -1,4 +1,5 @@
-"""Catch Arena: several hunters chase spawned targets in turtlesim's arena, and a central arbiter decides who caught what.
+"""Catch Arena: several hunters chase spawned targets in turtlesim's arena, and a central arbiter decides who caught
+what.
 
 What is listed here loads on first use, so that `import catch_arena` stays quick.
 """

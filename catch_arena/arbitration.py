@@ -1,8 +1,10 @@
-"""The arbiter's public face: judge the requests of one step without any arena, by the same compiled rules that the engine plays by."""
+"""The arbiter's public face: judge the requests of one step without any arena, by the same compiled rules that the
+engine plays by.
+"""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from typing import Final, get_args
+from typing import Any, Final, get_args
 
 import numpy as np
 
@@ -34,11 +36,15 @@ def arbitrate(
 ) -> list[Ruling]:
     """The verdicts of chapter 5 on the requests of one step.
 
-    Args: `hunters`, (x, y) [m] by seat; `targets`, name -> (x, y) [m] of those alive, numbered from 1 in their order for the lots of R5.5; `requests`, (seat, name)
-    in any order, where any object may stand for the name; `reach_m` (R5.3); `policy` (R5.9); `seed` in [0, 2^64) and `step` from 0, which the lots are drawn from; `caught`, names caught
-    in earlier steps; `inactive`, seats that are withdrawn; `kill_service_up`; `kill_refused`, names whose kill the simulator refuses; `match_over`.
+    Args: `hunters`, (x, y) [m] by seat; `targets`, name -> (x, y) [m] of those alive, numbered from 1 in their order
+    for the lots of R5.5; `requests`, (seat, name)
+    in any order, where any object may stand for the name; `reach_m` (R5.3); `policy` (R5.9); `seed` in [0, 2^64) and
+    `step` from 0, which the lots are drawn from; `caught`, names caught
+    in earlier steps; `inactive`, seats that are withdrawn; `kill_service_up`; `kill_refused`, names whose kill the
+    simulator refuses; `match_over`.
     Returns: one Ruling for each request, in the order of the requests.
-    Raises: ActionError for a seat that does not exist or a position that is not two finite numbers; ConfigError for any other argument that cannot be.
+    Raises: ActionError for a seat that does not exist or a position that is not two finite numbers; ConfigError for
+    any other argument that cannot be.
     """
     seats = len(hunters)
     places = [_checked_place(f"hunters[{seat}]", place) for seat, place in enumerate(hunters)]
@@ -46,11 +52,16 @@ def arbitrate(
     gone, refused = _checked_names("caught", caught), _checked_names("kill_refused", kill_refused)
     out = {_checked_seat("inactive", seat, seats) for seat in inactive}
     if both := sorted(gone & alive.keys()):
-        raise ConfigError(f"caught must name targets that are no longer alive, got {both[0]!r}, which stands in targets")
+        raise ConfigError(
+            f"caught must name targets that are no longer alive, got {both[0]!r}, which stands in targets"
+        )
     if isinstance(reach_m, bool) or not isinstance(reach_m, int | float) or not 0 < reach_m <= _FARTHEST_M:
         raise ConfigError(f"reach_m must be a positive number, got {reach_m!r}")
     if policy not in _POLICIES:
-        raise ConfigError(f"policy must be one of {', '.join(get_args(ArbitrationPolicy))}, got {policy!r}; {suggest(policy, _POLICIES)}")
+        raise ConfigError(
+            f"policy must be one of {', '.join(get_args(ArbitrationPolicy))}, got {policy!r}; "
+            f"{suggest(policy, _POLICIES)}"
+        )
     if isinstance(step, bool) or not isinstance(step, int) or not 0 <= step < 2**53:
         raise ConfigError(f"step must be a whole number from 0, got {step!r}")
     numbers = {name: number for number, name in enumerate(alive, start=1)}
@@ -71,7 +82,13 @@ def arbitrate(
             row[arbiter.TARGET] = arbiter.ALREADY_GONE if name in gone else arbiter.NEVER_SPAWNED
     reach_um = max(1, math.floor(1e6 * reach_m + 0.5))
     arbiter.judge(
-        docket, _POLICIES[policy], np.uint64(checked_seed(seed)), step, reach_um, bool(match_over), bool(kill_service_up)
+        docket,
+        _POLICIES[policy],
+        np.uint64(checked_seed(seed)),
+        step,
+        reach_um,
+        bool(match_over),
+        bool(kill_service_up),
     )
     return [
         Ruling(
@@ -85,10 +102,9 @@ def arbitrate(
     ]
 
 
-def _checked_place(field: str, place: object) -> tuple[float, float]:
+def _checked_place(field: str, place: Any) -> tuple[float, float]:
     try:
-        x, y = place  # type: ignore[misc]
-        x, y = float(x), float(y)
+        x, y = (float(number) for number in place)
     except (TypeError, ValueError):
         raise ActionError(f"{field} must be two numbers (x, y), got {place!r}") from None
     if not (math.isfinite(x) and math.isfinite(y) and max(abs(x), abs(y)) <= _FARTHEST_M):
@@ -118,9 +134,9 @@ def _checked_seat(field: str, seat: object, seats: int) -> int:
     return int(seat)
 
 
-def _checked_request(request: object, seats: int) -> tuple[int, object]:
+def _checked_request(request: Any, seats: int) -> tuple[int, object]:
     try:
-        seat, name = request  # type: ignore[misc]
+        seat, name = request
     except (TypeError, ValueError):
         raise ActionError(f"a request must be (seat, name), got {request!r}") from None
     return _checked_seat("the seat of a request", seat, seats), name

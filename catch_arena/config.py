@@ -162,7 +162,9 @@ class ArenaConfig:
                 raise ConfigError(f"{name} must be true or false, got {getattr(self, name)!r}")
         _require_choice("policy", self.policy, get_args(ArbitrationPolicy))
         if self.target_motion != "still":
-            raise ConfigError(f"target_motion must be 'still' (R3.7's moving targets are not here yet), got {self.target_motion!r}")
+            raise ConfigError(
+                f"target_motion must be 'still' (R3.7's moving targets are not here yet), got {self.target_motion!r}"
+            )
         if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200:
             raise ConfigError(f"name_prefix must be a string of at most 200 characters, got {self.name_prefix!r}")
         for name, kind in (("gains", Gains), ("rewards", RewardWeights), ("faults", FaultRates)):
@@ -255,8 +257,9 @@ class ArenaConfig:
                 for part in value:
                     if part not in parts:
                         raise ConfigError(f"unknown setting {name}.{part}: {suggest(part, parts)}")
-                value = dataclasses.replace(old, **value)
-            changes[name] = tuple(value) if isinstance(value, list) else value
+                changes[name] = dataclasses.replace(old, **value)
+            else:
+                changes[name] = tuple(value) if isinstance(value, list) else value
         return dataclasses.replace(self, **changes)
 
     def to_dict(self) -> dict[str, Any]:

@@ -1,4 +1,6 @@
-"""The engine: owns the memory of a batch of arenas, and calls the core. Trusts its callers; the doors (envs, arbitration) check what people give."""
+"""The engine: owns the memory of a batch of arenas, and calls the core. Trusts its callers; the doors (envs,
+arbitration) check what people give.
+"""
 
 import hashlib
 import math
@@ -81,7 +83,8 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool = True) -> Setting
 class Engine:
     """A batch of arenas of one config, played in lockstep.
 
-    Args: `config`; `num_arenas`, B, from 1 up. All arrays below are the engine's own and change with every step: copy what is to be kept.
+    Args: `config`; `num_arenas`, B, from 1 up. All arrays below are the engine's own and change with every step: copy
+    what is to be kept.
     `progress_wanted` False leaves R6.2's progress unmeasured where its weight is zero.
     """
 
@@ -148,8 +151,10 @@ class Engine:
     def step(self, choices: NDArray[np.int64], commands: NDArray[np.float32]) -> None:
         """R1.4: one step of every arena.
 
-        Args: `choices` (B, H) int64: the rank chosen under target control, or requested under full control, 0 for none; `commands` (B, H, 2)
-        float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a seat's control does not read is ignored.
+        Args: `choices` (B, H) int64: the rank chosen under target control, or requested under full control, 0 for
+        none; `commands` (B, H, 2)
+        float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a seat's control does not
+        read is ignored.
         """
         tick.step(
             self.memory,
@@ -183,7 +188,8 @@ class Engine:
         hunters: Sequence[tuple[float, float, float]],
         targets: Sequence[tuple[float, float]],
     ) -> None:
-        """A position for tests and lessons: hunters at rest at these poses, and these targets alive instead of those that were.
+        """A position for tests and lessons: hunters at rest at these poses, and these targets alive instead of those
+        that were.
 
         The targets take the next spawn numbers, in their order, and appear now with theta 0.
         """
@@ -209,19 +215,21 @@ class Engine:
     @property
     def terminated(self) -> NDArray[np.bool_]:
         """R1.5: (B,)."""
-        return self._ended() == rows.TERMINATED
+        return np.equal(self._ended(), rows.TERMINATED)
 
     @property
     def truncated(self) -> NDArray[np.bool_]:
         """R1.5: (B,)."""
-        return self._ended() == rows.TRUNCATED
+        return np.equal(self._ended(), rows.TRUNCATED)
 
     def _ended(self) -> NDArray[np.float64]:
         return self._fields[:, rows.ENDED // LANES].reshape(-1)[: self.num_arenas]
 
     @property
     def parts(self) -> NDArray[np.float64]:
-        """R6.2: the parts of the last reward, unweighted, in the order of `core.state.PART_NAMES`: (B, H, 6), a copy."""
+        """R6.2: the parts of the last reward, unweighted, in the order of `core.state.PART_NAMES`: (B, H, 6), a
+        copy.
+        """
         first = rows.PARTS // LANES
         parts = self._hunters[:, :, first : first + len(rows.PART_NAMES)]
         return parts.transpose(0, 3, 1, 2).reshape(-1, self.config.hunters, len(rows.PART_NAMES))[: self.num_arenas]
@@ -365,9 +373,8 @@ def _compile_once() -> None:
 
 @contextmanager
 def _notice_if_slow() -> Iterator[None]:
-    notice = threading.Timer(
-        1.0, lambda: print("catch_arena: compiling the rules for this machine (once, some seconds)", file=sys.stderr)
-    )
+    line = "catch_arena: compiling the rules for this machine (once, about 15 s)\n"
+    notice = threading.Timer(1.0, sys.stderr.write, (line,))
     notice.daemon = True
     notice.start()
     try:

@@ -1,6 +1,7 @@
 """Rulebook R7.1: the observation's columns, in one table.
 
-The space, the writer (core/observations.py), the named view for scripted agents (policy.py) and docs/observation.md are all made from it.
+The space, the writer (core/observations.py), the named view for scripted agents (policy.py) and docs/observation.md
+are all made from it.
 """
 
 import math
@@ -48,9 +49,7 @@ RIVAL_COLUMNS: Final = (
 
 def width(config: ArenaConfig) -> int:
     """D, the length of an observation."""
-    return (
-        len(SELF_COLUMNS) + len(TARGET_COLUMNS) * config.targets_seen + len(RIVAL_COLUMNS) * config.hunters_seen
-    )
+    return len(SELF_COLUMNS) + len(TARGET_COLUMNS) * config.targets_seen + len(RIVAL_COLUMNS) * config.hunters_seen
 
 
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
@@ -68,7 +67,11 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
         Column("heading_sin", "1", -1.0, 1.0, "sine of the heading"),
         Column("linear_velocity", "m/s", slowest, config.max_speed_mps, "forward velocity"),
         Column(
-            "angular_velocity", "rad/s", -config.max_turn_rate_radps, config.max_turn_rate_radps, "turn rate, to the left"
+            "angular_velocity",
+            "rad/s",
+            -config.max_turn_rate_radps,
+            config.max_turn_rate_radps,
+            "turn rate, to the left",
         ),
         Column("time_left", "s", 0.0, config.time_limit_ms / 1000.0, "until the time limit"),
         Column("score", "catches", 0.0, catches, "granted catches so far"),
@@ -93,7 +96,9 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
     )
     return (
         own
-        + tuple(c._replace(name=f"target_{rank}.{c.name}") for rank in range(1, config.targets_seen + 1) for c in target)
+        + tuple(
+            c._replace(name=f"target_{rank}.{c.name}") for rank in range(1, config.targets_seen + 1) for c in target
+        )
         + tuple(c._replace(name=f"rival_{rank}.{c.name}") for rank in range(1, config.hunters_seen + 1) for c in rival)
     )
 

@@ -174,7 +174,8 @@ class View:
 class Policy(Protocol):
     """An agent. It may also name its `control` ("target" where it does not): the kind of action that it gives.
 
-    target: an int, 0 = hold or a target's rank. velocity: two numbers in [-1, 1], linear and angular. full: {"cmd_vel": two such
+    target: an int, 0 = hold or a target's rank. velocity: two numbers in [-1, 1], linear and angular. full:
+    {"cmd_vel": two such
     numbers, "catch": an int}.
     """
 
@@ -187,7 +188,7 @@ class Policy(Protocol):
 
 def control_of(policy: object) -> Control:
     """The control that a policy, or its class, asks for."""
-    word = getattr(policy, "control", "target")
+    word: Control = getattr(policy, "control", "target")
     if word not in ("target", "velocity", "full"):
         raise AgentError(f"control of {policy!r} must be target, velocity or full, got {word!r}")
-    return word  # type: ignore[no-any-return]
+    return word

@@ -1,6 +1,7 @@
 """Rulebook R10.2: a match as its header, its seed and its actions, with a digest of the state per step.
 
-The file (docs/replays.md): an eight-byte mark, the format's version, the length of the body, the body, and a checksum over all of it. The body is compressed: a JSON
+The file (docs/replays.md): an eight-byte mark, the format's version, the length of the body, the body, and a checksum
+over all of it. The body is compressed: a JSON
 header, then the actions and the digests as plain arrays.
 """
 
@@ -10,7 +11,7 @@ import os
 import struct
 import tempfile
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -215,7 +216,9 @@ def _header_of(body: bytes) -> tuple[dict[str, Any], int]:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file under a temporary name and rename it: whoever looks finds it whole or not at all. Raises: OutputError."""
+    """Write a file under a temporary name and rename it: whoever looks finds it whole or not at all. Raises:
+    OutputError.
+    """
     try:
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
             try:

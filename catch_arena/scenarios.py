@@ -1,4 +1,6 @@
-"""Named scenarios: the arenas that people play, teach and publish on. docs/scenarios.md says what was measured in each."""
+"""Named scenarios: the arenas that people play, teach and publish on. docs/scenarios.md says what was measured in
+each.
+"""
 
 import math
 from typing import Final
@@ -13,9 +15,7 @@ SCENARIOS: Final[dict[str, ArenaConfig]] = {
     "duel": _STANDARD.replace(hunters=2, initial_targets=6, max_targets=12, spawn_frequency_hz=0.8),
     "crowd": _STANDARD.replace(hunters=16, side_m=16.0, initial_targets=16, max_targets=32, spawn_frequency_hz=4.0),
     "scarce": _STANDARD.replace(initial_targets=0, spawn_frequency_hz=0.5),
-    "faulty": _STANDARD.replace(
-        faults=FaultRates(kill_down=0.1, kill_refused=0.1, spawn_down=0.1, spawn_refused=0.1)
-    ),
+    "faulty": _STANDARD.replace(faults=FaultRates(kill_down=0.1, kill_refused=0.1, spawn_down=0.1, spawn_refused=0.1)),
     "capstone": _STANDARD.replace(  # R9.1
         hunters=1,
         policy="capstone",
@@ -33,7 +33,8 @@ SCENARIOS: Final[dict[str, ArenaConfig]] = {
 def scenario(name: str, **overrides: object) -> ArenaConfig:
     """The named scenario's settings, with any of them overridden.
 
-    Args: `name`, one of `SCENARIOS`; `overrides`, fields of `ArenaConfig` (`gains`, `rewards` and `faults` also as partial dicts).
+    Args: `name`, one of `SCENARIOS`; `overrides`, fields of `ArenaConfig` (`gains`, `rewards` and `faults` also as
+    partial dicts).
     Raises: ConfigError that names the nearest right name, or the setting, the requirement and the value.
     """
     if name not in SCENARIOS:

@@ -6,7 +6,8 @@ from typing import Final
 
 
 class Verdict(IntEnum):
-    """R5.2: the eleven answers, in the order in which their tests are made; the first test that fails names the verdict.
+    """R5.2: the eleven answers, in the order in which their tests are made; the first test that fails names the
+    verdict.
 
     ROS's `catch_turtle` response has one bit for all this: its `success` is `verdict is Verdict.GRANTED`.
     """

@@ -65,11 +65,14 @@ def mpe2_stepper() -> Callable[[], None]:
 
 def seconds_to_first_step(cache: str) -> float:
     """From the start of a process to the end of its first step."""
-    code = (
-        "import catch_arena; env = catch_arena.parallel_env(); env.reset(seed=1); env.step(dict.fromkeys(env.agents, 1))"
-    )
+    code = "import catch_arena as c; env = c.parallel_env(); env.reset(seed=1); env.step(dict.fromkeys(env.agents, 1))"
     begin = time.perf_counter()
-    subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "NUMBA_CACHE_DIR": cache}, stderr=-3)
+    subprocess.run(
+        [sys.executable, "-c", code],
+        check=True,
+        env={**os.environ, "NUMBA_CACHE_DIR": cache},
+        stderr=subprocess.DEVNULL,
+    )
     return time.perf_counter() - begin
 
 

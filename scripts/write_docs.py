@@ -11,10 +11,13 @@ HEAD = """# What a hunter sees
 
 Made from `catch_arena/layout.py` by `make docs`; do not edit. The clauses are R7.1 to R7.3.
 
-An observation is one float32 vector. `catch_arena.View(observation, mask, limits)` gives it names. Numbers are SI units in the hunter's own frame (forward, left), except its own
-position, which is in the world's. The bounds are those of the observation space; `(o - low) / (high - low)` brings every column into [0, 1].
+An observation is one float32 vector. `catch_arena.View(observation, mask, limits)` gives it names. Numbers are SI
+units in the hunter's own frame (forward, left), except its own
+position, which is in the world's. The bounds are those of the observation space; `(o - low) / (high - low)` brings
+every column into [0, 1].
 
-Below is the scenario `standard`: 4 hunters, 8 targets and 3 rivals in view. The columns of `target_2` to `target_8` and of `rival_2` and `rival_3` repeat those of the first.
+Below is the scenario `standard`: 4 hunters, 8 targets and 3 rivals in view. The columns of `target_2` to `target_8`
+and of `rival_2` and `rival_3` repeat those of the first.
 """
 
 
@@ -37,7 +40,8 @@ def observation_page() -> str:
             HEAD,
             table(columns(config), skip_repeats=others),
             "\n## The global view\n",
-            "`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then `max_targets` places for targets in spawning order.\n",
+            "`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then\n"
+            "`max_targets` places for targets in spawning order.\n",
             table(state_columns(config), skip_repeats=tuple(s for s in seats if s != "target_1")),
             "",
         )

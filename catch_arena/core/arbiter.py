@@ -1,7 +1,9 @@
 """Rulebook chapter 5: who caught what.
 
-The arbiter judges a *docket*: one row for each request of one step in one arena, in the columns below. It reads distances and eligibility
-from there alone, so nothing that it grants can change another request (R5.1). The engine and `catch_arena.arbitrate` fill the docket; both
+The arbiter judges a *docket*: one row for each request of one step in one arena, in the columns below. It reads
+distances and eligibility
+from there alone, so nothing that it grants can change another request (R5.1). The engine and `catch_arena.arbitrate`
+fill the docket; both
 are judged by the same code.
 """
 
@@ -12,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import entry, phase, rule
+from catch_arena.core.math import floor
 from catch_arena.core.random import service_lot, ticket
 from catch_arena.verdicts import Verdict
 
@@ -53,7 +56,7 @@ _GRANTED: Final = int(Verdict.GRANTED)
 @entry
 def distance_um(dx: float, dy: float) -> float:
     """R5.3: the distance between two centres in whole micrometres."""
-    return np.floor(1000000.0 * sqrt(dx * dx + dy * dy) + 0.5)
+    return floor(1000000.0 * sqrt(dx * dx + dy * dy) + 0.5)
 
 
 @rule
@@ -102,7 +105,14 @@ def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) 
 
 @rule
 def is_preferred(
-    policy: int, seed: np.uint64, step: int, number: int, seat: int, micrometres: int, rival: int, rival_micrometres: int
+    policy: int,
+    seed: np.uint64,
+    step: int,
+    number: int,
+    seat: int,
+    micrometres: int,
+    rival: int,
+    rival_micrometres: int,
 ) -> bool:
     """R5.4, R5.5, R5.9: whether a seat is preferred to a rival for the target that both may catch."""
     if policy == FIRST_COME:
@@ -114,14 +124,12 @@ def is_preferred(
         mine = ticket(seed, step, number, seat)
         other = ticket(seed, step, number, rival)
     if mine != other:
-        return mine < other
+        return bool(mine < other)
     return seat < rival
 
 
 @entry
-def judge(
-    docket: Docket, policy: int, seed: np.uint64, step: int, reach_um: int, over: bool, service_up: bool
-) -> None:
+def judge(docket: Docket, policy: int, seed: np.uint64, step: int, reach_um: int, over: bool, service_up: bool) -> None:
     """R5.1 to R5.7: writes the verdict and the winner of every request of one step."""
     for i in range(len(docket)):
         duplicate = False

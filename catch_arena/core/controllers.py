@@ -29,8 +29,12 @@ from catch_arena.core.state import (
 
 
 @rule
-def pi_step(error: float, integral: float, kp: float, ki: float, low: float, high: float, dt: float) -> tuple[float, float]:
-    """R4.3: one step of a PI loop: its limited output, and the integral to go on with, which does not grow while the output saturates."""
+def pi_step(
+    error: float, integral: float, kp: float, ki: float, low: float, high: float, dt: float
+) -> tuple[float, float]:
+    """R4.3: one step of a PI loop: its limited output, and the integral to go on with, which does not grow while the
+    output saturates.
+    """
     grown = integral + error * dt
     output = kp * error + ki * grown
     saturated = ((output > high) & (error > 0.0)) | ((output < low) & (error < 0.0))
@@ -39,7 +43,9 @@ def pi_step(error: float, integral: float, kp: float, ki: float, low: float, hig
 
 @phase
 def choose(me: Block, view: Block, ranks: NDArray[np.int64], lanes: int) -> None:
-    """R4.1: the slots that belong to the ranks chosen, NO_TARGET for hold and NO_SUCH_RANK for a rank without a target."""
+    """R4.1: the slots that belong to the ranks chosen, NO_TARGET for hold and NO_SUCH_RANK for a rank without a
+    target.
+    """
     for lane in range(lanes):
         rank = ranks[lane]
         wanted = float(NO_TARGET)
@@ -112,7 +118,9 @@ def mark_active(me: Block, targets: Targets, lanes: int) -> None:
 
 @phase
 def drive_by_command(me: Block, commands: NDArray[np.float32], lanes: int, s: Settings) -> None:
-    """R2.5, R4.4: velocities as fractions of the limits; a request for a rank without a target makes the hunter hold (R5.2)."""
+    """R2.5, R4.4: velocities as fractions of the limits; a request for a rank without a target makes the hunter hold
+    (R5.2).
+    """
     for lane in range(lanes):
         holds = (me[WANTED + lane] == float(NO_SUCH_RANK)) | (me[WITHDRAWN + lane] > 0.0)
         speed = clamp(np.float64(commands[lane, 0]) * s.max_speed, s.min_speed, s.max_speed)

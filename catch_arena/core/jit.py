@@ -1,10 +1,13 @@
 """How the core is compiled: the only place with compiler flags.
 
-No fast-math and no fused multiply-add: the same bits compiled and interpreted (R10.1). `error_model="numpy"` drops the test for a zero divisor, which
-would keep loops from becoming SIMD code; no formula of ours divides by zero. `_nrt=False`: the core makes no arrays, so nothing is counted and freed, and code for one arena
+No fast-math and no fused multiply-add: the same bits compiled and interpreted (R10.1). `error_model="numpy"` drops
+the test for a zero divisor, which
+would keep loops from becoming SIMD code; no formula of ours divides by zero. `_nrt=False`: the core makes no arrays,
+so nothing is counted and freed, and code for one arena
 runs a third faster.
 
-Compiled code is kept in the user's cache directory, keyed by the sources of the whole core: Numba itself looks only at the file of the
+Compiled code is kept in the user's cache directory, keyed by the sources of the whole core: Numba itself looks only
+at the file of the
 function that is called, and would miss an edit in another one.
 """
 
@@ -16,16 +19,20 @@ from pathlib import Path
 from typing import Any, Final, TypeVar, cast
 
 import numba
+import numba.core.config
 import numpy as np
 import platformdirs
 from numpy.typing import NDArray
+
+_numba: Any = numba.core.config
+"""Numba's settings; the module fills itself, so that type checkers see none of them."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 Block = NDArray[np.float64]
 """A slice of the arena memory (core/state.py): fields lie LANES apart, one lane is one arena."""
 
-INTERPRETED: Final = bool(numba.config.DISABLE_JIT)
+INTERPRETED: Final = bool(_numba.DISABLE_JIT)
 """NUMBA_DISABLE_JIT=1: everything below runs as plain Python, for debuggers, coverage and doubters."""
 
 _FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
@@ -64,22 +71,26 @@ def phase(function: F) -> F:
 
 
 def accessor(function: F) -> F:
-    """A name for a part of the memory: written out where it is used, since without `_nrt` no function may return an array."""
+    """A name for a part of the memory: written out where it is used, since without `_nrt` no function may return an
+    array.
+    """
     return cast(F, numba.njit(inline="always", **_INNER)(function))
 
 
 def entry(function: F) -> F:
-    """What Python calls: a batch, or a rule with a door of its own. Only these are kept in the cache: they contain all that they call."""
+    """What Python calls: a batch, or a rule with a door of its own. Only these are kept in the cache: they contain
+    all that they call.
+    """
     if INTERPRETED:
         return _with_silent_overflow(function)
     if CACHE_DIRECTORY is None:
         return cast(F, numba.njit(**_FLAGS)(function))
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while a function is decorated
+    before = _numba.CACHE_DIR
+    _numba.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while a function is decorated
     try:
         return cast(F, numba.njit(cache=True, **_FLAGS)(function))
     finally:
-        numba.config.CACHE_DIR = before
+        _numba.CACHE_DIR = before
 
 
 def _with_silent_overflow(function: F) -> F:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import distance_um
 from catch_arena.core.jit import Block, phase, rule
-from catch_arena.core.math import sincos
+from catch_arena.core.math import floor, sincos
 from catch_arena.core.state import (
     ACTIVE,
     ALIVE,
@@ -42,15 +42,19 @@ RIVAL_WIDTH: Final = len(RIVAL_COLUMNS)
 
 _PER_UM: Final = 64.0
 _UM: Final = 1.0 / _PER_UM  # a power of two: exact
-"""A sorting key is micrometres * 64 + slot or seat: one exact float64 that sorts by distance and then by spawning order."""
+"""A sorting key is micrometres * 64 + slot or seat: one exact float64 that sorts by distance and then by spawning
+order.
+"""
 _ABSENT: Final = 9007199254740992.0
 """The key of what is not there: above any other."""
 
 
 def selection_network(wires: int, outputs: int) -> NDArray[np.int64]:
-    """The comparators, as an array (n, 2) of wires, that bring the smallest `outputs` of `wires` keys to the front, in order.
+    """The comparators, as an array (n, 2) of wires, that bring the smallest `outputs` of `wires` keys to the front,
+    in order.
 
-    Batcher's odd-even merge sort for any number of wires (Knuth, The Art of Computer Programming 3, algorithm 5.2.2M), without the comparators that no output
+    Batcher's odd-even merge sort for any number of wires (Knuth, The Art of Computer Programming 3, algorithm
+    5.2.2M), without the comparators that no output
     depends on.
     """
     comparators: list[tuple[int, int]] = []
@@ -89,7 +93,7 @@ def order(keys: Block, network: NDArray[np.int64], lanes: int) -> None:
 @rule
 def item_of(key: float) -> float:
     """The slot or seat in a key."""
-    return key - _PER_UM * np.floor(key * _UM)
+    return key - _PER_UM * floor(key * _UM)
 
 
 @phase
@@ -119,7 +123,9 @@ def see_self(arena: Block, me: Block, lanes: int, s: Settings, seen: Block) -> N
 
 
 @phase
-def rank_targets(arena: Block, me: Block, targets: Targets, lanes: int, network: NDArray[np.int64], s: Settings, keys: Block) -> None:
+def rank_targets(
+    arena: Block, me: Block, targets: Targets, lanes: int, network: NDArray[np.int64], s: Settings, keys: Block
+) -> None:
     """R7.1: the alive targets by micrometres, then by spawn number; slots are in spawning order."""
     for slot in range(s.slots):
         x = targets.x[slot * LANES : (slot + 1) * LANES]
@@ -132,7 +138,9 @@ def rank_targets(arena: Block, me: Block, targets: Targets, lanes: int, network:
 
 
 @phase
-def see_targets(arena: Block, me: Block, view: Block, targets: Targets, lanes: int, s: Settings, keys: Block, seen: Block) -> None:
+def see_targets(
+    arena: Block, me: Block, view: Block, targets: Targets, lanes: int, s: Settings, keys: Block, seen: Block
+) -> None:
     """R7.1, R7.2: the nearest targets; the view remembers their slots for the next step's choice."""
     for lane in range(lanes):
         me[SEEN + lane] = min(arena[ALIVE + lane], float(s.targets_seen))
@@ -176,7 +184,9 @@ def rank_rivals(block: Block, seat: int, lanes: int, network: NDArray[np.int64],
 @rule
 def rival_row(block: Block, me: Block, other: float, lane: int) -> tuple[float, float, float, float, float, float]:
     """R7.1: a rival as its observer sees it: forward, left, relative cosine and sine, velocity, score difference."""
-    at = np.uint64(other) * np.uint64(SEAT_SIZE) + np.uint64(ARENA_ROWS * LANES) + np.uint64(lane)  # in seat_of(block, other)
+    at = (
+        np.uint64(other) * np.uint64(SEAT_SIZE) + np.uint64(ARENA_ROWS * LANES) + np.uint64(lane)
+    )  # in seat_of(block, other)
     dx = block[at + np.uint64(X)] - me[X + lane]
     dy = block[at + np.uint64(Y)] - me[Y + lane]
     rival_sine = block[at + np.uint64(SINE)]
@@ -197,7 +207,9 @@ def rival_row(block: Block, me: Block, other: float, lane: int) -> tuple[float, 
 def stands_before(
     a: tuple[float, float, float, float, float, float], b: tuple[float, float, float, float, float, float]
 ) -> bool:
-    """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; never by seat."""
+    """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; never by
+    seat.
+    """
     if a[1] != b[1]:
         return a[1] > b[1]
     if a[0] != b[0]:
@@ -225,7 +237,7 @@ def break_ties(block: Block, seat: int, lane: int, s: Settings, keys: Block) -> 
         at = count
         while at > 0:
             before = keys[(at - 1) * LANES + lane]
-            distance = np.floor(before * _UM)
+            distance = floor(before * _UM)
             if distance < micrometres:
                 break
             if distance == micrometres and not stands_before(row, rival_row(block, me, item_of(before), lane)):
@@ -247,7 +259,7 @@ def see_rivals(block: Block, seat: int, lanes: int, s: Settings, keys: Block, se
         nearer = keys[rank * LANES : (rank + 1) * LANES]
         farther = keys[(rank + 1) * LANES : (rank + 2) * LANES]
         for lane in range(lanes):
-            tied = (nearer[lane] < _ABSENT) & (np.floor(nearer[lane] * _UM) == np.floor(farther[lane] * _UM))
+            tied = (nearer[lane] < _ABSENT) & (floor(nearer[lane] * _UM) == floor(farther[lane] * _UM))
             ties += 1 if tied else 0
     if ties > 0:
         for lane in range(lanes):

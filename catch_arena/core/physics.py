@@ -2,10 +2,8 @@
 
 from typing import Final
 
-import numpy as np
-
 from catch_arena.core.jit import Block, entry, phase, rule
-from catch_arena.core.math import clamp, sincos, wrap
+from catch_arena.core.math import clamp, floor, sincos, wrap
 from catch_arena.core.state import AT_WALL, LANES, SPEED, THETA, TIME, TURN_RATE, Settings, X, Y, seat_of
 
 DT: Final = 0.016
@@ -28,7 +26,7 @@ def next_pose(
 @rule
 def ticks_until(time_ms: float) -> float:
     """R1.2, R1.3: how many ticks fall in (0, time]."""
-    return np.floor(time_ms / TICK_MS)
+    return floor(time_ms / TICK_MS)
 
 
 @phase

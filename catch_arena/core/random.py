@@ -1,4 +1,5 @@
-"""Rulebook A.5: counter-based random numbers, so that a draw depends on its key and its counter and on nothing that happened before.
+"""Rulebook A.5: counter-based random numbers, so that a draw depends on its key and its counter and on nothing that
+happened before.
 
 SplitMix64's finaliser: Steele, Lea and Flood, «Fast splittable pseudorandom number generators», OOPSLA 2014.
 """

@@ -95,7 +95,8 @@ def fire(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Settings
 def spawn_through(arena: Block, targets: Targets, lanes: int, s: Settings) -> None:
     """R1.4's phase 5, its spawning half: all firings in (t, t + period].
 
-    Still targets (R3.7) and hunters do not touch each other, so that these firings may follow the step's ticks; moving targets will have
+    Still targets (R3.7) and hunters do not touch each other, so that these firings may follow the step's ticks;
+    moving targets will have
     to be moved here, between the firings.
     """
     seeds = arena[SEED : SEED + LANES].view(np.uint64)

@@ -1,8 +1,11 @@
 """The arena memory: everything that an arena is, as rows of float64 in blocks of LANES arenas.
 
-A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it is to copy that column.
-The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then TARGET_ROWS for each slot, then K slots for each seat's view.
-Integers are exact in float64; the seed is stored by its 64 bits. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
+A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it
+is to copy that column.
+The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then TARGET_ROWS for each slot, then K slots for
+each seat's view.
+Integers are exact in float64; the seed is stored by its 64 bits. Alive targets fill the slots from 0 in spawning
+order (R8.2), all others are zero.
 """
 
 from typing import Final, NamedTuple
@@ -122,7 +125,9 @@ class Settings(NamedTuple):
 
 @rule
 def read_settings(numbers: NDArray[np.float64]) -> Settings:
-    """The settings from the array in which they reach compiled code: a tuple of scalars would cost microseconds a call to hand over."""
+    """The settings from the array in which they reach compiled code: a tuple of scalars would cost microseconds a
+    call to hand over.
+    """
     return Settings(
         int(numbers[0]),
         int(numbers[1]),

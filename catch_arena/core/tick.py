@@ -77,7 +77,6 @@ VELOCITY_CONTROL: Final = 1
 FULL_CONTROL: Final = 2
 
 
-
 @phase
 def take_in(
     block: Block,
@@ -190,7 +189,9 @@ def end_test(block: Block, s: Settings, lanes: int) -> None:
 
 @phase
 def keep_ended(block: Block, lanes: int, kept: Block) -> bool:
-    """R5.2: arenas that have ended are played with the others of their block, and then put back; here they are copied."""
+    """R5.2: arenas that have ended are played with the others of their block, and then put back; here they are
+    copied.
+    """
     some = False
     for lane in range(lanes):
         some = some or block[ENDED + lane] != RUNNING
@@ -201,9 +202,7 @@ def keep_ended(block: Block, lanes: int, kept: Block) -> bool:
 
 
 @phase
-def put_back_ended(
-    block: Block, s: Settings, lanes: int, kept: Block, rewards: NDArray[np.float64]
-) -> None:
+def put_back_ended(block: Block, s: Settings, lanes: int, kept: Block, rewards: NDArray[np.float64]) -> None:
     """R5.2: after the end nothing moves, and every request is MATCH_OVER."""
     for lane in range(lanes):
         if kept[ENDED + lane] == RUNNING:
@@ -239,8 +238,9 @@ def step(
 ) -> None:
     """R1.4: one step of every arena of a batch.
 
-    Args: `memory` (blocks, rows * LANES); `settings`, see `state.read_settings`; `controls` (H,); the networks (n, 2) of `selection_network`; `choices` (B, H) and `commands`
-    (B, H, 2), the actions; `numbers` and `docket`, scratch; `observations` (B, H, D), `masks` (B, H, K + 1) and `rewards` (B, H), outputs.
+    Args: `memory` (blocks, rows * LANES); `settings`, see `state.read_settings`; `controls` (H,); the networks (n, 2) of
+    `selection_network`; the actions `choices` (B, H) and `commands` (B, H, 2); scratch, `numbers` and `docket`; outputs,
+    `observations` (B, H, D), `masks` (B, H, K + 1) and `rewards` (B, H).
     """
     s = read_settings(settings)
     rows = numbers[: 2 * LANES]
@@ -321,7 +321,8 @@ def reset(
 ) -> None:
     """The chosen arenas at the beginning of an episode, and the observations of all, chosen or not.
 
-    Args: `start_poses` (H, 3), or (0, 3) for the fair circle (R2.6); `chosen` (n,) rows of the batch; `seeds` (n,); the others as for `step`.
+    Args: `start_poses` (H, 3), or (0, 3) for the fair circle (R2.6); `chosen` (n,) rows of the batch; `seeds` (n,);
+    the others as for `step`.
     """
     s = read_settings(settings)
     for i in range(len(chosen)):

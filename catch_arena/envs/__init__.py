@@ -1,6 +1,7 @@
 """The doors for learning: PettingZoo's parallel and AEC environments over the engine.
 
-Importing this package registers every scenario with PettingZoo: `pettingzoo.make("parallel", "catch_arena/standard_v0")`.
+Importing this package registers every scenario with PettingZoo: `pettingzoo.make("parallel",
+"catch_arena/standard_v0")`.
 """
 
 from pettingzoo.env_registry.registration import register

@@ -1,4 +1,6 @@
-"""The arena as a PettingZoo AEC environment: PettingZoo's own wrapper, with a bad action refused by the call that gives it."""
+"""The arena as a PettingZoo AEC environment: PettingZoo's own wrapper, with a bad action refused by the call that
+gives it.
+"""
 
 from typing import Any
 
@@ -28,5 +30,7 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
 def env(
     scenario: str | ArenaConfig = "standard", render_mode: str | None = None, **overrides: object
 ) -> OrderEnforcingWrapper[str, Any, Any]:
-    """The arena as a PettingZoo AEC environment, in which the hunters are asked one after the other and move together; arguments as for `parallel_env`."""
+    """The arena as a PettingZoo AEC environment, in which the hunters are asked one after the other and move
+    together; arguments as for `parallel_env`.
+    """
     return OrderEnforcingWrapper(_CheckedAec(parallel_env(scenario, render_mode, **overrides)))

@@ -1,4 +1,6 @@
-"""The arena as a PettingZoo parallel environment: the batch engine with one arena, names for seats, and checks at the door."""
+"""The arena as a PettingZoo parallel environment: the batch engine with one arena, names for seats, and checks at the
+door.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -31,7 +33,9 @@ RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
 _EVIDENCE: Final = slice(rows.REQUEST // rows.LANES, rows.PARTS // rows.LANES + len(rows.PART_NAMES))
-"""The rows of a hunter from which its info is made: request, verdict, distance, winner, ..., the parts of the reward."""
+"""The rows of a hunter from which its info is made: request, verdict, distance, winner, ..., the parts of the
+reward.
+"""
 
 
 def parallel_env(
@@ -39,21 +43,27 @@ def parallel_env(
 ) -> "CatchArenaEnv":
     """The arena as a PettingZoo parallel environment.
 
-    Args: `scenario`, a name or a config; `render_mode`, None, "rgb_array" or "human"; `overrides`, fields of ArenaConfig.
+    Args: `scenario`, a name or a config; `render_mode`, None, "rgb_array" or "human"; `overrides`, fields of
+    ArenaConfig.
     Raises: ConfigError that names the setting, the requirement and the value.
     """
-    config = scenario.replace(**overrides) if isinstance(scenario, ArenaConfig) else named_scenario(scenario, **overrides)
+    config = (
+        scenario.replace(**overrides) if isinstance(scenario, ArenaConfig) else named_scenario(scenario, **overrides)
+    )
     return CatchArenaEnv(config, render_mode)
 
 
-class CatchArenaEnv(ParallelEnv[str, Any, Any]):
+class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo is not typed everywhere
     """Hunters chase targets; the arbiter decides (docs/rulebook.md).
 
-    Agents are `hunter_0`, `hunter_1`, ... Observations are float32 vectors (docs/observation.md). Under target control an action is 0 (hold) or a target's rank
-    in view; under velocity control two numbers in [-1, 1]; under full control {"cmd_vel": two such numbers, "catch": a rank or 0}. `infos[agent]` holds
+    Agents are `hunter_0`, `hunter_1`, ... Observations are float32 vectors (docs/observation.md). Under target
+    control an action is 0 (hold) or a target's rank
+    in view; under velocity control two numbers in [-1, 1]; under full control {"cmd_vel": two such numbers, "catch":
+    a rank or 0}. `infos[agent]` holds
 
     - `action_mask`: R7.2's mask (not under velocity control);
-    - `verdict`, `reason`, `target`, `distance_um`, `winner`: the answer to the agent's catch request in this step, all None without one;
+    - `verdict`, `reason`, `target`, `distance_um`, `winner`: the answer to the agent's catch request in this step,
+      all None without one;
     - `reward_parts`: R6.2's parts, unweighted.
 
     Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
@@ -64,7 +74,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):
     def __init__(self, config: ArenaConfig, render_mode: str | None = None) -> None:
         if render_mode is not None and render_mode not in RENDER_MODES:
             raise ConfigError(
-                f"render_mode must be None, rgb_array or human, got {render_mode!r}; {suggest(render_mode, RENDER_MODES)}"
+                f"render_mode must be None, rgb_array or human, got {render_mode!r}; "
+                f"{suggest(render_mode, RENDER_MODES)}"
             )
         self.config = config
         self.render_mode = render_mode
@@ -112,7 +123,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Begin an episode.
 
-        Args: `seed`, a whole number in [0, 2^64); without one the first episode's is the operating system's, and each further one follows from the one before
+        Args: `seed`, a whole number in [0, 2^64); without one the first episode's is the operating system's, and each
+        further one follows from the one before
         (A.5), so that a run is repeated by its first seed. `options` are not used.
         Returns: observations and infos by agent.
         """
@@ -142,7 +154,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):
         """
         if self._over:
             raise EpisodeError(
-                "step must follow a reset: " + ("no episode has begun" if self._seed is None else "this episode is over")
+                "step must follow a reset: "
+                + ("no episode has begun" if self._seed is None else "this episode is over")
             )
         self._take_in(actions)
         engine = self._engine
@@ -171,7 +184,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):
     def withdraw(self, agent: str) -> None:
         """R1.6: the agent takes no further part.
 
-        It is among `agents` for one more step, in which its requests are HUNTER_INACTIVE; that step ends with its termination and its last observation.
+        It is among `agents` for one more step, in which its requests are HUNTER_INACTIVE; that step ends with its
+        termination and its last observation.
         """
         seat = self._seats[self._known(agent)]
         if self._over or agent not in self.agents:

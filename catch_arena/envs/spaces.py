@@ -56,14 +56,14 @@ def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:
     raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {action!r}")
 
 
-def checked_command(agent: str, what: str, action: object, out: NDArray[np.float32]) -> None:
+def checked_command(agent: str, what: str, action: Any, out: NDArray[np.float32]) -> None:
     """Two numbers in [-1, 1], written to `out`, (2,). Raises: ActionError."""
     try:
-        speed, turn_rate = action  # type: ignore[misc]
-        speed, turn_rate = float(speed), float(turn_rate)
+        speed, turn_rate = action
+        legal = math.fabs(speed) <= 1.0 and math.fabs(turn_rate) <= 1.0  # false for NaN too
     except (TypeError, ValueError):
-        raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {action!r}") from None
-    if not (math.fabs(speed) <= 1.0 and math.fabs(turn_rate) <= 1.0):  # false for NaN too
+        legal = False
+    if not legal:
         raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {action!r}")
     out[0] = speed
     out[1] = turn_rate

@@ -1,4 +1,6 @@
-"""A bad call is refused with a message that names field, requirement and value, and the arena is as it was before it."""
+"""A bad call is refused with a message that names field, requirement and value, and the arena is as it was before
+it.
+"""
 
 import re
 
@@ -47,7 +49,7 @@ def test_a_config_that_cannot_be_is_refused(overrides, message):
 
 def test_an_unknown_scenario_gets_suggestions():
     """The nearest right name."""
-    with pytest.raises(ConfigError, match="unknown scenario 'standart': did you mean standard?"):
+    with pytest.raises(ConfigError, match=r"unknown scenario 'standart': did you mean standard\?"):
         catch_arena.parallel_env("standart")
 
 
@@ -69,7 +71,18 @@ def good(env):
 
 BAD_ACTIONS = {
     "target": [9, -1, 1.0, "1", None, True, [1], np.array([1]), np.float32(1), NAN],
-    "velocity": [(0.0,), (0.0, 0.0, 0.0), (1.1, 0.0), (0.0, -1.01), (NAN, 0.0), (0.0, float("inf")), None, 3, "ab", "a"],
+    "velocity": [
+        (0.0,),
+        (0.0, 0.0, 0.0),
+        (1.1, 0.0),
+        (0.0, -1.01),
+        (NAN, 0.0),
+        (0.0, float("inf")),
+        None,
+        3,
+        "ab",
+        "a",
+    ],
     "full": [
         3,
         {"cmd_vel": (0.0, 0.0)},
@@ -82,7 +95,9 @@ BAD_ACTIONS = {
 
 
 @pytest.mark.parametrize(
-    ("control", "action"), [(control, action) for control, actions in BAD_ACTIONS.items() for action in actions], ids=repr
+    ("control", "action"),
+    [(control, action) for control, actions in BAD_ACTIONS.items() for action in actions],
+    ids=repr,
 )
 def test_a_bad_action_is_refused_and_nothing_moves(control, action):
     """By the parallel door; the same step with good actions then plays as if nothing had been."""

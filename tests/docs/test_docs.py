@@ -35,7 +35,7 @@ def test_the_readmes_commands_run(tmp_path):
 
 
 def test_the_readme_begins_with_its_two_commands():
-    """make demo, then make test."""
+    """That is `make demo`, then `make test`."""
     commands = [line.split("#")[0].strip() for block in blocks("sh") for line in block.splitlines() if line.strip()]
 
     assert commands[:2] == ["make demo", "make test"]
