@@ -117,17 +117,10 @@ def tournament(
         if folder is not None:
             results.prepare_folder(folder)
     typer.echo(f"{scenario}: {len(players)} agents, {len(plan)} matches, {config.hunters} in each")
-    done = 0
+    if jobs is None:
+        jobs = runner.usable_cores()
     with progress_bar("playing", len(plan)) as show:
-
-        def count(block: Any) -> None:
-            nonlocal done
-            done += len(block)
-            show(done, len(plan))
-
-        played = runner.run(
-            config, players, plan, jobs=runner.usable_cores() if jobs is None else jobs, record=record, on_block=count
-        )
+        played = runner.run(config, players, plan, jobs=jobs, record=record, progress=show)
     table = standings.standings(players, played)
     results.write_results(out, config=config, seed=seed, entrants=players, played=played, table=table)
     Console().print(standings_table(table))

@@ -78,9 +78,11 @@ def selection_network(wires: int, outputs: int) -> NDArray[np.int64]:
 
 
 @phase
-def order(keys: Block, network: NDArray[np.int64], lanes: int) -> None:
-    """Sort the keys of every lane, as far as the network goes."""
+def order(keys: Block, network: NDArray[np.int64], lanes: int, wires: int) -> None:
+    """Sort the keys of every lane, as far as the network goes; from wire `wires` on all keys are _ABSENT, and stay."""
     for comparator in range(len(network)):
+        if network[comparator, 1] >= wires:
+            continue
         first = keys[network[comparator, 0] * LANES : (network[comparator, 0] + 1) * LANES]
         second = keys[network[comparator, 1] * LANES : (network[comparator, 1] + 1) * LANES]
         for lane in range(lanes):
@@ -127,14 +129,18 @@ def rank_targets(
     arena: Block, me: Block, targets: Targets, lanes: int, network: NDArray[np.int64], s: Settings, keys: Block
 ) -> None:
     """R7.1: the alive targets by micrometres, then by spawn number; slots are in spawning order."""
-    for slot in range(s.slots):
+    most = 0.0
+    for lane in range(lanes):
+        most = arena[ALIVE + lane] if arena[ALIVE + lane] > most else most
+    wires = int(most)
+    for slot in range(max(wires, s.targets_seen)):
         x = targets.x[slot * LANES : (slot + 1) * LANES]
         y = targets.y[slot * LANES : (slot + 1) * LANES]
         key = keys[slot * LANES : (slot + 1) * LANES]
         for lane in range(lanes):
             near = distance_um(x[lane] - me[X + lane], y[lane] - me[Y + lane]) * _PER_UM + slot
             key[lane] = near if slot < arena[ALIVE + lane] else _ABSENT
-    order(keys, network, lanes)
+    order(keys, network, lanes, wires)
 
 
 @phase
@@ -178,7 +184,7 @@ def rank_rivals(block: Block, seat: int, lanes: int, network: NDArray[np.int64],
         for lane in range(lanes):
             near = distance_um(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]) * _PER_UM + other
             key[lane] = _ABSENT if absent | (rival[WITHDRAWN + lane] > 0.0) else near
-    order(keys, network, lanes)
+    order(keys, network, lanes, s.hunters)
 
 
 @rule

@@ -3,7 +3,7 @@ door.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
 import numpy as np
 from gymnasium import spaces
@@ -33,9 +33,9 @@ RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
 _EVIDENCE: Final = slice(rows.REQUEST // rows.LANES, rows.PARTS // rows.LANES + len(rows.PART_NAMES))
-"""The rows of a hunter from which its info is made: request, verdict, distance, winner, ..., the parts of the
-reward.
-"""
+"""The rows of a hunter from which its info is made: request, verdict, distance, winner, ..., the reward's parts."""
+_FIRST_PART: Final = (rows.PARTS - rows.REQUEST) // rows.LANES
+_NO_REQUEST: Final = {"verdict": None, "reason": None, "target": None, "distance_um": None, "winner": None}
 
 
 def parallel_env(
@@ -96,6 +96,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine = Engine(config)
         self._evidence = self._engine.hunter_rows(0)[:, _EVIDENCE]
         self._ended = self._engine.memory[0, rows.ENDED : rows.ENDED + 1]
+        self._controls = config.controls
+        self._ranks = config.targets_seen
         self._all_target_control = set(config.controls) == {"target"}
         self._choices = np.zeros((1, config.hunters), dtype=np.int64)
         self._commands = np.zeros((1, config.hunters, 2), dtype=np.float32)
@@ -268,20 +270,22 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if not isinstance(actions, Mapping):
             raise ActionError(f"actions must map each agent to its action, got {actions!r}")
         agents = self.agents
-        if len(actions) != len(agents) or any(agent not in actions for agent in agents):
+        if len(actions) != len(agents):
             self._explain_mismatch(actions)
         choices, commands = self._choices, self._commands
-        if self._all_target_control:
-            ranks = self.config.targets_seen
-            seats = self._seats
-            for agent in agents:
-                action = actions[agent]
-                if type(action) is not int or not 0 <= action <= ranks:
-                    action = checked_choice(agent, "an action", action, ranks)
-                choices[0, seats[agent]] = action
-        else:
-            for agent in agents:
-                self._take_in_one(agent, self._seats[agent], actions[agent], choices, commands)
+        try:
+            if self._all_target_control:
+                row, ranks, seats = choices[0], self._ranks, self._seats
+                for agent in agents:
+                    action = actions[agent]
+                    if type(action) is not int or not 0 <= action <= ranks:
+                        action = checked_choice(agent, "an action", action, ranks)
+                    row[seats[agent]] = action
+            else:
+                for agent in agents:
+                    self._take_in_one(agent, self._seats[agent], actions[agent], choices, commands)
+        except KeyError:
+            self._explain_mismatch(actions)
         for agent in self._withdrawn:
             if agent not in agents:
                 choices[0, self._seats[agent]] = 0
@@ -290,7 +294,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def _take_in_one(
         self, agent: str, seat: int, action: object, choices: NDArray[np.int64], commands: NDArray[np.float32]
     ) -> None:
-        control, ranks = self.config.controls[seat], self.config.targets_seen
+        control, ranks = self._controls[seat], self._ranks
         if control == "target":
             choices[0, seat] = checked_choice(agent, "an action", action, ranks)
         elif control == "velocity":
@@ -298,7 +302,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         else:
             choices[0, seat] = checked_full(agent, action, ranks, commands[0, seat])
 
-    def _explain_mismatch(self, actions: Mapping[str, Any]) -> None:
+    def _explain_mismatch(self, actions: Mapping[str, Any]) -> NoReturn:
         for agent in actions:
             self._known(agent)
         for agent in actions:
@@ -326,32 +330,18 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         masks = self._engine.masks[0].copy()
         infos: dict[str, dict[str, Any]] = {}
         for agent, control, mask, evidence in zip(
-            self.possible_agents, self.config.controls, masks, self._evidence.tolist(), strict=True
+            self.possible_agents, self._controls, masks, self._evidence.tolist(), strict=True
         ):
-            number, verdict, distance, winner, *parts = evidence
-            catch, rival_catch, lost_contest, rejected_request, progress, elapsed = parts[-6:]
-            info: dict[str, Any] = {
-                "verdict": None,
-                "reason": None,
-                "target": None,
-                "distance_um": None,
-                "winner": None,
-                "reward_parts": {
-                    "catch": catch,
-                    "rival_catch": rival_catch,
-                    "lost_contest": lost_contest,
-                    "rejected_request": rejected_request,
-                    "progress": progress,
-                    "time": elapsed,
-                },
-            }
-            if verdict:
-                answer = Verdict(int(verdict))
+            info: dict[str, Any] = _NO_REQUEST.copy()
+            info["reward_parts"] = dict(zip(rows.PART_NAMES, evidence[_FIRST_PART:], strict=True))
+            if evidence[1]:
+                number, verdict, distance, winner = (int(value) for value in evidence[:4])
+                answer = Verdict(verdict)
                 info["verdict"] = answer
                 info["reason"] = REASONS[answer]
-                info["target"] = f"{self.config.name_prefix}{int(number)}" if number else None
-                info["distance_um"] = None if distance < 0 else int(distance)
-                info["winner"] = None if winner < 0 else int(winner)
+                info["target"] = f"{self.config.name_prefix}{number}" if number else None
+                info["distance_um"] = None if distance < 0 else distance
+                info["winner"] = None if winner < 0 else winner
             if control == "target":
                 info["action_mask"] = mask
             elif control == "full":

@@ -36,12 +36,12 @@ def run(
     *,
     jobs: int = 1,
     record: Path | None = None,
-    on_block: Callable[[Sequence[Played]], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> list[Played]:
     """Play every match; the results come in the order of the plan.
 
-    Args: `jobs`, how many processes play, 1 for this one alone; `record`, a folder for one replay a match; `on_block`
-    is told of each block as it ends, in whatever order they end.
+    Args: `jobs`, how many processes play, 1 for this one alone; `record`, a folder for one replay a match; `progress`,
+    called with (matches played, matches in all) after each block.
     Raises: AgentError for the first agent that fails, OutputError for a replay that cannot be written; no process is
     left behind.
     """
@@ -52,8 +52,8 @@ def run(
 
     def take(block: Sequence[Played]) -> None:
         played.extend(block)
-        if on_block is not None:
-            on_block(block)
+        if progress is not None:
+            progress(len(played), len(matches))
 
     if jobs == 1:
         for block in blocks:

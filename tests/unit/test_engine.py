@@ -1,0 +1,80 @@
+"""The engine's bookkeeping: ended arenas, rows, saved states, seeds."""
+
+import numpy as np
+import pytest
+
+from catch_arena.core.jit import CACHE_DIRECTORY, INTERPRETED
+from catch_arena.engine import Engine, batch_seeds, next_episode_seed
+from catch_arena.errors import ConfigError
+from catch_arena.scenarios import scenario
+from catch_arena.verdicts import Verdict
+
+
+def actions(engine, value=1):
+    hunters = engine.config.hunters
+    choices = np.full((engine.num_arenas, hunters), value, dtype=np.int64)
+    return choices, np.zeros((engine.num_arenas, hunters, 2), dtype=np.float32)
+
+
+def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
+    """R5.2: its requests are MATCH_OVER, its rewards zero, its state as it was; a reset of that row alone revives it."""
+    engine = Engine(scenario("standard", target_budget=1, initial_targets=1, time_limit_s=6), num_arenas=5)
+    engine.reset(range(5))
+    while not engine.terminated.any():
+        engine.step(*actions(engine))
+    row = int(np.flatnonzero(engine.terminated)[0])
+    before, observed = engine.state(row), engine.observations[row].copy()
+    others = [engine.digest(other) for other in range(5) if not engine.terminated[other]]
+    engine.step(*actions(engine))
+
+    assert (engine.state(row) == before).all()
+    assert (engine.observations[row] == observed).all()
+    assert (engine.rewards[row] == 0).all()
+    assert (engine.parts[row] == 0).all()
+    assert {ruling.verdict for ruling in engine.rulings(row)} == {Verdict.MATCH_OVER}
+    assert all(engine.digest(r) not in others for r in range(5) if not engine.terminated[r])
+
+    engine.reset([77], arenas=[row])
+    alone = Engine(engine.config)
+    alone.reset([77])
+
+    assert engine.digest(row) == alone.digest()
+
+
+def test_a_row_can_be_moved_to_another_engine():
+    """A saved row goes on identically in any row of any engine of an equal config."""
+    engine, other = Engine(scenario("standard"), 40), Engine(scenario("standard"), 3)
+    engine.reset(batch_seeds(5, 40))
+    other.reset([1, 2, 3])
+    for _ in range(30):
+        engine.step(*actions(engine))
+    other.restore_row(2, engine.save_row(36))
+    for _ in range(30):
+        engine.step(*actions(engine))
+        other.step(*actions(other))
+
+    assert engine.digest(36) == other.digest(2)
+    assert (engine.observations[36] == other.observations[2]).all()
+
+
+def test_seeds_are_checked_and_derived():
+    """One for each arena, in range; rows and episodes get seeds of their own."""
+    engine = Engine(scenario("duel"), 2)
+    with pytest.raises(ConfigError, match="seeds must be one for each of 2 arenas, got 3"):
+        engine.reset([1, 2, 3])
+    with pytest.raises(ConfigError, match="seed must be a whole number"):
+        engine.reset([1, -1])
+    engine.reset([2**64 - 1, 0])
+
+    assert (engine.seed(0), engine.seed(1)) == (2**64 - 1, 0)
+
+    seeds = batch_seeds(3, 1000)
+
+    assert len(set(seeds.tolist())) == 1000
+    assert (seeds[:10] == batch_seeds(3, 10)).all()
+    assert next_episode_seed(3) not in (3, *seeds.tolist())
+
+
+def test_the_compilers_cache_is_named_by_the_sources():
+    """So that an edit anywhere in the core is noticed."""
+    assert INTERPRETED or CACHE_DIRECTORY is None or CACHE_DIRECTORY.name.startswith("core-")
