@@ -17,7 +17,7 @@ def actions(engine, value=1):
 
 
 def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
-    """R5.2: its requests are MATCH_OVER, its rewards zero, its state as it was; a reset of that row alone revives it."""
+    """R5.2: its requests are MATCH_OVER, its rewards zero, its state as it was; a reset of that row revives it."""
     engine = Engine(scenario("standard", target_budget=1, initial_targets=1, time_limit_s=6), num_arenas=5)
     engine.reset(range(5))
     while not engine.terminated.any():

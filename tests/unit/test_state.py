@@ -5,12 +5,49 @@ from catch_arena.core.state import LANES
 from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS, columns, state_columns, width
 from catch_arena.scenarios import SCENARIOS
 
-ARENA = "TIME STEP SPAWNED NUMBERS FIRINGS SKIPPED_FULL SKIPPED_DOWN REFUSED ALIVE ENDED SEED".split()
-HUNTER = (
-    "X Y THETA SPEED TURN_RATE DISTANCE_INTEGRAL BEARING_INTEGRAL ACTIVE SCORE AT_WALL WITHDRAWN SINE COSINE SEEN "
-    "WANTED REQUEST VERDICT DISTANCE_UM WINNER NEAREST_X NEAREST_Y NEAREST_DISTANCE "
-    "CATCH RIVAL_CATCH LOST REJECTED PROGRESS ELAPSED"
-).split()
+ARENA = [
+    "TIME",
+    "STEP",
+    "SPAWNED",
+    "NUMBERS",
+    "FIRINGS",
+    "SKIPPED_FULL",
+    "SKIPPED_DOWN",
+    "REFUSED",
+    "ALIVE",
+    "ENDED",
+    "SEED",
+]
+HUNTER = [
+    "X",
+    "Y",
+    "THETA",
+    "SPEED",
+    "TURN_RATE",
+    "DISTANCE_INTEGRAL",
+    "BEARING_INTEGRAL",
+    "ACTIVE",
+    "SCORE",
+    "AT_WALL",
+    "WITHDRAWN",
+    "SINE",
+    "COSINE",
+    "SEEN",
+    "WANTED",
+    "REQUEST",
+    "VERDICT",
+    "DISTANCE_UM",
+    "WINNER",
+    "NEAREST_X",
+    "NEAREST_Y",
+    "NEAREST_DISTANCE",
+    "CATCH",
+    "RIVAL_CATCH",
+    "LOST",
+    "REJECTED",
+    "PROGRESS",
+    "ELAPSED",
+]
 
 
 def test_every_row_has_one_owner():
