@@ -36,6 +36,9 @@ from catch_arena.core.state import (
 )
 from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
 
+Columns = NDArray[np.float32]
+"""Observations of one seat in every lane: column c of lane l lies at c * LANES + l."""
+
 SELF_WIDTH: Final = len(SELF_COLUMNS)
 TARGET_WIDTH: Final = len(TARGET_COLUMNS)
 RIVAL_WIDTH: Final = len(RIVAL_COLUMNS)
@@ -108,7 +111,7 @@ def face(me: Block, lanes: int) -> None:
 
 
 @phase
-def see_self(arena: Block, me: Block, lanes: int, s: Settings, seen: Block) -> None:
+def see_self(arena: Block, me: Block, lanes: int, s: Settings, seen: Columns) -> None:
     """R7.1: what a hunter knows of itself."""
     for lane in range(lanes):
         left = s.time_limit - arena[TIME + lane]
@@ -145,7 +148,7 @@ def rank_targets(
 
 @phase
 def see_targets(
-    arena: Block, me: Block, view: Block, targets: Targets, lanes: int, s: Settings, keys: Block, seen: Block
+    arena: Block, me: Block, view: Block, targets: Targets, lanes: int, s: Settings, keys: Block, seen: Columns
 ) -> None:
     """R7.1, R7.2: the nearest targets; the view remembers their slots for the next step's choice."""
     for lane in range(lanes):
@@ -185,6 +188,12 @@ def rank_rivals(block: Block, seat: int, lanes: int, network: NDArray[np.int64],
             near = distance_um(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]) * _PER_UM + other
             key[lane] = _ABSENT if absent | (rival[WITHDRAWN + lane] > 0.0) else near
     order(keys, network, lanes, s.hunters)
+
+
+@rule
+def equally_far(nearer: float, farther: float) -> bool:
+    """Whether two keys, the second of which is not smaller, have the same micrometres."""
+    return (nearer < _ABSENT) & (floor(nearer * _UM) == floor(farther * _UM))
 
 
 @rule
@@ -257,19 +266,23 @@ def break_ties(block: Block, seat: int, lane: int, s: Settings, keys: Block) -> 
 
 
 @phase
-def see_rivals(block: Block, seat: int, lanes: int, s: Settings, keys: Block, seen: Block) -> None:
+def see_rivals(block: Block, seat: int, lanes: int, s: Settings, keys: Block, seen: Columns) -> None:
     """R7.1: the nearest rivals."""
     me = seat_of(block, seat)
+    ranks = min(s.hunters_seen, s.hunters - 2)
     ties = 0
-    for rank in range(min(s.hunters_seen, s.hunters - 2)):
+    for rank in range(ranks):
         nearer = keys[rank * LANES : (rank + 1) * LANES]
         farther = keys[(rank + 1) * LANES : (rank + 2) * LANES]
         for lane in range(lanes):
-            tied = (nearer[lane] < _ABSENT) & (floor(nearer[lane] * _UM) == floor(farther[lane] * _UM))
-            ties += 1 if tied else 0
+            ties += 1 if equally_far(nearer[lane], farther[lane]) else 0
     if ties > 0:
         for lane in range(lanes):
-            break_ties(block, seat, lane, s, keys)
+            tied = False
+            for rank in range(ranks):
+                tied = tied or equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane])
+            if tied:
+                break_ties(block, seat, lane, s, keys)
     for rank in range(s.hunters_seen):
         first = (SELF_WIDTH + s.targets_seen * TARGET_WIDTH + rank * RIVAL_WIDTH) * LANES
         columns = seen[first : first + RIVAL_WIDTH * LANES]
@@ -289,10 +302,10 @@ def see_rivals(block: Block, seat: int, lanes: int, s: Settings, keys: Block, se
 
 
 @rule
-def deliver(observation: NDArray[np.float32], mask: NDArray[np.int8], seen: Block, choices: float) -> None:
+def deliver(observation: NDArray[np.float32], mask: NDArray[np.int8], seen: Columns, choices: float) -> None:
     """R7.1, R7.2: one lane's numbers as the row that the agent gets, and its mask."""
     for column in range(len(observation)):
-        observation[column] = np.float32(seen[column * LANES])
+        observation[column] = seen[column * LANES]
     for rank in range(len(mask)):
         mask[rank] = 1 if rank <= choices else 0
 
@@ -311,7 +324,7 @@ def observe(
     """R7.1, R7.2: the observations (lanes, H, D) and masks (lanes, H, K + 1) of one block."""
     keys = scratch[: 64 * LANES]
     width = SELF_WIDTH + s.targets_seen * TARGET_WIDTH + s.hunters_seen * RIVAL_WIDTH
-    seen = scratch[64 * LANES : (64 + width) * LANES]
+    seen = scratch[64 * LANES : (64 + width) * LANES].view(np.float32)  # R7.1's rounding
     targets = targets_of(block, s)
     for seat in range(s.hunters):
         face(seat_of(block, seat), lanes)
