@@ -33,9 +33,7 @@ RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
 _EVIDENCE: Final = slice(rows.REQUEST // rows.LANES, rows.PARTS // rows.LANES + len(rows.PART_NAMES))
-"""The rows of a hunter from which its info is made: request, verdict, distance, winner, ..., the reward's parts."""
-_FIRST_PART: Final = (rows.PARTS - rows.REQUEST) // rows.LANES
-_NO_REQUEST: Final = {"verdict": None, "reason": None, "target": None, "distance_um": None, "winner": None}
+"""The rows of a hunter from which its info is made, REQUEST to the last of the reward's parts."""
 
 
 def parallel_env(
@@ -327,26 +325,40 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return {agent: fresh[self._seats[agent]] for agent in self.agents}
 
     def _infos(self) -> dict[str, dict[str, Any]]:
-        masks = self._engine.masks[0].copy()
         infos: dict[str, dict[str, Any]] = {}
+        masks = self._engine.masks[0].copy()
+        # written out, number by number: this runs for every agent in every step
         for agent, control, mask, evidence in zip(
             self.possible_agents, self._controls, masks, self._evidence.tolist(), strict=True
         ):
-            info: dict[str, Any] = _NO_REQUEST.copy()
-            info["reward_parts"] = dict(zip(rows.PART_NAMES, evidence[_FIRST_PART:], strict=True))
-            if evidence[1]:
-                number, verdict, distance, winner = (int(value) for value in evidence[:4])
-                answer = Verdict(verdict)
-                info["verdict"] = answer
-                info["reason"] = REASONS[answer]
-                info["target"] = f"{self.config.name_prefix}{number}" if number else None
-                info["distance_um"] = None if distance < 0 else distance
-                info["winner"] = None if winner < 0 else winner
+            number, verdict, distance, winner, _, _, _, catch, rival, lost, rejected, progress, elapsed = evidence
+            info: dict[str, Any] = {
+                "verdict": None,
+                "reason": None,
+                "target": None,
+                "distance_um": None,
+                "winner": None,
+                "reward_parts": {
+                    "catch": catch,
+                    "rival_catch": rival,
+                    "lost_contest": lost,
+                    "rejected_request": rejected,
+                    "progress": progress,
+                    "time": elapsed,
+                },
+            }
+            infos[agent] = info
             if control == "target":
                 info["action_mask"] = mask
             elif control == "full":
                 info["action_mask"] = {"cmd_vel": None, "catch": mask}
-            infos[agent] = info
+            if verdict:
+                answer = Verdict(int(verdict))
+                info["verdict"] = answer
+                info["reason"] = REASONS[answer]
+                info["target"] = f"{self.config.name_prefix}{int(number)}" if number else None
+                info["distance_um"] = None if distance < 0 else int(distance)
+                info["winner"] = None if winner < 0 else int(winner)
         if len(self.agents) < len(infos):
             return {agent: infos[agent] for agent in self.agents}
         return infos

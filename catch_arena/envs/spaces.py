@@ -59,7 +59,7 @@ def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:
 def checked_command(agent: str, what: str, action: Any, out: NDArray[np.float32]) -> None:
     """Two numbers in [-1, 1], written to `out`, (2,). Raises: ActionError."""
     try:
-        speed, turn_rate = action
+        speed, turn_rate = action.tolist() if isinstance(action, np.ndarray) else action
         legal = math.fabs(speed) <= 1.0 and math.fabs(turn_rate) <= 1.0  # false for NaN too
     except (TypeError, ValueError):
         legal = False
@@ -71,7 +71,7 @@ def checked_command(agent: str, what: str, action: Any, out: NDArray[np.float32]
 
 def checked_full(agent: str, action: object, ranks: int, out: NDArray[np.float32]) -> int:
     """{"cmd_vel": two numbers in [-1, 1], "catch": a rank}; the rank is returned. Raises: ActionError."""
-    if not isinstance(action, Mapping) or set(action) != {"cmd_vel", "catch"}:
+    if not isinstance(action, Mapping) or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
         raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {action!r}")
     choice = checked_choice(agent, "catch", action["catch"], ranks)
     checked_command(agent, "cmd_vel", action["cmd_vel"], out)
