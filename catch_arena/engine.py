@@ -17,7 +17,7 @@ from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core import state as rows
 from catch_arena.core import tick
 from catch_arena.core.arbiter import CAPSTONE, DOCKET_COLUMNS, FIRST_COME, NEAREST
-from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.jit import INTERPRETED, is_cached
 from catch_arena.core.math import wrap
 from catch_arena.core.observations import selection_network
 from catch_arena.core.random import next_seed, row_seed
@@ -376,7 +376,8 @@ def _notice_if_slow() -> Iterator[None]:
     line = "catch_arena: compiling the rules for this machine (once, about 15 s)\n"
     notice = threading.Timer(1.0, sys.stderr.write, (line,))
     notice.daemon = True
-    notice.start()
+    if not is_cached():  # loading from the cache is quick, unless the machine is busy
+        notice.start()
     try:
         yield
     finally:

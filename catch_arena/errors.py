@@ -39,5 +39,5 @@ class MissingExtraError(CatchArenaError, ImportError):
 def suggest(name: object, known: Iterable[str]) -> str:
     """The tail of an «unknown name» message: the nearest right names, or all of them where none is near."""
     choices = sorted(known)
-    near = get_close_matches(str(name), choices, n=3, cutoff=0.5)
+    near = get_close_matches(str(name), choices, n=3, cutoff=0.6)
     return f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(choices)}"

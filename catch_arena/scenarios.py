@@ -12,7 +12,7 @@ _STANDARD: Final = ArenaConfig()
 
 SCENARIOS: Final[dict[str, ArenaConfig]] = {
     "standard": _STANDARD,
-    "duel": _STANDARD.replace(hunters=2, initial_targets=6, max_targets=12, spawn_frequency_hz=0.8),
+    "duel": _STANDARD.replace(hunters=2, initial_targets=2, max_targets=8, spawn_frequency_hz=0.5),
     "crowd": _STANDARD.replace(hunters=16, side_m=16.0, initial_targets=16, max_targets=32, spawn_frequency_hz=4.0),
     "scarce": _STANDARD.replace(initial_targets=0, spawn_frequency_hz=0.5),
     "faulty": _STANDARD.replace(faults=FaultRates(kill_down=0.1, kill_refused=0.1, spawn_down=0.1, spawn_refused=0.1)),

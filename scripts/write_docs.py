@@ -21,6 +21,11 @@ and of `rival_2` and `rival_3` repeat those of the first.
 """
 
 
+STATE = """`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then
+`max_targets` places for targets in spawning order.
+"""
+
+
 def table(rows: tuple[Column, ...], *, skip_repeats: tuple[str, ...]) -> str:
     """The columns as a Markdown table."""
     lines = ["| index | name | unit | low | high | meaning |", "|---:|---|---|---:|---:|---|"]
@@ -40,8 +45,7 @@ def observation_page() -> str:
             HEAD,
             table(columns(config), skip_repeats=others),
             "\n## The global view\n",
-            "`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then\n"
-            "`max_targets` places for targets in spawning order.\n",
+            STATE,
             table(state_columns(config), skip_repeats=tuple(s for s in seats if s != "target_1")),
             "",
         )

@@ -60,6 +60,11 @@ def _cache_directory() -> Path | None:
 CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
 
 
+def is_cached() -> bool:
+    """Whether some earlier process has left the compiled step."""
+    return CACHE_DIRECTORY is not None and any(CACHE_DIRECTORY.glob("*/tick.step-*.nbc"))
+
+
 def rule(function: F) -> F:
     """A rule: scalars in, scalars out, branch-free where it runs in a lane loop."""
     return cast(F, numba.njit(**_INNER)(function))

@@ -42,7 +42,7 @@ def standings_table(table: Sequence[Standing]) -> Table:
             str(line.matches),
             f"{line.score.mean:.2f}",
             _interval(line.score, 1, 1),
-            f"{100 * line.win_share.mean:.1f} %",
+            f"{100 * line.win_share.mean:.0f} %",
             _interval(line.win_share, 100, 0),
             f"{line.mean_rank:.2f}",
             f"{line.contests_lost:.2f}",

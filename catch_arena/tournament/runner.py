@@ -104,28 +104,29 @@ def _run_in_processes(
     others = set(active_children())
     # spawned, not forked: the rules may have started threads here
     pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_leave_interrupts_to_the_parent)
-    under_way: set[Future[list[Played]]] = set()
+    under_way: list[Future[list[Played]]] = []
     try:
         waiting = iter(blocks)
         while True:  # a few blocks ahead of the workers: a long plan is not held in memory twice
             for block in waiting:
-                under_way.add(pool.submit(play_block, config, entrants, block, record))
+                under_way.append(pool.submit(play_block, config, entrants, block, record))
                 if len(under_way) >= 4 * jobs:
                     break
             if not under_way:
                 break
-            done, under_way = wait(under_way, return_when=FIRST_COMPLETED)
-            for future in done:
+            done = wait(under_way, return_when=FIRST_COMPLETED).done
+            for future in [future for future in under_way if future in done]:  # in order: the first failure is told
                 take(future.result())
+                under_way.remove(future)
     except BrokenProcessPool:
         raise AgentError(
             "a worker process died: an agent may have ended it, or the memory ran out; --jobs 1 shows where"
         ) from None
     except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        wait(under_way, timeout=_GRACE_S)
-        for worker in set(active_children()) - others:
-            worker.terminate()  # an agent may never return
+        running = [future for future in under_way if not future.cancel()]
+        if wait(running, timeout=_GRACE_S).not_done:
+            for worker in set(active_children()) - others:
+                worker.terminate()  # an agent may never return
         raise
     finally:
         pool.shutdown(cancel_futures=True)

@@ -45,7 +45,7 @@ class Standing:
 
 
 def standings(entrants: Sequence[Entrant], played: Sequence[Played]) -> list[Standing]:
-    """The table, best mean score first.
+    """The table of those who played, best mean score first.
 
     Intervals come from a bootstrap over blocks, not matches: the matches of a block have their targets in common, so
     they are not independent. The draws are the same every time.
@@ -65,7 +65,8 @@ def standings(entrants: Sequence[Entrant], played: Sequence[Played]) -> list[Sta
             verdicts[place].update(result.verdicts[seat])
     totals = matches.sum(axis=0)
     score, win_share = _estimates(scores, matches), _estimates(wins, matches)
-    order = sorted(range(count), key=lambda place: (-score[place].mean, entrants[place].name))
+    present = [place for place in range(count) if totals[place]]
+    order = sorted(present, key=lambda place: (-score[place].mean, entrants[place].name))
     return [
         Standing(
             place=1 + sum(other.mean > score[place].mean for other in score),
@@ -94,7 +95,8 @@ def _estimates(sums: NDArray[np.float64], counts: NDArray[np.float64]) -> list[E
         weights = np.bincount((bits.random_raw(blocks) % np.uint64(blocks)).astype(np.int64), minlength=blocks)
         with np.errstate(invalid="ignore"):  # an entrant without a match in this draw
             draws[resample] = (weights @ sums) / (weights @ counts)
-    means = sums.sum(axis=0) / counts.sum(axis=0)
+    with np.errstate(invalid="ignore"):
+        means = sums.sum(axis=0) / counts.sum(axis=0)
     played_blocks = (counts > 0).sum(axis=0)
     estimates = []
     for place in range(entrants):

@@ -1,0 +1,52 @@
+"""Chases the soonest race that it wins, turns counted."""
+
+import math
+
+from catch_arena.policy import Limits, SeenTarget, View
+
+
+class Agent:
+    """Like `contested`, with arrival times in place of distances."""
+
+    def reset(self, seed: int) -> None:
+        """Nothing to forget."""
+
+    def act(self, view: View) -> int:
+        """The rank of the race that suits it best, or 0 (hold)."""
+        target = best_race(view)
+        return 0 if target is None else target.rank
+
+
+def best_race(view: View) -> SeenTarget | None:
+    """The race that is soonest won; where none is won, the one that is lost by least; None with no target in view."""
+    soonest = closest = math.inf
+    won = lost = None
+    for target in view.targets:
+        mine = arrival_s(target.forward, target.left, view.limits)
+        if mine >= soonest:
+            continue
+        late = mine - rivals_arrival_s(target, view)
+        if late <= 0.0:
+            won, soonest = target, mine
+        elif late < closest:
+            lost, closest = target, late
+    return won or lost
+
+
+def rivals_arrival_s(target: SeenTarget, view: View) -> float:
+    """When the first of the visible rivals on the move could reach the target [s]; infinite without any."""
+    soonest = math.inf
+    for _, forward, left, cosine, sine, speed, _ in view.rivals:
+        if not speed:
+            continue  # who stands still races for nothing
+        dx, dy = target.forward - forward, target.left - left
+        soonest = min(soonest, arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx, view.limits))
+    return soonest
+
+
+def arrival_s(forward: float, left: float, limits: Limits) -> float:
+    """How long a hunter takes to a point of its own frame [s]: the way at full speed, and what the turn costs."""
+    way = max(0.0, math.hypot(forward, left) - limits.reach_m)
+    turn = abs(math.atan2(left, forward))
+    # half the turn: a hunter drives on while it turns
+    return way / limits.max_speed_mps + 0.5 * turn / limits.max_turn_rate_radps

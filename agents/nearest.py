@@ -1,0 +1,14 @@
+"""Chases the nearest target, as the original text asks."""
+
+from catch_arena.policy import View
+
+
+class Agent:
+    """Targets are ranked by distance, so its choice is always rank 1."""
+
+    def reset(self, seed: int) -> None:
+        """Nothing to forget."""
+
+    def act(self, view: View) -> int:
+        """1 where that is legal, because there is a target; else 0 (hold)."""
+        return 1 if view.mask[1] else 0

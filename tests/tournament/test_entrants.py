@@ -1,0 +1,94 @@
+"""How words on the command line become entrants, and what is said about those that cannot."""
+
+import pickle
+from pathlib import Path
+
+import pytest
+
+from catch_arena.errors import AgentError
+from catch_arena.tournament.entrants import enter
+
+HOLDS = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
+
+
+@pytest.fixture
+def agent_file(tmp_path):
+    def write(source: str, name: str = "mine.py") -> str:
+        path = tmp_path / name
+        path.write_text(source)
+        return str(path)
+
+    return write
+
+
+def test_an_agent_is_a_shipped_name_a_class_in_a_module_or_a_file(agent_file):
+    path = agent_file(HOLDS)
+    shipped, classed, filed = enter(["patrol", "catch_arena.agents.first:Agent", path])
+    assert (shipped.name, shipped.control) == ("patrol", "velocity")
+    assert (classed.name, classed.control) == ("Agent", "target")
+    assert (filed.name, Path(filed.spec)) == ("mine", Path(path).resolve())
+    assert filed.create().act(None) == 0
+
+
+def test_the_same_agent_twice_gets_two_names():
+    assert [one.name for one in enter(["nearest", "idle", "nearest", "nearest"])] == [
+        "nearest",
+        "idle",
+        "nearest#2",
+        "nearest#3",
+    ]
+
+
+def test_every_match_gets_an_instance_of_its_own():
+    (entrant,) = enter(["random"])
+    assert entrant.create() is not entrant.create()
+    assert pickle.loads(pickle.dumps(entrant)) == entrant  # noqa: S301 - our own
+
+
+def test_the_digest_is_of_the_source(agent_file):
+    one, same, other = enter(
+        [agent_file(HOLDS, "a.py"), agent_file(HOLDS, "b.py"), agent_file(HOLDS + "# changed\n", "c.py")]
+    )
+    assert one.digest == same.digest != other.digest
+
+
+def test_a_dataclass_in_a_file_works(agent_file):
+    source = "from dataclasses import dataclass\n@dataclass\nclass Agent:\n    n: int = 3\n"
+    path = agent_file(source + "    def reset(self, seed): pass\n    def act(self, view): return self.n\n")
+    assert enter([path])[0].create().act(None) == 3
+
+
+@pytest.mark.parametrize(
+    ("source", "reason"),
+    [
+        ("import nothing_of_this_name\n", "importing it raised ModuleNotFoundError"),
+        ("class Agent\n", "importing it raised SyntaxError"),
+        ("raise SystemExit(0)\n", "importing it raised SystemExit"),
+        ("class Agnet: pass\n", "has no class Agent; did you mean Agnet"),
+        ("Agent = 3\n", "has no class Agent"),
+        ("class Agent:\n    def reset(self, seed): pass\n", "Agent must have a method act"),
+        ("class Agent:\n    def act(self, view): pass\n", "Agent must have a method reset"),
+        ("class Agent:\n    def __init__(self, x): pass\n", r"Agent\(\) raised TypeError"),
+        (HOLDS + "    control = 'fly'\n", "control must be target, velocity or full, got 'fly'"),
+    ],
+)
+def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file, source, reason):
+    path = agent_file(source)
+    with pytest.raises(AgentError, match=reason) as raised:
+        enter([path])
+    assert "mine.py" in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("spec", "reason"),
+    [
+        ("neerest", "unknown agent 'neerest': did you mean nearest"),
+        ("missing.py", "missing.py: no such file"),
+        ("catch_arena.agents.nearest:Agnt", "has no class Agnt; did you mean Agent"),
+        ("no_such_module:Agent", "ModuleNotFoundError"),
+    ],
+)
+def test_a_word_that_stands_for_nothing_is_explained(spec, reason):
+    with pytest.raises(AgentError, match=reason):
+        enter([spec])

@@ -1,0 +1,94 @@
+"""One match: ranks, the agents' seeds, and agents that misbehave."""
+
+import pytest
+
+from catch_arena import Replay, scenario
+from catch_arena.errors import AgentError, ConfigError
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.match import agent_seed, play, ranks_of
+
+SHORT = scenario("duel", time_limit_s=10)
+
+
+class Holds:
+    def reset(self, seed):
+        self.seed = seed
+
+    def act(self, view):  # noqa: ARG002 - the protocol's
+        return 0
+
+
+class Answers(Holds):
+    """Holds for four steps, then gives its answer."""
+
+    def __init__(self, answer):
+        self.answer, self.step = answer, 0
+
+    def act(self, view):
+        self.step += 1
+        return self.answer(view) if self.step == 5 else 0
+
+
+def test_equal_scores_share_a_rank_and_use_up_those_after_it():
+    assert ranks_of((5, 5, 3)) == (1, 1, 3)
+    assert ranks_of((1, 4, 2, 4)) == (4, 1, 3, 1)
+
+
+def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
+    def digest(seed):
+        return play(SHORT, seed, [one.create() for one in enter(["nearest", "random"])], ["a", "b"]).digest
+
+    assert digest(1) == digest(1) != digest(2)
+
+
+def test_an_agent_is_told_a_digest_that_depends_on_its_place_and_not_on_its_seat():
+    first, second = Holds(), Holds()
+    play(SHORT, 77, [first, second], ["a", "b"], places=(4, 9))
+    assert (first.seed, second.seed) == (agent_seed(77, 4), agent_seed(77, 9))
+    assert 77 not in (first.seed, second.seed)
+    assert 0 <= first.seed < 2**63
+
+
+def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):
+    names = ["nearest", "contested"]
+    result = play(SHORT, 3, [one.create() for one in enter(names)], names, title="a test", record=tmp_path / "m.replay")
+    assert result.scores == tuple(verdicts["GRANTED"] for verdicts in result.verdicts)
+    replay = Replay.load(tmp_path / "m.replay")
+    assert (replay.names, replay.title, replay.seed, replay.steps) == (("nearest", "contested"), "a test", 3, 100)
+    *_, last = replay.worlds()
+    assert tuple(hunter.score for hunter in last.hunters) == result.scores
+    assert replay.digests[-1].hex() == result.digest
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [
+        (lambda _: 1 // 0, "bad: act raised ZeroDivisionError: .* \\(step 5\\)"),
+        (lambda _: 99, "bad: an action must be a whole number from 0 to 8, got 99 \\(step 5\\)"),
+        (lambda _: None, "bad: an action must be .* got None \\(step 5\\)"),
+        (lambda _: (0.0, 0.0), "bad: an action must be .* \\(step 5\\)"),
+    ],
+)
+def test_a_misbehaving_agent_is_named_with_its_step_in_one_line(answer, message):
+    with pytest.raises(AgentError, match=message) as raised:
+        play(SHORT, 0, [Holds(), Answers(answer)], ["good", "bad"])
+    assert "\n" not in str(raised.value)
+
+
+def test_what_an_agent_does_to_its_view_changes_nothing():
+    class Vandal(Holds):
+        def act(self, view):
+            view.observation[:] = [0.0] * len(view.observation)
+            if len(view.mask):
+                view.mask[0] = 0
+            return 0
+
+    def digest(policy):
+        return play(SHORT, 5, [policy, *[one.create() for one in enter(["nearest"])]], ["a", "b"]).digest
+
+    assert digest(Vandal()) == digest(Holds())
+
+
+def test_a_match_needs_a_policy_for_each_seat():
+    with pytest.raises(ConfigError, match="policies must be 2"):
+        play(SHORT, 0, [Holds()], ["a"])
