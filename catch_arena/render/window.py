@@ -19,7 +19,7 @@ class Window:
     It opens with its first frame. When its user closes it, it stays closed: further frames are dropped and the match
     goes on, no longer held to real time.
 
-    Args: `title`; `size`, (width, height) [pixels]; `period_ms`, how long each frame stays at least.
+    Args: `title`; `size`, (width, height) [pixels]; `period_ms`, how long each frame stays.
     """
 
     def __init__(self, title: str, size: tuple[int, int], period_ms: float) -> None:
@@ -73,5 +73,7 @@ class Window:
             if wait_s <= 0.0:
                 break
             time.sleep(min(wait_s, _NAP_S))
-        # a match that runs late does not hurry afterwards
-        self._due_s = max(self._due_s, time.perf_counter() - self._period_s) + self._period_s
+        now = time.perf_counter()
+        late = now - self._due_s > self._period_s
+        # a match that runs a little late makes up for it; one that was held up does not hurry afterwards
+        self._due_s = (now if late else self._due_s) + self._period_s

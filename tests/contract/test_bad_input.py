@@ -36,7 +36,7 @@ BAD_CONFIGS = [
     ({"faults": {"kill_down": 1.5}}, "faults.kill_down must be at least 0 and at most 1, got 1.5"),
     ({"gains": {"kp": 1.0}}, "unknown setting gains.kp: did you mean kp_"),
     ({"spawn_frequenzy_hz": 1}, "unknown setting 'spawn_frequenzy_hz': did you mean spawn_frequency_hz"),
-    ({"render_mode": "rgb"}, "render_mode must be None, rgb_array or human, got 'rgb'; did you mean rgb_array?"),
+    ({"render_mode": "rgb"}, "render_mode must be None, rgb_array or human, got 'rgb'"),
 ]
 
 

@@ -12,7 +12,9 @@ from catch_arena.replay import Replay
 def play() -> Callable[..., Replay]:
     """Plays a match in which everybody chases the nearest target, with any settings."""
 
-    def played(scenario: str = "standard", *, seed: int = 3, names=None, title: str = "", **overrides: object) -> Replay:
+    def played(
+        scenario: str = "standard", *, seed: int = 3, names=None, title: str = "", **overrides: object
+    ) -> Replay:
         env = catch_arena.parallel_env(scenario, **overrides)
         env.record(names, title)
         _, infos = env.reset(seed=seed)

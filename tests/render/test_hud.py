@@ -8,7 +8,18 @@ from catch_arena.config import ArenaConfig
 from catch_arena.render import hud, text
 from catch_arena.render.scene import Box, Label, Look, Polygon, Stroke, Turtle
 
-SIZES = [(320, 320), (321, 480), (500, 500), (640, 360), (720, 1280), (960, 720), (1280, 720), (3840, 2160), (3840, 320), (320, 2160)]
+SIZES = [
+    (320, 320),
+    (321, 480),
+    (500, 500),
+    (640, 360),
+    (720, 1280),
+    (960, 720),
+    (1280, 720),
+    (3840, 2160),
+    (3840, 320),
+    (320, 2160),
+]
 
 
 def a_look(hunters: int) -> Look:
@@ -160,7 +171,9 @@ def test_the_timeline_does_not_grow_with_the_match():
     assert len(timeline.catchers) == len(timeline.leads) == hud.COLUMNS
 
 
-@pytest.mark.parametrize(("time_ms", "shown"), [(0, "0.0"), (99.9, "0.0"), (18_850, "18.8"), (180_000, "3:00.0"), (3_661_500, "61:01.5")])
+@pytest.mark.parametrize(
+    ("time_ms", "shown"), [(0, "0.0"), (99.9, "0.0"), (18_850, "18.8"), (180_000, "3:00.0"), (3_661_500, "61:01.5")]
+)
 def test_the_clock_shows_tenths_that_have_passed(time_ms, shown):
     assert hud.clock(time_ms) == shown
 

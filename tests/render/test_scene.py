@@ -15,7 +15,10 @@ from catch_arena.world import HunterState, TargetState, World
 
 def a_world(*rulings: Ruling, places=((1.0, 2.0), (9.0, 3.0)), step: int = 5) -> World:
     hunters = tuple(HunterState(f"hunter_{i}", x, y, 0.5, 1.0, 0.0, 3 - i) for i, (x, y) in enumerate(places))
-    targets = (TargetState("target_turtle_7", 7, 1.1, 2.1, 0.0, 0), TargetState("target_turtle_9", 9, 5.0, 5.0, 1.0, 480))
+    targets = (
+        TargetState("target_turtle_7", 7, 1.1, 2.1, 0.0, 0),
+        TargetState("target_turtle_9", 9, 5.0, 5.0, 1.0, 480),
+    )
     return World(100 * step, step, 11.088889122009277, hunters, targets, rulings, 9)
 
 
@@ -42,7 +45,9 @@ def test_y_points_up_and_the_arena_lies_in_the_middle():
     assert (top, bottom) == (pytest.approx(500 * 0.03 / 1.06), pytest.approx(500 - 500 * 0.03 / 1.06))
 
 
-@pytest.mark.parametrize(("side", "size"), [(11.0889, (320, 320)), (11.0889, (720, 720)), (5000.0, (500, 472)), (2.0, (320, 2160))])
+@pytest.mark.parametrize(
+    ("side", "size"), [(11.0889, (320, 320)), (11.0889, (720, 720)), (5000.0, (500, 472)), (2.0, (320, 2160))]
+)
 def test_turtles_are_large_enough_to_see_and_small_enough_for_the_arena(side, size):
     view = scene.Viewport(*size, side)
     assert view.hunter_length >= 20
@@ -120,7 +125,7 @@ def test_words_stay_inside_the_picture_at_every_corner(size, kind):
     for x, y in itertools.product((0.0, 11.0888), repeat=2):
         world = a_world(places=((x, y),))
         for time_ms in (400.0, 800.0, 1000.0):
-            words = [s for s in kinds(shapes_of(world, [scene.Mark(kind, 400, 0, x, y)], time_ms, size), scene.Label)]
+            words = list(kinds(shapes_of(world, [scene.Mark(kind, 400, 0, x, y)], time_ms, size), scene.Label))
             for word in words:
                 assert word.size * 0.5 <= word.y <= size[1] - word.size * 0.5
                 assert word.size * 0.5 <= word.x <= size[0] - word.size * 0.5
