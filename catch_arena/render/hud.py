@@ -84,7 +84,7 @@ class Timeline:
 
 
 def lead(scores: Sequence[int]) -> tuple[int, int]:
-    """The leader's seat and how far behind the next is; (-1, 0) where the best are level. One alone leads nobody's 0."""
+    """The leader's seat and how far behind the next is; (-1, 0) where they are level. One alone leads by its score."""
     best = max(scores)
     if list(scores).count(best) > 1 or best == 0:
         return -1, 0
@@ -270,7 +270,7 @@ def _line(line: tuple[float, float, float, float], look: Look, one: Standing, be
     right = left + width - 0.5 * size
     bar_end = right - (0.78 * digits + 0.6) * size
     has_bar = width >= 21 * size
-    bar_start = max(x + 4.5 * size, bar_end - 0.44 * width) if has_bar else bar_end
+    bar_start = max(x + 4.5 * size, bar_end - 0.3 * width) if has_bar else bar_end
     name = look.names[one.seat] + ("  (out)" if one.withdrawn else "")
     shapes.append(
         Label(x, middle, name, size, DIM if one.withdrawn else BRIGHT, 500, max_width=bar_start - x - 0.5 * size)

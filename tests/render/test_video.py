@@ -255,7 +255,7 @@ def test_the_script_says_what_it_wrote_and_what_it_could_not(match, tmp_path):
         )
 
     done = run("match.replay", "-o", "out.mp4", "--size", "320x320", "--fps", "10")
-    assert (done.returncode, done.stdout.strip()[:29]) == (0, "out.mp4: 30 frames, 3 s, 320 ")
+    assert (done.returncode, done.stdout.strip()) == (0, "video: out.mp4 (30 frames, 3 s)")
     assert len(decoded(tmp_path / "out.mp4")) == 30
     (tmp_path / "broken.replay").write_bytes((tmp_path / "match.replay").read_bytes()[:100])
     done = run("broken.replay", "-o", "broken.mp4")
