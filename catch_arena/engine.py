@@ -2,6 +2,7 @@
 arbitration) check what people give.
 """
 
+import gc
 import hashlib
 import math
 import sys
@@ -365,10 +366,24 @@ def _compile_once() -> None:
     _compiled = True
     if INTERPRETED:
         return
-    with _notice_if_slow():
+    with (
+        _notice_if_slow(),
+        _without_garbage_collection(),
+    ):  # which would look at the compiler's many objects again and again
         smallest = Engine(ArenaConfig(hunters=1, max_targets=1, initial_targets=1))
         smallest.reset([0])
         smallest.step(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.float32))
+
+
+@contextmanager
+def _without_garbage_collection() -> Iterator[None]:
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 @contextmanager

@@ -3,12 +3,14 @@
 import hashlib
 import warnings
 
+import cv2
 import numpy as np
 import pettingzoo
 import pytest
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, render_test
 from pettingzoo.test.max_cycles_test import max_cycles_test
 from pettingzoo.test.state_test import test_parallel_env as state_test
+from pettingzoo.utils.wrappers.record_video_parallel import RecordVideoParallel
 
 import catch_arena
 import catch_arena.envs
@@ -205,3 +207,23 @@ def test_observations_and_masks_are_the_callers_own():
     other.step(dict.fromkeys(other.agents, 1))
 
     assert other.digest() == env.digest()
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of moviepy's
+def test_pettingzoos_recorder_films_the_env(tmp_path):
+    """RecordVideoParallel writes a video of an episode; ours is `catch-arena render`, which drops no frame."""
+    env = RecordVideoParallel(
+        catch_arena.parallel_env(render_mode="rgb_array", max_cycles=12),
+        str(tmp_path / "videos"),
+        episode_trigger=lambda _: True,
+    )
+    env.reset(seed=1)
+    while env.agents:
+        env.step(dict.fromkeys(env.agents, 1))
+    env.close()
+    (video,) = tmp_path.glob("videos/*.mp4")
+    frames = cv2.VideoCapture(str(video))
+
+    assert frames.isOpened()
+    assert int(frames.get(cv2.CAP_PROP_FRAME_COUNT)) >= 12
+    assert (frames.get(cv2.CAP_PROP_FRAME_WIDTH), frames.get(cv2.CAP_PROP_FPS)) == (500.0, 10.0)
