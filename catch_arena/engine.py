@@ -107,7 +107,8 @@ class Engine:
         blocks = -(-num_arenas // LANES)
         self.memory: NDArray[np.float64] = np.zeros((blocks, block * LANES))
         """core/state.py's blocks."""
-        self._scratch = np.zeros((64 + width(config) + block) * LANES)
+        self._scratch = np.zeros((64 + block) * LANES)
+        self._columns = np.zeros(width(config) * LANES, dtype=np.float32)
         self._docket = np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64)
         self.observations = np.zeros((num_arenas, hunters, width(config)), dtype=np.float32)
         """R7.1: (B, H, D)."""
@@ -145,6 +146,7 @@ class Engine:
             chosen,
             seeds,
             self._scratch,
+            self._columns,
             self.observations,
             self.masks,
         )
@@ -165,6 +167,7 @@ class Engine:
             choices,
             commands,
             self._scratch,
+            self._columns,
             self._docket,
             self.observations,
             self.masks,
@@ -298,7 +301,8 @@ class Engine:
     def seed(self, arena: int = 0) -> int:
         """The seed of an arena's episode."""
         block, lane = divmod(arena, LANES)
-        return int(self._fields[block, rows.SEED // LANES, lane : lane + 1].view(np.uint64)[0])
+        high, low = self._fields[block, [rows.SEED_HIGH // LANES, rows.SEED_LOW // LANES], lane]
+        return int(high) << 32 | int(low)
 
     def state(self, arena: int = 0) -> NDArray[np.float64]:
         """A.8: the numbers of one arena's state, in the order in which the digest reads them."""

@@ -224,7 +224,7 @@ def write_whole(path: Path, content: bytes) -> None:
             try:
                 file.write(content)
                 file.flush()
-                os.fchmod(file.fileno(), 0o644)
+                Path(file.name).chmod(0o644)
                 Path(file.name).replace(path)
             except BaseException:
                 Path(file.name).unlink(missing_ok=True)

@@ -318,13 +318,12 @@ def observe(
     target_network: NDArray[np.int64],
     rival_network: NDArray[np.int64],
     scratch: Block,
+    seen: Columns,
     observations: NDArray[np.float32],
     masks: NDArray[np.int8],
 ) -> None:
     """R7.1, R7.2: the observations (lanes, H, D) and masks (lanes, H, K + 1) of one block."""
     keys = scratch[: 64 * LANES]
-    width = SELF_WIDTH + s.targets_seen * TARGET_WIDTH + s.hunters_seen * RIVAL_WIDTH
-    seen = scratch[64 * LANES : (64 + width) * LANES].view(np.float32)  # R7.1's rounding
     targets = targets_of(block, s)
     for seat in range(s.hunters):
         face(seat_of(block, seat), lanes)

@@ -48,6 +48,12 @@ def draw(key: np.uint64, counter: np.uint64) -> np.uint64:
 
 
 @rule
+def seed_of(high: float, low: float) -> np.uint64:
+    """A seed from its two halves of 32 bits, as the arena memory keeps them."""
+    return (np.uint64(high) << np.uint64(32)) | np.uint64(low)
+
+
+@rule
 def fraction(bits: np.uint64) -> float:
     """A.5: a word as a number in [0, 1), by its leading 53 bits."""
     return np.float64(bits >> np.uint64(11)) * (1.0 / 9007199254740992.0)

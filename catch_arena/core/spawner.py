@@ -4,14 +4,15 @@ import numpy as np
 
 from catch_arena.core.jit import Block, phase, rule
 from catch_arena.core.math import TAU
-from catch_arena.core.random import PLACE, draw, fraction, spawn_refused, spawn_service_down, stream
+from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
 from catch_arena.core.state import (
     ALIVE,
     FIRINGS,
     LANES,
     NUMBERS,
     REFUSED,
-    SEED,
+    SEED_HIGH,
+    SEED_LOW,
     SKIPPED_DOWN,
     SKIPPED_FULL,
     SPAWNED,
@@ -99,7 +100,6 @@ def spawn_through(arena: Block, targets: Targets, lanes: int, s: Settings) -> No
     moving targets will have
     to be moved here, between the firings.
     """
-    seeds = arena[SEED : SEED + LANES].view(np.uint64)
     for lane in range(lanes):
         while (arena[FIRINGS + lane] + 1.0) * s.spawn_period <= arena[TIME + lane] + s.period:
-            fire(arena, targets, lane, seeds[lane], s)
+            fire(arena, targets, lane, seed_of(arena[SEED_HIGH + lane], arena[SEED_LOW + lane]), s)

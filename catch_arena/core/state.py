@@ -4,7 +4,7 @@ A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. On
 is to copy that column.
 The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then TARGET_ROWS for each slot, then K slots for
 each seat's view.
-Integers are exact in float64; the seed is stored by its 64 bits. Alive targets fill the slots from 0 in spawning
+Integers are exact in float64; a seed needs two of them. Alive targets fill the slots from 0 in spawning
 order (R8.2), all others are zero.
 """
 
@@ -30,8 +30,9 @@ REFUSED: Final = 7 * LANES  # R3.6
 ARENA_DIGEST_ROWS: Final = 8
 ALIVE: Final = 8 * LANES  # targets alive: slots in use
 ENDED: Final = 9 * LANES  # RUNNING, TERMINATED or TRUNCATED (R1.5)
-SEED: Final = 10 * LANES  # 64 bits, not a number
-ARENA_ROWS: Final = 11
+SEED_HIGH: Final = 10 * LANES  # the seed's upper 32 bits
+SEED_LOW: Final = 11 * LANES  # and its lower 32
+ARENA_ROWS: Final = 12
 
 # hunter rows; the first eleven stand in the digest in this order (A.8)
 X: Final = 0 * LANES  # [m]

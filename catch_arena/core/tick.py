@@ -28,9 +28,9 @@ from catch_arena.core.controllers import (
 )
 from catch_arena.core.jit import Block, entry, phase
 from catch_arena.core.math import PI, TAU, sincos, wrap
-from catch_arena.core.observations import observe
+from catch_arena.core.observations import Columns, observe
 from catch_arena.core.physics import move
-from catch_arena.core.random import START, draw, fraction, kill_refused, kill_service_down, stream
+from catch_arena.core.random import START, draw, fraction, kill_refused, kill_service_down, seed_of, stream
 from catch_arena.core.rewards import aim_again, aim_at_nearest, reward
 from catch_arena.core.spawner import remove_target, spawn_next, spawn_through
 from catch_arena.core.state import (
@@ -44,7 +44,8 @@ from catch_arena.core.state import (
     REQUEST,
     RUNNING,
     SCORE,
-    SEED,
+    SEED_HIGH,
+    SEED_LOW,
     SPAWNED,
     SPEED,
     STEP,
@@ -123,7 +124,7 @@ def clear_evidence(block: Block, s: Settings, lanes: int, asked: Block) -> None:
 @phase
 def arbitrate(block: Block, s: Settings, lane: int, targets: Targets, docket: Docket) -> None:
     """R1.4's phase 3 in one lane: the docket is filled from S_t, judged, and the evidence noted."""
-    seed = block[SEED + lane : SEED + lane + 1].view(np.uint64)[0]
+    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step = block[STEP + lane]
     requests = 0
     for seat in range(s.hunters):
@@ -157,7 +158,7 @@ def arbitrate(block: Block, s: Settings, lane: int, targets: Targets, docket: Do
 @phase
 def commit(block: Block, s: Settings, lane: int, targets: Targets) -> None:
     """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8)."""
-    seed = block[SEED + lane : SEED + lane + 1].view(np.uint64)[0]
+    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     removed = 0
     for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: those behind a removed slot move up
         number = targets.number[slot * LANES + lane]
@@ -231,6 +232,7 @@ def step(
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
     numbers: NDArray[np.float64],
+    columns: Columns,
     docket: Docket,
     observations: NDArray[np.float32],
     masks: NDArray[np.int8],
@@ -239,8 +241,8 @@ def step(
     """R1.4: one step of every arena of a batch.
 
     Args: `memory` (blocks, rows * LANES); `settings`, see `state.read_settings`; `controls` (H,); the networks (n, 2)
-    of `selection_network`; the actions `choices` (B, H) and `commands` (B, H, 2); scratch, `numbers` and `docket`; the
-    outputs `observations` (B, H, D), `masks` (B, H, K + 1) and `rewards` (B, H).
+    of `selection_network`; the actions `choices` (B, H) and `commands` (B, H, 2); scratch, `numbers`, `columns`
+    and `docket`; the outputs `observations` (B, H, D), `masks` (B, H, K + 1) and `rewards` (B, H).
     """
     s = read_settings(settings)
     rows = numbers[: 2 * LANES]
@@ -264,7 +266,17 @@ def step(
         reward(block, s, lanes, rows, rewards[first:last])
         if some_ended:
             put_back_ended(block, s, lanes, kept, rewards[first:last])
-        observe(block, s, lanes, target_network, rival_network, numbers, observations[first:last], masks[first:last])
+        observe(
+            block,
+            s,
+            lanes,
+            target_network,
+            rival_network,
+            numbers,
+            columns,
+            observations[first:last],
+            masks[first:last],
+        )
 
 
 @phase
@@ -273,7 +285,8 @@ def reset_lane(block: Block, s: Settings, lane: int, start_poses: NDArray[np.flo
     rows = len(block) // LANES
     for row in range(rows):
         block[row * LANES + lane] = 0.0
-    block[SEED + lane : SEED + lane + 1].view(np.uint64)[0] = seed
+    block[SEED_HIGH + lane] = float(seed >> np.uint64(32))
+    block[SEED_LOW + lane] = float(seed & np.uint64(0xFFFFFFFF))
     turn = TAU * fraction(draw(stream(seed, START), np.uint64(0)))
     for seat in range(s.hunters):
         me = seat_of(block, seat)
@@ -316,6 +329,7 @@ def reset(
     chosen: NDArray[np.int64],
     seeds: NDArray[np.uint64],
     numbers: NDArray[np.float64],
+    columns: Columns,
     observations: NDArray[np.float32],
     masks: NDArray[np.int8],
 ) -> None:
@@ -337,6 +351,7 @@ def reset(
             target_network,
             rival_network,
             numbers,
+            columns,
             observations[first:last],
             masks[first:last],
         )

@@ -16,7 +16,8 @@ ARENA = [
     "REFUSED",
     "ALIVE",
     "ENDED",
-    "SEED",
+    "SEED_HIGH",
+    "SEED_LOW",
 ]
 HUNTER = [
     "X",
