@@ -53,10 +53,10 @@ $(VENV)/bin/python:
 
 $(VENV)/ready: pyproject.toml | $(VENV)/bin/python
 	@echo "setting up $(VENV) (about a minute)"
-	$(PIP) install --upgrade 'pip>=25.1'
-	$(PIP) install --editable '.[video]'
+	@$(PIP) install --upgrade 'pip>=25.1'
+	@$(PIP) install --editable '.[video]'
 	@touch $@
 
 $(VENV)/ready-dev: $(VENV)/ready
-	$(PIP) install --group test --group check
+	@$(PIP) install --group test --group check
 	@touch $@

@@ -46,6 +46,9 @@ def arbitrate(
     Raises: ActionError for a seat that does not exist or a position that is not two finite numbers; ConfigError for
     any other argument that cannot be.
     """
+    for field, given in (("hunters", hunters), ("requests", requests), ("caught", caught), ("inactive", inactive)):
+        if isinstance(given, str) or not isinstance(given, Collection):
+            raise ConfigError(f"{field} must be a collection, got {given!r}")
     seats = len(hunters)
     places = [_checked_place(f"hunters[{seat}]", place) for seat, place in enumerate(hunters)]
     alive = _checked_targets(targets)
@@ -57,7 +60,7 @@ def arbitrate(
         )
     if isinstance(reach_m, bool) or not isinstance(reach_m, int | float) or not 0 < reach_m <= _FARTHEST_M:
         raise ConfigError(f"reach_m must be a positive number, got {reach_m!r}")
-    if policy not in _POLICIES:
+    if not isinstance(policy, str) or policy not in _POLICIES:
         raise ConfigError(
             f"policy must be one of {', '.join(get_args(ArbitrationPolicy))}, got {policy!r}; "
             f"{suggest(policy, _POLICIES)}"
@@ -104,6 +107,8 @@ def arbitrate(
 
 def _checked_place(field: str, place: Any) -> tuple[float, float]:
     try:
+        if isinstance(place, str | bytes):
+            raise TypeError
         x, y = (float(number) for number in place)
     except (TypeError, ValueError):
         raise ActionError(f"{field} must be two numbers (x, y), got {place!r}") from None
@@ -120,8 +125,8 @@ def _checked_targets(targets: Mapping[str, tuple[float, float]]) -> dict[str, tu
 
 
 def _checked_names(field: str, names: Collection[str]) -> set[str]:
-    if isinstance(names, str):
-        raise ConfigError(f"{field} must be a collection of names, got the single string {names!r}")
+    if isinstance(names, str) or not isinstance(names, Collection):
+        raise ConfigError(f"{field} must be a collection of names, got {names!r}")
     for name in names:
         if not isinstance(name, str):
             raise ConfigError(f"{field} must hold strings, got {name!r}")
@@ -130,7 +135,8 @@ def _checked_names(field: str, names: Collection[str]) -> set[str]:
 
 def _checked_seat(field: str, seat: object, seats: int) -> int:
     if isinstance(seat, bool) or not isinstance(seat, int | np.integer) or not 0 <= seat < seats:
-        raise ActionError(f"{field} must name a seat from 0 to {seats - 1}, got {seat!r}")
+        known = f"a seat from 0 to {seats - 1}" if seats else "a seat, and there is none"
+        raise ActionError(f"{field} must name {known}, got {seat!r}")
     return int(seat)
 
 

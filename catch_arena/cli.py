@@ -110,6 +110,10 @@ def tournament(
     from catch_arena.tournament.display import progress_bar, standings_table
 
     config = arena(scenario, settings)
+    if jobs is None:
+        jobs = runner.usable_cores()
+    if jobs < 1:
+        raise ConfigError(f"--jobs must be at least 1, got {jobs}")
     players = entrants.enter(agents)
     schedule.require_enough(len(players), config, scenario)
     plan = schedule.round_robin(len(players), config.hunters, rounds, seed)
@@ -117,8 +121,6 @@ def tournament(
         if folder is not None:
             results.prepare_folder(folder)
     typer.echo(f"{scenario}: {len(players)} agents, {len(plan)} matches, {config.hunters} in each")
-    if jobs is None:
-        jobs = runner.usable_cores()
     with progress_bar("playing", len(plan)) as show:
         played = runner.run(config, players, plan, jobs=jobs, record=record, progress=show)
     table = standings.standings(players, played)
@@ -139,6 +141,7 @@ def match(
     settings: Settings = None,
 ) -> None:
     """Play one match, seated in the order given, and record it."""
+    from catch_arena.replay import regular_file
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.match import play
     from catch_arena.tournament.results import prepare_folder
@@ -150,6 +153,7 @@ def match(
     if len(players) > config.hunters:
         raise ConfigError(f"agents must be {config.hunters}, one for each hunter of {scenario}, got {len(players)}")
     prepare_folder(output.parent)
+    regular_file(output)
     names = [player.name for player in players]
     result = play(config, seed, [player.create() for player in players], names, title=scenario, record=output)
     for rank, score, name in sorted(zip(result.ranks, result.scores, names, strict=True), key=lambda line: line[0]):
@@ -172,9 +176,11 @@ def render(
     from catch_arena.render.video import render_replay
     from catch_arena.replay import Replay
     from catch_arena.tournament.display import progress_bar
+    from catch_arena.tournament.results import prepare_folder
 
     recorded = Replay.load(replay)
     target = replay.with_suffix(".mp4") if output is None else output
+    prepare_folder(target.parent)
     with progress_bar("rendering") as show:
         report = render_replay(recorded, target, size=width_and_height(size), fps=fps, layout=layout, progress=show)
     if report.notice:
@@ -248,10 +254,12 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
         except ValueError:
             value = text  # a bare word
         group, dot, part = key.partition(".")
-        if dot:
-            overrides.setdefault(group, {})[part] = value
-        else:
+        if not dot:
             overrides[key] = value
+        elif isinstance(parts := overrides.setdefault(group, {}), dict):
+            parts[part] = value
+        else:
+            raise ConfigError(f"--set {group}=... and --set {key}=... must not both be given")
     return scenario(name, **overrides)
 
 

@@ -169,7 +169,7 @@ class ArenaConfig:
             raise ConfigError(f"name_prefix must be a string of at most 200 characters, got {self.name_prefix!r}")
         for name, kind in (("gains", Gains), ("rewards", RewardWeights), ("faults", FaultRates)):
             if not isinstance(getattr(self, name), kind):
-                raise ConfigError(f"{name} must be a {kind.__name__}, got {getattr(self, name)!r}")
+                raise ConfigError(f"{name} must be {kind.__name__}(...) or a mapping, got {getattr(self, name)!r}")
         self._check_control()
         self._check_poses()
 
@@ -292,7 +292,7 @@ def _require_number(
     name: str, value: object, *, at_most: float, at_least: float | None = None, above: float | None = None
 ) -> None:
     low = f"above {above:g}" if above is not None else f"at least {at_least:g}"
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not -1e300 < value < 1e300:
         raise ConfigError(f"{name} must be a finite number {low}, got {value!r}")
     too_low = (above is not None and value <= above) or (at_least is not None and value < at_least)
     if too_low or value > at_most:

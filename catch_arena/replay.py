@@ -215,17 +215,26 @@ def _header_of(body: bytes) -> tuple[dict[str, Any], int]:
     return header, 4 + length
 
 
+def regular_file(path: Path) -> Path:
+    """Where a file of that name is or would be, links followed. Raises: OutputError for a device or a folder."""
+    target = path.resolve()
+    if target.exists() and not target.is_file():
+        raise OutputError(f"{path}: cannot be written: is not a regular file")
+    return target
+
+
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file under a temporary name and rename it: whoever looks finds it whole or not at all. Raises:
     OutputError.
     """
+    target = regular_file(path)
     try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
+        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as file:
             try:
                 file.write(content)
                 file.flush()
                 Path(file.name).chmod(0o644)
-                Path(file.name).replace(path)
+                Path(file.name).replace(target)
             except BaseException:
                 Path(file.name).unlink(missing_ok=True)
                 raise

@@ -3,6 +3,8 @@ each.
 """
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig, FaultRates, Gains
@@ -10,24 +12,28 @@ from catch_arena.errors import ConfigError, suggest
 
 _STANDARD: Final = ArenaConfig()
 
-SCENARIOS: Final[dict[str, ArenaConfig]] = {
-    "standard": _STANDARD,
-    "duel": _STANDARD.replace(hunters=2, initial_targets=2, max_targets=8, spawn_frequency_hz=0.5),
-    "crowd": _STANDARD.replace(hunters=16, side_m=16.0, initial_targets=16, max_targets=32, spawn_frequency_hz=4.0),
-    "scarce": _STANDARD.replace(initial_targets=0, spawn_frequency_hz=0.5),
-    "faulty": _STANDARD.replace(faults=FaultRates(kill_down=0.1, kill_refused=0.1, spawn_down=0.1, spawn_refused=0.1)),
-    "capstone": _STANDARD.replace(  # R9.1
-        hunters=1,
-        policy="capstone",
-        spawn_frequency_hz=0.5,
-        initial_targets=0,
-        max_targets=64,
-        observed_targets=64,
-        gains=Gains(kp_v=2.0, ki_v=0.0, kp_w=6.0, ki_w=0.0),
-        max_speed_mps=2.0 * TURTLESIM_SIDE_M * math.sqrt(2.0),
-        max_turn_rate_radps=6.0 * math.pi,
-    ),
-}
+SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
+    {
+        "standard": _STANDARD,
+        "duel": _STANDARD.replace(hunters=2, initial_targets=2, max_targets=8, spawn_frequency_hz=0.5),
+        "crowd": _STANDARD.replace(hunters=16, side_m=16.0, initial_targets=16, max_targets=32, spawn_frequency_hz=4.0),
+        "scarce": _STANDARD.replace(initial_targets=0, spawn_frequency_hz=0.5),
+        "faulty": _STANDARD.replace(
+            faults=FaultRates(kill_down=0.1, kill_refused=0.1, spawn_down=0.1, spawn_refused=0.1)
+        ),
+        "capstone": _STANDARD.replace(  # R9.1
+            hunters=1,
+            policy="capstone",
+            spawn_frequency_hz=0.5,
+            initial_targets=0,
+            max_targets=64,
+            observed_targets=64,
+            gains=Gains(kp_v=2.0, ki_v=0.0, kp_w=6.0, ki_w=0.0),
+            max_speed_mps=2.0 * TURTLESIM_SIDE_M * math.sqrt(2.0),
+            max_turn_rate_radps=6.0 * math.pi,
+        ),
+    }
+)
 
 
 def scenario(name: str, **overrides: object) -> ArenaConfig:
@@ -37,6 +43,6 @@ def scenario(name: str, **overrides: object) -> ArenaConfig:
     partial dicts).
     Raises: ConfigError that names the nearest right name, or the setting, the requirement and the value.
     """
-    if name not in SCENARIOS:
+    if not isinstance(name, str) or name not in SCENARIOS:
         raise ConfigError(f"unknown scenario {name!r}: {suggest(name, SCENARIOS)}")
     return SCENARIOS[name].replace(**overrides)

@@ -56,7 +56,7 @@ class Ruling:
     distance_um: int | None = None
     """Distance between the centres [micrometres] (R5.3); None unless reach was tested."""
     winner: int | None = None
-    """The seat that won the contest; None unless the verdict is GRANTED, LOST_CONTEST or KILL_FAILED."""
+    """The seat that won; None unless the request was granted or contested."""
 
     @property
     def success(self) -> bool:

@@ -1,5 +1,6 @@
 """Draw the picture that the README shows: a moment of a match between four of the shipped agents."""
 
+import argparse
 from pathlib import Path
 
 import cv2
@@ -16,6 +17,7 @@ SEED, STEP = 3, 405
 
 def main() -> None:
     """Play up to the moment, and paint it."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     config = scenario("standard")
     entrants = enter(AGENTS)
     names = [one.name for one in entrants]
@@ -28,7 +30,7 @@ def main() -> None:
         if world.step == STEP:
             frames.append(frame)
 
-    play(config, SEED, [one.create() for one in entrants], names, watch=watch)
+    play(config, SEED, [one.create() for one in entrants], names, title="A match", watch=watch)
     picture = cv2.cvtColor(frames[0], cv2.COLOR_RGB2BGR)
     cv2.imwrite(str(PICTURE), picture, [cv2.IMWRITE_PNG_COMPRESSION, 9])
     print(PICTURE.relative_to(PICTURE.parent.parent))

@@ -1,5 +1,6 @@
 """Write the tables in docs/ that are made from code; a test checks that they are up to date."""
 
+import argparse
 from pathlib import Path
 
 from catch_arena.layout import Column, columns, state_columns
@@ -53,5 +54,6 @@ def observation_page() -> str:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     (DOCS / "observation.md").write_text(observation_page())
     print("docs/observation.md")

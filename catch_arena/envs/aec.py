@@ -9,7 +9,39 @@ from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import CatchArenaEnv, parallel_env
-from catch_arena.errors import ActionError
+from catch_arena.errors import ActionError, EpisodeError
+
+
+class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
+    """The arena, hunter by hunter; `world`, `digest`, `withdraw`, `record` and `replay` are the parallel env's."""
+
+    _parallel: CatchArenaEnv
+
+    def __init__(self, parallel: CatchArenaEnv) -> None:
+        super().__init__(_CheckedAec(parallel))
+        self._parallel = parallel
+        self.world = parallel.world
+        self.digest = parallel.digest
+        self.withdraw = parallel.withdraw
+        self.record = parallel.record
+        self.replay = parallel.replay
+
+    def step(self, action: Any) -> None:
+        """The action of the hunter whose turn it is. Raises: ActionError, EpisodeError; nothing has changed then."""
+        self._require_turn("step")
+        super().step(action)
+
+    def last(self, observe: bool = True) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """What the hunter whose turn it is sees. Raises: EpisodeError."""
+        self._require_turn("last")
+        result: tuple[Any, float, bool, bool, dict[str, Any]] = super().last(observe)
+        return result
+
+    def _require_turn(self, what: str) -> None:
+        if not self._has_reset:
+            raise EpisodeError(f"{what} must follow a reset: no episode has begun")
+        if not self.agents:
+            raise EpisodeError(f"{what} must follow a reset: this episode is over")
 
 
 class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
@@ -29,8 +61,8 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
 
 def env(
     scenario: str | ArenaConfig = "standard", render_mode: str | None = None, **overrides: object
-) -> OrderEnforcingWrapper[str, Any, Any]:
+) -> CatchArenaAecEnv:
     """The arena as a PettingZoo AEC environment, in which the hunters are asked one after the other and move
     together; arguments as for `parallel_env`.
     """
-    return OrderEnforcingWrapper(_CheckedAec(parallel_env(scenario, render_mode, **overrides)))
+    return CatchArenaAecEnv(parallel_env(scenario, render_mode, **overrides))

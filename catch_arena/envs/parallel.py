@@ -77,7 +77,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             )
         self.config = config
         self.render_mode = render_mode
-        self.metadata = {**type(self).metadata, "render_fps": 1000.0 / config.control_period_ms}
+        self.metadata = {**type(self).metadata, "render_fps": max(1, round(1000 / config.control_period_ms))}
         self.possible_agents = list(config.hunter_names)
         self.agents: list[str] = []
         self.max_cycles = config.max_steps

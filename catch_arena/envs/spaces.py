@@ -60,6 +60,8 @@ def checked_command(agent: str, what: str, action: Any, out: NDArray[np.float32]
     """Two numbers in [-1, 1], written to `out`, (2,). Raises: ActionError."""
     try:
         speed, turn_rate = action.tolist() if isinstance(action, np.ndarray) else action
+        if not isinstance(action, np.ndarray | list | tuple) or isinstance(speed, bool) or isinstance(turn_rate, bool):
+            raise TypeError
         legal = math.fabs(speed) <= 1.0 and math.fabs(turn_rate) <= 1.0  # false for NaN too
     except (TypeError, ValueError):
         legal = False

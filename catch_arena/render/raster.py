@@ -23,7 +23,7 @@ LARGEST: Final = (3840, 2160)
 _SHIFT: Final = 4
 """cv2 takes places in sixteenths of a pixel."""
 _WIDEST_RING: Final = 600.0
-FADE_MS: Final = 100
+FADE_MS: Final = 200
 """A trail fades by one step in so much of the match's time."""
 TRACE_FADE_MS: Final = 2000
 
@@ -163,7 +163,7 @@ class Ground:
         """Fade as much as so late an instant asks for; after long waits there is nothing left to fade."""
         for layer, goal, every, part in (
             (self._trace.pixels, self._clean, TRACE_FADE_MS, 0.012),
-            (self._floor.pixels, self._trace.pixels, FADE_MS, 0.024),
+            (self._floor.pixels, self._trace.pixels, FADE_MS, 0.048),
         ):
             times = int(time_ms // every) - int(self._time_ms // every)
             for _ in range(min(times, 150)):

@@ -7,7 +7,7 @@ World units are metres, y up; shapes are in pixels, y down. raster.py turns shap
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final, Literal
 
 from catch_arena.config import ArenaConfig
@@ -248,6 +248,7 @@ def still_seen(marks: Iterable[Mark], time_ms: float) -> list[Mark]:
     return [mark for mark in seen if mark.kind != "refused" or latest[mark.seat] is mark]
 
 
+@lru_cache(maxsize=4096)
 def mix(one: Color, other: Color, part: float) -> Color:
     """`one` with a part in [0, 1] of `other`."""
     red, green, blue = (round(a + (b - a) * part) for a, b in zip(one, other, strict=True))

@@ -18,7 +18,7 @@ from catch_arena.errors import ConfigError, OutputError
 from catch_arena.render import hud, scene
 from catch_arena.render.motion import passages
 from catch_arena.render.raster import Stage, checked_size
-from catch_arena.replay import Replay
+from catch_arena.replay import Replay, regular_file
 
 Pixels = NDArray[np.uint8]
 
@@ -138,10 +138,9 @@ class Encoder(Protocol):
 @contextmanager
 def mp4_file(path: Path, size: tuple[int, int], fps: int, frames: int) -> Iterator[Encoder]:
     """An MP4 file that appears under its name when all went well and it holds that many frames. Raises: OutputError."""
-    if path.is_dir():
-        raise OutputError(f"{path}: cannot be written: is a folder")
+    target = regular_file(path)
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=".part.mp4")
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{path.stem}.", suffix=".part.mp4")
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
     os.close(handle)
@@ -153,7 +152,7 @@ def mp4_file(path: Path, size: tuple[int, int], fps: int, frames: int) -> Iterat
         encoder.finish()
         _require_frames(path, encoder.count(), frames)
         unfinished.chmod(0o644)  # mkstemp's files are for their owner alone
-        unfinished.replace(path)
+        unfinished.replace(target)
     except BaseException as error:
         if encoder is not None:
             encoder.abandon()

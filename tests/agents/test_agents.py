@@ -43,7 +43,7 @@ def agent(name: str, seed: int = 5) -> Any:
     return made
 
 
-def test_the_shipped_agents_are_those_that_the_issue_names():
+def test_the_shipped_agents_are_these():
     assert list(shipped()) == ["contested", "contested_by_time", "first", "idle", "nearest", "patrol", "random"]
     assert all(line.endswith(".") for line in shipped().values())
 

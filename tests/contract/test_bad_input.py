@@ -188,3 +188,45 @@ def test_a_withdrawn_hunter_leaves_in_good_order():
     observations, rewards, _, _, infos = env.step(good(env))
 
     assert set(observations) == set(rewards) == set(infos) == set(env.agents)
+
+
+def test_steps_at_the_wrong_time_are_refused_under_aec_too():
+    """Our own error before the first reset and after the end, from `step` and from `last`."""
+    env = catch_arena.env("duel", max_cycles=1)
+    for call in (lambda: env.step(0), env.last, env.world):
+        with pytest.raises(EpisodeError, match="no episode has begun"):
+            call()
+    env.reset(seed=1)
+    for _ in env.agent_iter():
+        *_, terminated, truncated, _ = env.last()
+        env.step(None if terminated or truncated else 0)
+    with pytest.raises(EpisodeError, match="this episode is over"):
+        env.step(0)
+
+    assert env.world().step == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"requests": None},
+        {"hunters": None},
+        {"caught": None},
+        {"inactive": 1},
+        {"policy": ["nearest"]},
+        {"hunters": ["12"]},
+        {"hunters": [(0.0, NAN)]},
+        {"targets": [("t", (0, 0))]},
+        {"requests": [(1, "t")]},
+        {"requests": ["x"]},
+        {"reach_m": 0},
+        {"caught": ["t"]},
+        {"seed": -1},
+    ],
+    ids=repr,
+)
+def test_arbitrate_refuses_what_it_cannot_judge(arguments):
+    """With an error of ours, whatever is given."""
+    good = {"hunters": [(0.0, 0.0)], "targets": {"t": (0.0, 0.1)}, "requests": [(0, "t")]}
+    with pytest.raises(CatchArenaError):
+        catch_arena.arbitrate(**{**good, **arguments})

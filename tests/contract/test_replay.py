@@ -1,6 +1,7 @@
 """Replays keep matches: saved, loaded and played again they agree step by step, and whatever is not one is refused."""
 
 import random
+from pathlib import Path
 
 import pytest
 
@@ -93,3 +94,17 @@ def test_a_file_that_cannot_be_written_leaves_nothing(recorded, tmp_path):
         replay.save(tmp_path / "nowhere" / "match.replay")
 
     assert list(tmp_path.iterdir()) == []
+
+
+def test_only_regular_files_are_replaced(recorded, tmp_path):
+    """A device or a folder stays what it is; a link is followed."""
+    replay, _ = recorded
+    for target in (tmp_path, Path("/dev/null")):
+        with pytest.raises(OutputError, match="is not a regular file"):
+            replay.save(target)
+    (tmp_path / "real.replay").write_bytes(b"")
+    (tmp_path / "link.replay").symlink_to(tmp_path / "real.replay")
+    replay.save(tmp_path / "link.replay")
+
+    assert (tmp_path / "link.replay").is_symlink()
+    assert catch_arena.Replay.load(tmp_path / "real.replay").steps == replay.steps
