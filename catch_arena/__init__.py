@@ -23,12 +23,14 @@ if TYPE_CHECKING:
     from catch_arena.replay import Replay as Replay
     from catch_arena.scenarios import SCENARIOS as SCENARIOS
     from catch_arena.scenarios import scenario as scenario
+    from catch_arena.service import ArenaService as ArenaService
     from catch_arena.verdicts import Ruling as Ruling
     from catch_arena.verdicts import Verdict as Verdict
     from catch_arena.world import World as World
 
 _HOMES: Final = {
     "ArenaConfig": "config",
+    "ArenaService": "service",
     "CatchArenaError": "errors",
     "Engine": "engine",
     "FaultRates": "config",

@@ -214,6 +214,36 @@ class Engine:
         own[rows.ALIVE // LANES] = len(targets)
         self.observe()
 
+    def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
+        """R8.1: a target outside the timer, with the next number, which is returned; 0 in a full arena (R3.5)."""
+        block, lane = divmod(arena, LANES)
+        own = self._fields[block, :, lane]
+        slot = int(own[rows.ALIVE // LANES])
+        if slot == self.config.max_targets:
+            return 0
+        for row in (rows.NUMBERS, rows.SPAWNED, rows.ALIVE):
+            own[row // LANES] += 1.0
+        number = int(own[rows.NUMBERS // LANES])
+        self._targets[block, :, slot, lane] = number, x + 0.0, y + 0.0, theta + 0.0, own[rows.TIME // LANES]
+        self.observe()
+        return number
+
+    def kill(self, arena: int, number: int) -> bool:
+        """R8.1: an alive target leaves uncaught, and no longer counts as spawned (R5.8). False where it is not alive."""
+        block, lane = divmod(arena, LANES)
+        own = self._fields[block, :, lane]
+        slots = self._targets[block, :, :, lane]
+        alive = int(own[rows.ALIVE // LANES])
+        (found,) = np.nonzero(slots[0, :alive] == number)
+        if not len(found):
+            return False
+        slots[:, found[0] : -1] = slots[:, found[0] + 1 :].copy()
+        slots[:, -1] = 0.0
+        own[rows.SPAWNED // LANES] -= 1.0
+        own[rows.ALIVE // LANES] -= 1.0
+        self.observe()
+        return True
+
     # reading
 
     @property
@@ -294,6 +324,15 @@ class Engine:
             rulings=self.rulings(arena),
             spawned=int(own[rows.SPAWNED // LANES]),
         )
+
+    def rank_of(self, arena: int, seat: int, name: str) -> int:
+        """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
+        block, lane = divmod(arena, LANES)
+        first = self._fields.shape[1] - (self.config.hunters - seat) * self.config.targets_seen
+        slots = self._fields[block, first : first + self.config.targets_seen, lane].tolist()
+        numbers = self._targets[block, 0, :, lane].tolist()
+        names = [self._name(int(numbers[int(slot)])) if slot >= 0 else None for slot in slots]
+        return names.index(name) + 1 if name in names else 0
 
     def _name(self, number: int) -> str:
         return f"{self.config.name_prefix}{number}"

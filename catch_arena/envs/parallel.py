@@ -197,10 +197,38 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._replay is not None:
             self._replay.withdrawals.append((self._replay.steps, seat))
 
+    def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
+        """R8.1: a target outside the timer; its name, or "" where the arena is full. A recorded episode takes none."""
+        self._require_changeable("spawn")
+        for axis, value in (("x", x), ("y", y)):
+            if not 0.0 <= value <= self.config.side_m:
+                raise ActionError(f"spawn: {axis} must lie in [0, {self.config.side_m:g}], got {value!r}")
+        if not -1e3 <= theta <= 1e3:
+            raise ActionError(f"spawn: theta must be a finite angle, got {theta!r}")
+        number = self._engine.spawn(0, x, y, theta)
+        return f"{self.config.name_prefix}{number}" if number else ""
+
+    def kill(self, name: str) -> bool:
+        """R8.1: an alive target leaves uncaught; false without one of that name. A recorded episode takes none."""
+        self._require_changeable("kill")
+        numbers = {target.name: target.number for target in self._engine.world().targets}
+        return name in numbers and self._engine.kill(0, numbers[name])
+
+    def _require_changeable(self, what: str) -> None:
+        self._require_episode(what)
+        if self._over or self._replay is not None:
+            why = "this episode is over" if self._over else "a replay could not play it again"
+            raise EpisodeError(f"{what} must fall into an episode that is under way and not recorded: {why}")
+
     def world(self) -> World:
         """The arena in the world frame, for people, rendering and tests."""
         self._require_episode("world")
         return self._engine.world()
+
+    def rank_of(self, seat: int, name: str) -> int:
+        """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
+        self._require_episode("rank_of")
+        return self._engine.rank_of(0, seat, name)
 
     def state(self) -> NDArray[np.float32]:
         """R7.3: the global view as one float32 vector, in the order of `layout.state_columns`."""

@@ -1,5 +1,6 @@
 """A plain window for render_mode="human"."""
 
+import os
 import time
 from typing import Final
 
@@ -56,6 +57,10 @@ class Window:
         try:
             pygame.display.init()
             self._screen = pygame.display.set_mode(self._size)
+            if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
+                self._screen = None  # SDL's last resort, which nobody asked for, and nobody sees
+                pygame.display.quit()
+                raise pygame.error("SDL found none")
         except pygame.error as error:
             self.closed = True
             raise OutputError(
