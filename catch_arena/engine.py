@@ -229,7 +229,7 @@ class Engine:
         return number
 
     def kill(self, arena: int, number: int) -> bool:
-        """R8.1: an alive target leaves uncaught, and no longer counts as spawned (R5.8). False where it is not alive."""
+        """R8.1: an alive target leaves uncaught and no longer counts as spawned (R5.8). False where it is not alive."""
         block, lane = divmod(arena, LANES)
         own = self._fields[block, :, lane]
         slots = self._targets[block, :, :, lane]

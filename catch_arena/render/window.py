@@ -1,6 +1,7 @@
 """A plain window for render_mode="human"."""
 
 import os
+import sys
 import time
 from typing import Final
 
@@ -57,15 +58,16 @@ class Window:
         try:
             pygame.display.init()
             self._screen = pygame.display.set_mode(self._size)
-            if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
-                self._screen = None  # SDL's last resort, which nobody asked for, and nobody sees
-                pygame.display.quit()
-                raise pygame.error("SDL found none")
         except pygame.error as error:
             self.closed = True
             raise OutputError(
                 f'render_mode "human" needs a display to open a window on: {error}; "rgb_array" does not'
             ) from None
+        if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
+            # SDL's last resort where there is no display, which nobody asked for
+            sys.stderr.write(
+                'catch_arena: there is no display, so that nobody sees the window; "rgb_array" needs none\n'
+            )
         pygame.display.set_caption(self._title)
         self._due_s = time.perf_counter()
 
