@@ -48,32 +48,40 @@ def state_space(config: ArenaConfig) -> spaces.Box:
 
 def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:
     """A rank from 0 to `ranks`. Raises: ActionError."""
-    if isinstance(action, int | np.integer) and not isinstance(action, bool):
-        if 0 <= action <= ranks:
-            return int(action)
-    elif isinstance(action, np.ndarray) and action.shape == () and action.dtype.kind in "iu":
-        return checked_choice(agent, what, action.item(), ranks)
-    raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {action!r}")
+    number = action if type(action) is int else _whole_number(action)
+    if number is None or not 0 <= number <= ranks:
+        raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {action!r}")
+    return number
+
+
+def _whole_number(action: object) -> int | None:
+    if isinstance(action, np.integer) or (
+        isinstance(action, np.ndarray) and action.shape == () and action.dtype.kind in "iu"
+    ):
+        return int(action)
+    return int(action) if isinstance(action, int) and not isinstance(action, bool) else None
 
 
 def checked_command(agent: str, what: str, action: Any, out: NDArray[np.float32]) -> None:
     """Two numbers in [-1, 1], written to `out`, (2,). Raises: ActionError."""
-    try:
-        speed, turn_rate = action.tolist() if isinstance(action, np.ndarray) else action
-        if not isinstance(action, np.ndarray | list | tuple) or isinstance(speed, bool) or isinstance(turn_rate, bool):
-            raise TypeError
-        legal = math.fabs(speed) <= 1.0 and math.fabs(turn_rate) <= 1.0  # false for NaN too
-    except (TypeError, ValueError):
-        legal = False
-    if not legal:
+    pair = action.tolist() if isinstance(action, np.ndarray) else action
+    legal = isinstance(pair, list | tuple) and len(pair) == 2
+    if legal:
+        speed, turn_rate = pair
+        try:
+            legal = math.fabs(speed) <= 1.0 and math.fabs(turn_rate) <= 1.0  # false for NaN too
+        except TypeError:
+            legal = False
+    if not legal or type(speed) is bool or type(turn_rate) is bool:
         raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {action!r}")
     out[0] = speed
     out[1] = turn_rate
 
 
-def checked_full(agent: str, action: object, ranks: int, out: NDArray[np.float32]) -> int:
+def checked_full(agent: str, action: Any, ranks: int, out: NDArray[np.float32]) -> int:
     """{"cmd_vel": two numbers in [-1, 1], "catch": a rank}; the rank is returned. Raises: ActionError."""
-    if not isinstance(action, Mapping) or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
+    named = type(action) is dict or isinstance(action, Mapping)
+    if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
         raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {action!r}")
     choice = checked_choice(agent, "catch", action["catch"], ranks)
     checked_command(agent, "cmd_vel", action["cmd_vel"], out)
