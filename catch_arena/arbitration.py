@@ -37,11 +37,10 @@ def arbitrate(
     """The verdicts of chapter 5 on the requests of one step.
 
     Args: `hunters`, (x, y) [m] by seat; `targets`, name -> (x, y) [m] of those alive, numbered from 1 in their order
-    for the lots of R5.5; `requests`, (seat, name)
-    in any order, where any object may stand for the name; `reach_m` (R5.3); `policy` (R5.9); `seed` in [0, 2^64) and
-    `step` from 0, which the lots are drawn from; `caught`, names caught
-    in earlier steps; `inactive`, seats that are withdrawn; `kill_service_up`; `kill_refused`, names whose kill the
-    simulator refuses; `match_over`.
+    for the lots of R5.5; `requests`, (seat, name) in any order, where any object may stand for the name; `reach_m`
+    (R5.3); `policy` (R5.9); `seed` in [0, 2^64) and `step` from 0, which the lots are drawn from; `caught`, names
+    caught in earlier steps; `inactive`, seats that are withdrawn; `kill_service_up`; `kill_refused`, names whose kill
+    the simulator refuses; `match_over`.
     Returns: one Ruling for each request, in the order of the requests.
     Raises: ActionError for a seat that does not exist or a position that is not two finite numbers; ConfigError for
     any other argument that cannot be.

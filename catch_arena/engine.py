@@ -85,8 +85,7 @@ class Engine:
     """A batch of arenas of one config, played in lockstep.
 
     Args: `config`; `num_arenas`, B, from 1 up. All arrays below are the engine's own and change with every step: copy
-    what is to be kept.
-    `progress_wanted` False leaves R6.2's progress unmeasured where its weight is zero.
+    what is to be kept. `progress_wanted` False leaves R6.2's progress unmeasured where its weight is zero.
     """
 
     def __init__(self, config: ArenaConfig, num_arenas: int = 1, *, progress_wanted: bool = True) -> None:
@@ -155,9 +154,8 @@ class Engine:
         """R1.4: one step of every arena.
 
         Args: `choices` (B, H) int64: the rank chosen under target control, or requested under full control, 0 for
-        none; `commands` (B, H, 2)
-        float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a seat's control does not
-        read is ignored.
+        none; `commands` (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a
+        seat's control does not read is ignored.
         """
         tick.step(
             self.memory,
@@ -261,9 +259,7 @@ class Engine:
 
     @property
     def parts(self) -> NDArray[np.float64]:
-        """R6.2: the parts of the last reward, unweighted, in the order of `core.state.PART_NAMES`: (B, H, 6), a
-        copy.
-        """
+        """R6.2: the parts of the last reward, unweighted, in the order of `state.PART_NAMES`: a copy, (B, H, 6)."""
         first = rows.PARTS // LANES
         parts = self._hunters[:, :, first : first + len(rows.PART_NAMES)]
         return parts.transpose(0, 3, 1, 2).reshape(-1, self.config.hunters, len(rows.PART_NAMES))[: self.num_arenas]

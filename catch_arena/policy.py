@@ -110,7 +110,8 @@ class SeenHunter(NamedTuple):
 class View:
     """One observation under names: what the hunter senses, its mask and its limits, and nothing else of the world.
 
-    Args: `observation`, D numbers (R7.1's layout); `mask`, the legal choices (empty under velocity control); `limits`.
+    Args: `observation`, D numbers (R7.1's layout); `mask`, the legal choices (empty under velocity control);
+    `limits`.
     """
 
     def __init__(self, observation: Sequence[float], mask: Sequence[int], limits: Limits) -> None:
@@ -175,8 +176,7 @@ class Policy(Protocol):
     """An agent. It may also name its `control` ("target" where it does not): the kind of action that it gives.
 
     target: an int, 0 = hold or a target's rank. velocity: two numbers in [-1, 1], linear and angular. full:
-    {"cmd_vel": two such
-    numbers, "catch": an int}.
+    {"cmd_vel": two such numbers, "catch": an int}.
     """
 
     def reset(self, seed: int) -> None:

@@ -1,8 +1,7 @@
 """Rulebook R10.2: a match as its header, its seed and its actions, with a digest of the state per step.
 
 The file (docs/replays.md): an eight-byte mark, the format's version, the length of the body, the body, and a checksum
-over all of it. The body is compressed: a JSON
-header, then the actions and the digests as plain arrays.
+over all of it. The body is compressed: a JSON header, then the actions and the digests as plain arrays.
 """
 
 import hashlib

@@ -1,10 +1,8 @@
 """Rulebook chapter 5: who caught what.
 
 The arbiter judges a *docket*: one row for each request of one step in one arena, in the columns below. It reads
-distances and eligibility
-from there alone, so nothing that it grants can change another request (R5.1). The engine and `catch_arena.arbitrate`
-fill the docket; both
-are judged by the same code.
+distances and eligibility from there alone, so nothing that it grants can change another request (R5.1). The engine
+and `catch_arena.arbitrate` fill the docket; both are judged by the same code.
 """
 
 from math import sqrt

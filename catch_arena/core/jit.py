@@ -1,18 +1,18 @@
 """How the core is compiled: the only place with compiler flags.
 
 No fast-math and no fused multiply-add: the same bits compiled and interpreted (R10.1). `error_model="numpy"` drops
-the test for a zero divisor, which
-would keep loops from becoming SIMD code; no formula of ours divides by zero. `_nrt=False`: the core makes no arrays,
-so nothing is counted and freed, and code for one arena
-runs a third faster.
+the test for a zero divisor, which would keep loops from becoming SIMD code; no formula of ours divides by zero.
+`_nrt=False`: the core makes no arrays, so nothing is counted and freed, and code for one arena runs a third faster.
 
 Compiled code is kept in the user's cache directory, keyed by the sources of the whole core: Numba itself looks only
-at the file of the
-function that is called, and would miss an edit in another one.
+at the file of the function that is called, and would miss an edit in another one.
 """
 
+import contextlib
 import hashlib
 import os
+import shutil
+import time
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -40,6 +40,9 @@ _INNER: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc
 """What only compiled code calls needs no door to Python: that halves the time to compile."""
 
 
+_KEPT_S: Final = 30 * 24 * 3600.0
+
+
 def _cache_directory() -> Path | None:
     """Where compiled code is kept: one folder for each state of the sources; None where nothing can be written."""
     package = Path(__file__).parent.parent
@@ -54,7 +57,18 @@ def _cache_directory() -> Path | None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
         return None
-    return folder if os.access(folder, os.W_OK) else None
+    if not os.access(folder, os.W_OK):
+        return None
+    _drop_old_folders(folder)
+    return folder
+
+
+def _drop_old_folders(current: Path) -> None:
+    """Compiled code of sources that are long gone."""
+    for folder in current.parent.glob("core-*"):
+        with contextlib.suppress(OSError):  # another process may be doing the same
+            if folder != current and time.time() - folder.stat().st_mtime > _KEPT_S:
+                shutil.rmtree(folder)
 
 
 CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()

@@ -57,8 +57,7 @@ def selection_network(wires: int, outputs: int) -> NDArray[np.int64]:
     in order.
 
     Batcher's odd-even merge sort for any number of wires (Knuth, The Art of Computer Programming 3, algorithm
-    5.2.2M), without the comparators that no output
-    depends on.
+    5.2.2M), without the comparators that no output depends on.
     """
     comparators: list[tuple[int, int]] = []
     top = 1 << max(0, (wires - 1).bit_length() - 1)

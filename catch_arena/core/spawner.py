@@ -97,8 +97,7 @@ def spawn_through(arena: Block, targets: Targets, lanes: int, s: Settings) -> No
     """R1.4's phase 5, its spawning half: all firings in (t, t + period].
 
     Still targets (R3.7) and hunters do not touch each other, so that these firings may follow the step's ticks;
-    moving targets will have
-    to be moved here, between the firings.
+    moving targets will have to be moved here, between the firings.
     """
     for lane in range(lanes):
         while (arena[FIRINGS + lane] + 1.0) * s.spawn_period <= arena[TIME + lane] + s.period:

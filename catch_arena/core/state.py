@@ -1,11 +1,9 @@
 """The arena memory: everything that an arena is, as rows of float64 in blocks of LANES arenas.
 
 A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it
-is to copy that column.
-The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then TARGET_ROWS for each slot, then K slots for
-each seat's view.
-Integers are exact in float64; a seed needs two of them. Alive targets fill the slots from 0 in spawning
-order (R8.2), all others are zero.
+is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then TARGET_ROWS for
+each slot, then K slots for each seat's view. Integers are exact in float64; a seed needs two of them. Alive targets
+fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
 from typing import Final, NamedTuple

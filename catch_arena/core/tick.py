@@ -241,8 +241,8 @@ def step(
     """R1.4: one step of every arena of a batch.
 
     Args: `memory` (blocks, rows * LANES); `settings`, see `state.read_settings`; `controls` (H,); the networks (n, 2)
-    of `selection_network`; the actions `choices` (B, H) and `commands` (B, H, 2); scratch, `numbers`, `columns`
-    and `docket`; the outputs `observations` (B, H, D), `masks` (B, H, K + 1) and `rewards` (B, H).
+    of `selection_network`; the actions `choices` (B, H) and `commands` (B, H, 2); scratch, `numbers`, `columns` and
+    `docket`; the outputs `observations` (B, H, D), `masks` (B, H, K + 1) and `rewards` (B, H).
     """
     s = read_settings(settings)
     rows = numbers[: 2 * LANES]

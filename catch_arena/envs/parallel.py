@@ -55,9 +55,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     """Hunters chase targets; the arbiter decides (docs/rulebook.md).
 
     Agents are `hunter_0`, `hunter_1`, ... Observations are float32 vectors (docs/observation.md). Under target
-    control an action is 0 (hold) or a target's rank
-    in view; under velocity control two numbers in [-1, 1]; under full control {"cmd_vel": two such numbers, "catch":
-    a rank or 0}. `infos[agent]` holds
+    control an action is 0 (hold) or a target's rank in view; under velocity control two numbers in [-1, 1]; under
+    full control {"cmd_vel": two such numbers, "catch": a rank or 0}. `infos[agent]` holds
 
     - `action_mask`: R7.2's mask (not under velocity control);
     - `verdict`, `reason`, `target`, `distance_um`, `winner`: the answer to the agent's catch request in this step,
@@ -124,8 +123,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Begin an episode.
 
         Args: `seed`, a whole number in [0, 2^64); without one the first episode's is the operating system's, and each
-        further one follows from the one before
-        (A.5), so that a run is repeated by its first seed. `options` are not used.
+        further one follows from the one before (A.5), so that a run is repeated by its first seed. `options` are not
+        used.
         Returns: observations and infos by agent.
         """
         del options
