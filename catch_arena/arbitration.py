@@ -8,13 +8,12 @@ from typing import Any, Final, get_args
 
 import numpy as np
 
-from catch_arena.config import ArbitrationPolicy
+from catch_arena.config import ArbitrationPolicy, require_choice
 from catch_arena.core import arbiter
-from catch_arena.errors import ActionError, ConfigError, suggest
+from catch_arena.errors import ActionError, ConfigError
 from catch_arena.seeding import checked_seed
 from catch_arena.verdicts import Ruling, Verdict
 
-_POLICIES: Final = {"nearest": arbiter.NEAREST, "first_come": arbiter.FIRST_COME, "capstone": arbiter.CAPSTONE}
 _LONGEST_NAME: Final = 255
 _FARTHEST_M: Final = 1e6
 
@@ -59,11 +58,7 @@ def arbitrate(
         )
     if isinstance(reach_m, bool) or not isinstance(reach_m, int | float) or not 0 < reach_m <= _FARTHEST_M:
         raise ConfigError(f"reach_m must be a positive number, got {reach_m!r}")
-    if not isinstance(policy, str) or policy not in _POLICIES:
-        raise ConfigError(
-            f"policy must be one of {', '.join(get_args(ArbitrationPolicy))}, got {policy!r}; "
-            f"{suggest(policy, _POLICIES)}"
-        )
+    require_choice("policy", policy, get_args(ArbitrationPolicy))
     if isinstance(step, bool) or not isinstance(step, int) or not 0 <= step < 2**53:
         raise ConfigError(f"step must be a whole number from 0, got {step!r}")
     numbers = {name: number for number, name in enumerate(alive, start=1)}
@@ -85,7 +80,7 @@ def arbitrate(
     reach_um = max(1, math.floor(1e6 * reach_m + 0.5))
     arbiter.judge(
         docket,
-        _POLICIES[policy],
+        arbiter.POLICIES[policy],
         np.uint64(checked_seed(seed)),
         step,
         reach_um,

@@ -160,7 +160,7 @@ class ArenaConfig:
         for name in ("reverse", "mask_in_observation"):
             if not isinstance(getattr(self, name), bool):
                 raise ConfigError(f"{name} must be true or false, got {getattr(self, name)!r}")
-        _require_choice("policy", self.policy, get_args(ArbitrationPolicy))
+        require_choice("policy", self.policy, get_args(ArbitrationPolicy))
         if self.target_motion != "still":
             raise ConfigError(
                 f"target_motion must be 'still' (R3.7's moving targets are not here yet), got {self.target_motion!r}"
@@ -175,14 +175,14 @@ class ArenaConfig:
 
     def _check_control(self) -> None:
         if isinstance(self.control, str):
-            _require_choice("control", self.control, get_args(Control))
+            require_choice("control", self.control, get_args(Control))
             return
         if not isinstance(self.control, Sequence):
             raise ConfigError(f"control must be one word or one word a seat, got {self.control!r}")
         if len(self.control) != self.hunters:
             raise ConfigError(f"control must have one word for each of {self.hunters} hunters, got {len(self.control)}")
         for seat, word in enumerate(self.control):
-            _require_choice(f"control[{seat}]", word, get_args(Control))
+            require_choice(f"control[{seat}]", word, get_args(Control))
         object.__setattr__(self, "control", tuple(self.control))
 
     def _check_poses(self) -> None:
@@ -244,6 +244,10 @@ class ArenaConfig:
         """PettingZoo's agents, by seat."""
         return tuple(f"hunter_{seat}" for seat in range(self.hunters))
 
+    def target_name(self, number: int) -> str:
+        """R3.4: the name of the target with that spawn number."""
+        return f"{self.name_prefix}{number}"
+
     def replace(self, **overrides: object) -> "ArenaConfig":
         """The same arena with other settings; `gains`, `rewards` and `faults` may be partial mappings."""
         changes: dict[str, Any] = {}
@@ -299,6 +303,7 @@ def _require_number(
         raise ConfigError(f"{name} must be {low} and at most {at_most:g}, got {value!r}")
 
 
-def _require_choice(name: str, value: object, choices: Sequence[str]) -> None:
+def require_choice(name: str, value: object, choices: Sequence[str]) -> None:
+    """Raise ConfigError, with the nearest right words, unless the value is one of the choices."""
     if value not in choices:
         raise ConfigError(f"{name} must be one of {', '.join(choices)}, got {value!r}; {suggest(value, choices)}")

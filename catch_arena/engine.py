@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core import state as rows
 from catch_arena.core import tick
-from catch_arena.core.arbiter import CAPSTONE, DOCKET_COLUMNS, FIRST_COME, NEAREST
+from catch_arena.core.arbiter import DOCKET_COLUMNS, POLICIES
 from catch_arena.core.jit import INTERPRETED, is_cached
 from catch_arena.core.math import wrap
 from catch_arena.core.observations import selection_network
@@ -29,7 +29,6 @@ from catch_arena.seeding import checked_seed
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, TargetState, World
 
-_POLICIES: Final = {"nearest": NEAREST, "first_come": FIRST_COME, "capstone": CAPSTONE}
 _CONTROLS: Final = {"target": tick.TARGET_CONTROL, "velocity": tick.VELOCITY_CONTROL, "full": tick.FULL_CONTROL}
 _AT_REST: Final = (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE)
 """The rows of a hunter that are zero while nothing drives it."""
@@ -47,7 +46,7 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool = True) -> Setting
         slots=config.max_targets,
         targets_seen=config.targets_seen,
         hunters_seen=config.hunters_seen,
-        policy=_POLICIES[config.policy],
+        policy=POLICIES[config.policy],
         progress_wanted=int(progress_wanted or config.rewards.progress != 0.0),
         target_budget=math.inf if config.target_budget is None else float(config.target_budget),
         side=float(config.side_m),
@@ -205,26 +204,29 @@ class Engine:
                 me[row // LANES] = 0.0
         slots = self._targets[block, :, :, lane]
         slots[:] = 0.0
-        for slot, (x, y) in enumerate(targets):
-            own[rows.NUMBERS // LANES] += 1.0
-            slots[:, slot] = own[rows.NUMBERS // LANES], x, y, 0.0, own[rows.TIME // LANES]
-        own[rows.SPAWNED // LANES] += len(targets)
-        own[rows.ALIVE // LANES] = len(targets)
+        own[rows.ALIVE // LANES] = 0.0
+        for x, y in targets:
+            self._add_target(arena, x, y, 0.0)
         self.observe()
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: a target outside the timer, with the next number, which is returned; 0 in a full arena (R3.5)."""
         block, lane = divmod(arena, LANES)
-        own = self._fields[block, :, lane]
-        slot = int(own[rows.ALIVE // LANES])
-        if slot == self.config.max_targets:
+        if self._fields[block, rows.ALIVE // LANES, lane] == self.config.max_targets:
             return 0
-        for row in (rows.NUMBERS, rows.SPAWNED, rows.ALIVE):
-            own[row // LANES] += 1.0
-        number = int(own[rows.NUMBERS // LANES])
-        self._targets[block, :, slot, lane] = number, x + 0.0, y + 0.0, theta + 0.0, own[rows.TIME // LANES]
+        number = self._add_target(arena, x + 0.0, y + 0.0, theta + 0.0)
         self.observe()
         return number
+
+    def _add_target(self, arena: int, x: float, y: float, theta: float) -> int:
+        block, lane = divmod(arena, LANES)
+        own = self._fields[block, :, lane]
+        slot = int(own[rows.ALIVE // LANES])
+        for row in (rows.NUMBERS, rows.SPAWNED, rows.ALIVE):
+            own[row // LANES] += 1.0
+        number = own[rows.NUMBERS // LANES]
+        self._targets[block, :, slot, lane] = number, x, y, theta, own[rows.TIME // LANES]
+        return int(number)
 
     def kill(self, arena: int, number: int) -> bool:
         """R8.1: an alive target leaves uncaught and no longer counts as spawned (R5.8). False where it is not alive."""
@@ -282,7 +284,7 @@ class Engine:
                 Ruling(
                     verdict=Verdict(verdict),
                     hunter=seat,
-                    target=self._name(number) if number else None,
+                    target=self.config.target_name(number) if number else None,
                     distance_um=None if distance < 0 else distance,
                     winner=None if winner < 0 else winner,
                 )
@@ -307,14 +309,16 @@ class Engine:
                     linear_velocity=me[rows.SPEED // LANES],
                     angular_velocity=me[rows.TURN_RATE // LANES],
                     score=int(me[rows.SCORE // LANES]),
-                    active_target=self._name(int(me[rows.ACTIVE // LANES])) if me[rows.ACTIVE // LANES] else None,
+                    active_target=self.config.target_name(int(me[rows.ACTIVE // LANES]))
+                    if me[rows.ACTIVE // LANES]
+                    else None,
                     at_wall=me[rows.AT_WALL // LANES] > 0,
                     withdrawn=me[rows.WITHDRAWN // LANES] > 0,
                 )
                 for name, me in zip(self.config.hunter_names, self.hunter_rows(arena).tolist(), strict=True)
             ),
             targets=tuple(
-                TargetState(self._name(int(number)), int(number), x, y, theta, int(appeared))
+                TargetState(self.config.target_name(int(number)), int(number), x, y, theta, int(appeared))
                 for number, x, y, theta, appeared in self._targets[block, :, :alive, lane].T.tolist()
             ),
             rulings=self.rulings(arena),
@@ -327,11 +331,8 @@ class Engine:
         first = self._fields.shape[1] - (self.config.hunters - seat) * self.config.targets_seen
         slots = self._fields[block, first : first + self.config.targets_seen, lane].tolist()
         numbers = self._targets[block, 0, :, lane].tolist()
-        names = [self._name(int(numbers[int(slot)])) if slot >= 0 else None for slot in slots]
+        names = [self.config.target_name(int(numbers[int(slot)])) if slot >= 0 else None for slot in slots]
         return names.index(name) + 1 if name in names else 0
-
-    def _name(self, number: int) -> str:
-        return f"{self.config.name_prefix}{number}"
 
     def seed(self, arena: int = 0) -> int:
         """The seed of an arena's episode."""

@@ -32,10 +32,6 @@ class OutputError(CatchArenaError):
     """A result that could not be written; nothing half-written is left behind."""
 
 
-class MissingExtraError(CatchArenaError, ImportError):
-    """A feature whose optional package is not installed; the message says what to install."""
-
-
 def suggest(name: object, known: Iterable[str]) -> str:
     """The tail of an «unknown name» message: the nearest right names, or all of them where none is near."""
     choices = sorted(known)

@@ -30,14 +30,12 @@ class ArenaService:
         config = scenario if isinstance(scenario, ArenaConfig) else named_scenario(scenario)
         config = config.replace(**overrides)
         self._env = parallel_env(config, control="full", observed_targets=config.max_targets)
-        self._appeared: dict[str, None] = {}
-        self._killed: set[str] = set()
+        self._appeared: set[str] = set()
 
     def reset(self, seed: int | None = None) -> None:
         """Begin an episode."""
         self._env.reset(seed=seed)
         self._appeared.clear()
-        self._killed.clear()
         self._note_alive()
 
     @property
@@ -68,7 +66,7 @@ class ArenaService:
         """A target leaves uncaught, and its name is unknown from then on; false where no such target is alive."""
         killed = self._env.kill(name)
         if killed:
-            self._killed.add(name)
+            self._appeared.discard(name)
         return killed
 
     def step(
@@ -87,6 +85,7 @@ class ArenaService:
         if self.over:
             return rulings
         ranks = self._ranks(asked, rulings)
+        catches = {asked[place][0]: rank for place, rank in ranks.items()}
         config = self._env.config
         actions: dict[str, Any] = {}
         for agent in self._env.agents:
@@ -97,18 +96,12 @@ class ArenaService:
                     _part(agent, "linear_x", twist.linear_x, config.max_speed_mps),
                     _part(agent, "angular_z", twist.angular_z, config.max_turn_rate_radps),
                 ),
-                "catch": ranks.get(seat, 0),
+                "catch": catches.get(seat, 0),
             }
         self._env.step(actions)
         self._note_alive()
         played = {ruling.hunter: ruling for ruling in self._env.world().rulings}
-        first = dict.fromkeys(range(config.hunters), True)
-        answers = []
-        for ruling in rulings:
-            by_arena = first[ruling.hunter] and ruling.hunter in ranks
-            first[ruling.hunter] = False
-            answers.append(played[ruling.hunter] if by_arena else ruling)
-        return answers
+        return [played[ruling.hunter] if place in ranks else ruling for place, ruling in enumerate(rulings)]
 
     def _judged_by_name(self, asked: Sequence[tuple[int, object]]) -> list[Ruling]:
         """What the names alone decide; the arena decides on those that are alive, with its own faults and lots."""
@@ -121,25 +114,25 @@ class ArenaService:
             reach_m=self._env.config.reach_m,
             policy=self._env.config.policy,
             step=world.step,
-            caught=[name for name in self._appeared if name not in alive and name not in self._killed],
+            caught=self._appeared - alive.keys(),
             inactive=[seat for seat, hunter in enumerate(world.hunters) if hunter.withdrawn],
             match_over=self.over,
         )
 
     def _ranks(self, asked: Sequence[tuple[int, object]], rulings: Sequence[Ruling]) -> dict[int, int]:
-        """The ranks of the hunters' first requests, where those name an alive target."""
+        """By place among the requests: the ranks of the hunters' first ones, where those name an alive target."""
         ranks: dict[int, int] = {}
         seen: set[int] = set()
-        for (seat, name), ruling in zip(asked, rulings, strict=True):
+        for place, ((seat, name), ruling) in enumerate(zip(asked, rulings, strict=True)):
             if seat not in seen and ruling.verdict > Verdict.ALREADY_CAUGHT:
                 rank = self._env.rank_of(seat, str(name))
                 if rank:
-                    ranks[seat] = rank
+                    ranks[place] = rank
             seen.add(seat)
         return ranks
 
     def _note_alive(self) -> None:
-        self._appeared.update((target.name, None) for target in self._env.world().targets)
+        self._appeared.update(target.name for target in self._env.world().targets)
 
     def _seat(self, hunter: str) -> int:
         names = self._env.config.hunter_names

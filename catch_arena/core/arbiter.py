@@ -36,6 +36,7 @@ ALREADY_GONE: Final = -4
 NEAREST: Final = 0
 FIRST_COME: Final = 1
 CAPSTONE: Final = 2
+POLICIES: Final = {"nearest": NEAREST, "first_come": FIRST_COME, "capstone": CAPSTONE}
 
 _ELIGIBLE: Final = 0
 _MATCH_OVER: Final = int(Verdict.MATCH_OVER)
@@ -64,16 +65,25 @@ def within_reach(micrometres: float, reach_um: float) -> bool:
 
 
 @rule
-def eligibility(
-    target: int, micrometres: int, reach_um: int, inactive: bool, duplicate: bool, over: bool, service_up: bool
-) -> int:
-    """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way."""
+def standing(target: int, inactive: bool, over: bool) -> int:
+    """R5.2, R9.1: the tests that every policy makes first; 0 where none fails."""
     if over:
         return _MATCH_OVER
     if target == NO_SUCH_RANK:
         return _MALFORMED
     if inactive:
         return _HUNTER_INACTIVE
+    return _ELIGIBLE
+
+
+@rule
+def eligibility(
+    target: int, micrometres: int, reach_um: int, inactive: bool, duplicate: bool, over: bool, service_up: bool
+) -> int:
+    """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way."""
+    failed = standing(target, inactive, over)
+    if failed != _ELIGIBLE:
+        return failed
     if duplicate:
         return _DUPLICATE
     if target == NEVER_SPAWNED:
@@ -90,12 +100,9 @@ def eligibility(
 @rule
 def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
     """R9.1: the original's service says yes to everybody whom it can answer at all."""
-    if over:
-        return _MATCH_OVER
-    if target == NO_SUCH_RANK:
-        return _MALFORMED
-    if inactive:
-        return _HUNTER_INACTIVE
+    failed = standing(target, inactive, over)
+    if failed != _ELIGIBLE:
+        return failed
     if not service_up:
         return _SERVICE_DOWN
     return _GRANTED

@@ -15,11 +15,8 @@ from catch_arena.errors import ActionError, EpisodeError
 class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
     """The arena, hunter by hunter; `world`, `digest`, `withdraw`, `record` and `replay` are the parallel env's."""
 
-    _parallel: CatchArenaEnv
-
     def __init__(self, parallel: CatchArenaEnv) -> None:
         super().__init__(_CheckedAec(parallel))
-        self._parallel = parallel
         self.world = parallel.world
         self.digest = parallel.digest
         self.withdraw = parallel.withdraw

@@ -205,7 +205,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if not -1e3 <= theta <= 1e3:
             raise ActionError(f"spawn: theta must be a finite angle, got {theta!r}")
         number = self._engine.spawn(0, x, y, theta)
-        return f"{self.config.name_prefix}{number}" if number else ""
+        return self.config.target_name(number) if number else ""
 
     def kill(self, name: str) -> bool:
         """R8.1: an alive target leaves uncaught; false without one of that name. A recorded episode takes none."""
@@ -383,7 +383,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 answer = Verdict(int(verdict))
                 info["verdict"] = answer
                 info["reason"] = REASONS[answer]
-                info["target"] = f"{self.config.name_prefix}{int(number)}" if number else None
+                info["target"] = self.config.target_name(int(number)) if number else None
                 info["distance_um"] = None if distance < 0 else int(distance)
                 info["winner"] = None if winner < 0 else int(winner)
         if len(self.agents) < len(infos):
