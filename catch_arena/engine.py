@@ -2,14 +2,17 @@
 arbitration) check what people give.
 """
 
+import copy
 import gc
 import hashlib
+import itertools
 import math
 import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Final
+from functools import partial
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,27 +21,33 @@ from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core import state as rows
 from catch_arena.core import tick
 from catch_arena.core.arbiter import DOCKET_COLUMNS, POLICIES
+from catch_arena.core.episodes import RECORD_COLUMNS
 from catch_arena.core.jit import INTERPRETED, is_cached
 from catch_arena.core.math import wrap
 from catch_arena.core.observations import selection_network
-from catch_arena.core.random import next_seed, row_seed
-from catch_arena.core.state import LANES, Settings, block_rows
+from catch_arena.core.random import go_on, spread
+from catch_arena.core.state import LANES, Settings, block_rows, view_rows
+from catch_arena.core.workspace import workspace_rows
 from catch_arena.errors import ConfigError
 from catch_arena.layout import width
 from catch_arena.seeding import checked_seed
+from catch_arena.threads import Threads
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, TargetState, World
 
 _CONTROLS: Final = {"target": tick.TARGET_CONTROL, "velocity": tick.VELOCITY_CONTROL, "full": tick.FULL_CONTROL}
 _AT_REST: Final = (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE)
 """The rows of a hunter that are zero while nothing drives it."""
-_NONE: Final = np.zeros(0, dtype=np.int64)
-_NO_SEEDS: Final = np.zeros(0, dtype=np.uint64)
+_HUNTERS_A_PART: Final = 4096
+"""How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
+_NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
+_NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
+_NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
 
-def settings_of(config: ArenaConfig, *, progress_wanted: bool = True) -> Settings:
+def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
     """The scalars of a config, as the core reads them."""
     high = config.side_m - _SPAWN_WALL_M
     return Settings(
@@ -83,37 +92,71 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool = True) -> Setting
 class Engine:
     """A batch of arenas of one config, played in lockstep.
 
-    Args: `config`; `num_arenas`, B, from 1 up. All arrays below are the engine's own and change with every step: copy
-    what is to be kept. `progress_wanted` False leaves R6.2's progress unmeasured where its weight is zero.
+    Args: `config`; `num_arenas`, B, from 1 up; `parts_wanted`, whether R6.2's parts are kept beside their sum;
+    `auto_reset`, whether the next episode begins at once where one has ended; `num_threads`, how many may play.
+    All arrays below are the engine's own and change with every step: copy what is to be kept.
     """
 
-    def __init__(self, config: ArenaConfig, num_arenas: int = 1, *, progress_wanted: bool = True) -> None:
+    def __init__(
+        self,
+        config: ArenaConfig,
+        num_arenas: int = 1,
+        *,
+        parts_wanted: bool = True,
+        auto_reset: bool = False,
+        num_threads: int = 1,
+    ) -> None:
         _compile_once()
         self.config = config
         self.num_arenas = num_arenas
-        self.settings = settings_of(config, progress_wanted=progress_wanted)
-        self._numbers = np.array(self.settings, dtype=np.float64)
-        self._controls = np.array([_CONTROLS[control] for control in config.controls], dtype=np.int64)
-        self._networks = (
-            selection_network(config.max_targets, config.targets_seen),
-            # one rank more than is seen: a tie at the edge of the view has to be noticed
-            selection_network(config.hunters, min(config.hunters, config.hunters_seen + 1)),
-        )
-        self._start_poses = np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3)
+        self.parts_wanted = parts_wanted
+        self.auto_reset = auto_reset
+        self.threads = Threads(num_threads)
         hunters, seen = config.hunters, config.targets_seen
+        settings = settings_of(config, progress_wanted=parts_wanted)
+        self._constants = np.array((*settings, *itertools.chain(*(config.hunter_poses or ()))), dtype=np.float64)
+        networks = (
+            selection_network(config.max_targets, seen),
+            # one rank more than is seen: a tie at the edge of the view has to be noticed
+            selection_network(hunters, min(hunters, config.hunters_seen + 1)),
+        )
+        controls = [_CONTROLS[control] for control in config.controls]
+        self._numbers = np.concatenate(
+            ([len(network) for network in networks], controls, *(network.reshape(-1) for network in networks))
+        ).astype(np.int64)
         block = block_rows(hunters, config.max_targets, seen)
         blocks = -(-num_arenas // LANES)
         self.memory: NDArray[np.float64] = np.zeros((blocks, block * LANES))
         """core/state.py's blocks."""
-        self._scratch = np.zeros((64 + block) * LANES)
-        self._columns = np.zeros(width(config) * LANES, dtype=np.float32)
-        self._docket = np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64)
+        self._workspaces = [np.zeros((workspace_rows(hunters) + block) * LANES) for _ in range(num_threads)]
+        self._dockets = [np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64) for _ in range(num_threads)]
         self.observations = np.zeros((num_arenas, hunters, width(config)), dtype=np.float32)
         """R7.1: (B, H, D)."""
         self.masks = np.zeros((num_arenas, hunters, seen + 1), dtype=np.int8)
         """R7.2: (B, H, K + 1)."""
-        self.rewards = np.zeros((num_arenas, hunters))
+        self._rewards = np.zeros((num_arenas, hunters, 1 + (len(rows.PART_NAMES) if parts_wanted else 0)))
+        self.rewards = self._rewards[:, :, 0]
         """R6.2: (B, H)."""
+        self.parts = self._rewards[:, :, 1:]
+        """R6.2: the parts of the last reward, unweighted, in the order of `state.PART_NAMES`: (B, H, 6), or (B, H, 0)
+        where they are not wanted.
+        """
+        self.ends = np.zeros(num_arenas, dtype=np.int8)
+        """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
+        kept = num_arenas if auto_reset else 0
+        self.last_observations = np.zeros((kept, *self.observations.shape[1:]), dtype=np.float32)
+        """With auto_reset the last observations of the latest episode that ended in each arena: (B, H, D)."""
+        self.records = np.zeros((kept, hunters, RECORD_COLUMNS))
+        """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
+        self._inputs = self._constants, self._numbers, self._workspaces[0], self._dockets[0]
+        self._outputs: tuple[Any, ...] = (
+            self.observations,
+            self.masks,
+            self._rewards,
+            self.ends,
+            self.last_observations,
+            self.records,
+        )
         self._fields = self.memory.reshape(blocks, block, LANES)  # the same memory: [block, row, lane]
         self._hunters = self._fields[:, rows.ARENA_ROWS : rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS].reshape(
             blocks, hunters, rows.HUNTER_ROWS, LANES
@@ -122,32 +165,31 @@ class Engine:
         self._targets = self._fields[:, first : first + config.max_targets * rows.TARGET_ROWS].reshape(
             blocks, rows.TARGET_ROWS, config.max_targets, LANES
         )
+        self._views = self._fields[:, first + config.max_targets * rows.TARGET_ROWS :].reshape(
+            blocks, hunters, view_rows(seen), LANES
+        )
 
     # playing
 
-    def reset(self, seeds: Sequence[int] | NDArray[np.uint64], arenas: Sequence[int] | None = None) -> None:
+    def reset(
+        self, seeds: Sequence[int] | NDArray[np.uint64], arenas: Sequence[int] | NDArray[np.int64] | None = None
+    ) -> None:
         """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each. Raises: ConfigError."""
         chosen = np.arange(self.num_arenas) if arenas is None else np.asarray(arenas, dtype=np.int64)
         if len(seeds) != len(chosen):
             raise ConfigError(f"seeds must be one for each of {len(chosen)} arenas, got {len(seeds)}")
         if not isinstance(seeds, np.ndarray) or seeds.dtype != np.uint64:
             seeds = np.array([checked_seed(seed) for seed in seeds], dtype=np.uint64)
-        self.rewards[chosen] = 0.0
-        self._reset(chosen, seeds)
-
-    def _reset(self, chosen: NDArray[np.int64], seeds: NDArray[np.uint64]) -> None:
-        tick.reset(
-            self.memory,
-            self._numbers,
-            *self._networks,
-            self._start_poses,
-            chosen,
-            seeds,
-            self._scratch,
-            self._columns,
-            self.observations,
-            self.masks,
-        )
+        self._rewards[chosen] = 0.0
+        self.ends[chosen] = 0
+        resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
+        if arenas is None:
+            tick.run(self.memory, *self._inputs, resets, False, _NO_CHOICES, _NO_COMMANDS, *self._outputs)
+            return
+        blocks = chosen // LANES
+        for block in np.unique(blocks).tolist():  # the others keep what they observe
+            rows_of_block = resets[blocks == block] - np.array([block * LANES, 0], dtype=np.uint64)
+            self._run_blocks(slice(block, block + 1), rows_of_block, False, _NO_CHOICES, _NO_COMMANDS)
 
     def step(self, choices: NDArray[np.int64], commands: NDArray[np.float32]) -> None:
         """R1.4: one step of every arena.
@@ -156,24 +198,44 @@ class Engine:
         none; `commands` (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a
         seat's control does not read is ignored.
         """
-        tick.step(
-            self.memory,
-            self._numbers,
-            self._controls,
-            *self._networks,
-            choices,
-            commands,
-            self._scratch,
-            self._columns,
-            self._docket,
-            self.observations,
-            self.masks,
-            self.rewards,
-        )
+        blocks = len(self.memory)
+        parts = blocks * LANES * self.config.hunters // _HUNTERS_A_PART
+        if self.threads.size == 1 or parts < 2:
+            tick.run(self.memory, *self._inputs, _NO_RESETS, True, choices, commands, *self._outputs)
+            return
 
-    def observe(self) -> None:
-        """Write observations and masks of the arenas as they stand."""
-        self._reset(_NONE, _NO_SEEDS)
+        def play(thread: int, part: int) -> None:
+            shared = slice(part * blocks // parts, (part + 1) * blocks // parts)
+            self._run_blocks(shared, _NO_RESETS, True, choices, commands, thread)
+
+        self.threads.run(parts, play)
+
+    def observe(self, arena: int | None = None) -> None:
+        """Write observations and masks as things stand, of all arenas or of those in one arena's block."""
+        blocks = slice(0, len(self.memory)) if arena is None else slice(arena // LANES, arena // LANES + 1)
+        self._run_blocks(blocks, _NO_RESETS, False, _NO_CHOICES, _NO_COMMANDS)
+
+    def _run_blocks(
+        self,
+        blocks: slice,
+        resets: NDArray[np.uint64],
+        playing: bool,
+        choices: NDArray[np.int64],
+        commands: NDArray[np.float32],
+        thread: int = 0,
+    ) -> None:
+        arenas = slice(blocks.start * LANES, blocks.stop * LANES)
+        tick.run(
+            self.memory[blocks],
+            *self._inputs[:2],
+            self._workspaces[thread],
+            self._dockets[thread],
+            resets,
+            playing,
+            choices[arenas],
+            commands[arenas],
+            *(output[arenas] for output in self._outputs),
+        )
 
     def withdraw(self, arena: int, seat: int) -> None:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
@@ -181,7 +243,7 @@ class Engine:
         me[rows.WITHDRAWN // LANES] = 1.0
         for row in _AT_REST:
             me[row // LANES] = 0.0
-        self.observe()
+        self.observe(arena)
 
     def place(
         self,
@@ -207,7 +269,7 @@ class Engine:
         own[rows.ALIVE // LANES] = 0.0
         for x, y in targets:
             self._add_target(arena, x, y, 0.0)
-        self.observe()
+        self.observe(arena)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: a target outside the timer, with the next number, which is returned; 0 in a full arena (R3.5)."""
@@ -215,7 +277,7 @@ class Engine:
         if self._fields[block, rows.ALIVE // LANES, lane] == self.config.max_targets:
             return 0
         number = self._add_target(arena, x + 0.0, y + 0.0, theta + 0.0)
-        self.observe()
+        self.observe(arena)
         return number
 
     def _add_target(self, arena: int, x: float, y: float, theta: float) -> int:
@@ -241,7 +303,7 @@ class Engine:
         slots[:, -1] = 0.0
         own[rows.SPAWNED // LANES] -= 1.0
         own[rows.ALIVE // LANES] -= 1.0
-        self.observe()
+        self.observe(arena)
         return True
 
     # reading
@@ -258,13 +320,6 @@ class Engine:
 
     def _ended(self) -> NDArray[np.float64]:
         return self._fields[:, rows.ENDED // LANES].reshape(-1)[: self.num_arenas]
-
-    @property
-    def parts(self) -> NDArray[np.float64]:
-        """R6.2: the parts of the last reward, unweighted, in the order of `state.PART_NAMES`: a copy, (B, H, 6)."""
-        first = rows.PARTS // LANES
-        parts = self._hunters[:, :, first : first + len(rows.PART_NAMES)]
-        return parts.transpose(0, 3, 1, 2).reshape(-1, self.config.hunters, len(rows.PART_NAMES))[: self.num_arenas]
 
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
         """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
@@ -328,17 +383,22 @@ class Engine:
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
         block, lane = divmod(arena, LANES)
-        first = self._fields.shape[1] - (self.config.hunters - seat) * self.config.targets_seen
-        slots = self._fields[block, first : first + self.config.targets_seen, lane].tolist()
-        numbers = self._targets[block, 0, :, lane].tolist()
-        names = [self.config.target_name(int(numbers[int(slot)])) if slot >= 0 else None for slot in slots]
-        return names.index(name) + 1 if name in names else 0
+        alive = int(self._fields[block, rows.ALIVE // LANES, lane])
+        words = self._views[block, seat, :, lane].tolist()
+        for rank in range(min(alive, self.config.targets_seen)):
+            word, place = divmod(rank, rows.RANKS_A_WORD)
+            slot = int(words[word]) >> 6 * place & 63
+            if self.config.target_name(int(self._targets[block, 0, slot, lane])) == name:
+                return rank + 1
+        return 0
 
-    def seed(self, arena: int = 0) -> int:
-        """The seed of an arena's episode."""
-        block, lane = divmod(arena, LANES)
-        high, low = self._fields[block, [rows.SEED_HIGH // LANES, rows.SEED_LOW // LANES], lane]
-        return int(high) << 32 | int(low)
+    def seeds(self) -> NDArray[np.uint64]:
+        """The seeds of the episodes under way: (B,)."""
+        high, low = (
+            self._fields[:, row // LANES].reshape(-1)[: self.num_arenas].astype(np.uint64)
+            for row in (rows.SEED_HIGH, rows.SEED_LOW)
+        )
+        return (high << np.uint64(32)) | low
 
     def state(self, arena: int = 0) -> NDArray[np.float64]:
         """A.8: the numbers of one arena's state, in the order in which the digest reads them."""
@@ -375,24 +435,38 @@ class Engine:
     def restore_row(self, arena: int, saved: NDArray[np.float64]) -> None:
         """Go on, in one arena, from a saved state."""
         self._fields[arena // LANES, :, arena % LANES] = saved
-        self.observe()
+        self.observe(arena)
 
     def clone(self) -> "Engine":
         """An engine of its own in the same state."""
-        twin = Engine(self.config, self.num_arenas, progress_wanted=bool(self.settings.progress_wanted))
-        twin.restore(self.memory)
-        twin.rewards[:] = self.rewards
-        return twin
+        return copy.deepcopy(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copied and pickled by what it is made from: its arrays share their memory, which a plain copy would part."""
+        make = partial(
+            Engine, parts_wanted=self.parts_wanted, auto_reset=self.auto_reset, num_threads=self.threads.size
+        )
+        return make, (self.config, self.num_arenas), (self.memory, self._outputs)
+
+    def __setstate__(self, state: tuple[NDArray[np.float64], tuple[NDArray[Any], ...]]) -> None:
+        """Take over what the arrays of another engine hold."""
+        self.memory[:] = state[0]
+        for own, other in zip(self._outputs, state[1], strict=True):
+            own[:] = other
 
 
-def next_episode_seed(seed: int) -> int:
-    """A.5: the seed of the episode that follows, where a reset names none."""
-    return int(next_seed(np.uint64(seed)))
+def next_seeds(seeds: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """A.5: the seeds of the episodes that follow, where a reset names none: (n,)."""
+    following = seeds.copy()
+    go_on(following)
+    return following
 
 
 def batch_seeds(seed: int, num_arenas: int) -> NDArray[np.uint64]:
     """A.5: the seeds of a batch's rows from one seed: (B,)."""
-    return np.array([row_seed(np.uint64(seed), row) for row in range(num_arenas)], dtype=np.uint64)
+    seeds = np.zeros(num_arenas, dtype=np.uint64)
+    spread(np.uint64(seed), seeds)
+    return seeds
 
 
 _compiled = False

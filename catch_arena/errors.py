@@ -28,6 +28,18 @@ class AgentError(CatchArenaError):
     """An agent that cannot be found, loaded or run."""
 
 
+class NoContest(CatchArenaError):  # noqa: N818 - the word of the sport
+    """A match that we could not hold: no agent is to blame, nothing counts, and it may be played again."""
+
+
+class WorkerLost(NoContest):
+    """The process that played a match is gone, with all that it knew: another one may play the match."""
+
+
+class StoreError(CatchArenaError):
+    """A tournament's store that cannot be used, or that holds another tournament."""
+
+
 class OutputError(CatchArenaError):
     """A result that could not be written; nothing half-written is left behind."""
 

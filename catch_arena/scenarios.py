@@ -36,13 +36,15 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
 )
 
 
-def scenario(name: str, **overrides: object) -> ArenaConfig:
-    """The named scenario's settings, with any of them overridden.
+def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
+    """The named scenario's settings, or those given, with any of them overridden.
 
-    Args: `name`, one of `SCENARIOS`; `overrides`, fields of `ArenaConfig` (`gains`, `rewards` and `faults` also as
-    partial dicts).
+    Args: `name`, one of `SCENARIOS`, or a config; `overrides`, fields of `ArenaConfig` (`gains`, `rewards` and
+    `faults` also as partial dicts).
     Raises: ConfigError that names the nearest right name, or the setting, the requirement and the value.
     """
+    if isinstance(name, ArenaConfig):
+        return name.replace(**overrides)
     if not isinstance(name, str) or name not in SCENARIOS:
         raise ConfigError(f"unknown scenario {name!r}: {suggest(name, SCENARIOS)}")
     return SCENARIOS[name].replace(**overrides)

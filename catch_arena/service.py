@@ -8,7 +8,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import parallel_env
 from catch_arena.errors import ActionError, ConfigError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
-from catch_arena.scenarios import scenario as named_scenario
+from catch_arena.scenarios import scenario as arena_config
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
@@ -27,8 +27,7 @@ class ArenaService:
     def __init__(self, scenario: str | ArenaConfig = "standard", **overrides: object) -> None:
         if "control" in overrides or "observed_targets" in overrides:
             raise ConfigError("control and observed_targets must be left to the service: full, and all of them")
-        config = scenario if isinstance(scenario, ArenaConfig) else named_scenario(scenario)
-        config = config.replace(**overrides)
+        config = arena_config(scenario, **overrides)
         self._env = parallel_env(config, control="full", observed_targets=config.max_targets)
         self._appeared: set[str] = set()
 

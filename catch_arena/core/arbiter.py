@@ -52,7 +52,7 @@ _KILL_FAILED: Final = int(Verdict.KILL_FAILED)
 _GRANTED: Final = int(Verdict.GRANTED)
 
 
-@entry
+@rule
 def distance_um(dx: float, dy: float) -> float:
     """R5.3: the distance between two centres in whole micrometres."""
     return floor(1000000.0 * sqrt(dx * dx + dy * dy) + 0.5)

@@ -10,12 +10,12 @@ from catch_arena.core.jit import Block, phase, rule
 from catch_arena.core.math import atan2, clamp, wrap
 from catch_arena.core.state import (
     ACTIVE,
+    ALIVE,
     BEARING_INTEGRAL,
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
     NO_TARGET,
-    SEEN,
     SINE,
     SPEED,
     TURN_RATE,
@@ -25,6 +25,7 @@ from catch_arena.core.state import (
     Targets,
     X,
     Y,
+    item_at,
 )
 
 
@@ -42,29 +43,42 @@ def pi_step(
 
 
 @phase
-def choose(me: Block, view: Block, ranks: NDArray[np.int64], lanes: int) -> None:
+def choose(arena: Block, me: Block, view: Block, ranks: NDArray[np.int64], lanes: int, s: Settings) -> None:
     """R4.1: the slots that belong to the ranks chosen, NO_TARGET for hold and NO_SUCH_RANK for a rank without a
     target.
     """
     for lane in range(lanes):
         rank = ranks[lane]
-        wanted = float(NO_TARGET)
-        if rank > me[SEEN + lane]:
-            wanted = float(NO_SUCH_RANK)
+        wanted = NO_TARGET
+        if rank > min(int(arena[ALIVE + lane]), s.targets_seen):
+            wanted = NO_SUCH_RANK
         elif rank > 0:
-            wanted = view[(rank - 1) * LANES + lane]
+            wanted = item_at(view, rank - 1, lane)
         me[WANTED + lane] = wanted
 
 
 @phase
-def drive_to_target(me: Block, targets: Targets, lanes: int, s: Settings) -> None:
-    """R4.1, R4.2, R4.3: the hosted controllers; a target out of reach is driven to, but not yet requested."""
+def set_goal(me: Block, targets: Targets, lanes: int, goal: Block) -> None:
+    """R4.1: where the target is to which each lane drives, dx and dy, and its number; 0 for hold.
+
+    Fetched here, one by one, so that the loop that computes with them can be SIMD code.
+    """
     for lane in range(lanes):
         holds = (me[WANTED + lane] < 0.0) | (me[WITHDRAWN + lane] > 0.0)
         slot = np.uint64(max(me[WANTED + lane], 0.0)) * np.uint64(LANES) + np.uint64(lane)
-        number = targets.number[slot]
-        dx = targets.x[slot] - me[X + lane]
-        dy = targets.y[slot] - me[Y + lane]
+        goal[lane] = targets.x[slot]
+        goal[LANES + lane] = targets.y[slot]
+        goal[2 * LANES + lane] = 0.0 if holds else targets.number[slot]
+
+
+@phase
+def drive_to_goal(me: Block, goal: Block, lanes: int, s: Settings) -> None:
+    """R4.1, R4.2, R4.3: the hosted controllers; a target out of reach is driven to, but not yet requested."""
+    for lane in range(lanes):
+        dx = goal[lane] - me[X + lane]
+        dy = goal[LANES + lane] - me[Y + lane]
+        number = goal[2 * LANES + lane]
+        holds = number == 0.0
         sine = me[SINE + lane]
         cosine = me[COSINE + lane]
         fresh = holds | (number != me[ACTIVE + lane])
@@ -90,20 +104,21 @@ def drive_to_target(me: Block, targets: Targets, lanes: int, s: Settings) -> Non
         me[TURN_RATE + lane] = 0.0 if holds else turn_rate
         me[DISTANCE_INTEGRAL + lane] = 0.0 if holds else distance_integral
         me[BEARING_INTEGRAL + lane] = 0.0 if holds else bearing_integral
-        me[ACTIVE + lane] = 0.0 if holds else number
+        me[ACTIVE + lane] = number
         near = within_reach(distance_um(dx, dy), s.reach_um)
         me[WANTED + lane] = me[WANTED + lane] if near | (me[WANTED + lane] < 0.0) else float(NO_TARGET)
 
 
 @phase
-def request_nearest(me: Block, view: Block, targets: Targets, lanes: int, s: Settings) -> None:
+def request_nearest(arena: Block, me: Block, view: Block, targets: Targets, lanes: int, s: Settings) -> None:
     """R4.4: under velocity control the nearest target is requested whenever it is within reach."""
     for lane in range(lanes):
-        me[WANTED + lane] = float(NO_TARGET)
-        if me[SEEN + lane] > 0.0:
-            slot = int(view[lane]) * LANES + lane
-            if within_reach(distance_um(targets.x[slot] - me[X + lane], targets.y[slot] - me[Y + lane]), s.reach_um):
-                me[WANTED + lane] = view[lane]
+        me[WANTED + lane] = NO_TARGET
+        if arena[ALIVE + lane] > 0.0:
+            slot = item_at(view, 0, lane)
+            at = slot * LANES + lane
+            if within_reach(distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane]), s.reach_um):
+                me[WANTED + lane] = slot
 
 
 @phase

@@ -20,6 +20,7 @@ from typing import Any, Final, TypeVar, cast
 
 import numba
 import numba.core.config
+import numba.extending
 import numpy as np
 import platformdirs
 from numpy.typing import NDArray
@@ -52,7 +53,8 @@ def _cache_directory() -> Path | None:
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
     base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("catch_arena", appauthor=False)
-    folder = Path(base) / f"core-{digest.hexdigest()}"
+    checked = "-checked" if _numba.BOUNDSCHECK else ""  # NUMBA_BOUNDSCHECK=1 makes other code of the same sources
+    folder = Path(base) / f"core-{digest.hexdigest()}{checked}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -76,22 +78,24 @@ CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
 
 def is_cached() -> bool:
     """Whether some earlier process has left the compiled step."""
-    return CACHE_DIRECTORY is not None and any(CACHE_DIRECTORY.glob("*/tick.step-*.nbc"))
+    return CACHE_DIRECTORY is not None and any(CACHE_DIRECTORY.glob("*/tick.run-*.nbc"))
 
 
 def rule(function: F) -> F:
-    """A rule: scalars in, scalars out, branch-free where it runs in a lane loop."""
-    return cast(F, numba.njit(**_INNER)(function))
+    """A rule: scalars in, scalars out, branch-free where it runs in a lane loop. Compiled code has it written out where
+    it is used; Python runs it as it stands, which gives the same bits.
+    """
+    return numba.extending.register_jitable(forceinline=True, **_INNER)(function)
 
 
 def phase(function: F) -> F:
     """A phase: one block, a loop over its lanes."""
-    return cast(F, numba.njit(**_INNER)(function))
+    return cast(F, numba.njit(forceinline=True, **_INNER)(function))
 
 
-def accessor(function: F) -> F:
-    """A name for a part of the memory: written out where it is used, since without `_nrt` no function may return an
-    array.
+def passage(function: F) -> F:
+    """Phases in their order, or a name for a part of the memory: copied to where it is used before anything is
+    compiled, since a function of its own would be optimised once more, and without `_nrt` none may return an array.
     """
     return cast(F, numba.njit(inline="always", **_INNER)(function))
 

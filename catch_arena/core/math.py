@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.core.jit import entry, rule
+from catch_arena.core.jit import rule
 
 floor: Callable[[float], float] = np.floor
 """As a float: Python's own makes an int, which would keep a loop from becoming SIMD code."""
@@ -41,7 +41,7 @@ def clamp(value: float, low: float, high: float) -> float:
     return high if value > high else value
 
 
-@entry
+@rule
 def wrap(angle: float) -> float:
     """A.2: the same direction in [-pi, pi)."""
     turned = angle - TAU * floor((angle + PI) / TAU)

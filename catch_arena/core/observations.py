@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import distance_um
-from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.jit import Block, passage, phase, rule
 from catch_arena.core.math import floor, sincos
 from catch_arena.core.state import (
     ACTIVE,
@@ -16,10 +16,9 @@ from catch_arena.core.state import (
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
-    NO_TARGET,
+    RANKS_A_WORD,
     SCORE,
     SEAT_SIZE,
-    SEEN,
     SINE,
     SPEED,
     THETA,
@@ -30,18 +29,26 @@ from catch_arena.core.state import (
     Targets,
     X,
     Y,
+    item_at,
     seat_of,
     targets_of,
     view_of,
 )
+from catch_arena.core.workspace import Scratch, Tables, order_of
 from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
 
-Columns = NDArray[np.float32]
-"""Observations of one seat in every lane: column c of lane l lies at c * LANES + l."""
+Observations = NDArray[np.float32]
+"""(lanes, H, D)."""
+Row = NDArray[np.float32]
+"""One of them: (D,)."""
+Masks = NDArray[np.int8]
+"""(lanes, H, K + 1)."""
 
 SELF_WIDTH: Final = len(SELF_COLUMNS)
 TARGET_WIDTH: Final = len(TARGET_COLUMNS)
 RIVAL_WIDTH: Final = len(RIVAL_COLUMNS)
+
+_1, _2, _3, _4, _5, _6 = (np.uint64(offset) for offset in range(1, 7))
 
 _PER_UM: Final = 64.0
 _UM: Final = 1.0 / _PER_UM  # a power of two: exact
@@ -56,9 +63,33 @@ def selection_network(wires: int, outputs: int) -> NDArray[np.int64]:
     """The comparators, as an array (n, 2) of wires, that bring the smallest `outputs` of `wires` keys to the front,
     in order.
 
-    Batcher's odd-even merge sort for any number of wires (Knuth, The Art of Computer Programming 3, algorithm
-    5.2.2M), without the comparators that no output depends on.
+    Runs of keys are sorted, and then merged two by two, of which the smaller half goes on: the last part of Batcher's
+    bitonic sort (Knuth, The Art of Computer Programming 3, section 5.3.4). Comparators that no output depends on are
+    left out.
     """
+    run = 1 << (outputs - 1).bit_length()
+    comparators: list[tuple[int, int]] = []
+    for first in range(0, wires, run):
+        comparators += [(first + low, first + high) for low, high in _sorting_network(min(run, wires - first))]
+    distance = run
+    while distance < wires:
+        for first in range(0, wires - distance, 2 * distance):
+            second = first + distance
+            comparators += [(first + run - 1 - i, second + i) for i in range(min(run, wires - second))]
+            for apart in (run >> shift for shift in range(1, run.bit_length())):
+                comparators += [(first + i, first + i + apart) for i in range(run) if not i & apart]
+        distance *= 2
+    needed = set(range(outputs))
+    kept: list[tuple[int, int]] = []
+    for low, high in reversed(comparators):
+        if low in needed or high in needed:
+            needed |= {low, high}
+            kept.append((low, high))
+    return np.array(kept[::-1], dtype=np.int64).reshape(-1, 2)
+
+
+def _sorting_network(wires: int) -> list[tuple[int, int]]:
+    """Batcher's odd-even merge sort for any number of wires (the same volume, algorithm 5.2.2M)."""
     comparators: list[tuple[int, int]] = []
     top = 1 << max(0, (wires - 1).bit_length() - 1)
     p = top
@@ -70,13 +101,7 @@ def selection_network(wires: int, outputs: int) -> NDArray[np.int64]:
                 break
             d, q, r = q - p, q >> 1, p
         p >>= 1
-    needed = set(range(outputs))
-    kept: list[tuple[int, int]] = []
-    for low, high in reversed(comparators):
-        if low in needed or high in needed:
-            needed |= {low, high}
-            kept.append((low, high))
-    return np.array(kept[::-1], dtype=np.int64).reshape(-1, 2)
+    return comparators
 
 
 @phase
@@ -95,9 +120,24 @@ def order(keys: Block, network: NDArray[np.int64], lanes: int, wires: int) -> No
 
 
 @rule
-def item_of(key: float) -> float:
+def item_of(key: float) -> int:
     """The slot or seat in a key."""
-    return key - _PER_UM * floor(key * _UM)
+    return int(key) & 63
+
+
+@phase
+def note_order(keys: Block, ranks: int, lanes: int, words: Block) -> None:
+    """The slots or seats of the first keys, as `state.item_at` reads them; 0 for what is absent."""
+    place = 1.0
+    for rank in range(ranks):
+        key = keys[rank * LANES : (rank + 1) * LANES]
+        row = rank // RANKS_A_WORD * LANES
+        word = words[row : row + LANES]
+        starts = rank % RANKS_A_WORD == 0
+        place = 1.0 if starts else place * _PER_UM
+        for lane in range(lanes):
+            item = key[lane] - _PER_UM * floor(key[lane] * _UM)
+            word[lane] = item if starts else word[lane] + item * place
 
 
 @phase
@@ -110,69 +150,37 @@ def face(me: Block, lanes: int) -> None:
 
 
 @phase
-def see_self(arena: Block, me: Block, lanes: int, s: Settings, seen: Columns) -> None:
-    """R7.1: what a hunter knows of itself."""
+def most_alive(arena: Block, lanes: int) -> int:
+    """In any lane."""
+    most = 0.0
     for lane in range(lanes):
-        left = s.time_limit - arena[TIME + lane]
-        seen[0 * LANES + lane] = me[X + lane]
-        seen[1 * LANES + lane] = me[Y + lane]
-        seen[2 * LANES + lane] = me[COSINE + lane]
-        seen[3 * LANES + lane] = me[SINE + lane]
-        seen[4 * LANES + lane] = me[SPEED + lane]
-        seen[5 * LANES + lane] = me[TURN_RATE + lane]
-        seen[6 * LANES + lane] = left / 1000.0 if left > 0.0 else 0.0
-        seen[7 * LANES + lane] = me[SCORE + lane]
-        seen[8 * LANES + lane] = me[DISTANCE_INTEGRAL + lane]
-        seen[9 * LANES + lane] = me[BEARING_INTEGRAL + lane]
+        most = arena[ALIVE + lane] if arena[ALIVE + lane] > most else most
+    return int(most)
+
+
+@phase
+def note_ages(arena: Block, targets: Targets, lanes: int, slots: int, ages: Block) -> None:
+    """R7.1: how long each target has been there [s]."""
+    for slot in range(slots):
+        appeared = targets.appeared[slot * LANES : (slot + 1) * LANES]
+        age = ages[slot * LANES : (slot + 1) * LANES]
+        for lane in range(lanes):
+            age[lane] = (arena[TIME + lane] - appeared[lane]) / 1000.0
 
 
 @phase
 def rank_targets(
-    arena: Block, me: Block, targets: Targets, lanes: int, network: NDArray[np.int64], s: Settings, keys: Block
+    arena: Block, me: Block, targets: Targets, lanes: int, slots: int, network: NDArray[np.int64], keys: Block
 ) -> None:
     """R7.1: the alive targets by micrometres, then by spawn number; slots are in spawning order."""
-    most = 0.0
-    for lane in range(lanes):
-        most = arena[ALIVE + lane] if arena[ALIVE + lane] > most else most
-    wires = int(most)
-    for slot in range(max(wires, s.targets_seen)):
+    for slot in range(slots):
         x = targets.x[slot * LANES : (slot + 1) * LANES]
         y = targets.y[slot * LANES : (slot + 1) * LANES]
         key = keys[slot * LANES : (slot + 1) * LANES]
         for lane in range(lanes):
             near = distance_um(x[lane] - me[X + lane], y[lane] - me[Y + lane]) * _PER_UM + slot
             key[lane] = near if slot < arena[ALIVE + lane] else _ABSENT
-    order(keys, network, lanes, wires)
-
-
-@phase
-def see_targets(
-    arena: Block, me: Block, view: Block, targets: Targets, lanes: int, s: Settings, keys: Block, seen: Columns
-) -> None:
-    """R7.1, R7.2: the nearest targets; the view remembers their slots for the next step's choice."""
-    for lane in range(lanes):
-        me[SEEN + lane] = min(arena[ALIVE + lane], float(s.targets_seen))
-    for rank in range(s.targets_seen):
-        key = keys[rank * LANES : (rank + 1) * LANES]
-        slots = view[rank * LANES : (rank + 1) * LANES]
-        first = (SELF_WIDTH + rank * TARGET_WIDTH) * LANES
-        columns = seen[first : first + TARGET_WIDTH * LANES]
-        for lane in range(lanes):
-            present = key[lane] < _ABSENT
-            slot = item_of(key[lane]) if present else 0.0
-            at = np.uint64(slot) * np.uint64(LANES) + np.uint64(lane)
-            dx = targets.x[at] - me[X + lane]
-            dy = targets.y[at] - me[Y + lane]
-            sine = me[SINE + lane]
-            cosine = me[COSINE + lane]
-            age = (arena[TIME + lane] - targets.appeared[at]) / 1000.0
-            active = 1.0 if targets.number[at] == me[ACTIVE + lane] else 0.0
-            slots[lane] = slot if present else float(NO_TARGET)
-            columns[0 * LANES + lane] = cosine * dx + sine * dy if present else 0.0
-            columns[1 * LANES + lane] = cosine * dy - sine * dx if present else 0.0
-            columns[2 * LANES + lane] = 1.0 if present else 0.0
-            columns[3 * LANES + lane] = age if present else 0.0
-            columns[4 * LANES + lane] = active if present else 0.0
+    order(keys, network, lanes, slots)
 
 
 @phase
@@ -196,7 +204,7 @@ def equally_far(nearer: float, farther: float) -> bool:
 
 
 @rule
-def rival_row(block: Block, me: Block, other: float, lane: int) -> tuple[float, float, float, float, float, float]:
+def rival_row(block: Block, me: Block, other: int, lane: int) -> tuple[float, float, float, float, float, float]:
     """R7.1: a rival as its observer sees it: forward, left, relative cosine and sine, velocity, score difference."""
     at = (
         np.uint64(other) * np.uint64(SEAT_SIZE) + np.uint64(ARENA_ROWS * LANES) + np.uint64(lane)
@@ -247,7 +255,7 @@ def break_ties(block: Block, seat: int, lane: int, s: Settings, keys: Block) -> 
         if other == seat or rival[WITHDRAWN + lane] > 0.0:
             continue
         micrometres = distance_um(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane])
-        row = rival_row(block, me, float(other), lane)
+        row = rival_row(block, me, other, lane)
         at = count
         while at > 0:
             before = keys[(at - 1) * LANES + lane]
@@ -265,9 +273,8 @@ def break_ties(block: Block, seat: int, lane: int, s: Settings, keys: Block) -> 
 
 
 @phase
-def see_rivals(block: Block, seat: int, lanes: int, s: Settings, keys: Block, seen: Columns) -> None:
-    """R7.1: the nearest rivals."""
-    me = seat_of(block, seat)
+def mend_ties(block: Block, seat: int, lanes: int, s: Settings, keys: Block) -> None:
+    """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far."""
     ranks = min(s.hunters_seen, s.hunters - 2)
     ties = 0
     for rank in range(ranks):
@@ -275,64 +282,126 @@ def see_rivals(block: Block, seat: int, lanes: int, s: Settings, keys: Block, se
         farther = keys[(rank + 1) * LANES : (rank + 2) * LANES]
         for lane in range(lanes):
             ties += 1 if equally_far(nearer[lane], farther[lane]) else 0
-    if ties > 0:
-        for lane in range(lanes):
-            tied = False
-            for rank in range(ranks):
-                tied = tied or equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane])
-            if tied:
-                break_ties(block, seat, lane, s, keys)
-    for rank in range(s.hunters_seen):
-        first = (SELF_WIDTH + s.targets_seen * TARGET_WIDTH + rank * RIVAL_WIDTH) * LANES
-        columns = seen[first : first + RIVAL_WIDTH * LANES]
-        key = keys[rank * LANES : (rank + 1) * LANES]
-        for lane in range(lanes):
-            present = key[lane] < _ABSENT
-            forward, left, cosine, sine, velocity, difference = rival_row(
-                block, me, item_of(key[lane]) if present else 0.0, lane
-            )
-            columns[0 * LANES + lane] = forward if present else 0.0
-            columns[1 * LANES + lane] = left if present else 0.0
-            columns[2 * LANES + lane] = 1.0 if present else 0.0
-            columns[3 * LANES + lane] = cosine if present else 0.0
-            columns[4 * LANES + lane] = sine if present else 0.0
-            columns[5 * LANES + lane] = velocity if present else 0.0
-            columns[6 * LANES + lane] = difference if present else 0.0
-
-
-@rule
-def deliver(observation: NDArray[np.float32], mask: NDArray[np.int8], seen: Columns, choices: float) -> None:
-    """R7.1, R7.2: one lane's numbers as the row that the agent gets, and its mask."""
-    for column in range(len(observation)):
-        observation[column] = seen[column * LANES]
-    for rank in range(len(mask)):
-        mask[rank] = 1 if rank <= choices else 0
+    if ties == 0:
+        return
+    for lane in range(lanes):
+        tied = False
+        for rank in range(ranks):
+            tied = tied or equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane])
+        if tied:
+            break_ties(block, seat, lane, s, keys)
 
 
 @phase
+def write_self(me: Block, lane: int, time_left: float, row: Row) -> None:
+    """R7.1: what a hunter knows of itself."""
+    row[0] = me[X + lane]
+    row[1] = me[Y + lane]
+    row[2] = me[COSINE + lane]
+    row[3] = me[SINE + lane]
+    row[4] = me[SPEED + lane]
+    row[5] = me[TURN_RATE + lane]
+    row[6] = time_left
+    row[7] = me[SCORE + lane]
+    row[8] = me[DISTANCE_INTEGRAL + lane]
+    row[9] = me[BEARING_INTEGRAL + lane]
+
+
+@phase
+def write_targets(
+    me: Block, view: Block, targets: Targets, ages: Block, lane: int, there: int, s: Settings, row: Row
+) -> None:
+    """R7.1: the nearest targets, `there` of them."""
+    x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
+    at = np.uint64(SELF_WIDTH)
+    for rank in range(there):
+        place = np.uint64(item_at(view, rank, lane) * LANES + lane)
+        dx, dy = targets.x[place] - x, targets.y[place] - y
+        # all are made first and then written: what lies side by side is then stored at once
+        forward = np.float32(cosine * dx + sine * dy)
+        left = np.float32(cosine * dy - sine * dx)
+        age = np.float32(ages[place])
+        active = np.float32(1.0 if targets.number[place] == me[ACTIVE + lane] else 0.0)
+        row[at] = forward
+        row[at + _1] = left
+        row[at + _2] = np.float32(1.0)
+        row[at + _3] = age
+        row[at + _4] = active
+        at += np.uint64(TARGET_WIDTH)
+    for column in range(SELF_WIDTH + there * TARGET_WIDTH, SELF_WIDTH + s.targets_seen * TARGET_WIDTH):
+        row[column] = np.float32(0.0)
+
+
+@phase
+def write_rivals(block: Block, me: Block, order: Block, lane: int, there: int, s: Settings, row: Row) -> None:
+    """R7.1: the nearest rivals, `there` of them."""
+    at = np.uint64(SELF_WIDTH + s.targets_seen * TARGET_WIDTH)
+    for rank in range(there):
+        forward, left, cosine, sine, velocity, difference = rival_row(block, me, item_at(order, rank, lane), lane)
+        row[at] = forward
+        row[at + _1] = left
+        row[at + _2] = np.float32(1.0)
+        row[at + _3] = cosine
+        row[at + _4] = sine
+        row[at + _5] = velocity
+        row[at + _6] = difference
+        at += np.uint64(RIVAL_WIDTH)
+    for column in range(at, len(row)):
+        row[column] = np.float32(0.0)
+
+
+@phase
+def write_mask(there: int, ranks: int, mask: NDArray[np.int8]) -> None:
+    """R7.2: hold and the ranks that have a target. Masks change rarely, and most need not be written."""
+    if mask[there] == 0 or (there < ranks and mask[there + 1] == 1):
+        for rank in range(ranks + 1):
+            mask[rank] = 1 if rank <= there else 0
+
+
+@phase
+def write(block: Block, s: Settings, lanes: int, scratch: Scratch, seen: Observations, masks: Masks) -> None:
+    """R7.1, R7.2: the rows one after the other, as they lie in memory: it is the memory that large batches wait for."""
+    targets = targets_of(block, s)
+    for lane in range(lanes):
+        targets_there = min(int(block[ALIVE + lane]), s.targets_seen)
+        remaining = s.time_limit - block[TIME + lane]
+        time_left = remaining / 1000.0 if remaining > 0.0 else 0.0
+        present = 0
+        for seat in range(s.hunters):
+            present += 1 if seat_of(block, seat)[WITHDRAWN + lane] == 0.0 else 0
+        for seat in range(s.hunters):
+            me = seat_of(block, seat)
+            row = seen[lane, seat]
+            others = present - (1 if me[WITHDRAWN + lane] == 0.0 else 0)
+            write_self(me, lane, time_left, row)
+            write_targets(me, view_of(block, seat, s), targets, scratch.ages, lane, targets_there, s, row)
+            write_rivals(block, me, order_of(scratch, seat), lane, min(others, s.hunters_seen), s, row)
+            write_mask(targets_there, s.targets_seen, masks[lane, seat])
+
+
+@passage
 def observe(
     block: Block,
     s: Settings,
     lanes: int,
-    target_network: NDArray[np.int64],
-    rival_network: NDArray[np.int64],
-    scratch: Block,
-    seen: Columns,
-    observations: NDArray[np.float32],
-    masks: NDArray[np.int8],
+    tables: Tables,
+    scratch: Scratch,
+    seen: Observations,
+    masks: Masks,
 ) -> None:
-    """R7.1, R7.2: the observations (lanes, H, D) and masks (lanes, H, K + 1) of one block."""
-    keys = scratch[: 64 * LANES]
+    """R7.1, R7.2: who sees whom in which order, and then the observations and masks of one block. The order of the
+    targets stays in the arena: the next step's choices are ranks in it.
+    """
     targets = targets_of(block, s)
+    slots = most_alive(block, lanes)
+    note_ages(block, targets, lanes, slots, scratch.ages)
     for seat in range(s.hunters):
         face(seat_of(block, seat), lanes)
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        see_self(block, me, lanes, s, seen)
-        rank_targets(block, me, targets, lanes, target_network, s, keys)
-        see_targets(block, me, view_of(block, seat, s), targets, lanes, s, keys, seen)
+        rank_targets(block, seat_of(block, seat), targets, lanes, slots, tables.target_network, scratch.keys)
+        note_order(scratch.keys, min(slots, s.targets_seen), lanes, view_of(block, seat, s))
         if s.hunters_seen > 0:
-            rank_rivals(block, seat, lanes, rival_network, s, keys)
-            see_rivals(block, seat, lanes, s, keys, seen)
-        for lane in range(lanes):
-            deliver(observations[lane, seat], masks[lane, seat], seen[lane:], me[SEEN + lane])
+            rank_rivals(block, seat, lanes, tables.rival_network, s, scratch.keys)
+            mend_ties(block, seat, lanes, s, scratch.keys)
+            note_order(scratch.keys, s.hunters_seen, lanes, order_of(scratch, seat))
+    write(block, s, lanes, scratch, seen, masks)

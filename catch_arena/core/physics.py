@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from catch_arena.core.jit import Block, entry, phase, rule
+from catch_arena.core.jit import Block, passage, phase, rule
 from catch_arena.core.math import clamp, floor, sincos, wrap
 from catch_arena.core.state import AT_WALL, LANES, SPEED, THETA, TIME, TURN_RATE, Settings, X, Y, seat_of
 
@@ -13,14 +13,18 @@ WATCHDOG_MS: Final = 1000.0
 """R2.4: a velocity command older than this is dropped."""
 
 
-@entry
+@rule
 def next_pose(
     x: float, y: float, theta: float, speed: float, turn_rate: float, side: float
-) -> tuple[float, float, float]:
-    """R2.2, R2.3: the pose after one tick; the heading turns before the position moves."""
+) -> tuple[float, float, float, bool]:
+    """R2.2, R2.3: the pose after one tick, and whether a wall held it; the heading turns before the position moves."""
     theta = wrap(theta + turn_rate * DT)
     sine, cosine = sincos(theta)
-    return clamp(x + cosine * speed * DT, 0.0, side), clamp(y + sine * speed * DT, 0.0, side), theta
+    free_x = x + cosine * speed * DT
+    free_y = y + sine * speed * DT
+    x = clamp(free_x, 0.0, side)
+    y = clamp(free_y, 0.0, side)
+    return x, y, theta, (x != free_x) | (y != free_y)
 
 
 @rule
@@ -30,20 +34,37 @@ def ticks_until(time_ms: float) -> float:
 
 
 @phase
-def move_seat(me: Block, lanes: int, tick: int, ticks: Block, side: float) -> None:
-    """R2.2, R2.3: one tick of one seat, in the lanes that have so many ticks in this step."""
+def move_seat(me: Block, lanes: int, side: float) -> None:
+    """R2.2, R2.3: one tick of one seat, in every lane."""
     for lane in range(lanes):
-        theta = wrap(me[THETA + lane] + me[TURN_RATE + lane] * DT)
-        sine, cosine = sincos(theta)
-        free_x = me[X + lane] + cosine * me[SPEED + lane] * DT
-        free_y = me[Y + lane] + sine * me[SPEED + lane] * DT
-        x = clamp(free_x, 0.0, side)
-        y = clamp(free_y, 0.0, side)
+        x, y, theta, held = next_pose(
+            me[X + lane], me[Y + lane], me[THETA + lane], me[SPEED + lane], me[TURN_RATE + lane], side
+        )
+        me[X + lane] = x
+        me[Y + lane] = y
+        me[THETA + lane] = theta
+        me[AT_WALL + lane] = 1.0 if held else me[AT_WALL + lane]
+
+
+@phase
+def keep_place(me: Block, lanes: int, kept: Block) -> None:
+    """Where a seat is before a tick that not every lane has; `kept` has four rows."""
+    for lane in range(lanes):
+        kept[lane] = me[X + lane]
+        kept[LANES + lane] = me[Y + lane]
+        kept[2 * LANES + lane] = me[THETA + lane]
+        kept[3 * LANES + lane] = me[AT_WALL + lane]
+
+
+@phase
+def put_back(me: Block, lanes: int, tick: int, ticks: Block, kept: Block) -> None:
+    """R1.3: lanes that do not have this tick in this step are where they were."""
+    for lane in range(lanes):
         moves = tick < ticks[lane]
-        me[AT_WALL + lane] = 1.0 if moves & ((x != free_x) | (y != free_y)) else me[AT_WALL + lane]
-        me[THETA + lane] = theta if moves else me[THETA + lane]
-        me[X + lane] = x if moves else me[X + lane]
-        me[Y + lane] = y if moves else me[Y + lane]
+        me[X + lane] = me[X + lane] if moves else kept[lane]
+        me[Y + lane] = me[Y + lane] if moves else kept[LANES + lane]
+        me[THETA + lane] = me[THETA + lane] if moves else kept[2 * LANES + lane]
+        me[AT_WALL + lane] = me[AT_WALL + lane] if moves else kept[3 * LANES + lane]
 
 
 @phase
@@ -55,18 +76,21 @@ def drop_stale_commands(me: Block, lanes: int, tick: int, fresh: Block, ticks: B
         me[TURN_RATE + lane] = 0.0 if stale else me[TURN_RATE + lane]
 
 
-@phase
-def move(block: Block, s: Settings, lanes: int, counts: Block) -> None:
-    """R1.3: all ticks in (t, t + period], one after the other; `counts` is scratch of two rows."""
-    ticks = counts[:LANES]
-    fresh = counts[LANES : 2 * LANES]
+@passage
+def move(block: Block, s: Settings, lanes: int, scratch: Block) -> None:
+    """R1.3: all ticks in (t, t + period], one after the other; `scratch` has six rows."""
+    ticks = scratch[:LANES]
+    fresh = scratch[LANES : 2 * LANES]
+    kept = scratch[2 * LANES : 6 * LANES]
     most = 0.0
+    fewest = 1e18
     soonest_stale = 1e18
     for lane in range(lanes):
         before = ticks_until(block[TIME + lane])
         ticks[lane] = ticks_until(block[TIME + lane] + s.period) - before
         fresh[lane] = ticks_until(block[TIME + lane] + WATCHDOG_MS) - before
         most = max(most, ticks[lane])
+        fewest = min(fewest, ticks[lane])
         soonest_stale = min(soonest_stale, fresh[lane])
     for seat in range(s.hunters):
         me = seat_of(block, seat)
@@ -75,4 +99,8 @@ def move(block: Block, s: Settings, lanes: int, counts: Block) -> None:
         for tick in range(int(most)):
             if tick >= soonest_stale:
                 drop_stale_commands(me, lanes, tick, fresh, ticks)
-            move_seat(me, lanes, tick, ticks, s.side)
+            if tick >= fewest:
+                keep_place(me, lanes, kept)
+            move_seat(me, lanes, s.side)
+            if tick >= fewest:
+                put_back(me, lanes, tick, ticks, kept)

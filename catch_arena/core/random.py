@@ -7,6 +7,7 @@ SplitMix64's finaliser: Steele, Lea and Flood, «Fast splittable pseudorandom nu
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from catch_arena.core.jit import entry, rule
 
@@ -73,35 +74,43 @@ def service_lot(seed: np.uint64, step: float, seat: int) -> np.uint64:
 
 @rule
 def kill_service_down(seed: np.uint64, step: float, rate: float) -> bool:
-    """R8.3: whether the kill service is down in a step."""
-    return fraction(draw(stream(seed, KILL_DOWN), np.uint64(step))) < rate
+    """R8.3: whether the kill service is down in a step. Without a rate there is no draw, which would cost time."""
+    return rate > 0.0 and fraction(draw(stream(seed, KILL_DOWN), np.uint64(step))) < rate
 
 
 @rule
 def kill_refused(seed: np.uint64, step: float, number: float, rate: float) -> bool:
     """R8.3: whether the simulator refuses to kill one target in one step."""
-    return fraction(draw(draw(stream(seed, KILL_REFUSED), np.uint64(step)), np.uint64(number))) < rate
+    return rate > 0.0 and fraction(draw(draw(stream(seed, KILL_REFUSED), np.uint64(step)), np.uint64(number))) < rate
 
 
 @rule
 def spawn_service_down(seed: np.uint64, firing: float, rate: float) -> bool:
     """R8.3: whether the spawn service is down at a firing of the timer."""
-    return fraction(draw(stream(seed, SPAWN_DOWN), np.uint64(firing))) < rate
+    return rate > 0.0 and fraction(draw(stream(seed, SPAWN_DOWN), np.uint64(firing))) < rate
 
 
 @rule
 def spawn_refused(seed: np.uint64, number: float, rate: float) -> bool:
     """R8.3: whether the simulator refuses a spawn number."""
-    return fraction(draw(stream(seed, SPAWN_REFUSED), np.uint64(number))) < rate
+    return rate > 0.0 and fraction(draw(stream(seed, SPAWN_REFUSED), np.uint64(number))) < rate
 
 
-@entry
+@rule
 def next_seed(seed: np.uint64) -> np.uint64:
     """A.5: the seed of the episode after this one, where a reset names none."""
     return draw(stream(seed, NEXT_EPISODE), np.uint64(0))
 
 
 @entry
-def row_seed(seed: np.uint64, row: int) -> np.uint64:
-    """A.5: the seed of one row of a batch that was reset with one seed."""
-    return draw(stream(seed, BATCH_ROW), np.uint64(row))
+def go_on(seeds: NDArray[np.uint64]) -> None:
+    """A.5: each seed gives way to that of the next episode: (n,)."""
+    for i in range(len(seeds)):
+        seeds[i] = next_seed(seeds[i])
+
+
+@entry
+def spread(seed: np.uint64, seeds: NDArray[np.uint64]) -> None:
+    """A.5: the seeds of a batch's rows from the one seed that it was reset with: (B,), an output."""
+    for row in range(len(seeds)):
+        seeds[row] = draw(stream(seed, BATCH_ROW), np.uint64(row))

@@ -2,7 +2,7 @@
 
 A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it
 is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then TARGET_ROWS for
-each slot, then K slots for each seat's view. Integers are exact in float64; a seed needs two of them. Alive targets
+each slot, then each seat's view. Integers are exact in float64; a seed needs two of them. Alive targets
 fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
@@ -11,7 +11,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, accessor, entry, rule
+from catch_arena.core.jit import Block, passage, rule
+from catch_arena.verdicts import Verdict
 
 LANES: Final = 32
 """Arenas side by side in a block: enough for the widest SIMD registers, few enough for the first caches."""
@@ -47,20 +48,19 @@ WITHDRAWN: Final = 10 * LANES  # R1.6's flag
 HUNTER_DIGEST_ROWS: Final = 11
 SINE: Final = 11 * LANES  # of theta
 COSINE: Final = 12 * LANES
-SEEN: Final = 13 * LANES  # how many targets are in the view
-WANTED: Final = 14 * LANES  # slot requested in this step, NO_TARGET or NO_SUCH_RANK
-REQUEST: Final = 15 * LANES  # number of the target requested, 0 for none
-VERDICT: Final = 16 * LANES  # R5.2, 0 for no request
-DISTANCE_UM: Final = 17 * LANES  # the verdict's evidence [micrometres], -1 for none
-WINNER: Final = 18 * LANES  # seat, -1 for none
-NEAREST_X: Final = 19 * LANES  # the target nearest after the commit [m]
-NEAREST_Y: Final = 20 * LANES
-NEAREST_DISTANCE: Final = 21 * LANES  # before the motion [m], -1 for none
-PARTS: Final = 22 * LANES  # R6.2's parts of the reward, in the order of PART_NAMES
-PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time")
-CATCH, RIVAL_CATCH, LOST, REJECTED, PROGRESS, ELAPSED = (PARTS + i * LANES for i in range(6))
-HUNTER_ROWS: Final = 28
+WANTED: Final = 13 * LANES  # slot requested in this step, NO_TARGET or NO_SUCH_RANK
+REQUEST: Final = 14 * LANES  # number of the target requested, 0 for none
+VERDICT: Final = 15 * LANES  # R5.2, 0 for no request
+DISTANCE_UM: Final = 16 * LANES  # the verdict's evidence [micrometres], -1 for none
+WINNER: Final = 17 * LANES  # seat, -1 for none
+RETURN: Final = 18 * LANES  # the rewards of this episode
+CONTESTS_WON: Final = 19 * LANES  # in this episode: kills granted or refused that a rival could have had
+TALLIES: Final = 20 * LANES  # how often each verdict was met in this episode, in the order of Verdict
+HUNTER_ROWS: Final = 20 + len(Verdict)
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
+
+PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time")
+"""R6.2's parts of the reward, in the order in which they are written."""
 
 # rows of a target slot; all five stand in the digest in this order (A.8)
 TARGET_ROWS: Final = 5
@@ -122,6 +122,10 @@ class Settings(NamedTuple):
     time_weight: float
 
 
+SETTINGS: Final = 35
+"""How many there are."""
+
+
 @rule
 def read_settings(numbers: NDArray[np.float64]) -> Settings:
     """The settings from the array in which they reach compiled code: a tuple of scalars would cost microseconds a
@@ -166,13 +170,23 @@ def read_settings(numbers: NDArray[np.float64]) -> Settings:
     )
 
 
-@entry
+RANKS_A_WORD: Final = 8
+"""Slots or seats in an order are kept eight to a number, six bits each, the first in the lowest."""
+
+
+@rule
+def view_rows(targets_seen: int) -> int:
+    """How many numbers a view has."""
+    return (targets_seen + RANKS_A_WORD - 1) // RANKS_A_WORD
+
+
+@rule
 def block_rows(hunters: int, slots: int, targets_seen: int) -> int:
     """How many rows a block has."""
-    return ARENA_ROWS + hunters * HUNTER_ROWS + slots * TARGET_ROWS + hunters * targets_seen
+    return ARENA_ROWS + hunters * HUNTER_ROWS + slots * TARGET_ROWS + hunters * view_rows(targets_seen)
 
 
-@accessor
+@passage
 def targets_of(block: Block, s: Settings) -> Targets:
     """The target slots of a block."""
     first = (ARENA_ROWS + s.hunters * HUNTER_ROWS) * LANES
@@ -186,15 +200,23 @@ def targets_of(block: Block, s: Settings) -> Targets:
     )
 
 
-@accessor
+@passage
 def seat_of(block: Block, seat: int) -> Block:
     """The rows of one seat."""
     first = ARENA_ROWS * LANES + seat * SEAT_SIZE
     return block[first : first + SEAT_SIZE]
 
 
-@accessor
+@passage
 def view_of(block: Block, seat: int, s: Settings) -> Block:
-    """The slots that one seat sees, by rank: rank r of lane l lies at (r - 1) * LANES + l."""
-    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + s.slots * TARGET_ROWS + seat * s.targets_seen) * LANES
-    return block[first : first + s.targets_seen * LANES]
+    """What one seat sees, by rank: see `item_at`."""
+    rows = view_rows(s.targets_seen)
+    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + s.slots * TARGET_ROWS + seat * rows) * LANES
+    return block[first : first + rows * LANES]
+
+
+@rule
+def item_at(words: Block, rank: int, lane: int) -> int:
+    """The slot or seat at a rank, counted from 0, in a view or another order that is kept in this way."""
+    word = int(words[rank // RANKS_A_WORD * LANES + lane])
+    return (word >> (6 * (rank % RANKS_A_WORD))) & 63

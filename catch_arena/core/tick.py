@@ -1,4 +1,4 @@
-"""Rulebook R1.4: one step, phase by phase; and reset. This file is the table of contents of the core."""
+"""Rulebook R1.4: one step, phase by phase. This file is the table of contents of the core."""
 
 from typing import Final
 
@@ -22,38 +22,37 @@ from catch_arena.core.arbiter import WINNER as DOCKET_WINNER
 from catch_arena.core.controllers import (
     choose,
     drive_by_command,
-    drive_to_target,
+    drive_to_goal,
     mark_active,
     request_nearest,
+    set_goal,
 )
-from catch_arena.core.jit import Block, entry, phase
-from catch_arena.core.math import PI, TAU, sincos, wrap
-from catch_arena.core.observations import Columns, observe
+from catch_arena.core.episodes import begin, begin_again
+from catch_arena.core.jit import Block, entry, passage, phase
+from catch_arena.core.observations import Masks, Observations, observe
 from catch_arena.core.physics import move
-from catch_arena.core.random import START, draw, fraction, kill_refused, kill_service_down, seed_of, stream
-from catch_arena.core.rewards import aim_again, aim_at_nearest, reward
-from catch_arena.core.spawner import remove_target, spawn_next, spawn_through
+from catch_arena.core.random import kill_refused, kill_service_down, seed_of
+from catch_arena.core.rewards import Rewards, aim_again, aim_at_nearest, reward
+from catch_arena.core.spawner import remove_target, spawn_through
 from catch_arena.core.state import (
     ALIVE,
+    CONTESTS_WON,
     DISTANCE_UM,
     ENDED,
     LANES,
     NO_TARGET,
-    PART_NAMES,
-    PARTS,
     REQUEST,
     RUNNING,
     SCORE,
     SEED_HIGH,
     SEED_LOW,
+    SETTINGS,
     SPAWNED,
-    SPEED,
     STEP,
+    TALLIES,
     TERMINATED,
-    THETA,
     TIME,
     TRUNCATED,
-    TURN_RATE,
     VERDICT,
     WANTED,
     WINNER,
@@ -67,18 +66,19 @@ from catch_arena.core.state import (
     targets_of,
     view_of,
 )
+from catch_arena.core.workspace import Scratch, Tables, aim_of, scratch_of, tables_of
 from catch_arena.verdicts import Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
 _MATCH_OVER: Final = int(Verdict.MATCH_OVER)
-_PARTS: Final = len(PART_NAMES)
+_LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 
 TARGET_CONTROL: Final = 0
 VELOCITY_CONTROL: Final = 1
 FULL_CONTROL: Final = 2
 
 
-@phase
+@passage
 def take_in(
     block: Block,
     s: Settings,
@@ -86,6 +86,7 @@ def take_in(
     controls: NDArray[np.int64],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
+    scratch: Scratch,
 ) -> None:
     """R1.4's phases 1 and 2: from actions to velocities and wishes, on S_t."""
     targets = targets_of(block, s)
@@ -93,35 +94,40 @@ def take_in(
         me = seat_of(block, seat)
         view = view_of(block, seat, s)
         if controls[seat] == TARGET_CONTROL:
-            choose(me, view, choices[:, seat], lanes)
-            drive_to_target(me, targets, lanes, s)
+            choose(block, me, view, choices[:, seat], lanes, s)
+            set_goal(me, targets, lanes, scratch.rows)
+            drive_to_goal(me, scratch.rows, lanes, s)
         elif controls[seat] == VELOCITY_CONTROL:
-            request_nearest(me, view, targets, lanes, s)
+            request_nearest(block, me, view, targets, lanes, s)
             drive_by_command(me, commands[:, seat], lanes, s)
         else:
-            choose(me, view, choices[:, seat], lanes)
+            choose(block, me, view, choices[:, seat], lanes, s)
             mark_active(me, targets, lanes)
             drive_by_command(me, commands[:, seat], lanes, s)
         if s.progress_wanted:
-            aim_at_nearest(me, view, targets, lanes)
+            aim_at_nearest(block, me, view, targets, lanes, aim_of(scratch, seat))
 
 
-@phase
+@passage
 def clear_evidence(block: Block, s: Settings, lanes: int, asked: Block) -> None:
-    """No request yet; `asked` counts the wishes of each lane."""
+    """No verdict yet; `asked` counts the wishes of each lane."""
     for lane in range(lanes):
         asked[lane] = 0.0
     for seat in range(s.hunters):
         me = seat_of(block, seat)
+        judged = 0.0
         for lane in range(lanes):
-            me[REQUEST + lane] = 0.0
-            me[VERDICT + lane] = 0.0
-            me[DISTANCE_UM + lane] = -1.0
-            me[WINNER + lane] = -1.0
+            judged = me[VERDICT + lane] if me[VERDICT + lane] > judged else judged
             asked[lane] += 0.0 if me[WANTED + lane] == NO_TARGET else 1.0
+        if judged > 0.0:  # most steps leave nothing to be cleared
+            for lane in range(lanes):
+                me[REQUEST + lane] = 0.0
+                me[VERDICT + lane] = 0.0
+                me[DISTANCE_UM + lane] = -1.0
+                me[WINNER + lane] = -1.0
 
 
-@phase
+@passage
 def arbitrate(block: Block, s: Settings, lane: int, targets: Targets, docket: Docket) -> None:
     """R1.4's phase 3 in one lane: the docket is filled from S_t, judged, and the evidence noted."""
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
@@ -153,10 +159,15 @@ def arbitrate(block: Block, s: Settings, lane: int, targets: Targets, docket: Do
         me[VERDICT + lane] = docket[i, DOCKET_VERDICT]
         me[DISTANCE_UM + lane] = docket[i, DISTANCE]
         me[WINNER + lane] = docket[i, DOCKET_WINNER]
+        me[TALLIES + (docket[i, DOCKET_VERDICT] - 1) * LANES + lane] += 1.0
+        for j in range(requests):
+            if docket[j, DOCKET_VERDICT] == _LOST_CONTEST and docket[j, DOCKET_WINNER] == docket[i, SEAT]:
+                me[CONTESTS_WON + lane] += 1.0
+                break
 
 
-@phase
-def commit(block: Block, s: Settings, lane: int, targets: Targets) -> None:
+@passage
+def commit(block: Block, s: Settings, lane: int, targets: Targets, scratch: Scratch) -> None:
     """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8)."""
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     removed = 0
@@ -174,10 +185,10 @@ def commit(block: Block, s: Settings, lane: int, targets: Targets) -> None:
         me[SCORE + lane] += 1.0 if me[VERDICT + lane] == _GRANTED else 0.0
     if removed > 0 and s.progress_wanted:
         for seat in range(s.hunters):
-            aim_again(block, seat_of(block, seat), targets, lane)
+            aim_again(block, seat_of(block, seat), targets, lane, aim_of(scratch, seat))
 
 
-@phase
+@passage
 def end_test(block: Block, s: Settings, lanes: int) -> None:
     """R1.1, R1.5, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
     for lane in range(lanes):
@@ -189,22 +200,19 @@ def end_test(block: Block, s: Settings, lanes: int) -> None:
 
 
 @phase
-def keep_ended(block: Block, lanes: int, kept: Block) -> bool:
-    """R5.2: arenas that have ended are played with the others of their block, and then put back; here they are
-    copied.
-    """
-    some = False
+def some_ended(block: Block, lanes: int) -> bool:
+    """Whether an episode is over in some lane."""
+    most = RUNNING
     for lane in range(lanes):
-        some = some or block[ENDED + lane] != RUNNING
-    if some:
-        for i in range(len(block)):
-            kept[i] = block[i]
-    return some
+        most = block[ENDED + lane] if block[ENDED + lane] > most else most
+    return most != RUNNING
 
 
-@phase
-def put_back_ended(block: Block, s: Settings, lanes: int, kept: Block, rewards: NDArray[np.float64]) -> None:
-    """R5.2: after the end nothing moves, and every request is MATCH_OVER."""
+@passage
+def put_back_ended(block: Block, s: Settings, lanes: int, kept: Block, rewards: Rewards) -> None:
+    """R5.2: arenas that had ended are played with the others of their block, and then put back as they were kept:
+    nothing moves after the end, and every request is MATCH_OVER.
+    """
     for lane in range(lanes):
         if kept[ENDED + lane] == RUNNING:
             continue
@@ -215,143 +223,102 @@ def put_back_ended(block: Block, s: Settings, lanes: int, kept: Block, rewards: 
             then[VERDICT + lane] = 0.0 if now[WANTED + lane] == NO_TARGET else float(_MATCH_OVER)
             then[DISTANCE_UM + lane] = -1.0
             then[WINNER + lane] = -1.0
-            for part in range(_PARTS):
-                then[PARTS + part * LANES + lane] = 0.0
-            rewards[lane, seat] = 0.0
+            for part in range(rewards.shape[2]):
+                rewards[lane, seat, part] = 0.0
         for row in range(len(block) // LANES):
             block[row * LANES + lane] = kept[row * LANES + lane]
 
 
-@entry
-def step(
-    memory: NDArray[np.float64],
-    settings: NDArray[np.float64],
-    controls: NDArray[np.int64],
-    target_network: NDArray[np.int64],
-    rival_network: NDArray[np.int64],
+@passage
+def play(
+    block: Block,
+    s: Settings,
+    lanes: int,
+    tables: Tables,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
-    numbers: NDArray[np.float64],
-    columns: Columns,
+    scratch: Scratch,
     docket: Docket,
-    observations: NDArray[np.float32],
-    masks: NDArray[np.int8],
-    rewards: NDArray[np.float64],
+    rewards: Rewards,
 ) -> None:
-    """R1.4: one step of every arena of a batch.
+    """R1.4, but for the observations: one step of one block."""
+    targets = targets_of(block, s)
+    had_ended = some_ended(block, lanes)
+    if had_ended:
+        for i in range(len(block)):
+            scratch.kept[i] = block[i]
+    take_in(block, s, lanes, tables.controls, choices, commands, scratch)
+    asked = scratch.rows[:LANES]
+    clear_evidence(block, s, lanes, asked)
+    for lane in range(lanes):
+        if asked[lane] > 0.0:
+            arbitrate(block, s, lane, targets, docket)
+            commit(block, s, lane, targets, scratch)
+    move(block, s, lanes, scratch.rows)
+    spawn_through(block, targets, lanes, s)
+    end_test(block, s, lanes)
+    reward(block, s, lanes, scratch, rewards)
+    if had_ended:
+        put_back_ended(block, s, lanes, scratch.kept, rewards)
 
-    Args: `memory` (blocks, rows * LANES); `settings`, see `state.read_settings`; `controls` (H,); the networks (n, 2)
-    of `selection_network`; the actions `choices` (B, H) and `commands` (B, H, 2); scratch, `numbers`, `columns` and
-    `docket`; the outputs `observations` (B, H, D), `masks` (B, H, K + 1) and `rewards` (B, H).
+
+@entry
+def run(
+    memory: NDArray[np.float64],
+    constants: NDArray[np.float64],
+    numbers: NDArray[np.int64],
+    workspace: NDArray[np.float64],
+    docket: Docket,
+    resets: NDArray[np.uint64],
+    playing: bool,
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+    observations: Observations,
+    masks: Masks,
+    rewards: Rewards,
+    ends: NDArray[np.int8],
+    last_observations: Observations,
+    records: NDArray[np.float64],
+) -> None:
+    """Episodes begin where that is asked for, then one step of every arena (R1.4) where there is play, and then all
+    observe.
+
+    Args: `memory` (blocks, rows * LANES); `constants`, the settings and 3 H start poses, or none for the fair circle
+    (R2.6); `numbers`, see `tables_of`; scratch, `workspace`, see `scratch_of`, and `docket`; `resets` (n, 2), rows of
+    the batch and seeds; the actions `choices` (B, H) and `commands` (B, H, 2); the outputs `observations` (B, H, D),
+    `masks` (B, H, K + 1), `rewards` (B, H, 1), or (B, H, 7) with R6.2's parts behind their sum, and `ends` (B,).
+    Where `last_observations` (B, H, D) and `records` (B, H, RECORD_COLUMNS) have rows, an episode that ends fills
+    its own, and the next one begins in its place (A.5).
     """
-    s = read_settings(settings)
-    rows = numbers[: 2 * LANES]
-    kept = numbers[len(numbers) - memory.shape[1] :]
+    s = read_settings(constants)
+    tables = tables_of(numbers, s)
+    scratch = scratch_of(workspace, s)
+    start_poses = constants[SETTINGS:]
+    for i in range(len(resets)):
+        row = int(resets[i, 0])
+        begin(memory[row // LANES], s, row % LANES, start_poses, resets[i, 1])
     for index in range(len(memory)):
         block = memory[index]
         first = index * LANES
-        last = min(first + LANES, len(choices))
-        lanes = last - first
-        targets = targets_of(block, s)
-        some_ended = keep_ended(block, lanes, kept)
-        take_in(block, s, lanes, controls, choices[first:last], commands[first:last])
-        clear_evidence(block, s, lanes, rows)
-        for lane in range(lanes):
-            if rows[lane] > 0.0:
-                arbitrate(block, s, lane, targets, docket)
-                commit(block, s, lane, targets)
-        move(block, s, lanes, rows)
-        spawn_through(block, targets, lanes, s)
-        end_test(block, s, lanes)
-        reward(block, s, lanes, rows, rewards[first:last])
-        if some_ended:
-            put_back_ended(block, s, lanes, kept, rewards[first:last])
-        observe(
-            block,
-            s,
-            lanes,
-            target_network,
-            rival_network,
-            numbers,
-            columns,
-            observations[first:last],
-            masks[first:last],
-        )
-
-
-@phase
-def reset_lane(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64], seed: np.uint64) -> None:
-    """R2.6, R3.1, A.6: one arena at the beginning of an episode."""
-    rows = len(block) // LANES
-    for row in range(rows):
-        block[row * LANES + lane] = 0.0
-    block[SEED_HIGH + lane] = float(seed >> np.uint64(32))
-    block[SEED_LOW + lane] = float(seed & np.uint64(0xFFFFFFFF))
-    turn = TAU * fraction(draw(stream(seed, START), np.uint64(0)))
-    for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        if len(start_poses) > 0:
-            me[X + lane] = start_poses[seat, 0]
-            me[Y + lane] = start_poses[seat, 1]
-            me[THETA + lane] = wrap(start_poses[seat, 2])
-        elif s.hunters == 1:
-            me[X + lane] = s.side / 2.0
-            me[Y + lane] = s.side / 2.0
-        else:
-            angle = wrap(turn + TAU * seat / s.hunters)
-            sine, cosine = sincos(angle)
-            me[X + lane] = s.side / 2.0 + s.start_radius * cosine
-            me[Y + lane] = s.side / 2.0 + s.start_radius * sine
-            me[THETA + lane] = wrap(angle + PI)
-        clear_hunter(me, lane)
-    targets = targets_of(block, s)
-    for _ in range(s.initial_targets):
-        spawn_next(block, targets, lane, seed, s, 0.0)
-
-
-@phase
-def clear_hunter(me: Block, lane: int) -> None:
-    """At rest, and with no verdict."""
-    me[SPEED + lane] = 0.0
-    me[TURN_RATE + lane] = 0.0
-    me[WANTED + lane] = NO_TARGET
-    me[DISTANCE_UM + lane] = -1.0
-    me[WINNER + lane] = -1.0
-
-
-@entry
-def reset(
-    memory: NDArray[np.float64],
-    settings: NDArray[np.float64],
-    target_network: NDArray[np.int64],
-    rival_network: NDArray[np.int64],
-    start_poses: NDArray[np.float64],
-    chosen: NDArray[np.int64],
-    seeds: NDArray[np.uint64],
-    numbers: NDArray[np.float64],
-    columns: Columns,
-    observations: NDArray[np.float32],
-    masks: NDArray[np.int8],
-) -> None:
-    """The chosen arenas at the beginning of an episode, and the observations of all, chosen or not.
-
-    Args: `start_poses` (H, 3), or (0, 3) for the fair circle (R2.6); `chosen` (n,) rows of the batch; `seeds` (n,);
-    the others as for `step`.
-    """
-    s = read_settings(settings)
-    for i in range(len(chosen)):
-        reset_lane(memory[chosen[i] // LANES], s, chosen[i] % LANES, start_poses, seeds[i])
-    for index in range(len(memory)):
-        first = index * LANES
         last = min(first + LANES, len(observations))
-        observe(
-            memory[index],
-            s,
-            last - first,
-            target_network,
-            rival_network,
-            numbers,
-            columns,
-            observations[first:last],
-            masks[first:last],
-        )
+        lanes = last - first
+        seen, mask = observations[first:last], masks[first:last]
+        if playing:
+            play(
+                block,
+                s,
+                lanes,
+                tables,
+                choices[first:last],
+                commands[first:last],
+                scratch,
+                docket,
+                rewards[first:last],
+            )
+            for lane in range(lanes):
+                ends[first + lane] = np.int8(block[ENDED + lane])
+        renewing = playing and len(records) > 0 and some_ended(block, lanes)
+        for last_view in range(1 if renewing else 0, -1, -1):  # one call of `observe` is compiled once
+            observe(block, s, lanes, tables, scratch, seen, mask)
+            if last_view > 0:
+                begin_again(block, s, lanes, start_poses, seen, last_observations[first:last], records[first:last])

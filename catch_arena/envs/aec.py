@@ -22,6 +22,11 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         self.withdraw = parallel.withdraw
         self.record = parallel.record
         self.replay = parallel.replay
+        self._parallel = parallel
+
+    def _repr_html_(self) -> str:
+        """How a notebook shows it: like the parallel env."""
+        return self._parallel._repr_html_()
 
     def step(self, action: Any) -> None:
         """The action of the hunter whose turn it is. Raises: ActionError, EpisodeError; nothing has changed then."""

@@ -3,6 +3,7 @@ door.
 """
 
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import Any, Final, NoReturn
 
 import numpy as np
@@ -12,7 +13,8 @@ from pettingzoo import ParallelEnv
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state as rows
-from catch_arena.engine import Engine, next_episode_seed
+from catch_arena.engine import Engine, next_seeds
+from catch_arena.envs.infos import Infos
 from catch_arena.envs.spaces import (
     action_space,
     checked_choice,
@@ -22,8 +24,8 @@ from catch_arena.envs.spaces import (
     state_space,
 )
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
-from catch_arena.replay import Replay
-from catch_arena.scenarios import scenario as named_scenario
+from catch_arena.replay import Replay, checked_text
+from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.verdicts import REASONS, Verdict
 from catch_arena.world import World
@@ -32,8 +34,8 @@ RENDER_MODES: Final = ("rgb_array", "human")
 RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
-_EVIDENCE: Final = slice(rows.REQUEST // rows.LANES, rows.PARTS // rows.LANES + len(rows.PART_NAMES))
-"""The rows of a hunter from which its info is made, REQUEST to the last of the reward's parts."""
+_EVIDENCE: Final = slice(rows.REQUEST // rows.LANES, rows.WINNER // rows.LANES + 1)
+"""The rows of a hunter from which its info is made: REQUEST, VERDICT, DISTANCE_UM and WINNER."""
 
 
 def parallel_env(
@@ -45,10 +47,7 @@ def parallel_env(
     ArenaConfig.
     Raises: ConfigError that names the setting, the requirement and the value.
     """
-    config = (
-        scenario.replace(**overrides) if isinstance(scenario, ArenaConfig) else named_scenario(scenario, **overrides)
-    )
-    return CatchArenaEnv(config, render_mode)
+    return CatchArenaEnv(arena_config(scenario, **overrides), render_mode)
 
 
 class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo is not typed everywhere
@@ -91,8 +90,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             for name, control in zip(config.hunter_names, config.controls, strict=True)
         }
         self._engine = Engine(config)
-        self._evidence = self._engine.hunter_rows(0)[:, _EVIDENCE]
-        self._ended = self._engine.memory[0, rows.ENDED : rows.ENDED + 1]
+        self._look_at_the_engine()
         self._controls = config.controls
         self._ranks = config.targets_seen
         self._all_target_control = set(config.controls) == {"target"}
@@ -105,6 +103,19 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._replay: Replay | None = None
         self._painter: Any = None
         self._window: Any = None
+
+    def _look_at_the_engine(self) -> None:
+        """Name the one arena's own rows of what the engine writes."""
+        self._evidence = self._engine.hunter_rows(0)[:, _EVIDENCE]
+        self._seen, self._masks, self._rewards, self._parts = (
+            array[0]
+            for array in (self._engine.observations, self._engine.masks, self._engine.rewards, self._engine.parts)
+        )
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """What was copied or unpickled looks at its own engine."""
+        self.__dict__.update(state)
+        self._look_at_the_engine()
 
     def __str__(self) -> str:
         return str(self.metadata["name"])
@@ -131,7 +142,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if seed is not None:
             self._seed = checked_seed(seed)
         else:
-            self._seed = fresh_seed() if self._seed is None else next_episode_seed(self._seed)
+            self._seed = fresh_seed() if self._seed is None else int(next_seeds(self._engine.seeds())[0])
         self._engine.reset([self._seed])
         self.agents = self.possible_agents[:]
         self._over = False
@@ -139,7 +150,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._replay = None
         if self._record_as is not None:
             names, title = self._record_as
-            self._replay = Replay(self.config, self._seed, names, title, digests=[self._engine.digest()])
+            self._replay = Replay(self.config, self._seed, names, title)
+            self._replay.note(self._engine)
         if self.render_mode == "human":
             self.render()
         return self._observations(), self._infos()
@@ -160,12 +172,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         engine = self._engine
         engine.step(self._choices, self._commands)
         if self._replay is not None:
-            self._replay.append(self._choices[0], self._commands[0], engine.digest())
+            self._replay.append(self._choices[0], self._commands[0], engine)
         agents = self.agents
-        ended = self._ended.item()
+        ended = engine.ends.item()
         terminations = dict.fromkeys(agents, ended == rows.TERMINATED)
         truncations = dict.fromkeys(agents, ended == rows.TRUNCATED)
-        rewards = dict(zip(self.possible_agents, engine.rewards[0].tolist(), strict=True))
+        rewards = dict(zip(self.possible_agents, self._rewards.tolist(), strict=True))
         if len(agents) < len(self.possible_agents):
             rewards = {agent: rewards[agent] for agent in agents}
         result = self._observations(), rewards, terminations, truncations, self._infos()
@@ -240,11 +252,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._engine.digest()
 
     def record(self, names: Sequence[str] | None = None, title: str = "") -> None:
-        """Keep every episode from the next reset on; `names` are the agents' names by seat."""
+        """Keep every episode from the next reset on; `names` are the agents' names by seat. Raises: ConfigError for a
+        name or a title that is not at most 200 printable characters.
+        """
         names = tuple(names) if names is not None else self.config.hunter_names
-        if len(names) != self.config.hunters or not all(isinstance(name, str) for name in names):
-            raise ConfigError(f"names must be {self.config.hunters} strings, got {names!r}")
-        self._record_as = (names, title)
+        if len(names) != self.config.hunters:
+            raise ConfigError(f"names must be {self.config.hunters}, one for each hunter, got {names!r}")
+        for seat, name in enumerate(names):
+            checked_text(f"names[{seat}]", name)
+        checked_text("name_prefix", self.config.name_prefix)
+        self._record_as = (names, checked_text("title", title))
 
     def replay(self) -> Replay:
         """The episode so far, where `record` was called before its reset."""
@@ -257,7 +274,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self.render_mode is None:
             return None
         self._require_episode("render")
-        from catch_arena.render.raster import ArenaPainter
+        from catch_arena.render.stage import ArenaPainter
 
         if self._painter is None:
             self._painter = ArenaPainter(self.config, size=RENDER_SIZE)
@@ -270,6 +287,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._window = Window("Catch Arena", RENDER_SIZE, self.config.control_period_ms)
         self._window.show(frame)
         return None
+
+    def _repr_html_(self) -> str:
+        """How a notebook shows it: a recorded episode plays, of another one there is a picture of its present."""
+        if self._replay is not None and self._replay.steps:
+            return self._replay._repr_html_()
+        if self._seed is None:
+            return f"<p>{escape(str(self))}: no episode has begun</p>"
+        from catch_arena.render.still import png_html
+
+        return png_html(self.config, self._engine.world())
 
     def close(self) -> None:
         """Close the window, if there is one."""
@@ -337,9 +364,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
 
     def _observations(self) -> dict[str, Any]:
-        fresh = self._engine.observations[0].copy()
+        fresh = self._seen.copy()
         if self.config.mask_in_observation:
-            masks = self._engine.masks[0].copy()
+            masks = self._masks.copy()
             return {
                 agent: {"observation": fresh[seat], "action_mask": masks[seat]}
                 if self.config.controls[seat] == "target"
@@ -347,38 +374,42 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 for agent, seat in self._seats.items()
                 if agent in self.agents
             }
-        if len(self.agents) == len(self.possible_agents):
+        if len(self.agents) == len(fresh):
             return dict(zip(self.possible_agents, fresh, strict=True))
         return {agent: fresh[self._seats[agent]] for agent in self.agents}
 
     def _infos(self) -> dict[str, dict[str, Any]]:
-        infos: dict[str, dict[str, Any]] = {}
-        masks = self._engine.masks[0].copy()
-        # written out, number by number: this runs for every agent in every step
-        for agent, control, mask, evidence in zip(
-            self.possible_agents, self._controls, masks, self._evidence.tolist(), strict=True
-        ):
-            number, verdict, distance, winner, _, _, _, catch, rival, lost, rejected, progress, elapsed = evidence
+        left = self.agents, self._evidence.copy(), self._parts.copy(), self._masks.copy()
+        infos = Infos(dict.fromkeys(self.agents))
+        infos.make = lambda: self._told(*left)
+        return infos
+
+    def _told(
+        self,
+        agents: Sequence[str],
+        evidence: NDArray[np.float64],
+        parts: NDArray[np.float64],
+        masks: NDArray[np.int8],
+    ) -> dict[str, dict[str, Any]]:
+        """The infos of a step from what it left: evidence (H, 4), parts of the rewards (H, 6) and masks (H, K + 1)."""
+        infos = {}
+        told, shares = evidence.tolist(), parts.tolist()
+        for agent in agents:
+            seat = self._seats[agent]
+            number, verdict, distance, winner = told[seat]
             info: dict[str, Any] = {
                 "verdict": None,
                 "reason": None,
                 "target": None,
                 "distance_um": None,
                 "winner": None,
-                "reward_parts": {
-                    "catch": catch,
-                    "rival_catch": rival,
-                    "lost_contest": lost,
-                    "rejected_request": rejected,
-                    "progress": progress,
-                    "time": elapsed,
-                },
+                "reward_parts": dict(zip(rows.PART_NAMES, shares[seat], strict=True)),
             }
             infos[agent] = info
-            if control == "target":
-                info["action_mask"] = mask
-            elif control == "full":
-                info["action_mask"] = {"cmd_vel": None, "catch": mask}
+            if self._controls[seat] == "target":
+                info["action_mask"] = masks[seat]
+            elif self._controls[seat] == "full":
+                info["action_mask"] = {"cmd_vel": None, "catch": masks[seat]}
             if verdict:
                 answer = Verdict(int(verdict))
                 info["verdict"] = answer
@@ -386,8 +417,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 info["target"] = self.config.target_name(int(number)) if number else None
                 info["distance_um"] = None if distance < 0 else int(distance)
                 info["winner"] = None if winner < 0 else int(winner)
-        if len(self.agents) < len(infos):
-            return {agent: infos[agent] for agent in self.agents}
         return infos
 
 

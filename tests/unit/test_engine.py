@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from catch_arena.core.jit import CACHE_DIRECTORY, INTERPRETED
-from catch_arena.engine import Engine, batch_seeds, next_episode_seed
+from catch_arena.engine import Engine, batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
 from catch_arena.verdicts import Verdict
@@ -57,6 +57,21 @@ def test_a_row_can_be_moved_to_another_engine():
     assert (engine.observations[36] == other.observations[2]).all()
 
 
+def test_a_slot_that_is_left_is_empty_throughout():
+    """core/state.py: what lies behind the alive targets is zero."""
+    engine = Engine(scenario("standard", control="full", reach_m=50.0, spawn_frequency_hz=0.001), num_arenas=2)
+    engine.reset([1, 2])
+    for alive in (7, 6):
+        choices, commands = actions(engine, 0)
+        choices[0, 1] = 1
+        engine.step(choices, commands)
+
+        assert len(engine.world(0).targets) == alive
+        assert (engine._targets[0, :, alive:, 0] == 0).all()
+        assert (engine._targets[0, 0, :alive, 0] > 0).all()
+        assert len(engine.world(1).targets) == 8
+
+
 def test_seeds_are_checked_and_derived():
     """One for each arena, in range; rows and episodes get seeds of their own."""
     engine = Engine(scenario("duel"), 2)
@@ -66,13 +81,13 @@ def test_seeds_are_checked_and_derived():
         engine.reset([1, -1])
     engine.reset([2**64 - 1, 0])
 
-    assert (engine.seed(0), engine.seed(1)) == (2**64 - 1, 0)
+    assert engine.seeds().tolist() == [2**64 - 1, 0]
 
     seeds = batch_seeds(3, 1000)
 
     assert len(set(seeds.tolist())) == 1000
     assert (seeds[:10] == batch_seeds(3, 10)).all()
-    assert next_episode_seed(3) not in (3, *seeds.tolist())
+    assert not set(next_seeds(seeds).tolist()) & set(seeds.tolist())
 
 
 def test_the_compilers_cache_is_named_by_the_sources():

@@ -29,13 +29,16 @@ def test_the_smallest_keys_come_first_in_order(wires):
 def test_comparators_point_upwards():
     """The smaller key goes to the lower wire, which is what lets `order` pass over wires that are empty."""
     for wires in range(2, 65):
-        network = selection_network(wires, wires)
-        assert (network[:, 0] < network[:, 1]).all()
+        for outputs in range(1, wires + 1):
+            network = selection_network(wires, outputs)
+            assert (network[:, 0] < network[:, 1]).all()
+            assert network.max() < wires
 
 
 def test_what_no_output_depends_on_is_left_out():
-    """63 comparators sort 16 keys; fewer find the nearest 8, and 15 the nearest one."""
+    """63 comparators sort 16 keys; fewer find the nearest 8, and 15 the nearest one; of 64, 292 find 8."""
     assert len(selection_network(16, 16)) == 63
     assert len(selection_network(16, 8)) < 63
     assert len(selection_network(16, 1)) == 15
+    assert len(selection_network(64, 8)) == 292
     assert len(selection_network(1, 1)) == 0

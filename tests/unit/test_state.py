@@ -4,6 +4,7 @@ from catch_arena.core import state
 from catch_arena.core.state import LANES
 from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS, columns, state_columns, width
 from catch_arena.scenarios import SCENARIOS
+from catch_arena.verdicts import Verdict
 
 ARENA = [
     "TIME",
@@ -33,28 +34,21 @@ HUNTER = [
     "WITHDRAWN",
     "SINE",
     "COSINE",
-    "SEEN",
     "WANTED",
     "REQUEST",
     "VERDICT",
     "DISTANCE_UM",
     "WINNER",
-    "NEAREST_X",
-    "NEAREST_Y",
-    "NEAREST_DISTANCE",
-    "CATCH",
-    "RIVAL_CATCH",
-    "LOST",
-    "REJECTED",
-    "PROGRESS",
-    "ELAPSED",
+    "RETURN",
+    "CONTESTS_WON",
 ]
 
 
 def test_every_row_has_one_owner():
     """Rows are numbered without gap or overlap, and the digest's come first, in A.8's order."""
     assert [getattr(state, name) // LANES for name in ARENA] == list(range(state.ARENA_ROWS))
-    assert [getattr(state, name) // LANES for name in HUNTER] == list(range(state.HUNTER_ROWS))
+    assert [getattr(state, name) // LANES for name in HUNTER] == list(range(state.TALLIES // LANES))
+    assert state.TALLIES // LANES + len(Verdict) == state.HUNTER_ROWS
     assert ARENA[state.ARENA_DIGEST_ROWS] == "ALIVE"
     assert HUNTER[state.HUNTER_DIGEST_ROWS] == "SINE"
 

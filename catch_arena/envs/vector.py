@@ -1,0 +1,348 @@
+"""Many arenas at once: the engine's own arrays, for those who learn."""
+
+import copy as copy_module
+from collections.abc import Iterable, Mapping
+from typing import Any, Final, NamedTuple, TypeVar, cast
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import ArrayLike, NDArray
+
+from catch_arena.config import ArenaConfig, Control
+from catch_arena.core import episodes
+from catch_arena.core import state as rows
+from catch_arena.engine import Engine, batch_seeds, next_seeds
+from catch_arena.envs.spaces import action_space, observation_space
+from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.scenarios import scenario as arena_config
+from catch_arena.seeding import checked_seed, fresh_seed
+from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.world import World
+
+_TERMINATED: Final = np.int8(rows.TERMINATED)  # of the same type as `Engine.ends`, so that NumPy converts nothing
+_TRUNCATED: Final = np.int8(rows.TRUNCATED)
+
+T = TypeVar("T")
+
+Results = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
+
+
+class SavedState(NamedTuple):
+    """What `VectorArena.save` and `save_row` give."""
+
+    config: str
+    """The digest of the arena's config."""
+    memory: NDArray[np.float64]
+
+
+class VectorArena:
+    """A batch of arenas in lockstep. B arenas, H hunters in each, D numbers seen by each of them, K targets among them.
+
+    Actions, by the scenario's control:
+
+    - target: (B, H) whole numbers: 0 to hold, or a target's rank in view;
+    - velocity: (B, H, 2) numbers in [-1, 1]: linear and angular velocity as fractions of the limits;
+    - full, or controls that differ by seat: {"cmd_vel": (B, H, 2), "catch": (B, H)}; what a seat's control does not
+      read is ignored.
+
+    Episodes that end begin anew at once (Gymnasium's SAME_STEP autoreset): the observations are then those of the new
+    episode, and `infos` keeps those of the old one. With `auto_reset=False` (Gymnasium's DISABLED) an arena that has
+    ended stands still, whatever it is told, until `reset` names it.
+
+    `infos` holds, always the same arrays:
+
+    - `action_mask`: (B, H, K + 1) int8, read only: R7.2's mask of ranks; absent under velocity control;
+    - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step, and for these `final_obs`
+      (B, H, D) float32, the last observations, and `episode`, a dict with `length` [steps], `return` (rewards
+      summed), `score`, `rank` (1 is best, equal scores share it), `contests_won` and `contests_lost`, all (B, H), and
+      `verdicts`, (B, H, 11), how often each verdict was met, in the order of `Verdict`. Rows whose episode ended
+      earlier keep what they had; all but `_final_obs` and `final_obs` are float64.
+
+    Everything that is returned lies in buffers that the next call fills anew; `copy=True` returns arrays of their
+    own. A step allocates no memory, unless actions come in other types than int64 and float32.
+
+    Args: `scenario`, a name or a config; `num_envs`, B; `num_threads`, how many threads play, at least 4096
+    hunters each (results do not depend on it); `auto_reset`; `copy`; `overrides`, fields of ArenaConfig.
+    Raises: ConfigError.
+    """
+
+    def __init__(
+        self,
+        scenario: str | ArenaConfig = "standard",
+        num_envs: int = 1,
+        num_threads: int = 1,
+        *,
+        auto_reset: bool = True,
+        copy: bool = False,
+        **overrides: object,
+    ) -> None:
+        num_envs, num_threads = _positive("num_envs", num_envs), _positive("num_threads", num_threads)
+        for name, value in (("auto_reset", auto_reset), ("copy", copy)):
+            if not isinstance(value, bool):
+                raise ConfigError(f"{name} must be True or False, got {value!r}")
+        self.config: Final = arena_config(scenario, **overrides)
+        self.num_envs: Final = num_envs
+        self.num_hunters: Final = self.config.hunters
+        self._engine = Engine(self.config, num_envs, parts_wanted=False, auto_reset=auto_reset, num_threads=num_threads)
+        self._copy = copy
+        self._begun = False
+        shape = (num_envs, self.config.hunters)
+        self._choices = np.zeros(shape, dtype=np.int64)
+        self._commands = np.zeros((*shape, 2), dtype=np.float32)
+        self._rewards = np.zeros(shape, dtype=np.float32)
+        self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
+        self._infos = self._make_infos()
+
+    def _make_infos(self) -> dict[str, Any]:
+        engine, infos = self._engine, dict[str, Any]()
+        if set(self.config.controls) != {"velocity"}:
+            infos["action_mask"] = engine.masks.view()
+            infos["action_mask"].flags.writeable = False  # the engine writes only what has changed
+        if engine.auto_reset:
+            records = engine.records
+            tallies = records[:, :, episodes.FINAL_TALLIES :]
+            infos["_final_obs"] = self._ended
+            infos["final_obs"] = engine.last_observations
+            infos["episode"] = {
+                "length": records[:, :, episodes.LENGTH],
+                "return": records[:, :, episodes.FINAL_RETURN],
+                "score": records[:, :, episodes.FINAL_SCORE],
+                "rank": records[:, :, episodes.FINAL_RANK],
+                "contests_won": records[:, :, episodes.FINAL_CONTESTS_WON],
+                "contests_lost": tallies[:, :, Verdict.LOST_CONTEST - 1],
+                "verdicts": tallies,
+            }
+        return infos
+
+    def observation_space(self, seat: int = 0) -> spaces.Space[Any]:
+        """R7.1: what one hunter sees; the mask is in `infos`."""
+        return observation_space(self.config.replace(mask_in_observation=False), self._control_of(seat))
+
+    def action_space(self, seat: int = 0) -> spaces.Space[Any]:
+        """R4.1, R4.4: what one hunter may do."""
+        return action_space(self.config, self._control_of(seat))
+
+    def _control_of(self, seat: int) -> Control:
+        if isinstance(seat, bool) or not isinstance(seat, int) or not 0 <= seat < self.num_hunters:
+            raise ConfigError(f"seat must be a whole number from 0 to {self.num_hunters - 1}, got {seat!r}")
+        return self.config.controls[seat]
+
+    # playing
+
+    def reset(
+        self, seed: int | Iterable[int] | None = None, arenas: ArrayLike | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begin episodes.
+
+        Args: `seed`, one whole number in [0, 2^64), from which each row's own follows (A.5), or one for each arena;
+        without it each arena goes on to the episode after its own, and the first seed is the operating system's;
+        `arenas`, the rows to begin anew, as numbers or as a (B,) mask; all without it.
+        Returns: observations and infos, see above.
+        Raises: ConfigError; EpisodeError for single rows before all have begun.
+        """
+        chosen = self._rows(arenas)
+        if not self._begun and len(chosen) < self.num_envs:
+            raise EpisodeError("reset of single arenas must follow a reset of all: no episode has begun")
+        if seed is None:
+            seeds = (
+                batch_seeds(fresh_seed(), self.num_envs)
+                if not self._begun
+                else next_seeds(self._engine.seeds()[chosen])
+            )
+        elif isinstance(seed, Iterable) and not isinstance(seed, str):
+            seeds = np.array([checked_seed(one) for one in seed], dtype=np.uint64)
+        else:
+            seeds = batch_seeds(checked_seed(seed), self.num_envs)[chosen]
+        self._engine.reset(seeds, None if arenas is None else chosen)
+        self._begun = True
+        self._ended[chosen] = False
+        return self._handed_out((self._engine.observations, dict(self._infos)))
+
+    def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> Results:
+        """R1.4: one step of every arena.
+
+        Args: `actions`, see above.
+        Returns: observations (B, H, D) float32, rewards (B, H) float32, terminations (B,) and truncations (B,) bool,
+        infos.
+        Raises: ActionError that names the first arena and hunter whose action is not legal; nothing has moved then.
+        EpisodeError before the first reset.
+        """
+        if not self._begun:
+            raise EpisodeError("step must follow a reset: no episode has begun")
+        engine = self._engine
+        engine.step(*self._taken_in(actions))
+        np.copyto(self._rewards, engine.rewards, casting="same_kind")
+        np.equal(engine.ends, _TERMINATED, out=self._terminations)
+        np.equal(engine.ends, _TRUNCATED, out=self._truncations)
+        np.logical_or(self._terminations, self._truncations, out=self._ended)
+        return self._handed_out(
+            (engine.observations, self._rewards, self._terminations, self._truncations, dict(self._infos))
+        )
+
+    def _taken_in(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+        controls = set(self.config.controls)
+        if controls == {"target"}:
+            return self._checked_choices("actions", actions), self._commands
+        if controls == {"velocity"}:
+            return self._choices, self._checked_commands("actions", actions)
+        if not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
+            raise ActionError(f"actions must be a mapping with cmd_vel and catch, got {_named(actions)}")
+        choices = self._checked_choices("catch", actions["catch"])
+        return choices, self._checked_commands("cmd_vel", actions["cmd_vel"])
+
+    def _checked_choices(self, what: str, given: Any) -> NDArray[np.int64]:
+        ranks = self.config.targets_seen
+        choices = _array(what, given)
+        if choices.dtype.kind not in "iu":
+            raise ActionError(f"{what} must be whole numbers, got {_named(choices)}")
+        self._require_shape(what, choices, self._choices.shape)
+        if choices.min() < 0 or choices.max() > ranks:
+            self._blame(what, f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks))
+        if choices.dtype == np.int64 and choices.flags.carray:
+            return choices
+        np.copyto(self._choices, choices, casting="unsafe")  # every rank fits
+        return self._choices
+
+    def _checked_commands(self, what: str, given: Any) -> NDArray[np.float32]:
+        commands = _array(what, given)
+        if commands.dtype.kind not in "fiu":
+            raise ActionError(f"{what} must be numbers, got {_named(commands)}")
+        self._require_shape(what, commands, self._commands.shape)
+        if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
+            illegal = np.any(~((commands >= -1.0) & (commands <= 1.0)), axis=-1)
+            self._blame(what, "two numbers in [-1, 1]", commands, illegal)
+        if commands.dtype == np.float32 and commands.flags.carray:
+            return commands
+        np.copyto(self._commands, commands, casting="unsafe")  # rounded to float32
+        return self._commands
+
+    @staticmethod
+    def _require_shape(what: str, given: NDArray[Any], shape: tuple[int, ...]) -> None:
+        if given.shape != shape:
+            raise ActionError(f"{what} must have the shape {shape}, got {given.shape}")
+
+    @staticmethod
+    def _blame(what: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
+        arena, seat = (int(index) for index in np.argwhere(illegal)[0])
+        value = given[arena, seat].tolist()
+        raise ActionError(f"{what} must be {requirement}, got {value} in arena {arena} for hunter_{seat}")
+
+    def _handed_out(self, results: T) -> T:
+        return cast(T, _copied(results)) if self._copy else results
+
+    def _rows(self, arenas: ArrayLike | None) -> NDArray[np.int64]:
+        if arenas is None:
+            return np.arange(self.num_envs)
+        chosen = np.asarray(arenas)
+        if chosen.dtype == np.bool_ and chosen.shape == (self.num_envs,):
+            return np.flatnonzero(chosen)
+        legal = chosen.ndim == 1 and (chosen.dtype.kind in "iu" or not chosen.size)
+        if not legal or (chosen.size and not 0 <= chosen.min() <= chosen.max() < self.num_envs):
+            raise ConfigError(
+                f"arenas must be row numbers from 0 to {self.num_envs - 1} or a mask of {self.num_envs}, "
+                f"got {_named(chosen)}"
+            )
+        return chosen.astype(np.int64)
+
+    # keeping
+
+    def save(self) -> SavedState:
+        """R10.2: the state of all arenas; `restore` takes it back, here or in an arena of equal config and size.
+
+        Raises: EpisodeError before the first reset.
+        """
+        self._require_begun()
+        return SavedState(self.config.digest, self._engine.save())
+
+    def restore(self, saved: SavedState) -> NDArray[np.float32]:
+        """Go on from a saved state, bit for bit. Returns: the observations, (B, H, D). Raises: ConfigError."""
+        self._engine.restore(self._state_of(saved, self._engine.memory.shape))
+        self._begun = True
+        self._ended[:] = False
+        return self._handed_out(self._engine.observations)
+
+    def save_row(self, arena: int) -> SavedState:
+        """R10.2: the state of one arena, which any row of an arena of equal config can take."""
+        return SavedState(self.config.digest, self._engine.save_row(self._row(arena)))
+
+    def restore_row(self, arena: int, saved: SavedState) -> NDArray[np.float32]:
+        """Go on, in one arena, from a saved state. Returns: its observations, (H, D). Raises: ConfigError."""
+        arena = self._row(arena)
+        self._engine.restore_row(arena, self._state_of(saved, self._engine.save_row(arena).shape))
+        self._ended[arena] = False
+        return self._handed_out(self._engine.observations[arena])
+
+    def _state_of(self, saved: SavedState, shape: tuple[int, ...]) -> NDArray[np.float64]:
+        if not isinstance(saved, SavedState) or saved.config != self.config.digest:
+            raise ConfigError("a saved state must come from an arena of equal config, got another's")
+        if np.shape(saved.memory) != shape:
+            raise ConfigError(f"a saved state must have the shape {shape}, got {np.shape(saved.memory)}")
+        return saved.memory
+
+    def clone(self) -> "VectorArena":
+        """An arena of its own in the same state, as `copy.deepcopy` makes it too."""
+        return copy_module.deepcopy(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_infos"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """What was copied or unpickled has infos that show its own engine's arrays."""
+        self.__dict__.update(state)
+        self._infos = self._make_infos()
+
+    # reading
+
+    def world(self, arena: int) -> World:
+        """One arena in the world frame, for people, rendering and tests."""
+        return self._engine.world(self._row(arena))
+
+    def rulings(self, arena: int) -> tuple[Ruling, ...]:
+        """R5.6: one arena's verdicts of the last step; none where a new episode has begun in it."""
+        return self._engine.rulings(self._row(arena))
+
+    def digest(self, arena: int) -> bytes:
+        """A.8: eight bytes that stand for one arena's state."""
+        return self._engine.digest(self._row(arena))
+
+    def seeds(self) -> NDArray[np.uint64]:
+        """The seeds of the episodes under way: (B,). A one-arena env that is reset with one plays the same episode."""
+        return self._engine.seeds()
+
+    def _require_begun(self) -> None:
+        if not self._begun:
+            raise EpisodeError("this must follow a reset: no episode has begun")
+
+    def _row(self, arena: int) -> int:
+        self._require_begun()
+        if isinstance(arena, bool) or not isinstance(arena, int | np.integer) or not 0 <= arena < self.num_envs:
+            raise ConfigError(f"arena must be a row from 0 to {self.num_envs - 1}, got {arena!r}")
+        return int(arena)
+
+
+def _positive(name: str, value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+        raise ConfigError(f"{name} must be a whole number from 1 up, got {value!r}")
+    return int(value)
+
+
+def _array(what: str, given: Any) -> NDArray[Any]:
+    try:
+        return np.asarray(given)
+    except ValueError:
+        raise ActionError(f"{what} must be rows of equal length, got {_named(given)}") from None
+
+
+def _copied(results: Any) -> Any:
+    if isinstance(results, tuple):
+        return tuple(_copied(result) for result in results)
+    if isinstance(results, dict):
+        return {key: _copied(value) for key, value in results.items()}
+    return results.copy()
+
+
+def _named(given: object) -> str:
+    """What was given, in a few words."""
+    if isinstance(given, np.ndarray):
+        return f"an array of {given.dtype} of the shape {given.shape}"
+    return f"{given!r}"[:80]

@@ -1,0 +1,117 @@
+"""Catch Arena's own doors: the env of one arena, and the batch in many sizes."""
+
+import tracemalloc
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from measure import Subject, Work
+
+import catch_arena
+from catch_arena.layout import width
+
+ENV, BATCH, HUNTERS, TARGETS, RESET = "one arena", "batches", "more hunters", "more targets", "reset"
+REFERENCES = 3
+"""How many of ours stand beside the peers: the first subjects of all."""
+_FULL = {"initial_targets": 16, "spawn_frequency_hz": 10.0}
+"""Targets enough that the arena stays full."""
+USUAL = "4 hunters, 16 targets"
+"""The arena beside which others are put in the tables of growing cost."""
+
+
+def _work(config: catch_arena.ArenaConfig) -> Work:
+    ticks = config.control_period_ms / 16
+    return Work(width(config), f"{ticks:g}", arbiter=True)
+
+
+def one_arena(control: str) -> Subject:
+    """The PettingZoo parallel env: 4 hunters who all chase the nearest target, or drive with fixed velocities."""
+    env = catch_arena.parallel_env("standard", control=control)
+    env.reset(seed=1)
+    velocity = np.array((0.8, 0.3), dtype=np.float32)
+    action = {"target": 1, "velocity": velocity, "full": {"cmd_vel": velocity, "catch": 1}}[control]
+    actions = dict.fromkeys(env.possible_agents, action)
+
+    def step() -> None:
+        env.step(actions)
+        if not env.agents:
+            env.reset()
+
+    return Subject(ENV, f"Catch Arena, one arena, {control} control", step, env.config.hunters, _work(env.config))
+
+
+def _played(
+    envs: int, threads: int = 1, control: str = "target", **overrides: object
+) -> tuple[Callable[[], object], catch_arena.ArenaConfig]:
+    """A batch's step with fixed actions, and its config."""
+    config = catch_arena.scenario("standard", control=control, **overrides)
+    arena = catch_arena.VectorArena(config, envs, num_threads=threads)
+    arena.reset(1)
+    ranks = np.ones((envs, config.hunters), dtype=np.int64)
+    velocities = np.random.default_rng(1).uniform(-1, 1, (envs, config.hunters, 2)).astype(np.float32)
+    actions = {"target": ranks, "velocity": velocities, "full": {"cmd_vel": velocities, "catch": ranks}}[control]
+    return lambda: arena.step(actions), config
+
+
+def batch(envs: int, threads: int = 1, control: str = "target") -> Subject:
+    """The standard scenario, arena by arena in one array."""
+    step, config = _played(envs, threads, control)
+    name = f"Catch Arena, batch, {control} control"
+    return Subject(BATCH, name, step, config.hunters, _work(config), envs=envs, threads=threads)
+
+
+def by_hunters(hunters: int, envs: int) -> Subject:
+    """Few or many hunters; callers keep the number in the whole batch, and so the memory that a step moves."""
+    step, config = _played(envs, hunters=hunters, **_FULL)
+    return Subject(HUNTERS, f"{hunters} hunters, 16 targets", step, hunters, _work(config), envs=envs)
+
+
+def by_targets(targets: int, envs: int) -> Subject:
+    """4 hunters, few or many targets."""
+    step, config = _played(envs, **{**_FULL, "max_targets": targets, "initial_targets": targets})
+    return Subject(TARGETS, f"4 hunters, {targets} targets", step, 4, _work(config), envs=envs)
+
+
+def resets(envs: int) -> Iterator[Subject]:
+    """What a reset of one arena costs, alone and in a batch."""
+    env = catch_arena.parallel_env("standard")
+    env.reset(seed=1)
+    yield Subject(RESET, "Catch Arena, one arena, reset", env.reset, 4, _work(env.config))
+    arena = catch_arena.VectorArena("standard", envs)
+    yield Subject(RESET, "Catch Arena, batch, reset", lambda: arena.reset(1), 4, _work(env.config), envs=envs)
+
+
+def reference(*, quick: bool) -> list[Subject]:
+    """Those that stand beside the peers."""
+    return [one_arena("target"), *(batch(envs) for envs in _sizes(quick=quick)[-3:-1])]
+
+
+def _sizes(*, quick: bool) -> tuple[int, ...]:
+    return (1, 33, 40) if quick else (1, 32, 1024, 16384, 65536)
+
+
+def all_others(*, quick: bool) -> list[Subject]:
+    """Every other figure of ours."""
+    sizes = _sizes(quick=quick)
+    usual = sizes[-2]
+    at_once = 64 if quick else 65536
+    return [
+        *(one_arena(control) for control in ("velocity", "full")),
+        *(batch(envs) for envs in sizes if envs not in sizes[-3:-1]),
+        *(batch(envs, threads=2) for envs in sizes),
+        *(batch(usual, control=control) for control in ("velocity", "full")),
+        *(by_hunters(hunters, at_once // hunters) for hunters in (2, 4, 8, 16, 32, 64)),
+        *(by_targets(targets, at_once // 4) for targets in (4, 8, 16, 32, 64)),
+        *resets(usual),
+    ]
+
+
+def bytes_per_arena(*, quick: bool) -> dict[int, float]:
+    """What a batch holds in memory for each arena, by its size."""
+    found = {}
+    for envs in _sizes(quick=quick):
+        tracemalloc.start()
+        arena = catch_arena.VectorArena("standard", envs)
+        arena.reset(1)
+        found[envs] = tracemalloc.get_traced_memory()[0] / envs
+        tracemalloc.stop()
+    return found

@@ -1,0 +1,184 @@
+"""The figures as Markdown, for the screen and for docs/performance.md."""
+
+import statistics
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import ours
+from measure import Subject, ratio
+from peers import PEERS
+from phases import WHOLE
+
+
+def written(figures: Mapping[str, Any], subjects: Sequence[Subject]) -> str:
+    """Everything that was measured, as sections with a table each."""
+    groups: dict[str, list[Subject]] = {}
+    for subject in subjects:
+        groups.setdefault(subject.group, []).append(subject)
+    sections = [f"{figures['machine']}. Command: `{figures['command']}`."]
+    if PEERS in groups or figures["skipped"]:
+        sections += ["### Beside others", _beside_others(subjects)]
+        sections += [f"Skipped: {name} ({reason})." for name, reason in figures["skipped"].items()]
+    if ours.RESET in groups:
+        sections += ["### One arena, and batches", _alone(groups[ours.ENV] + groups[ours.BATCH])]
+        for group in (ours.HUNTERS, ours.TARGETS):
+            sections += [f"### {group.capitalize()}", _growth(groups[group])]
+        sections += ["### Reset and memory", _reset_and_memory(groups[ours.RESET], figures["bytes_per_arena"])]
+    if "startup" in figures:
+        sections += ["### Import and start-up", _startup(figures["startup"])]
+    if "phases" in figures:
+        sections += ["### Where a step's time goes", _phases(figures["phases"])]
+    return "\n\n".join(sections) + "\n"
+
+
+def _beside_others(subjects: Sequence[Subject]) -> str:
+    """Each of ours that has peers, as often as fast as each peer; single environments stand beside single ones only."""
+    references = subjects[: ours.REFERENCES]
+    rows = [
+        (
+            subject.name,
+            f"{subject.envs:,}",
+            subject.agents,
+            subject.work.observation_floats,
+            subject.work.physics_ticks,
+            "yes" if subject.work.arbiter else "no",
+            _rate(statistics.median(subject.env_steps)),
+            _rate(subject.agent_steps),
+            *(_beside(reference, subject) for reference in references),
+        )
+        for subject in (*references, *(s for s in subjects if s.group == PEERS))
+    ]
+    head = (
+        "environment",
+        "at once",
+        "agents",
+        "floats seen",
+        "physics ticks",
+        "arbiter",
+        "env-steps per CPU-s",
+        "agent-steps per CPU-s",
+        "our one arena is, in env-steps",
+        *(f"our batch of {one.envs:,} is, in agent-steps" for one in references[1:]),
+    )
+    return _table(head, rows)
+
+
+def _beside(reference: Subject, peer: Subject) -> str:
+    """A single environment is compared by its env-steps and with single ones only, a batch by its agent-steps."""
+    if reference is peer or (reference.envs == 1 and peer.envs > 1):
+        return ""
+    agents = 1.0 if reference.envs == 1 else reference.agents / peer.agents
+    return _times(ratio(reference.env_steps, peer.env_steps) * agents)
+
+
+def _alone(subjects: Sequence[Subject]) -> str:
+    rows = [
+        (
+            subject.name,
+            f"{subject.envs:,}",
+            subject.threads,
+            _rate(statistics.median(subject.env_steps)),
+            _rate(subject.agent_steps),
+            _rate(subject.agent_steps_on_the_wall),
+            _beside_one_thread(subject, subjects),
+        )
+        for subject in subjects
+    ]
+    head = (
+        "door",
+        "arenas",
+        "threads",
+        "env-steps per CPU-s",
+        "agent-steps per CPU-s",
+        "agent-steps per s",
+        "beside 1 thread, per s",
+    )
+    return _table(head, rows)
+
+
+def _beside_one_thread(subject: Subject, subjects: Sequence[Subject]) -> str:
+    if subject.threads == 1:
+        return ""
+    alike = (s for s in subjects if (s.name, s.envs, s.threads) == (subject.name, subject.envs, 1))
+    return _times(ratio(subject.env_steps_on_the_wall, next(alike).env_steps_on_the_wall))
+
+
+def _growth(subjects: Sequence[Subject]) -> str:
+    """Cost beside that of the standard 4 hunters and 16 targets."""
+    usual = next((s for s in subjects if s.name == ours.USUAL), subjects[0])
+    rows = [
+        (
+            subject.name,
+            f"{subject.envs:,}",
+            subject.work.observation_floats,
+            _rate(subject.agent_steps),
+            f"{1e9 / subject.agent_steps:.1f}",
+            _times(ratio(usual.env_steps, subject.env_steps) * usual.agents / subject.agents),
+        )
+        for subject in subjects
+    ]
+    head = (
+        "arena",
+        "arenas",
+        "floats seen",
+        "agent-steps per CPU-s",
+        "ns per agent-step",
+        f"cost, beside {usual.name}",
+    )
+    return _table(head, rows)
+
+
+def _reset_and_memory(subjects: Sequence[Subject], bytes_per_arena: Mapping[int, float]) -> str:
+    rows: list[tuple[object, ...]] = [
+        (f"{subject.name}, {subject.envs:,} at once", f"{1e6 / statistics.median(subject.env_steps):.2f} us an arena")
+        for subject in subjects
+    ]
+    rows += [
+        (f"memory of a batch of {envs:,}", f"{held:,.0f} bytes an arena") for envs, held in bytes_per_arena.items()
+    ]
+    return _table(("what", "cost"), rows)
+
+
+def _startup(startup: Mapping[str, Mapping[str, float]]) -> str:
+    rows = [(name, f"{one['wall_s']:.2f}", f"{one['cpu_s']:.2f}") for name, one in startup.items()]
+    return _table(("a process that ends with", "s", "CPU-s"), rows)
+
+
+def _phases(batches: Sequence[Mapping[str, Any]]) -> str:
+    head = ["phase"]
+    texts = []
+    for one in batches:
+        head += [f"ns per agent-step, {one['envs']:,} arenas", "share"]
+        texts.append(
+            f"With {one['envs']:,} arenas a step writes {one['bytes_written_per_agent_step']:.0f} bytes of "
+            f"observations, masks and rewards for each agent, and reads and writes {one['state_bytes_per_agent']:.0f} "
+            f"bytes of state; this machine fills as much memory with {one['fill_gigabytes_per_s']:.1f} GB/s."
+        )
+    rows = []
+    for phase in batches[0]["ns_per_agent_step"]:
+        row = [phase]
+        for one in batches:
+            nanoseconds = one["ns_per_agent_step"]
+            row += [f"{nanoseconds[phase]:.1f}", f"{100 * nanoseconds[phase] / nanoseconds[WHOLE]:.0f} %"]
+        rows.append(row)
+    return "\n".join(texts) + "\n\n" + _table(head, rows)
+
+
+def _rate(value: float) -> str:
+    """Three digits say all that a run can know."""
+    return f"{float(f'{value:.3g}'):,.0f}"
+
+
+def _times(value: float) -> str:
+    """As «11.8x»."""
+    return f"{float(f'{value:.3g}'):,g}x"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """Columns of even width, so that it reads on a screen too."""
+    lines = [[str(cell) for cell in row] for row in (head, *rows)]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
+    lines.insert(1, ["-" * width for width in widths])
+    return "\n".join(
+        "| " + " | ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) + " |" for line in lines
+    )

@@ -1,0 +1,405 @@
+"""The batch door: many arenas play what one plays, whatever their number, rows and threads."""
+
+import copy
+import multiprocessing
+import pickle
+import re
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from catch_arena import ArenaConfig, VectorArena, Verdict, parallel_env
+from catch_arena.engine import batch_seeds
+from catch_arena.errors import ActionError, ConfigError, EpisodeError
+
+SEED = 20_261_121
+BUSY = ArenaConfig(hunters=5, side_m=4.0, max_targets=8, initial_targets=4, spawn_frequency_hz=4.0, time_limit_s=2.0)
+"""Much happens, and episodes are short."""
+CONTROLS = ("target", "velocity", "full", ("target", "velocity", "full", "full", "target"))
+
+
+def random_actions(config, num_envs, source):
+    """Legal ones, as the config's control wants them."""
+    catches = source.integers(0, config.targets_seen + 1, (num_envs, config.hunters))
+    commands = source.uniform(-1, 1, (num_envs, config.hunters, 2)).astype(np.float32)
+    if set(config.controls) == {"target"}:
+        return catches
+    if set(config.controls) == {"velocity"}:
+        return commands
+    return {"cmd_vel": commands, "catch": catches}
+
+
+def one_arenas_actions(config, actions, row):
+    """The same for one row, as the one-arena env wants them."""
+    catches = actions["catch"] if isinstance(actions, dict) else actions
+    commands = actions["cmd_vel"] if isinstance(actions, dict) else actions
+    kinds = {
+        "target": lambda seat: int(catches[row, seat]),
+        "velocity": lambda seat: commands[row, seat],
+        "full": lambda seat: {"cmd_vel": commands[row, seat], "catch": int(catches[row, seat])},
+    }
+    return {f"hunter_{seat}": kinds[control](seat) for seat, control in enumerate(config.controls)}
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+def test_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(control):
+    """Observations, rewards, masks and ends of every step, last observations and figures of every episode."""
+    config = BUSY.replace(control=control)
+    arena, row, source = VectorArena(config, 40), 37, np.random.default_rng(SEED)
+    observations, infos = arena.reset(seed=SEED)
+    env = parallel_env(config)
+    seen, _ = env.reset(seed=int(batch_seeds(SEED, 40)[row]))
+    tally = np.zeros((config.hunters, len(Verdict)))
+    won, returns, episodes = np.zeros(config.hunters), np.zeros(config.hunters), 0
+    for _ in range(3 * config.max_steps + 5):
+        assert (np.array(list(seen.values())) == observations[row]).all()
+        actions = random_actions(config, 40, source)
+        observations, rewards, terminations, truncations, infos = arena.step(actions)
+        seen, gained, ended, cut, notes = env.step(one_arenas_actions(config, actions, row))
+        assert rewards[row].tolist() == np.array(list(gained.values()), np.float32).tolist()
+        assert (terminations[row], truncations[row]) == (any(ended.values()), any(cut.values()))
+        assert infos["_final_obs"][row] == (not env.agents)
+        returns += list(gained.values())
+        rulings = env.world().rulings
+        for ruling in rulings:
+            tally[ruling.hunter, ruling.verdict - 1] += 1
+        won[list({ruling.winner for ruling in rulings if ruling.verdict is Verdict.LOST_CONTEST})] += 1
+        if env.agents:
+            for seat, note in enumerate(notes.values()):
+                mask = note.get("action_mask")
+                mask = mask["catch"] if isinstance(mask, dict) else mask
+                assert mask is None or (mask == infos["action_mask"][row, seat]).all()
+            continue
+        scores = np.array([hunter.score for hunter in env.world().hunters])
+        figures = {name: values[row] for name, values in infos["episode"].items()}
+        assert (infos["final_obs"][row] == np.array(list(seen.values()))).all()
+        assert (figures["length"] == config.max_steps).all()
+        assert (figures["score"] == scores).all()
+        assert figures["rank"].tolist() == [1 + (scores > score).sum() for score in scores]
+        assert (figures["verdicts"] == tally).all()
+        assert (figures["contests_lost"] == tally[:, Verdict.LOST_CONTEST - 1]).all()
+        assert (figures["contests_won"] == won).all()
+        assert figures["return"] == pytest.approx(returns)
+        seen, _ = env.reset()
+        tally[:], won[:], returns[:], episodes = 0, 0, 0, episodes + 1
+    assert episodes == 3
+
+
+@pytest.mark.parametrize("size", [1, 7, 33, 100_000])
+def test_any_number_of_arenas_plays_alike(size):
+    """The rows of a small batch and of a large one, and the last row, which may stand alone in its block."""
+    config = BUSY.replace(hunters=2, max_targets=4)
+    arena, few, source = VectorArena(config, size), VectorArena(config, 1), np.random.default_rng(SEED)
+    seeds = batch_seeds(SEED, size)
+    arena.reset(seed=seeds)
+    few.reset(seed=seeds[-1:])
+    for _ in range(6):
+        actions = random_actions(config, size, source)
+        arena.step(actions)
+        few.step(actions[-1:])
+
+    assert arena.digest(size - 1) == few.digest(0)
+
+
+@pytest.mark.parametrize(
+    ("hunters", "targets", "seen"), [(1, 1, 1), (64, 64, 64), (64, 1, 1), (1, 64, 9), (17, 33, 16)]
+)
+def test_any_number_of_hunters_and_targets_plays_alike(hunters, targets, seen):
+    """R7.1's views of every width, from one arena and from a row of many."""
+    config = BUSY.replace(
+        hunters=hunters, max_targets=targets, initial_targets=targets, observed_targets=seen, control="full"
+    )
+    arena, source = VectorArena(config, 34), np.random.default_rng(SEED)
+    observations, _ = arena.reset(seed=SEED)
+    env = parallel_env(config)
+    alone, _ = env.reset(seed=int(arena.seeds()[33]))
+    for _ in range(8):
+        assert (np.array(list(alone.values())) == observations[33]).all()
+        actions = random_actions(config, 34, source)
+        observations, *_ = arena.step(actions)
+        alone, *_ = env.step(one_arenas_actions(config, actions, 33))
+
+    assert arena.digest(33) == env.digest()
+
+
+@pytest.mark.parametrize("threads", [2, 3, 16])
+def test_threads_do_not_change_anything(threads):
+    """Also where there are more of them than cores; episodes end and begin meanwhile."""
+    one, many = VectorArena(BUSY, 5000), VectorArena(BUSY, 5000, threads)
+    one.reset(seed=SEED)
+    many.reset(seed=SEED)
+    source = np.random.default_rng(SEED)
+    for _ in range(BUSY.max_steps + 3):
+        actions = random_actions(BUSY, 5000, source)
+        expected, got = one.step(actions), many.step(actions)
+        for left, right in zip(expected[:4], got[:4], strict=True):
+            assert (left == right).all()
+    for left, right in zip(expected[4]["episode"].values(), got[4]["episode"].values(), strict=True):
+        assert (left == right).all()
+
+    assert (one.save().memory == many.save().memory).all()
+
+
+def step_in_a_child(arena, actions, answers):
+    arena.step(actions)
+    answers.put(arena.digest(4999))
+
+
+@pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
+def test_a_forked_process_plays_on_after_threads_have_played():
+    """Threads do not live on in it, so that it must start its own."""
+    arena = VectorArena(BUSY, 5000, 2)
+    arena.reset(seed=SEED)
+    actions = np.ones((5000, 5), dtype=np.int64)
+    arena.step(actions)
+    context = multiprocessing.get_context("fork")
+    answers = context.SimpleQueue()
+    child = context.Process(target=step_in_a_child, args=(arena, actions, answers))
+    child.start()
+    child.join(60)
+    alive = child.is_alive()
+    child.kill()
+    arena.step(actions)
+
+    assert not alive
+    assert answers.get() == arena.digest(4999)
+
+
+def test_a_batch_and_its_rows_can_be_saved_restored_and_cloned():
+    """What is restored goes on bit for bit, figures of the episode included."""
+    arena, source = VectorArena(BUSY, 35), np.random.default_rng(SEED)
+    arena.reset(seed=SEED)
+    script = [random_actions(BUSY, 35, source) for _ in range(2 * BUSY.max_steps)]
+    for actions in script[:13]:
+        arena.step(actions)
+    saved, row, twin = arena.save(), arena.save_row(33), arena.clone()
+    other = VectorArena(BUSY, 3)
+    other.reset(seed=1)
+    for actions in script[13:]:
+        expected = [part.copy() for part in arena.step(actions)[:4]]
+    figures = {name: values.copy() for name, values in arena.step(script[0])[4]["episode"].items()}
+
+    for again in (twin, arena):
+        if again is arena:
+            again.restore(saved)
+        for actions in script[13:]:
+            got = again.step(actions)
+        assert all((left == right).all() for left, right in zip(expected, got[:4], strict=True))
+        got = again.step(script[0])
+        assert all((figures[name] == values).all() for name, values in got[4]["episode"].items())
+    other.restore_row(2, row)
+    for actions in (*script[13:], script[0]):
+        other.step(actions[31:34])
+    assert other.digest(2) == arena.digest(33)
+
+
+def test_arenas_that_have_ended_wait_for_their_reset_without_auto_reset():
+    """Gymnasium's DISABLED mode: they stand still, and single ones are reset by number or by mask."""
+    arena = VectorArena(BUSY, 33, auto_reset=False)
+    arena.reset(seed=SEED)
+    hold = np.zeros((33, 5), dtype=int)
+    ends = [arena.step(hold)[3].tolist() for _ in range(BUSY.max_steps)]
+    last = arena.digest(7)
+    ends += [arena.step(hold)[3].tolist() for _ in range(2)]
+
+    assert ends == [[False] * 33] * (BUSY.max_steps - 1) + [[True] * 33] * 3
+    assert arena.digest(7) == last
+
+    arena.reset(seed=[5, 6], arenas=[7, 32])
+    arena.reset(arenas=np.arange(33) == 8)
+    env = parallel_env(BUSY)
+    env.reset(seed=6)
+
+    assert arena.digest(32) == env.digest()
+    assert arena.digest(0) != arena.digest(8)
+    assert arena.world(8).step == 0
+
+
+def test_episodes_without_a_seed_follow_one_another():
+    """A.5: a run is repeated by its first seed alone."""
+    runs = []
+    for _ in range(2):
+        arena = VectorArena("duel", 9)
+        arena.reset(seed=SEED)
+        arena.reset()
+        arena.reset(arenas=[3])
+        runs.append(arena.seeds().tolist())
+
+    assert runs[0] == runs[1]
+    assert len({*runs[0], *batch_seeds(SEED, 9).tolist()}) == 18
+    assert VectorArena("duel", 2).reset()[0].shape == (2, 2, *VectorArena("duel").observation_space().shape)
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda arena: pickle.loads(pickle.dumps(arena))])  # noqa: S301
+def test_copies_and_pickles_play_on_by_themselves(again):
+    """Both doors, threads and figures of episodes included; the original does not move."""
+    arena = VectorArena(BUSY, 2000, 2)
+    arena.reset(seed=SEED)
+    actions = np.ones((2000, 5), dtype=np.int64)
+    for _ in range(BUSY.max_steps + 3):
+        arena.step(actions)
+    before, twin = arena.digest(3), again(arena)
+    assert (twin.step(actions)[4]["episode"]["score"] == arena._infos["episode"]["score"]).all()
+    assert arena.digest(3) == before
+    arena.step(actions)
+    assert (twin.digest(3), twin.world(3)) == (arena.digest(3), arena.world(3))
+    env = parallel_env(BUSY)
+    env.reset(seed=SEED)
+    twin = again(env)
+    for _ in range(5):
+        seen, other = (one.step(dict.fromkeys(one.agents, 1)) for one in (env, twin))
+        assert all((seen[0][agent] == other[0][agent]).all() for agent in env.agents)
+        assert str(seen[4]) == str(other[4])
+    assert env.digest() == twin.digest()
+
+
+def test_actions_that_may_not_be_written_to_are_taken_without_another_compilation():
+    """As those that other libraries' arrays become."""
+    from catch_arena.core import tick
+
+    arena = VectorArena("duel", 2)
+    arena.reset(seed=1)
+    actions = np.ones((2, 2), dtype=np.int64)
+    arena.step(actions)
+    compiled = len(getattr(tick.run, "signatures", ()))
+    actions.flags.writeable = False
+    arena.step(actions)
+
+    assert len(getattr(tick.run, "signatures", ())) == compiled
+
+
+def test_a_step_allocates_nothing():
+    """But a few small objects of Python's and NumPy's buffer for a conversion: less than one flag for each arena."""
+    arena = VectorArena("standard", 20_000)
+    arena.reset(seed=SEED)
+    actions = np.ones((20_000, 4), dtype=np.int64)
+    arena.step(actions)
+    tracemalloc.start()
+    try:
+        for _ in range(5):
+            arena.step(actions)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+    assert peak < 20_000
+
+
+def test_buffers_are_reused_unless_copies_are_asked_for():
+    """And the mask, of which only changes are written, is read only."""
+    for copied in (False, True):
+        arena = VectorArena("standard", 3, copy=copied)
+        first, infos = arena.reset(seed=SEED)
+        kept = first.copy()
+        second = arena.step(np.ones((3, 4), dtype=np.int64))[0]
+
+        assert (second is first) != copied
+        assert (first == kept).all() == copied
+        assert infos["action_mask"].flags.writeable == copied
+
+
+def test_other_integers_and_floats_are_taken_too():
+    """They are converted, as the one-arena env does it."""
+    arena, other = VectorArena("duel", 2), VectorArena("duel", 2)
+    arena.reset(seed=1)
+    other.reset(seed=1)
+    arena.step([[1, 2], [0, 1]])
+    other.step(np.array([[1, 2], [0, 1]], dtype=np.uint8))
+    assert arena.digest(1) == other.digest(1)
+    arena, other = (VectorArena("duel", 2, control="velocity") for _ in range(2))
+    arena.reset(seed=1)
+    other.reset(seed=1)
+    commands = np.random.default_rng(SEED).uniform(-1, 1, (2, 2, 2))
+    arena.step(commands)
+    other.step(np.asfortranarray(commands.astype(np.float32)))
+    assert arena.digest(1) == other.digest(1)
+
+
+NAN = np.zeros((2, 2, 2))
+NAN[1, 0, 1] = np.nan
+ILLEGAL = [
+    ("target", [[1, 2, 3]], ActionError, "actions must have the shape (2, 2), got (1, 3)"),
+    (
+        "target",
+        [[0, 1], [9, 0]],
+        ActionError,
+        "actions must be a whole number from 0 to 8, got 9 in arena 1 for hunter_0",
+    ),
+    ("target", [[0, 1], [0, -1]], ActionError, "got -1 in arena 1 for hunter_1"),
+    ("target", [[0.0, 1.0], [0.0, 1.0]], ActionError, "actions must be whole numbers, got an array of float64"),
+    ("target", "left", ActionError, "actions must be whole numbers, got an array of <U4"),
+    ("target", [[1, 2], [1]], ActionError, "actions must be rows of equal length"),
+    ("velocity", NAN, ActionError, "actions must be two numbers in [-1, 1], got [0.0, nan] in arena 1 for hunter_0"),
+    ("velocity", np.full((2, 2, 2), 1.5), ActionError, "got [1.5, 1.5] in arena 0 for hunter_0"),
+    ("velocity", np.ones((2, 2, 2), dtype=bool), ActionError, "actions must be numbers, got an array of bool"),
+    ("full", np.zeros((2, 2, 2)), ActionError, "actions must be a mapping with cmd_vel and catch, got an array"),
+    ("full", {"cmd_vel": np.zeros((2, 2, 2))}, ActionError, "actions must be a mapping with cmd_vel and catch"),
+    ("full", {"cmd_vel": np.zeros((2, 2, 2)), "catch": [[0, 9], [0, 0]]}, ActionError, "catch must be a whole number"),
+]
+
+
+@pytest.mark.parametrize(("control", "actions", "error", "message"), ILLEGAL)
+def test_an_illegal_action_moves_nothing(control, actions, error, message):
+    """The error names the arena and the hunter."""
+    arena = VectorArena("duel", 2, control=control)
+    arena.reset(seed=1)
+    before = arena.digest(1)
+    with pytest.raises(error, match=re.escape(message)):
+        arena.step(actions)
+
+    assert arena.digest(1) == before
+
+
+def test_what_else_is_wrong_is_told_in_one_line():
+    """Sizes, rows, states of other shapes, and play before the first reset."""
+    with pytest.raises(ConfigError, match="num_envs must be a whole number from 1 up, got 0"):
+        VectorArena("duel", 0)
+    with pytest.raises(ConfigError, match="num_threads must be a whole number from 1 up, got True"):
+        VectorArena("duel", 1, num_threads=True)
+    with pytest.raises(ConfigError, match="unknown scenario"):
+        VectorArena("dual", 1)
+    arena = VectorArena("duel", 3)
+    for call in (
+        lambda: arena.step([[0, 0]] * 3),
+        lambda: arena.digest(0),
+        lambda: arena.reset(arenas=[1]),
+        arena.save,
+    ):
+        with pytest.raises(EpisodeError, match="must follow a reset"):
+            call()
+    arena.reset(seed=1)
+    with pytest.raises(ConfigError, match="arena must be a row from 0 to 2, got 3"):
+        arena.digest(3)
+    with pytest.raises(ConfigError, match="arenas must be row numbers from 0 to 2 or a mask of 3"):
+        arena.reset(arenas=[3])
+    with pytest.raises(ConfigError, match="seeds must be one for each of 3 arenas, got 2"):
+        arena.reset(seed=[1, 2])
+    with pytest.raises(ConfigError, match="seed must be a whole number"):
+        arena.reset(seed=-1)
+    other, larger = VectorArena("duel", 3, reach_m=0.2), VectorArena("duel", 40)
+    other.reset(seed=1)
+    larger.reset(seed=1)
+    for saved in (other.save(), arena.save().memory, None):
+        with pytest.raises(ConfigError, match="a saved state must come from an arena of equal config"):
+            arena.restore(saved)
+    with pytest.raises(ConfigError, match="a saved state must have the shape"):
+        arena.restore(larger.save())
+    with pytest.raises(ConfigError, match="a saved state must have the shape"):
+        arena.restore_row(0, larger.save())
+    with pytest.raises(ConfigError, match="seat must be a whole number from 0 to 1, got 2"):
+        arena.action_space(2)
+    for seed in (5.0, [1.5] * 3, "123", True, [None] * 3, [[1]] * 3):
+        with pytest.raises(ConfigError, match="seed must be a whole number"):
+            arena.reset(seed=seed)
+    with pytest.raises(ConfigError, match="auto_reset must be True or False, got 'no'"):
+        VectorArena("duel", 1, auto_reset="no")
+
+
+def test_the_spaces_are_those_of_the_one_arena_env():
+    """By seat; the mask is among the infos in any case."""
+    arena = VectorArena("duel", 2, control=("target", "full"), mask_in_observation=True)
+    env = parallel_env("duel", control=("target", "full"))
+    for seat in range(2):
+        assert arena.observation_space(seat) == env.observation_space(f"hunter_{seat}")
+        assert arena.action_space(seat) == env.action_space(f"hunter_{seat}")
