@@ -4,9 +4,12 @@ import os
 from random import Random
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from oracle.arithmetic import to_float32
 
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
+from catch_arena.engine import Engine
 
 EFFORT = 20 if os.environ.get("CATCH_ARENA_LONG") == "1" else 1
 """How many times as many matches are played when CATCH_ARENA_LONG=1."""
@@ -101,6 +104,32 @@ def some_actions(source: Random, config: ArenaConfig, masks: list[list[int] | No
         )
         actions.append(rank if control == "target" else command if control == "velocity" else (command, rank))
     return actions
+
+
+def some_batch_actions(
+    source: Random, config: ArenaConfig, arenas: int
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Random choices and commands for every row."""
+    generator = np.random.default_rng(source.getrandbits(64))
+    shape = (arenas, config.hunters)
+    choices = generator.integers(0, min(3, config.targets_seen) + 1, shape)
+    return choices, generator.uniform(-1, 1, (*shape, 2)).astype(np.float32)
+
+
+def seen(engine: Engine, row: int) -> list[object]:
+    """Everything that one row hands out."""
+    return [
+        engine.state(row).tobytes(),
+        engine.digest(row),
+        engine.observations[row].tobytes(),
+        engine.masks[row].tobytes(),
+        engine.rewards[row].tobytes(),
+        engine.parts[row].tobytes(),
+        bool(engine.terminated[row]),
+        bool(engine.truncated[row]),
+        engine.rulings(row),
+        engine.world(row),
+    ]
 
 
 def settings_of(config: ArenaConfig) -> str:

@@ -1,44 +1,20 @@
-"""A row of a batch is the arena that it would be alone, and a saved or cloned engine goes on as the first one does."""
+"""A row of a batch is the arena that it would be alone, and a saved or cloned engine goes on as the first one does.
+
+That one thread plays what many play stands in tests/vector.
+"""
 
 from random import Random
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from oracle.arithmetic import ROW_SEED, draw, key
-from properties.matches import EFFORT, settings_of, some_config, some_pose, some_seed
+from properties.matches import EFFORT, seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine, batch_seeds
 
 FIRST_SEED = 70
 STEPS = 20
-Actions = tuple[NDArray[np.int64], NDArray[np.float32]]
-
-
-def some_batch_actions(source: Random, config: ArenaConfig, arenas: int) -> Actions:
-    """Random choices and commands for every row."""
-    generator = np.random.default_rng(source.getrandbits(64))
-    shape = (arenas, config.hunters)
-    choices = generator.integers(0, min(3, config.targets_seen) + 1, shape)
-    return choices, generator.uniform(-1, 1, (*shape, 2)).astype(np.float32)
-
-
-def seen(engine: Engine, row: int) -> list[object]:
-    """Everything that one row hands out."""
-    return [
-        engine.state(row).tobytes(),
-        engine.digest(row),
-        engine.observations[row].tobytes(),
-        engine.masks[row].tobytes(),
-        engine.rewards[row].tobytes(),
-        engine.parts[row].tobytes(),
-        bool(engine.terminated[row]),
-        bool(engine.truncated[row]),
-        engine.rulings(row),
-        engine.world(row),
-    ]
-
 
 NAMES = ("state", "digest", "observations", "masks", "rewards", "parts", "terminated", "truncated", "rulings", "world")
 
@@ -95,15 +71,24 @@ def test_the_order_of_the_rows_does_not_matter(arenas: int) -> None:
             assert_rows_same(one, row, other, arenas - 1 - row, f"row {row}, step {step}")
 
 
+@pytest.mark.parametrize("period", [100, 1000, 1500])
 @pytest.mark.parametrize("arenas", [1, 33])
-def test_some_rows_can_begin_anew_while_the_others_go_on(arenas: int) -> None:
-    """A reset of one row equals a fresh arena with that seed, and disturbs no other row."""
+def test_some_rows_can_begin_anew_while_the_others_go_on(arenas: int, period: int) -> None:
+    """A reset of one row equals a fresh arena with that seed, and disturbs no other row, though their steps then have
+    different numbers of ticks.
+    """
     source = Random(arenas)
-    config = ArenaConfig(hunters=2, spawn_frequency_hz=5.0, reach_m=1.0)
+    config = ArenaConfig(
+        hunters=3,
+        control=("target", "velocity", "full"),
+        control_period_ms=period,
+        spawn_frequency_hz=5.0,
+        reach_m=1.0,
+    )
     batch, undisturbed = Engine(config, arenas), Engine(config, arenas)
     for engine in (batch, undisturbed):
         engine.reset(range(arenas))
-    for _ in range(10):
+    for _ in range(9):
         actions = some_batch_actions(source, config, arenas)
         batch.step(*actions)
         undisturbed.step(*actions)

@@ -1,6 +1,7 @@
 """The engine and the oracle, which were written apart from one book, play the same matches bit for bit."""
 
 import struct
+from collections.abc import Callable
 from random import Random
 from typing import Any
 
@@ -18,9 +19,10 @@ from catch_arena.layout import columns
 FIRST_SEED = 20261121
 """The first source's seed; the others follow it."""
 GROUPS = 12
-MATCHES = 60 * EFFORT
-"""Random matches in each group."""
-STEPS = 25
+STEPS = 1_000_000 if EFFORT > 1 else 20_000
+"""How many steps are played on both, at least, over all groups."""
+LONGEST = 25
+"""The steps of one match."""
 
 
 def bits(numbers: list[float]) -> bytes:
@@ -60,8 +62,8 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
     assert bool(engine.truncated[0]) == oracle.truncated, "truncated"
 
 
-def play(source: Random, steps: int, met: set[Any]) -> None:
-    """One random match; `met` gathers what happened in it."""
+def play(source: Random, met: set[Any]) -> int:
+    """One random match, and how many steps it had; `met` gathers what happened in it."""
     config, seed = some_config(source), some_seed(source)
     names = [column.name for column in columns(config)]
     engine, oracle = Engine(config), OracleArena(config.to_dict())
@@ -71,7 +73,7 @@ def play(source: Random, steps: int, met: set[Any]) -> None:
     history: list[str] = []
     try:
         compare(engine, oracle, config, names)
-        for step in range(1, steps + 1):
+        for step in range(1, LONGEST + 1):
             if source.random() < 0.04:
                 seat = source.randrange(config.hunters)
                 history.append(f"withdraw({seat}) before step {step}")
@@ -100,14 +102,18 @@ def play(source: Random, steps: int, met: set[Any]) -> None:
     except (AssertionError, pytest.fail.Exception) as difference:
         what = "\n  ".join(history[-2:])
         pytest.fail(f"{difference}\nstep {step}, seed {seed}, ArenaConfig({settings_of(config)})\nlast:\n  {what}")
+    return step
 
 
 @pytest.mark.parametrize("group", range(GROUPS))
-def test_engine_and_oracle_play_the_same_matches(group: int) -> None:
+def test_engine_and_oracle_play_the_same_matches(group: int, record_property: Callable[[str, int], None]) -> None:
     """Every number of the state, every bit of what is seen and paid, step after step."""
     met: set[Any] = set()
-    for match in range(MATCHES):
-        play(Random(FIRST_SEED + GROUPS * match + group), STEPS, met)
+    steps = match = 0
+    while GROUPS * steps < STEPS:
+        steps += play(Random(FIRST_SEED + GROUPS * match + group), met)
+        match += 1
+    record_property("steps", steps)
     assert {"truncated", "wall", ("nearest", 11)} <= met
 
 

@@ -69,7 +69,7 @@ def test_r10_1_two_processes_with_different_hash_seeds_play_the_same_episode(nam
 @pytest.mark.rule("R10.1")
 def test_r10_1_interpreted_and_compiled_play_the_same_episode() -> None:
     """Numba's compiler switched off."""
-    compiled = digests("crowd", 25)
+    compiled = digests("crowd", 25, NUMBA_DISABLE_JIT="0")
     interpreted = digests("crowd", 25, NUMBA_DISABLE_JIT="1")
     assert compiled == interpreted
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from oracle.arithmetic import PLACE, draw, fraction, key
 from rulebook.adjudicators import Adjudicator
 from rulebook.conftest import ArenaFactory
 
@@ -66,6 +67,18 @@ def test_r3_2_places_are_uniform_between_the_bounds(arena: ArenaFactory, side: f
         assert min(tenths) > 40  # 76.8 are expected
         assert max(tenths) < 120
     assert len(set(found)) == len(found)
+
+
+@pytest.mark.rule("R3.2")
+@pytest.mark.parametrize(("seed", "axis"), [(12915147451021379664, 0), (7572032135351392532, 1)])
+def test_r3_2_the_greatest_draw_stays_below_the_bound(arena: ArenaFactory, seed: int, axis: int) -> None:
+    """It would be rounded up to the bound; A.5's mix, gone through backwards, gives the seeds that draw it."""
+    assert fraction(draw(key(seed, PLACE), axis)) == 1.0 - 2.0**-53
+    side = 3.0
+    high = side - (TURTLESIM_SIDE_M - 10.5)
+    assert 0.5 + (1.0 - 2.0**-53) * (high - 0.5) == high
+    (place,) = places(arena(initial_targets=1, side_m=side, seed=seed))
+    assert place[axis] == math.nextafter(high, 0.0)
 
 
 @pytest.mark.rule("R3.3")

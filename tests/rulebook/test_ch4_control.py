@@ -139,6 +139,17 @@ def test_r4_3_the_integrals_rest_while_the_output_is_at_its_limit(arena: ArenaFa
 
 
 @pytest.mark.rule("R4.3")
+def test_r4_3_an_output_that_just_reaches_its_limit_does_not_exceed_it(arena: ArenaFactory) -> None:
+    """So the integrals grow: two metres ahead at a gain of 1 and a limit of 2, and pi behind likewise."""
+    match = arena(gains={"kp_v": 1.0, "ki_v": 0.0, "kp_w": 1.0, "ki_w": 0.0}, max_turn_rate_radps=math.pi)
+    match.place(hunters=[(7.0, 5.0, 0.0)], targets=[(5.0, 5.0)])
+    match.step(1)
+    assert (match.hunter().v, match.hunter().w) == (match.config.max_speed_mps, -math.pi)
+    assert match.hunter().distance_integral == 2.0 * P
+    assert match.hunter().bearing_integral == -math.pi * P
+
+
+@pytest.mark.rule("R4.3")
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_r4_3_anti_windup_works_to_either_side(arena: ArenaFactory, side: float) -> None:
     """A turn that overshoots: the integral rests while the output is at a limit, and goes on below it."""

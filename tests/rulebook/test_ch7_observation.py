@@ -126,6 +126,16 @@ def test_r7_1_equally_near_rivals_are_ordered_by_what_is_seen_of_them(arena: Are
 
 
 @pytest.mark.rule("R7.1")
+@pytest.mark.parametrize("swapped", [False, True])
+def test_r7_1_rivals_that_differ_in_velocity_alone_are_ordered_by_it(arena: ArenaFactory, swapped: bool) -> None:
+    """Both drive on into one corner: the faster one comes first."""
+    match = arena(hunters=3, control="velocity")
+    match.place(hunters=[(5.0, 5.0, 0.0), *[(0.0, 0.0, -2.0)] * 2])
+    match.step((0.0, 0.0), *[(0.5, 0.0), (1.0, 0.0)][:: -1 if swapped else 1])
+    assert [rival["linear_velocity"] for rival in seen_rivals(match)] == [2.0, 1.0]
+
+
+@pytest.mark.rule("R7.1")
 def test_r7_1_at_most_the_nearest_seven_rivals_are_seen_by_default(arena: ArenaFactory) -> None:
     """Of nine; or all of fewer; or as many as the scenario says."""
     match = arena(hunters=10)

@@ -1,0 +1,152 @@
+"""What a stranger's code answers, read with patience: whatever is wrong with it becomes a difference in words."""
+
+import operator
+import reprlib
+import traceback
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from catch_arena.conformance.cases import Asked
+from catch_arena.tournament.entrants import reason
+from catch_arena.verdicts import Verdict
+
+_EVIDENCE: Final = ("distance_um", "winner")
+_FIELDS: Final = ("verdict", "hunter", "target", *_EVIDENCE)
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """One thing that was expected, and what came in its place."""
+
+    about: str
+    expected: str
+    got: str
+
+
+class DiffersError(Exception):
+    """An adjudicator's answer is not what the case expects."""
+
+    def __init__(self, *differences: Difference) -> None:
+        super().__init__(*differences)
+        self.differences = differences
+
+
+@dataclass(frozen=True, slots=True)
+class OtherTarget:
+    """Stands for the target of a ruling that does not repeat what was asked for."""
+
+    shown: str
+
+
+def answered(what: str, call: Callable[..., object], *arguments: object) -> Any:
+    """What a stranger's code returns. Raises: DiffersError, where it raises anything."""
+    try:
+        return call(*arguments)
+    except DiffersError:
+        raise
+    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+        raised = f"raised {printable(reason(error))}{_where(error)}"
+        raise DiffersError(Difference(what, "an answer", raised)) from error
+
+
+def read_rulings(given: object, asked: Sequence[Asked]) -> list[Asked]:
+    """What an adjudicator answers to these requests, in the form of what is expected of it.
+
+    Raises: DiffersError, for the first thing that cannot be read.
+    """
+    if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
+        count = shown(given)
+    else:
+        given = list(given)
+        if len(given) == len(asked):
+            return [
+                _ruling(place, one, ruling)
+                for place, (one, ruling) in enumerate(zip(asked, given, strict=True), start=1)
+            ]
+        count = f"{len(given)} of them"
+    expected = f"{len(asked)} rulings, one for each request, in their order"
+    raise DiffersError(Difference("the answer", expected, count))
+
+
+def request(place: int, asked: Asked) -> str:
+    """Who asks for what, in words."""
+    kind = "" if isinstance(asked.name, str) else f" ({type(asked.name).__name__})"
+    return f"request {place}, hunter {asked.hunter} asks for {shown(asked.name)}{kind}"
+
+
+def shown(value: object) -> str:
+    """A value as Python would write it, shortened, in one line."""
+    return printable(" ".join(reprlib.repr(value).split()))
+
+
+def printable(text: str) -> str:
+    """The text with escapes for what neither a terminal nor XML can hold."""
+    return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
+
+
+def _where(error: BaseException) -> str:
+    """The file and line in which a stranger's code raised an error, if it was reached at all."""
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    own = Path(frame.filename).parent == Path(__file__).parent
+    return "" if own else printable(f" ({Path(frame.filename).name}, line {frame.lineno})")
+
+
+def _ruling(place: int, asked: Asked, given: object) -> Asked:
+    """A ruling of an object with its attributes, of a mapping with its keys, or of a sequence in its order."""
+
+    def wrong(field: str, must: str, value: object) -> DiffersError:
+        return DiffersError(Difference(f"{request(place, asked)}: {field}", must, shown(value)))
+
+    fields = _fields(given)
+    if not {"verdict", "hunter", "target"} <= fields.keys():
+        raise wrong("the ruling", "verdict, hunter, target, and perhaps distance_um and winner", given)
+    verdict = _verdict(fields["verdict"])
+    if verdict is None:
+        raise wrong("verdict", f"one of {', '.join(Verdict.__members__)}", fields["verdict"])
+    hunter = _whole(fields["hunter"])
+    if hunter is None:
+        raise wrong("hunter", "a whole number", fields["hunter"])
+    evidence = {field: _whole(fields.get(field)) for field in _EVIDENCE}
+    for field, value in evidence.items():
+        if value is None and fields.get(field) is not None:
+            raise wrong(field, "a whole number or None", fields[field])
+    target = fields["target"]
+    name = asked.name if _repeats(asked.name, target) else OtherTarget(shown(target))
+    return Asked(hunter=hunter, name=name, verdict=verdict, **evidence)
+
+
+def _fields(given: object) -> dict[str, object]:
+    if hasattr(given, "verdict"):
+        return {name: getattr(given, name) for name in _FIELDS if hasattr(given, name)}
+    if isinstance(given, Mapping):
+        return {name: given[name] for name in _FIELDS if name in given}
+    if isinstance(given, Sequence) and not isinstance(given, str | bytes) and len(given) <= len(_FIELDS):
+        return dict(zip(_FIELDS, given, strict=False))
+    return {}
+
+
+def _verdict(value: object) -> Verdict | None:
+    if isinstance(value, str):
+        return Verdict.__members__.get(value)
+    number = _whole(value)
+    return Verdict(number) if number in set(Verdict) else None
+
+
+def _whole(value: object) -> int | None:
+    if isinstance(value, bool):
+        return None
+    try:
+        return operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        return None
+
+
+def _repeats(name: object, target: object) -> bool:
+    """Whether a ruling's target is what was asked for; by its looks, where that is no string: NaN does not equal
+    itself.
+    """
+    if isinstance(name, str):
+        return isinstance(target, str) and name == target
+    return repr(name) == repr(target)

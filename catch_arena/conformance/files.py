@@ -1,0 +1,270 @@
+"""The suite's .toml files, read and checked."""
+
+import re
+import tomllib
+from collections.abc import Callable
+from functools import cache
+from importlib.resources import files
+from typing import Any, Final, get_args
+
+from catch_arena.config import ArbitrationPolicy
+from catch_arena.conformance.cases import ANY, DEFAULTS, LOT, READINGS, ArbiterCase, Asked, Beat, Lot, WorldCase
+from catch_arena.conformance.tables import (
+    Table,
+    flag,
+    listed,
+    number,
+    point,
+    tabled,
+    text,
+    texts,
+    whole,
+    wholes,
+    word_or,
+)
+from catch_arena.errors import ConfigError, suggest
+from catch_arena.verdicts import Verdict
+
+
+@cache
+def load_cases() -> tuple[ArbiterCase | WorldCase, ...]:
+    """Every case of the suite, by file and in the files' order."""
+    folder = files("catch_arena.conformance")
+    names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    return tuple(case for name in names for case in read_cases(name, (folder / name).read_text(encoding="utf-8")))
+
+
+def read_cases(name: str, written: str) -> list[ArbiterCase | WorldCase]:
+    """The cases of one file.
+
+    Args: `name`, the file's, and what is `written` in it; its stem begins the id of each of its cases.
+    Raises: ConfigError that names the file, the case and the field.
+    """
+    try:
+        content = tomllib.loads(written)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{name}: is no TOML: {error}") from None
+    top = Table(name, content)
+    found: list[ArbiterCase | WorldCase] = []
+    for kind, read in (("case", _arbiter_case), ("world", _world_case)):
+        for table in top.take(kind, "a list of tables", listed, []):
+            place = table.get("id") if isinstance(table, dict) else None
+            found.append(read(Table(f"{name}: {place or f'{kind} without an id'}", table), name.removesuffix(".toml")))
+    top.finish()
+    seen: set[str] = set()
+    for case in found:
+        if case.id in seen:
+            raise ConfigError(f"{name}: {case.id}: id must be unique")
+        seen.add(case.id)
+    return found
+
+
+def _arbiter_case(table: Table, group: str) -> ArbiterCase:
+    own = _about(table, group)
+    hunters = table.take("hunters", "a list of places [x, y]", lambda value: tuple(map(point, listed(value))))
+    targets = table.take(
+        "targets", "a table of places [x, y]", lambda value: {name: point(at) for name, at in tabled(value).items()}
+    )
+    seat = _seat_of(len(hunters))
+    case = ArbiterCase(
+        **own,
+        hunters=hunters,
+        targets=targets,
+        asked=table.take("requests", "a list of tables", lambda value: _asked(table.where, value, seat, "name")),
+        circumstances=_circumstances(table, seat),
+        lots=table.take("lots", "a list of tables", lambda value: _lots(table.where, value, seat), ()),
+        fair_over_steps=table.take("fair_over_steps", "a whole number", whole, 0),
+        standard=table.take("standard", "a list of tables", lambda value: _asked(table.where, value, seat, "name"), ()),
+    )
+    table.finish()
+    _require_sense(table.where, case)
+    return case
+
+
+def _require_sense(where: str, case: ArbiterCase) -> None:
+    """What is said at two places must agree."""
+    for lot in case.lots:
+        if lot.target not in case.targets:
+            raise ConfigError(f"{where}: lots must be drawn for targets that are alive, got {lot.target!r}")
+        if lot.drawn not in lot.seats:
+            raise ConfigError(f"{where}: drawn must be one of the seats {list(lot.seats)}, got {lot.drawn}")
+    drawn_for = {lot.target: lot.seats for lot in case.lots}
+    for asked in case.asked:
+        seats = drawn_for.get(asked.name) if isinstance(asked.name, str) else None
+        if asked.winner == LOT and seats is None:
+            raise ConfigError(f"{where}: a ruling by lot must have its target among the lots, got {asked.name!r}")
+        if asked.verdict == LOT and (seats is None or asked.hunter not in seats):
+            raise ConfigError(f"{where}: verdict LOT must be for the lot's own seats, got hunter {asked.hunter}")
+    if case.standard and [(one.hunter, one.name) for one in case.standard] != [
+        (one.hunter, one.name) for one in case.asked
+    ]:
+        raise ConfigError(f"{where}: standard must answer the very requests of the case")
+    if case.fair_over_steps and not case.lots:
+        raise ConfigError(f"{where}: fair_over_steps must come with lots")
+
+
+def _world_case(table: Table, group: str) -> WorldCase:
+    own = _about(table, group)
+    settings = _settings(Table(f"{table.where}: settings", table.take("settings", "a table", tabled)))
+    seat = _seat_of(settings["hunters"])
+    play = table.take(
+        "play", "a list of tables", lambda value: tuple(_beat(table.where, beat, seat) for beat in listed(value))
+    )
+    table.finish()
+    return WorldCase(**own, settings=settings, play=play)
+
+
+def _about(table: Table, group: str) -> dict[str, Any]:
+    def own_id(value: object) -> str:
+        if not isinstance(value, str) or not re.fullmatch(rf"{re.escape(group)}(\.[a-z0-9]+(-[a-z0-9]+)*)+", value):
+            raise ValueError
+        return value
+
+    def clauses(value: object) -> tuple[str, ...]:
+        found = texts(value)
+        if not found or not all(re.fullmatch(r"R\d+\.\d+", clause) for clause in found):
+            raise ValueError
+        return found
+
+    return {
+        "id": table.take("id", f"{group}. and words in lower case with hyphens", own_id),
+        "clauses": table.take("clauses", "a list of clauses like R5.4", clauses),
+        "situation": table.take("situation", "a text", text),
+        "why": table.take("why", "a text", text),
+        "options": table.take("options", "a list of texts", texts, ()),
+    }
+
+
+def _circumstances(table: Table, seat: Callable[[object], int]) -> dict[str, Any]:
+    readers: dict[str, tuple[str, Callable[[Any], Any]]] = {
+        "reach_m": ("a positive number", number),
+        "policy": _POLICY,
+        "seed": ("a whole number", whole),
+        "step": ("a whole number", whole),
+        "caught": ("a list of names", texts),
+        "inactive": ("a list of seats", lambda value: tuple(map(seat, listed(value)))),
+        "kill_service_up": ("true or false", flag),
+        "kill_refused": ("a list of names", texts),
+        "match_over": ("true or false", flag),
+    }
+    return {key: table.take(key, words, read, DEFAULTS[key]) for key, (words, read) in readers.items()}
+
+
+def _settings(table: Table) -> dict[str, Any]:
+    """What a case says of its arena, and the number of hunters, 1 where it does not."""
+    readers: dict[str, tuple[str, Callable[[Any], Any]]] = {
+        "reach_m": ("a positive number", number),
+        "policy": _POLICY,
+        "spawn_frequency_hz": ("a number", number),
+        "initial_targets": ("a whole number", whole),
+        "max_targets": ("a whole number", whole),
+        "target_budget": ("a whole number", whole),
+        "control_period_ms": ("a whole number", whole),
+        "time_limit_s": ("a positive number", number),
+        "kill_down": ("a list of steps", wholes),
+        "kill_refused": ("a list of [step, number]", lambda value: list(map(_pair, listed(value)))),
+        "spawn_down": ("a list of firings", wholes),
+        "spawn_refused": ("a list of numbers", wholes),
+    }
+    found = {"hunters": table.take("hunters", "a whole number", whole, 1)}
+    found |= {key: table.take(key, words, read, None) for key, (words, read) in readers.items()}
+    table.finish()
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def _asked(where: str, value: object, seat: Callable[[object], int], names: str) -> tuple[Asked, ...]:
+    """Requests with their rulings; `names` is the key that says what was asked for."""
+    found = []
+    for place, entry in enumerate(listed(value), start=1):
+        table = Table(f"{where}: request {place}", entry)
+        found.append(
+            Asked(
+                hunter=table.take("hunter", "a seat", seat),
+                name=table.take(names, "given", lambda given: given),
+                verdict=table.take(
+                    "verdict", f"LOT or one of {', '.join(Verdict.__members__)}", word_or(LOT, _verdict)
+                ),
+                distance_um=table.take(
+                    "distance_um", "a whole number of micrometres or ANY", word_or(ANY, whole), None
+                ),
+                winner=table.take("winner", "a seat or LOT", word_or(LOT, seat), None),
+            )
+        )
+        table.finish()
+    return tuple(found)
+
+
+def _lots(where: str, value: object, seat: Callable[[object], int]) -> tuple[Lot, ...]:
+    found = []
+    for entry in listed(value):
+        table = Table(f"{where}: lots", entry)
+        found.append(
+            Lot(
+                target=table.take("target", "a name", text),
+                seats=table.take("seats", "a list of seats", lambda given: tuple(map(seat, listed(given)))),
+                drawn=table.take("drawn", "a seat", seat),
+            )
+        )
+        table.finish()
+    return tuple(found)
+
+
+def _beat(where: str, value: object, seat: Callable[[object], int]) -> Beat:
+    table = Table(f"{where}: play", value)
+
+    def poses(given: object) -> tuple[tuple[float, float, float], ...]:
+        found = [tuple(map(number, listed(pose))) for pose in listed(given)]
+        if any(len(pose) != 3 for pose in found):
+            raise ValueError
+        return tuple((x, y, theta) for x, y, theta in found)
+
+    def velocities(given: object) -> dict[int, tuple[float, float]]:
+        return {seat(who): (number(v), number(w)) for who, v, w in listed(given)}
+
+    def numbered(given: object) -> tuple[Asked, ...]:
+        return _asked(table.where, given, seat, "number")
+
+    beat = Beat(
+        reset=table.take("reset", "true or false", flag, False),
+        hunters=table.take("hunters", "a list of poses [x, y, theta]", poses, None),
+        targets=table.take("targets", "a list of places [x, y]", lambda given: tuple(map(point, listed(given))), ()),
+        withdraw=table.take("withdraw", "a seat", seat, None),
+        steps=table.take("steps", "a whole number", whole, 0),
+        drive=table.take("drive", "a list of [hunter, v, w]", velocities, {}),
+        asked=table.take("requests", "a list of tables", numbered, None),
+        read=table.take("read", "a table", tabled, {}),
+    )
+    table.finish()
+    for word in beat.read:
+        if word not in READINGS:
+            raise ConfigError(f"{table.where}: nothing called {word!r} can be read: {suggest(word, READINGS)}")
+    return beat
+
+
+def _pair(value: object) -> list[int]:
+    step, number_asked_for = wholes(value)
+    return [step, number_asked_for]
+
+
+def _verdict(value: object) -> Verdict:
+    if value not in Verdict.__members__:
+        raise ValueError
+    return Verdict[text(value)]
+
+
+def _policy(value: object) -> object:
+    if value not in get_args(ArbitrationPolicy):
+        raise ValueError
+    return value
+
+
+_POLICY: Final = (f"one of {', '.join(get_args(ArbitrationPolicy))}", _policy)
+
+
+def _seat_of(hunters: int) -> Callable[[object], int]:
+    def seat(value: object) -> int:
+        if whole(value) >= hunters:
+            raise ValueError
+        return whole(value)
+
+    return seat

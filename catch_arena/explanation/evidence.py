@@ -1,0 +1,273 @@
+"""What happened in a match, from the arbiter's evidence (R5.6): contests, refusals, and what became of each hunter."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any, Final
+
+import numpy as np
+
+from catch_arena.core.jit import entry
+from catch_arena.core.random import service_lot, ticket
+from catch_arena.explanation.seats import labels, seat_of
+from catch_arena.replay import Replay
+from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.world import World
+
+_CONTESTED: Final = (Verdict.GRANTED, Verdict.KILL_FAILED, Verdict.LOST_CONTEST)
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """One hunter's part in a contest."""
+
+    seat: int
+    verdict: Verdict
+    distance_um: int | None
+    """At the step's beginning (R5.3); None under the policy `capstone`, which does not measure."""
+    lot: int | None = None
+    """Where a lot decided (R5.5, R5.9): its word, of which the lowest wins."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contest:
+    """Several hunters could have caught one target in one step."""
+
+    step: int
+    """Counted from 1."""
+    time_ms: int
+    """When the step ended."""
+    target: str
+    clause: str
+    """What decided: R5.4 the distance, R5.5 a lot among equally near ones, R5.9 the queue of `first_come`, R9.1 that
+    the capstone's service refuses nobody.
+    """
+    claims: tuple[Claim, ...]
+    """The winner first, then the nearer ones first."""
+
+    @property
+    def margin_um(self) -> int | None:
+        """How much nearer the winner was than the nearest loser; negative where a lot preferred a farther one."""
+        first, second = (claim.distance_um for claim in self.claims[:2])
+        return None if first is None or second is None else second - first
+
+
+@dataclass(slots=True)
+class Refusals:
+    """One hunter's requests that were refused for the same reason, with no catch and no contest of its own between."""
+
+    seat: int
+    verdict: Verdict
+    first_step: int
+    last_step: int
+    first_ms: int
+    """When the first of these steps ended."""
+    last_ms: int
+    times: int = 0
+    targets: list[str] = field(default_factory=list)
+    """Each target once; none where no rank that was asked for had one."""
+    nearest_um: int | None = None
+    farthest_um: int | None = None
+
+
+@dataclass(slots=True)
+class Record:
+    """What became of one hunter."""
+
+    seat: int
+    name: str
+    catches: int = 0
+    contests_won: int = 0
+    contests_lost: int = 0
+    won_by_um: float | None = None
+    """How much nearer than the nearest rival it was in the contests that it won, on average."""
+    lost_by_um: float | None = None
+    """How much nearer the winner was in those that it lost, on average."""
+    refused: dict[str, int] = field(default_factory=dict)
+    """Requests refused for other reasons, by verdict."""
+    forestalled: int = 0
+    """Targets that it was heading for, and that another hunter caught without a contest between them."""
+    withdrawn_ms: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """The contests and refusals of a match, and a record for each hunter that was asked about."""
+
+    title: str
+    policy: str
+    reach_um: int
+    steps: int
+    duration_ms: int
+    names: tuple[str, ...]
+    """What the hunters are called, by seat."""
+    scores: tuple[int, ...]
+    contests: tuple[Contest, ...]
+    refusals: tuple[Refusals, ...]
+    records: tuple[Record, ...]
+
+    def lines(self) -> list[str]:
+        """The match in words: a paragraph for each contest and each run of refusals in their order, then one for each
+        hunter.
+        """
+        from catch_arena.explanation.words import paragraphs
+
+        return paragraphs(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits, distances in micrometres."""
+        return {name: json_ready(value) for name, value in asdict(self).items()}
+
+
+def explain(
+    replay: Replay, hunter: int | str | None = None, progress: Callable[[int, int], None] | None = None
+) -> Explanation:
+    """Play a match again, and tell its contests and refusals.
+
+    Args: `hunter`, a seat or an agent's name, to hear of that one alone; `progress`, called with (steps played, steps
+    in all).
+    Raises: ReplayError where the match does not play as recorded, ConfigError for an unknown hunter.
+    """
+    chosen = range(replay.config.hunters) if hunter is None else (seat_of(replay, hunter),)
+    names = labels(replay.names)
+    contests: list[Contest] = []
+    refusals: list[Refusals] = []
+    running: dict[tuple[int, Verdict], Refusals] = {}
+    refused = [Counter[str]() for _ in names]
+    records = [Record(seat, name) for seat, name in enumerate(names)]
+    scores: tuple[int, ...] = ()
+    for step, world in enumerate(replay.worlds()):
+        found = contests_of(replay, world)
+        contests += found
+        _note_refusals(world, {claim.seat for contest in found for claim in contest.claims}, running, refusals)
+        _note_forestalled(world, found, records)
+        for ruling in world.rulings:
+            if ruling.verdict not in (Verdict.GRANTED, Verdict.LOST_CONTEST):
+                refused[ruling.hunter][ruling.verdict.name] += 1
+        scores = tuple(hunter.score for hunter in world.hunters)
+        if progress is not None:
+            progress(step, replay.steps)
+    for before, seat in replay.withdrawals:
+        records[seat].withdrawn_ms = before * replay.config.control_period_ms
+    _settle(records, contests)
+    for record, score, tally in zip(records, scores, refused, strict=True):
+        record.catches, record.refused = score, dict(sorted(tally.items()))
+    return Explanation(
+        title=replay.title,
+        policy=replay.config.policy,
+        reach_um=replay.config.reach_um,
+        steps=replay.steps,
+        duration_ms=replay.steps * replay.config.control_period_ms,
+        names=names,
+        scores=scores,
+        contests=tuple(one for one in contests if any(claim.seat in chosen for claim in one.claims)),
+        refusals=tuple(one for one in refusals if one.seat in chosen),
+        records=tuple(records[seat] for seat in chosen),
+    )
+
+
+def contests_of(replay: Replay, world: World) -> list[Contest]:
+    """The contests of the step that led to a world."""
+    by_target: dict[object, list[Ruling]] = {}
+    for ruling in world.rulings:
+        if ruling.verdict in _CONTESTED:
+            by_target.setdefault(ruling.target, []).append(ruling)
+    return [_contest(replay, world, str(target), asked) for target, asked in by_target.items() if len(asked) > 1]
+
+
+def _contest(replay: Replay, world: World, target: str, asked: Sequence[Ruling]) -> Contest:
+    asked = sorted(asked, key=lambda ruling: (-ruling.verdict, ruling.distance_um or 0, ruling.hunter))
+    nearest = asked[0].distance_um
+    tied = [ruling.hunter for ruling in asked if ruling.distance_um == nearest]
+    lots: dict[int, int] = {}
+    seed, step = np.uint64(replay.seed), world.step - 1
+    if replay.config.policy == "capstone":
+        clause = "R9.1"
+    elif replay.config.policy == "first_come":
+        clause = "R5.9"
+        lots = {ruling.hunter: int(_service_lot(seed, step, ruling.hunter)) for ruling in asked}
+    elif len(tied) > 1:
+        clause = "R5.5"
+        number = int(target.removeprefix(replay.config.name_prefix))
+        lots = {seat: int(_ticket(seed, step, number, seat)) for seat in tied}
+    else:
+        clause = "R5.4"
+    claims = tuple(
+        Claim(ruling.hunter, ruling.verdict, ruling.distance_um, lots.get(ruling.hunter)) for ruling in asked
+    )
+    return Contest(world.step, world.time_ms, target, clause, claims)
+
+
+@entry
+def _ticket(seed: np.uint64, step: int, number: int, seat: int) -> np.uint64:
+    """R5.5: the core's own rule, with a door to Python."""
+    return ticket(seed, step, number, seat)
+
+
+@entry
+def _service_lot(seed: np.uint64, step: int, seat: int) -> np.uint64:
+    """R5.9: the core's own rule, with a door to Python."""
+    return service_lot(seed, step, seat)
+
+
+def _note_refusals(
+    world: World, contested: set[int], running: dict[tuple[int, Verdict], Refusals], found: list[Refusals]
+) -> None:
+    """Adds the step's refusals to the runs that they go on, or begins new ones; a contest is told as such."""
+    for ruling in world.rulings:
+        if ruling.success or ruling.hunter in contested:
+            for verdict in Verdict:
+                running.pop((ruling.hunter, verdict), None)
+            continue
+        run = running.get((ruling.hunter, ruling.verdict))
+        if run is None:
+            run = Refusals(ruling.hunter, ruling.verdict, world.step, world.step, world.time_ms, world.time_ms)
+            running[ruling.hunter, ruling.verdict] = run
+            found.append(run)
+        run.times += 1
+        run.last_step, run.last_ms = world.step, world.time_ms
+        if ruling.target is not None and ruling.target not in run.targets:
+            run.targets.append(str(ruling.target))
+        if (distance := ruling.distance_um) is not None:
+            run.nearest_um = distance if run.nearest_um is None else min(run.nearest_um, distance)
+            run.farthest_um = distance if run.farthest_um is None else max(run.farthest_um, distance)
+
+
+def _note_forestalled(world: World, contests: Sequence[Contest], records: Sequence[Record]) -> None:
+    """R4.1's active target was caught by somebody else, and the hunter did not even contest it."""
+    catchers = {ruling.target: ruling.hunter for ruling in world.rulings if ruling.success}
+    contested = {(contest.target, claim.seat) for contest in contests for claim in contest.claims}
+    for record, hunter in zip(records, world.hunters, strict=True):
+        goal = hunter.active_target
+        if catchers.get(goal, record.seat) != record.seat and (goal, record.seat) not in contested:
+            record.forestalled += 1
+
+
+def _settle(records: Sequence[Record], contests: Sequence[Contest]) -> None:
+    """Contests won and lost, and by how much on average."""
+    won: list[list[int]] = [[] for _ in records]
+    lost: list[list[int]] = [[] for _ in records]
+    for contest in contests:
+        if contest.clause == "R9.1":
+            continue  # everybody won
+        winner, *losers = contest.claims
+        won[winner.seat].append(contest.margin_um or 0)
+        for claim in losers:
+            lost[claim.seat].append((claim.distance_um or 0) - (winner.distance_um or 0))
+    for record in records:
+        wins, losses = won[record.seat], lost[record.seat]
+        record.contests_won, record.contests_lost = len(wins), len(losses)
+        record.won_by_um = sum(wins) / len(wins) if wins else None
+        record.lost_by_um = sum(losses) / len(losses) if losses else None
+
+
+def json_ready(value: Any) -> Any:
+    """Verdicts by name, lots as hexadecimal digits: a program that reads JSON may not know 64-bit integers."""
+    if isinstance(value, Verdict):
+        return value.name
+    if isinstance(value, dict):
+        return {
+            key: f"{part:016x}" if key == "lot" and part is not None else json_ready(part)
+            for key, part in value.items()
+        }
+    return [json_ready(part) for part in value] if isinstance(value, list | tuple) else value

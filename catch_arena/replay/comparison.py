@@ -1,0 +1,88 @@
+"""Two replays beside each other: where they part."""
+
+from collections.abc import Iterator, Mapping
+from itertools import zip_longest
+from typing import Any
+
+import numpy as np
+
+from catch_arena.replay.differences import boundary, of_a_screen, state_differences
+from catch_arena.replay.recording import Replay
+from catch_arena.replay.witness import scores
+
+
+def replay_differences(one: Replay, other: Replay, called: tuple[str, str] = ("in A", "in B")) -> list[str]:
+    """Where two replays part, in the order: headers, the first actions, the first state and its numbers, the scores.
+
+    What was recorded is compared; `faults` says whether it is true. `called` are the replays' names in the lines.
+    Returns: lines, none for equal replays.
+    """
+    found = [f"{name}: {ours} {called[0]}, {theirs} {called[1]}" for name, ours, theirs in _headers(one, other)]
+    if one.config.hunters != other.config.hunters:
+        return [*found, "with different numbers of hunters, actions and states are not compared"]
+    steps = min(one.steps, other.steps)
+    found += _first_actions(one, other, steps, called)
+    found += _first_state(one, other, steps, called)
+    if one.steps != other.steps:
+        found.append(f"steps: {one.steps} {called[0]}, {other.steps} {called[1]}")
+    if found:
+        results = [", ".join(map(str, scores(each.witness[-1], each.config.hunters))) for each in (one, other)]
+        same = "the same in both" if results[0] == results[1] else f"{called[0]}, {results[1]} {called[1]}"
+        found.append(f"final scores: {results[0]} {same}")
+    return found
+
+
+def _headers(one: Replay, other: Replay) -> Iterator[tuple[str, Any, Any]]:
+    """What differs in the headers: (name, ours, theirs)."""
+    for name in ("seed", "title"):
+        if getattr(one, name) != getattr(other, name):
+            yield name, repr(getattr(one, name)), repr(getattr(other, name))
+    for seat, names in enumerate(zip_longest(one.names, other.names)):
+        if names[0] != names[1]:
+            yield f"the agent of hunter_{seat}", repr(names[0]), repr(names[1])
+    ours, theirs = ({**_flat(each.config.to_dict()), "control": None} for each in (one, other))
+    for name in sorted(ours.keys() | theirs.keys()):
+        if ours.get(name) != theirs.get(name):
+            yield name, ours.get(name), theirs.get(name)
+    for seat, controls in enumerate(zip_longest(one.config.controls, other.config.controls)):
+        if controls[0] != controls[1]:
+            yield f"control of hunter_{seat}", *controls
+
+
+def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Groups of settings taken apart: `gains` becomes `gains.kp_v` and so on."""
+    flat: dict[str, Any] = {}
+    for name, value in settings.items():
+        parts = value.items() if isinstance(value, dict) else None
+        flat |= {name: value} if parts is None else {f"{name}.{part}": number for part, number in parts}
+    return flat
+
+
+def _first_actions(one: Replay, other: Replay, steps: int, called: tuple[str, str]) -> list[str]:
+    """Who did what in the first step in which somebody does something else."""
+    for step in range(steps + 1):
+        gone = [{seat for before, seat in each.withdrawals if before == step} for each in (one, other)]
+        found = [
+            f"before step {step + 1}: hunter_{seat} is withdrawn {called[0 if seat in gone[0] else 1]} alone"
+            for seat in sorted(gone[0] ^ gone[1])
+        ]
+        for seat in range(one.config.hunters if step < steps else 0):
+            ours, theirs = (each.action(step, seat) for each in (one, other))
+            if ours != theirs:
+                found.append(f"step {step + 1}: hunter_{seat} acts otherwise: {ours} {called[0]}, {theirs} {called[1]}")
+        if found:
+            return found
+    return []
+
+
+def _first_state(one: Replay, other: Replay, steps: int, called: tuple[str, str]) -> list[str]:
+    for step in range(steps + 1):
+        ours, theirs = one.witness[step], other.witness[step]
+        if one.digests[step] != other.digests[step] or not np.array_equal(ours, theirs):
+            names = [
+                name if name == twin else seat
+                for name, twin, seat in zip(one.names, other.names, one.config.hunter_names, strict=True)
+            ]
+            lines = state_differences(one.config, names, ours, theirs, called)
+            return [f"{boundary(step)} is the first that differs", *of_a_screen(step, lines)]
+    return []

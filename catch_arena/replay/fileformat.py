@@ -1,0 +1,229 @@
+"""A replay as the bytes of a file, and back (docs/replays.md).
+
+What is read may have been written by anybody: every size is checked before memory is taken for it, and whatever is not
+a whole replay of this ruleset is refused.
+"""
+
+import hashlib
+import json
+import struct
+import zlib
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.config import RULESET, ArenaConfig
+from catch_arena.errors import CatchArenaError, ConfigError, ReplayError
+from catch_arena.replay.columns import Reader, packed
+from catch_arena.replay.witness import Witness, driven_seats, numbers_of, pack, unpack
+from catch_arena.seeding import checked_seed
+
+LARGEST_FILE: Final = 1 << 26
+"""No file is longer than this, and no body when it is unpacked [bytes]."""
+_MARK: Final = b"\x89CATCH\r\n"  # as PNG does it: a transfer that mangles bytes is noticed at once
+_FORMAT: Final = 2
+_PREFIX: Final = struct.Struct("<8sIQ")
+_LENGTH: Final = struct.Struct("<I")
+_CHECKSUM_BYTES: Final = 32
+_DIGEST_BYTES: Final = 8
+_LONGEST_HEADER: Final = 1 << 16
+_MOST_NUMBERS: Final = 1 << 23
+_MOST_SPANS: Final = 1 << 18
+_LONGEST_MS: Final = 24 * 3_600_000
+_LONGEST_TEXT: Final = 200
+_LONGEST_REASON: Final = 300
+_KEYS: Final = {"ruleset", "package", "config", "seed", "names", "title", "steps", "withdrawals", "spans"}
+
+
+class Match(NamedTuple):
+    """What a file holds."""
+
+    config: ArenaConfig
+    seed: int
+    names: tuple[str, ...]
+    title: str
+    choices: NDArray[np.int64]
+    """(steps, H)."""
+    commands: NDArray[np.float32]
+    """(steps, H, 2)."""
+    digests: list[bytes]
+    witness: list[Witness]
+    withdrawals: list[tuple[int, int]]
+
+
+def encoded(match: Match) -> bytes:
+    """The file's content. Raises: ReplayError for a match that is too long to be kept."""
+    config, steps = match.config, len(match.choices)
+    _require_sizes(config, steps)
+    driven = driven_seats(config)
+    witness, spans = pack(config, match.commands, match.witness)
+    _require_few_spans(spans)
+    header = {
+        "ruleset": RULESET,
+        "package": _package_version(),
+        "config": config.to_dict(),
+        "seed": match.seed,
+        "names": match.names,
+        "title": match.title,
+        "steps": steps,
+        "withdrawals": match.withdrawals,
+        "spans": spans,
+    }
+    text = json.dumps(header, separators=(",", ":")).encode()
+    bits = match.commands[:, driven].reshape(steps, 2 * len(driven)).view(np.uint32)
+    turned = (bits << np.uint32(1)) | (bits >> np.uint32(31))  # the sign, which is noise, goes to the other noise
+    body = b"".join(
+        (
+            _LENGTH.pack(len(text)),
+            text,
+            packed(match.choices.T),
+            packed(turned.astype(np.int64).T),
+            *match.digests,
+            witness,
+        )
+    )
+    if len(text) > _LONGEST_HEADER or len(body) > LARGEST_FILE:
+        raise ReplayError(f"is too long to be kept: {len(body)} bytes, {len(text)} of them its header")
+    shrunk = zlib.compress(body, 9)
+    content = _PREFIX.pack(_MARK, _FORMAT, len(shrunk)) + shrunk
+    return content + _checksum(content)
+
+
+def decoded(content: bytes) -> Match:
+    """The match in a file's content. Raises: ReplayError for whatever is not a whole replay of this ruleset."""
+    reader = Reader(_checked_body(content))
+    header = _header_of(reader)
+    config, seed, names, title, steps, withdrawals, spans = _checked_header(header)
+    choices = reader.columns(config.hunters, steps)
+    for seat, control in enumerate(config.controls):
+        highest = 0 if control == "velocity" else config.targets_seen
+        if steps and not 0 <= choices[:, seat].min() <= choices[:, seat].max() <= highest:
+            raise ReplayError(f"holds actions of hunter_{seat} that no arena would have taken")
+    driven = driven_seats(config)
+    turned = reader.columns(2 * len(driven), steps)
+    if turned.size and not 0 <= turned.min() <= turned.max() < 2**32:
+        raise ReplayError("is damaged: a velocity command is not a float32")
+    bits = (turned >> 1) | ((turned & 1) << 31)
+    commands = np.zeros((steps, config.hunters, 2), dtype=np.float32)
+    commands[:, driven] = bits.astype(np.uint32).view(np.float32).reshape(steps, len(driven), 2)
+    if not np.all(np.abs(commands) <= 1.0):  # NaN too
+        raise ReplayError("holds velocity commands that no arena would have taken")
+    digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
+    witness = unpack(config, commands, reader, spans)
+    reader.end()
+    return Match(config, seed, names, title, choices, commands, digests, witness, withdrawals)
+
+
+def checked_text(what: str, text: object) -> str:
+    """A name or a title that can be shown in one line. Raises: ConfigError."""
+    if not isinstance(text, str) or len(text) > _LONGEST_TEXT or not text.isprintable():
+        shown = repr(text)[: _LONGEST_TEXT + 10]
+        raise ConfigError(f"{what} must be at most {_LONGEST_TEXT} printable characters, got {shown}")
+    return text
+
+
+def _checksum(content: bytes | memoryview) -> bytes:
+    return hashlib.blake2b(content, digest_size=_CHECKSUM_BYTES).digest()
+
+
+def _checked_body(content: bytes) -> bytes:
+    if not content.startswith(_MARK):
+        raise ReplayError("is not a Catch Arena replay")
+    if len(content) < _PREFIX.size + _CHECKSUM_BYTES:
+        raise ReplayError("is truncated")
+    if len(content) > LARGEST_FILE:
+        raise ReplayError(f"is longer than {LARGEST_FILE} bytes")
+    _, form, length = _PREFIX.unpack_from(content)
+    if form != _FORMAT:
+        raise ReplayError(f"is of format {form}, and this version reads format {_FORMAT}")
+    whole = _PREFIX.size + length + _CHECKSUM_BYTES
+    if len(content) != whole:
+        raise ReplayError(f"should be {whole} bytes long, got {len(content)}")
+    checked = memoryview(content)[:-_CHECKSUM_BYTES]
+    if _checksum(checked) != content[-_CHECKSUM_BYTES:]:
+        raise ReplayError("is damaged: its checksum does not match")
+    unpacker = zlib.decompressobj()
+    try:
+        body = unpacker.decompress(checked[_PREFIX.size :], LARGEST_FILE)
+    except zlib.error:
+        raise ReplayError("is damaged: its body does not unpack") from None
+    if not unpacker.eof:
+        raise ReplayError(f"is damaged, or longer than {LARGEST_FILE} bytes when unpacked")
+    if unpacker.unused_data:
+        raise ReplayError(f"is damaged: {len(unpacker.unused_data)} bytes follow its body")
+    return body
+
+
+def _header_of(reader: Reader) -> dict[str, Any]:
+    (length,) = _LENGTH.unpack(reader.take(_LENGTH.size))
+    if length > _LONGEST_HEADER:
+        raise ReplayError(f"is damaged: its header is {length} bytes long, more than {_LONGEST_HEADER}")
+    try:
+        header = json.loads(reader.take(length).decode())
+    except (ValueError, RecursionError):
+        raise ReplayError("is damaged: it has no readable header") from None
+    if not isinstance(header, dict):
+        raise ReplayError("is damaged: its header is not a table")
+    if header.get("ruleset") != RULESET:
+        ruleset = repr(header.get("ruleset"))[:_LONGEST_TEXT]
+        raise ReplayError(f"was recorded under ruleset {ruleset}, and this is {RULESET!r}")
+    if header.keys() != _KEYS:
+        odd = ", ".join(sorted(header.keys() ^ _KEYS))
+        raise ReplayError(f"has a header that cannot be used: {ascii(odd)[1:-1][:_LONGEST_REASON]} too many or missing")
+    return header
+
+
+def _checked_header(
+    header: dict[str, Any],
+) -> tuple[ArenaConfig, int, tuple[str, ...], str, int, list[tuple[int, int]], int]:
+    try:
+        config = ArenaConfig.from_dict(header["config"])
+        seed, title = checked_seed(header["seed"]), checked_text("title", header["title"])
+        checked_text("name_prefix", config.name_prefix)
+        if not isinstance(header["names"], list) or len(header["names"]) != config.hunters:
+            raise ConfigError(f"names must be {config.hunters}, one for each hunter")
+        names = tuple(checked_text(f"names[{seat}]", name) for seat, name in enumerate(header["names"]))
+        steps, spans = (_count(name, header[name]) for name in ("steps", "spans"))
+        withdrawals = [
+            (_count("withdrawals", step), _count("withdrawals", seat)) for step, seat in header["withdrawals"]
+        ]
+        seats = {seat for _, seat in withdrawals}
+        in_order = withdrawals == sorted(withdrawals) and len(seats) == len(withdrawals)
+        if not in_order or any(step > steps or seat >= config.hunters for step, seat in withdrawals):
+            raise ConfigError("withdrawals must name hunters, each once, in the order of the steps")
+    except (CatchArenaError, TypeError, ValueError, AttributeError) as error:
+        raise ReplayError(f"has a header that cannot be used: {ascii(str(error))[1:-1][:_LONGEST_REASON]}") from None
+    _require_sizes(config, steps)
+    if steps > config.max_steps:
+        raise ReplayError(f"has a header that cannot be used: {steps} steps, and a match has {config.max_steps}")
+    _require_few_spans(spans)
+    return config, seed, names, title, steps, withdrawals, spans
+
+
+def _count(name: str, value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**31:
+        raise ConfigError(f"{name} must be whole numbers from 0")
+    return value
+
+
+def _require_sizes(config: ArenaConfig, steps: int) -> None:
+    """What is read must fit in memory, and be played in a time that somebody will wait for."""
+    if (steps + 1) * numbers_of(config) > _MOST_NUMBERS:
+        most = _MOST_NUMBERS // numbers_of(config) - 1
+        raise ReplayError(f"is too long to be kept: {steps} steps, and {most} are the most in such an arena")
+    if steps * config.control_period_ms > _LONGEST_MS:
+        raise ReplayError(f"is too long to be kept: {steps} steps of {config.control_period_ms} ms are more than a day")
+
+
+def _require_few_spans(spans: int) -> None:
+    if spans > _MOST_SPANS:
+        raise ReplayError(f"is too long to be kept: {spans} targets, and {_MOST_SPANS} are the most")
+
+
+def _package_version() -> str:
+    try:
+        return version("catch-arena")
+    except PackageNotFoundError:
+        return "unknown"

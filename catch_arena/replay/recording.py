@@ -1,0 +1,149 @@
+"""Rulebook R10.2: a match as its header, its seed and its actions, with a digest and a witness of every state."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from html import escape
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.config import ArenaConfig
+from catch_arena.engine import Engine
+from catch_arena.errors import OutputError, ReplayError
+from catch_arena.replay.differences import boundary, in_one_line, state_differences
+from catch_arena.replay.fileformat import LARGEST_FILE, Match, decoded, encoded
+from catch_arena.replay.files import write_whole
+from catch_arena.replay.witness import Witness, witness_of
+from catch_arena.world import World
+
+
+@dataclass(slots=True)
+class Replay:
+    """One recorded match, or the part of it that has been played."""
+
+    config: ArenaConfig
+    seed: int
+    names: tuple[str, ...]
+    """The agents' names by seat."""
+    title: str = ""
+    choices: list[NDArray[np.int64]] = field(default_factory=list)
+    """The ranks of each step: (H,)."""
+    commands: list[NDArray[np.float32]] = field(default_factory=list)
+    """The velocity commands of each step: (H, 2)."""
+    digests: list[bytes] = field(default_factory=list)
+    """A.8, after the reset and after each step."""
+    witness: list[Witness] = field(default_factory=list)
+    """The numbers that the digests stand for, in whole millionths: they say in what two states differ."""
+    withdrawals: list[tuple[int, int]] = field(default_factory=list)
+    """(steps played before it, seat): R1.6."""
+
+    @property
+    def steps(self) -> int:
+        """How many steps were played."""
+        return len(self.choices)
+
+    def action(self, step: int, seat: int) -> str:
+        """What a seat did in a step, counted from 0, in words; nine digits tell any two float32 apart."""
+        control = self.config.controls[seat]
+        rank = int(self.choices[step][seat])
+        ranked = f"rank {rank}" if rank else "nothing" if control == "full" else "hold"
+        if control == "target":
+            return ranked
+        linear, angular = self.commands[step][seat].tolist()
+        commanded = f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"
+        return commanded if control == "velocity" else f"{commanded}, catch {ranked}"
+
+    def note(self, engine: Engine) -> None:
+        """One more state: the first one after the reset, the others by `append`."""
+        self.digests.append(engine.digest())
+        self.witness.append(witness_of(engine.state(), self.config.hunters))
+
+    def append(self, choices: NDArray[np.int64], commands: NDArray[np.float32], engine: Engine) -> None:
+        """One more step: its actions, which are copied, and the state that it led to."""
+        self.choices.append(choices.copy())
+        self.commands.append(commands.copy())
+        self.note(engine)
+
+    def played(self) -> Iterator[Engine]:
+        """The match again, checked against nothing: one engine, at every step's boundary, steps + 1 of them."""
+        engine = Engine(self.config)
+        engine.reset([self.seed])
+        yield engine
+        for step in range(self.steps):
+            for before, seat in self.withdrawals:
+                if before == step:
+                    engine.withdraw(0, seat)
+            engine.step(self.choices[step][None], self.commands[step][None])
+            yield engine
+
+    def worlds(self) -> Iterator[World]:
+        """The match again: the world at every step's boundary, steps + 1 of them, each checked against its digest.
+
+        Raises: ReplayError that names the first step that differs, and in what.
+        """
+        for step, engine in enumerate(self.played()):
+            if engine.digest() != self.digests[step]:
+                found = state_differences(
+                    self.config, self.names, self.witness[step], witness_of(engine.state(), self.config.hunters)
+                )
+                raise ReplayError(
+                    f"the replay does not play as it was recorded: {boundary(step)} is the first that differs: "
+                    f"{in_one_line(found)}"
+                )
+            yield engine.world()
+
+    def _repr_html_(self) -> str:
+        """How a notebook shows it: the report's player."""
+        player = import_module("catch_arena.player")  # by its name: it stands above, and replays do not lean on it
+        try:
+            return str(player.player_html(self))
+        except ReplayError as error:
+            return f"<p>{escape(str(error))}</p>"
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the replay; under its name appears a whole file or none. Raises: OutputError."""
+        hunters = self.config.hunters
+        try:
+            content = encoded(
+                Match(
+                    self.config,
+                    self.seed,
+                    self.names,
+                    self.title,
+                    np.array(self.choices, dtype=np.int64).reshape(-1, hunters),
+                    np.array(self.commands, dtype=np.float32).reshape(-1, hunters, 2),
+                    self.digests,
+                    self.witness,
+                    self.withdrawals,
+                )
+            )
+        except ReplayError as error:
+            raise OutputError(f"{path}: {error}") from None
+        write_whole(Path(path), content)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Replay":
+        """The replay in a file. Raises: ReplayError for whatever is not a whole replay of this ruleset."""
+        try:
+            with Path(path).open("rb") as file:
+                content = file.read(LARGEST_FILE + 1)
+        except (OSError, ValueError) as error:  # ValueError: a path with a zero byte
+            raise ReplayError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+        try:
+            match = decoded(content)
+        except ReplayError as error:
+            raise ReplayError(f"{path}: {error}") from None
+        return cls(
+            config=match.config,
+            seed=match.seed,
+            names=match.names,
+            title=match.title,
+            choices=list(match.choices),
+            commands=list(match.commands),
+            digests=match.digests,
+            witness=match.witness,
+            withdrawals=match.withdrawals,
+        )

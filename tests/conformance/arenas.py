@@ -1,0 +1,132 @@
+"""tests/rulebook's adjudicators behind the face that the suite asks for: catch_arena.testing.ArenaUnderTest."""
+
+import itertools
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+from oracle.arena import distance, micrometres
+from oracle.arithmetic import KILL_DOWN, KILL_REFUSED, SPAWN_DOWN, SPAWN_REFUSED, draw, fraction, key
+from rulebook.adjudicators import Adjudicator, OracleAdjudicator, adjudicator
+
+from catch_arena.config import ArenaConfig
+from catch_arena.verdicts import Verdict
+
+STEPS, COUNTED = range(3), range(1, 6)
+"""How many steps, firings and numbers the faults of a case are arranged for."""
+
+
+class Staged:
+    """One adjudicator as an arena under test."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+        self.match: Any = None
+
+    def make(self, config: ArenaConfig) -> Adjudicator:
+        return adjudicator(self.kind, config)
+
+    def reset(self, settings: Mapping[str, Any]) -> None:
+        seed, faults = arranged({fault: settings.get(fault, []) for fault in STREAMS})
+        quiet = {"hunters": 1, "initial_targets": 0, "spawn_frequency_hz": 0.001}
+        of_arena = {name: value for name, value in settings.items() if name not in STREAMS}
+        config = ArenaConfig().replace(**quiet | of_arena, control="full", faults=faults)
+        config = config.replace(observed_targets=config.max_targets)
+        if self.match is None or self.match.config != config:
+            self.match = self.make(config)
+        self.match.reset(seed)
+
+    def place(self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]]) -> None:
+        self.match.place(hunters, targets)
+
+    def withdraw(self, seat: int) -> None:
+        self.match.withdraw(seat)
+
+    def step(self, requests: Sequence[tuple[int, int]], drive: Mapping[int, tuple[float, float]]) -> list[object]:
+        config, ranks = self.match.config, dict(requests)
+        actions = []
+        for seat in range(config.hunters):
+            v, w = drive.get(seat, (0.0, 0.0))
+            rank = self.rank(seat, ranks[seat]) if seat in ranks else 0
+            actions.append(((v / config.max_speed_mps, w / config.max_turn_rate_radps), rank))
+        try:
+            self.match.step(*actions)
+        except RuntimeError:  # some adjudicators refuse to step after the end
+            return [(Verdict.MATCH_OVER, seat, number) for seat, number in requests]
+        found = self.match.evidence()
+        assert {seat for seat, one in enumerate(found) if one is not None} <= ranks.keys()
+        rulings: list[object] = []
+        for seat, number in requests:
+            one = found[seat]
+            if one is not None:
+                rulings.append((one.verdict, seat, one.number or 0, one.distance_um, one.winner))
+            elif self.match.hunter(seat).withdrawn:  # the parallel env takes no actions of one that has left
+                rulings.append((Verdict.HUNTER_INACTIVE, seat, number))
+        return rulings
+
+    def rank(self, seat: int, number: int) -> int:
+        """R7.1: the rank at which a seat sees that number; for 0, the first rank without a target."""
+        me = self.match.hunter(seat)
+        seen = sorted(
+            (micrometres(distance(me.x, me.y, target.x, target.y)), int(target.number)) for target in self.match.targets
+        )
+        numbers = [one for _, one in seen]
+        return numbers.index(number) + 1 if number else len(numbers) + 1
+
+    def read(self) -> dict[str, object]:
+        match = self.match
+        assert not (match.terminated and match.truncated)
+        return {
+            "time_ms": match.time,
+            "alive": match.alive,
+            "appeared_ms": [target.appeared for target in match.targets],
+            "spawned": match.spawned,
+            "skipped_full": match.skipped_full,
+            "skipped_down": match.skipped_down,
+            "refused": match.refused,
+            "scores": match.scores,
+            "ended": "terminated" if match.terminated else "truncated" if match.truncated else "",
+        }
+
+
+class StagedOracle(Staged):
+    """The oracle with another class of arena in it: a wrong one."""
+
+    def __init__(self, arena: type) -> None:
+        super().__init__("oracle")
+        self.arena = arena
+
+    def make(self, config: ArenaConfig) -> Adjudicator:
+        made = OracleAdjudicator(config)
+        made.oracle = self.arena(config.to_dict())
+        return made
+
+
+STREAMS = {
+    "kill_down": lambda seed: {step: fraction(draw(key(seed, KILL_DOWN), step)) for step in STEPS},
+    "kill_refused": lambda seed: {
+        (step, number): fraction(draw(draw(key(seed, KILL_REFUSED), step), number))
+        for step in STEPS
+        for number in COUNTED
+    },
+    "spawn_down": lambda seed: {firing: fraction(draw(key(seed, SPAWN_DOWN), firing)) for firing in COUNTED},
+    "spawn_refused": lambda seed: {number: fraction(draw(key(seed, SPAWN_REFUSED), number)) for number in COUNTED},
+}
+"""R8.3's random numbers, from the appendix: a fault happens where its number lies below its rate."""
+
+
+def arranged(wanted: Mapping[str, Collection[Any]]) -> tuple[int, dict[str, float]]:
+    """The first seed, and rates, under which exactly those faults happen: in the first steps, firings and numbers."""
+    events = {fault: {tuple(one) if isinstance(one, list) else one for one in wanted[fault]} for fault in STREAMS}
+    for seed in itertools.count(1):
+        rates = {}
+        for fault, happen in events.items():
+            numbers = STREAMS[fault](seed) if happen else {}
+            assert happen <= numbers.keys(), "beyond what is arranged"
+            low = max((numbers[one] for one in happen), default=0.0)
+            high = min((number for one, number in numbers.items() if one not in happen), default=1.0)
+            if low >= high:
+                break
+            rates[fault] = (low + high) / 2 if happen else 0.0
+        else:
+            return seed, rates
+    raise AssertionError

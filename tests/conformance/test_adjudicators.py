@@ -1,0 +1,46 @@
+"""The suite runs over our five adjudicators: oracle, `arbitrate`, engine, a row of a batch, parallel env."""
+
+import pytest
+from conformance.arenas import Staged, StagedOracle
+from conformance.wrong_arenas import WRONG
+from oracle.arena import judge
+from rulebook.adjudicators import ADJUDICATORS
+
+from catch_arena.arbitration import arbitrate
+from catch_arena.conformance.cases import ArbiterCase
+from catch_arena.conformance.files import load_cases
+from catch_arena.testing import run_conformance
+
+
+@pytest.mark.parametrize("arbiter", [judge, arbitrate], ids=["oracle", "arbitrate"])
+def test_an_arbiter_of_ours_answers_every_case(arbiter):
+    """With the lots of the rulebook's appendix."""
+    report = run_conformance(arbiter, exact_lots=True)
+    assert report.passed, str(report)
+    assert sum(result.played for result in report.results) == sum(
+        isinstance(case, ArbiterCase) for case in load_cases()
+    )
+
+
+@pytest.mark.parametrize("kind", ADJUDICATORS)
+def test_an_arena_of_ours_answers_every_case_that_it_can_play(kind):
+    """Those that need an arena, and those for arbiters whose requests can be made by rank."""
+    report = run_conformance(arena=Staged(kind))
+    assert report.passed, str(report)
+    staged = sum(result.played and isinstance(result.case, ArbiterCase) for result in report.results)
+    played = sum(result.played for result in report.results)
+    assert staged >= 100
+    assert played - staged == sum(not isinstance(case, ArbiterCase) for case in load_cases())
+
+
+@pytest.mark.parametrize(("wrong", "group"), WRONG, ids=[f"{group}-{wrong.__name__}" for wrong, group in WRONG])
+def test_a_wrong_arena_is_caught(wrong, group):
+    """By at least one case of its group, and not for raising an error."""
+    report = run_conformance(arena=StagedOracle(wrong), only=[f"{group}."])
+    assert report.failures
+    assert not any("raised" in difference.got for failure in report.failures for difference in failure.differences)
+
+
+def test_every_group_with_cases_for_arenas_catches_a_wrong_one():
+    groups = {case.group for case in load_cases() if not isinstance(case, ArbiterCase)}
+    assert groups <= {group for _, group in WRONG}

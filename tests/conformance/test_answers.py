@@ -1,0 +1,215 @@
+"""What a stranger's arbiter or arena may answer: several forms are read, and whatever is wrong is told in words."""
+
+import dataclasses
+import re
+from collections import namedtuple
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from conformance.arenas import Staged
+
+from catch_arena import Ruling
+from catch_arena.arbitration import arbitrate
+from catch_arena.errors import ConfigError
+from catch_arena.testing import run_conformance
+
+Fields = namedtuple("Fields", "target hunter verdict winner distance_um")  # noqa: PYI024 - in an order of its own
+
+
+def translated(form: Any) -> Any:
+    """`arbitrate`, with each of its rulings in another form."""
+    return lambda **case: [form(ruling) for ruling in arbitrate(**case)]
+
+
+def as_dict(ruling: Ruling) -> dict[str, Any]:
+    return dataclasses.asdict(ruling)
+
+
+FORMS: dict[str, Any] = {
+    "rulings": arbitrate,
+    "dicts": translated(as_dict),
+    "names": translated(lambda ruling: {**as_dict(ruling), "verdict": ruling.verdict.name}),
+    "numbers": translated(lambda ruling: {**as_dict(ruling), "verdict": int(ruling.verdict), "note": "and more"}),
+    "nothing for None": translated(
+        lambda ruling: {key: one for key, one in as_dict(ruling).items() if one is not None}
+    ),
+    "tuples": translated(lambda ruling: tuple(as_dict(ruling).values())),
+    "lists": translated(lambda ruling: list(as_dict(ruling).values())),
+    "objects": translated(lambda ruling: SimpleNamespace(**as_dict(ruling))),
+    "named tuples": translated(lambda ruling: Fields(**as_dict(ruling))),
+    "numpy's numbers": translated(lambda ruling: (np.uint8(ruling.verdict), *list(as_dict(ruling).values())[1:])),
+    "a tuple of them": lambda **case: tuple(arbitrate(**case)),
+    "a generator of them": lambda **case: (ruling for ruling in arbitrate(**case)),
+}
+
+
+@pytest.mark.parametrize("arbiter", FORMS.values(), ids=FORMS)
+def test_rulings_are_read_in_many_forms(arbiter: Any):
+    report = run_conformance(arbiter, only=["basics", "ties.cross", "names"], exact_lots=True)
+    assert report.passed, str(report)
+
+
+def test_verdicts_can_be_compared_alone():
+    """For an arbiter that does not give evidence yet."""
+
+    def bare(**case: Any) -> list[tuple[str, int, object]]:
+        return [(ruling.verdict.name, ruling.hunter, ruling.target) for ruling in arbitrate(**case)]
+
+    assert not run_conformance(bare).passed
+    report = run_conformance(bare, evidence=False)
+    assert report.passed, str(report)
+
+
+def raises(**case: Any) -> Any:
+    raise ValueError("no\nidea" if case["requests"] else "")
+
+
+def leaves(**_: Any) -> Any:
+    raise SystemExit(1)
+
+
+def breaks_off(**case: Any) -> Any:
+    yield from arbitrate(**case)
+    raise KeyError("later")
+
+
+class Unreadable:
+    @property
+    def verdict(self) -> str:
+        raise RuntimeError("broken property")
+
+
+GRANTED = ("GRANTED", 0, "a", 100_000, 0)
+
+
+@pytest.mark.parametrize(
+    ("arbiter", "about", "got"),
+    [
+        (raises, "the call", "raised ValueError: no idea"),
+        (leaves, "the call", "raised SystemExit: 1"),
+        (breaks_off, "the answer", "raised KeyError: 'later'"),
+        (lambda hunters: hunters, "the call", "unexpected keyword argument"),
+        (lambda **_: None, "the answer", "None"),
+        (lambda **_: 7, "the answer", "7"),
+        (lambda **_: "GRANTED", "the answer", "'GRANTED'"),
+        (lambda **_: {"a": GRANTED}, "the answer", "{'a'"),
+        (lambda **_: [], "the answer", "0 of them"),
+        (lambda **_: [GRANTED] * 2, "the answer", "2 of them"),
+        (lambda **_: [None], "the ruling", "None"),
+        (lambda **_: ["GRANTED"], "the ruling", "'GRANTED'"),
+        (lambda **_: [()], "the ruling", "()"),
+        (lambda **_: [(*GRANTED, 6)], "the ruling", "('GRANTED'"),
+        (lambda **_: [Unreadable()], "the answer", "raised RuntimeError: broken property"),
+        (lambda **_: [{"verdict": "GRANTED"}], "the ruling", "{'verdict': 'GRANTED'}"),
+        (lambda **_: [("granted", 0, "a", 100_000, 0)], "verdict", "'granted'"),
+        (lambda **_: [(0, 0, "a", 100_000, 0)], "verdict", "0"),
+        (lambda **_: [(12, 0, "a", 100_000, 0)], "verdict", "12"),
+        (lambda **_: [(True, 0, "a", 100_000, 0)], "verdict", "True"),
+        (lambda **_: [(None, 0, "a", 100_000, 0)], "verdict", "None"),
+        (lambda **_: [([], 0, "a", 100_000, 0)], "verdict", "[]"),
+        (lambda **_: [("GRANTED", "0", "a", 100_000, 0)], "hunter", "'0'"),
+        (lambda **_: [("GRANTED", None, "a", 100_000, 0)], "hunter", "None"),
+        (lambda **_: [("GRANTED", 0, "a", 100_000.0, 0)], "distance_um", "100000.0"),
+        (lambda **_: [("GRANTED", 0, "a", 100_000, "hunter_0")], "winner", "'hunter_0'"),
+        (lambda **_: [("GRANTED", 5, "a", 100_000, 0)], "request 1", "for hunter 5"),
+        (lambda **_: [("GRANTED", -1, "a", 100_000, 0)], "request 1", "for hunter -1"),
+        (lambda **_: [("GRANTED", 0, "b", 100_000, 0)], "request 1", "for target 'b'"),
+        (lambda **_: [("GRANTED", 0, np.zeros(3), 100_000, 0)], "request 1", "for target array"),
+        (lambda **_: [("GRANTED", 0, "a", 100_000, 5)], "request 1", "won by hunter 5"),
+        (lambda **_: [("GRANTED", 0, "a", 2**70, 0)], "request 1", f"{2**70} um away"),
+        (lambda **_: [("OUT_OF_REACH", 0, "a", 100_000, None)], "request 1", "OUT_OF_REACH, 100000 um away"),
+    ],
+)
+def test_whatever_an_arbiter_does_wrong_is_told_in_words(arbiter: Any, about: str, got: str):
+    """No traceback: a difference with what was expected, and what came."""
+    report = run_conformance(arbiter, only=["basics.in-reach"])
+    assert not report.passed
+    (failure,) = report.failures
+    (difference,) = failure.differences
+    assert about in difference.about
+    assert got in difference.got
+    assert difference.expected
+    assert difference.got in str(report)
+
+
+def test_a_report_says_where_an_arbiter_raised():
+    """But not where the suite called one that could not be called."""
+    report = run_conformance(raises, only=["basics.in-reach"])
+    assert re.search(r"raised ValueError: no idea \(test_answers.py, line \d+\)", str(report))
+    assert "line" not in str(run_conformance(lambda hunters: hunters, only=["basics.in-reach"]))
+
+
+def test_an_arbiter_may_change_what_it_is_given():
+    """The next call gets containers of its own."""
+
+    def destructive(**case: Any) -> list[Ruling]:
+        rulings = arbitrate(**case)
+        for given in case.values():
+            if isinstance(given, list | dict):
+                given.clear()
+        return rulings
+
+    assert run_conformance(destructive).passed
+
+
+def test_an_arbiter_that_depends_on_the_order_is_told_which():
+    def in_turn(**case: Any) -> list[Ruling]:
+        rulings = arbitrate(**{**case, "policy": "first_come", "seed": case["requests"][0][0]})
+        return [dataclasses.replace(ruling, winner=ruling.winner) for ruling in rulings]
+
+    report = run_conformance(in_turn, only=["ties.mirrored-left-and-right"])
+    assert "with the requests in the order 2, 1" in str(report)
+
+
+def test_an_arbiter_that_draws_afresh_each_time_fails():
+    """R10.1: equal inputs get equal answers."""
+    source = np.random.default_rng(1)
+
+    def fresh(**case: Any) -> list[Ruling]:
+        return arbitrate(**{**case, "seed": int(source.integers(2**32))})
+
+    assert not run_conformance(fresh, only=["ties"]).passed
+
+
+class Broken(Staged):
+    """Right, but for one method."""
+
+    def __init__(self, method: str, answer: Any) -> None:
+        super().__init__("oracle")
+        setattr(self, method, answer)
+
+
+@pytest.mark.parametrize(
+    ("method", "answer", "got"),
+    [
+        ("reset", lambda: 1, "raised TypeError"),
+        ("place", lambda *_: 1 / 0, "raised ZeroDivisionError"),
+        ("withdraw", lambda _: 1 / 0, "raised ZeroDivisionError"),
+        ("step", lambda *_: None, "None"),
+        ("step", lambda *_: [], "0 of them"),
+        ("read", lambda: None, "None"),
+        ("read", dict, "None"),
+        ("read", lambda: 1 / 0, "raised ZeroDivisionError"),
+        ("read", lambda: {"alive": [np.zeros(2)], "scores": [np.zeros(2)]}, "raised ValueError"),
+        ("read", lambda: {"alive": np.array([7]), "scores": "many"}, "np.int64(7)"),
+    ],
+)
+def test_whatever_an_arena_does_wrong_is_told_in_words(method: str, answer: Any, got: str):
+    report = run_conformance(arena=Broken(method, answer), only=["inactive", "outages"])
+    assert not report.passed
+    assert any(got in difference.got for failure in report.failures for difference in failure.differences)
+
+
+def test_there_must_be_something_to_try_and_such_a_case():
+    with pytest.raises(ConfigError, match="an arbiter or an arena"):
+        run_conformance()
+    with pytest.raises(ConfigError, match="no case begins with 'reech': did you mean reach"):
+        run_conformance(arbitrate, only=["reech"])
+
+
+def test_an_arbiter_alone_does_not_pass_by_playing_nothing():
+    report = run_conformance(arbitrate, only=["spawning"])
+    assert not report.passed
+    assert report.summary == "cases: 0 passed, 0 failed, 22 need an arena"

@@ -1,0 +1,205 @@
+"""The suite as it stands in the files: what it covers, how much there is, and that it agrees with the rulebook."""
+
+import re
+from collections import Counter
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from conformance.shapes import shape
+from oracle.arithmetic import LOT, TICKET, draw, key
+
+from catch_arena.conformance.cases import ArbiterCase, WorldCase
+from catch_arena.conformance.files import load_cases, read_cases
+from catch_arena.errors import ConfigError
+from catch_arena.verdicts import Verdict
+
+BOOK = (Path(__file__).parents[2] / "docs" / "rulebook.md").read_text(encoding="utf-8")
+CASES = load_cases()
+ARBITER_CASES = [case for case in CASES if isinstance(case, ArbiterCase)]
+
+
+def test_there_are_at_least_two_hundred_different_cases():
+    """Such that differ only by order, label or number count once: 150 for arbiters, 45 for arenas."""
+    assert len({shape(case) for case in CASES}) >= 200
+    assert len({shape(case) for case in ARBITER_CASES}) >= 150
+    assert len({shape(case) for case in CASES if isinstance(case, WorldCase)}) >= 45
+
+
+def test_an_id_is_used_once():
+    assert [name for name, count in Counter(case.id for case in CASES).items() if count > 1] == []
+
+
+def test_no_two_cases_tell_the_same_situation():
+    """But where the sentence begins «The same»."""
+    told = Counter(case.situation for case in CASES if not case.situation.startswith("The same"))
+    assert [situation for situation, count in told.items() if count > 1] == []
+
+
+def test_every_clause_of_chapter_5_has_a_case():
+    cited = {clause for case in CASES for clause in case.clauses}
+    chapter = re.findall(r"^\*\*(R5\.\d+)\*\*", BOOK, flags=re.MULTILINE)
+    assert len(chapter) == 9
+    assert [clause for clause in chapter if clause not in cited] == []
+
+
+def test_every_clause_that_is_cited_is_in_the_book():
+    known = set(re.findall(r"^\*\*(R\d+\.\d+)\*\*", BOOK, flags=re.MULTILINE))
+    assert sorted({clause for case in CASES for clause in case.clauses} - known) == []
+
+
+def test_every_verdict_is_expected_somewhere():
+    assert {asked.verdict for case in ARBITER_CASES for asked in case.asked} >= set(Verdict)
+
+
+def test_each_test_of_the_arbiter_is_met_before_each_later_one():
+    """R5.2's order: of two neighbours there is a case in which the first is given and the second would apply too.
+
+    Only UNKNOWN_TARGET and ALREADY_CAUGHT do not meet: no name is both.
+    """
+    order = [verdict for verdict in Verdict if verdict is not Verdict.GRANTED]
+    for earlier, later in pairwise(order):
+        if earlier is Verdict.UNKNOWN_TARGET:
+            continue
+        assert any(
+            one.verdict is earlier and later in would_apply(case, place)
+            for case in ARBITER_CASES
+            for place, one in enumerate(case.asked)
+        ), f"{earlier.name} before {later.name}"
+
+
+def would_apply(case: ArbiterCase, place: int) -> set[Verdict]:
+    """The verdicts whose conditions a request meets, whatever is tested before them."""
+    one, own = case.asked[place], case.circumstances
+    alive = isinstance(one.name, str) and one.name in case.targets
+    rivals = [other for other in case.asked if other.name == one.name and other.hunter != one.hunter]
+    dx, dy = (
+        (a - b for a, b in zip(case.hunters[one.hunter], case.targets[str(one.name)], strict=True)) if alive else (0, 0)
+    )
+    met = {
+        Verdict.MATCH_OVER: own["match_over"],
+        Verdict.MALFORMED: not isinstance(one.name, str) or len(one.name) > 255,
+        Verdict.HUNTER_INACTIVE: one.hunter in own["inactive"],
+        Verdict.DUPLICATE: any(other.hunter == one.hunter for other in case.asked[:place]),
+        Verdict.UNKNOWN_TARGET: isinstance(one.name, str) and not alive and one.name not in own["caught"],
+        Verdict.ALREADY_CAUGHT: isinstance(one.name, str) and one.name in own["caught"],
+        Verdict.SERVICE_DOWN: not own["kill_service_up"],
+        Verdict.OUT_OF_REACH: alive and (dx * dx + dy * dy) ** 0.5 > own["reach_m"],
+        Verdict.LOST_CONTEST: alive and bool(rivals),
+        Verdict.KILL_FAILED: alive and one.name in own["kill_refused"],
+    }
+    return {verdict for verdict, applies in met.items() if applies}
+
+
+def test_the_lots_are_drawn_as_the_appendix_says():
+    """A.5: the lowest ticket of the target under `nearest`, the lowest lot of the step under `first_come`."""
+    lots = 0
+    for case in ARBITER_CASES:
+        seed, step = case.circumstances["seed"], case.circumstances["step"]
+        for lot in case.lots:
+            number = list(case.targets).index(str(lot.target)) + 1
+            words = draw(draw(key(seed, TICKET), step), number)
+            if case.circumstances["policy"] == "first_come":
+                words = draw(key(seed, LOT), step)
+            assert lot.drawn == min(lot.seats, key=lambda seat, words=words: draw(words, seat)), case.id
+            lots += 1
+    assert lots > 20
+
+
+def test_long_names_are_as_long_as_their_cases_say():
+    long = [case for case in ARBITER_CASES if re.match(r"names\.25[56]", case.id)]
+    assert len(long) == 6
+    for case in long:
+        assert len(str(case.asked[0].name)) == int(case.id[6:9])
+
+
+def test_a_choice_names_the_rulebooks_own_answer_first_and_another():
+    chosen = [case for case in CASES if case.options]
+    assert len(chosen) >= 20
+    assert all(len(set(case.options)) >= 2 for case in chosen)
+
+
+# ---- files that are wrong ----
+
+GOOD = """
+[[case]]
+id = "some.case"
+clauses = ["R5.4"]
+situation = "One asks."
+why = "It must."
+hunters = [[1.0, 1.0], [1.2, 1.0]]
+targets = { a = [1.1, 1.0] }
+requests = [{ hunter = 0, name = "a", verdict = "GRANTED", distance_um = 100_000, winner = 0 }]
+"""
+GOOD_WORLD = """
+[[world]]
+id = "some.play"
+clauses = ["R3.1"]
+situation = "Nothing happens."
+why = "It must."
+settings = { hunters = 1 }
+play = [{ steps = 1, read = { time_ms = 100 } }]
+"""
+
+
+def test_a_file_is_read():
+    case, play = read_cases("some.toml", GOOD + GOOD_WORLD)
+    assert (case.id, case.group) == ("some.case", "some")
+    assert isinstance(play, WorldCase)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[[case]]", "[[case]", "some.toml: is no TOML: "),
+        ("[[case]]", "[[cases]]", "some.toml: unknown key 'cases': did you mean case"),
+        ("[[case]]", "case = 3\n[[world]]", "some.toml: case must be a list of tables, got 3"),
+        ('id = "some.case"\n', "", "some.toml: case without an id: id must be given"),
+        ('"some.case"', '"other.case"', "id must be some. and words in lower case"),
+        ('"some.case"', '"some.Case"', "got 'some.Case'"),
+        ('["R5.4"]', '["5.4"]', "some.toml: some.case: clauses must be a list of clauses like R5.4"),
+        ('["R5.4"]', "[]", "clauses must be"),
+        ('"One asks."', "1", "situation must be a text, got 1"),
+        ('why = "It must."', "", "why must be given"),
+        ("[[1.0, 1.0],", "[[1.0],", "hunters must be a list of places"),
+        ("[[1.0, 1.0],", '[[1.0, "1"],', "hunters must be a list of places"),
+        ("{ a = [1.1, 1.0] }", "{ a = [1.1, nan] }", "targets must be a table of places"),
+        ("requests =", "request =", "requests must be given"),
+        ("hunter = 0", "hunter = 2", "some.case: request 1: hunter must be a seat, got 2"),
+        ("hunter = 0", "hunter = true", "hunter must be a seat, got True"),
+        ('name = "a", ', "", "request 1: name must be given"),
+        ('"GRANTED"', '"granted"', "verdict must be LOT or one of MATCH_OVER"),
+        ('"GRANTED"', '"LOT"', "verdict LOT must be for the lot's own seats"),
+        ("100_000", "0.1", "distance_um must be a whole number"),
+        ("winner = 0", "winner = 7", "winner must be a seat or LOT, got 7"),
+        ("winner = 0", 'winner = "LOT"', "must have its target among the lots"),
+        ("winner = 0", "wins = 0", "unknown key 'wins'"),
+        ("requests =", "standart = []\nrequests =", "unknown key 'standart': did you mean standard"),
+        ("requests =", "standard = [{ hunter = 1, name = 'a', verdict = 'GRANTED' }]\nrequests =", "the very requests"),
+        ("requests =", 'policy = "farthest"\nrequests =', "policy must be one of nearest, first_come, capstone"),
+        ("requests =", 'inactive = ["hunter_0"]\nrequests =', "inactive must be a list of seats"),
+        ("requests =", "match_over = 1\nrequests =", "match_over must be true or false, got 1"),
+        ("requests =", "fair_over_steps = 9\nrequests =", "fair_over_steps must come with lots"),
+        ("requests =", "lots = [{ target = 'b', seats = [0], drawn = 0 }]\nrequests =", "targets that are alive"),
+        ("requests =", "lots = [{ target = 'a', seats = [0], drawn = 1 }]\nrequests =", "drawn must be one of"),
+        (
+            "{ hunters = 1 }",
+            "{ hunter = 1 }",
+            "some.toml: some.play: settings: unknown key 'hunter': did you mean hunters",
+        ),
+        ("{ hunters = 1 }", '{ hunters = "two" }', "settings: hunters must be a whole number"),
+        ("steps = 1", "step = 1", "unknown key 'step'"),
+        ("time_ms = 100", "time = 100", "nothing called 'time' can be read"),
+        ("steps = 1", "requests = [{ hunter = 1, number = 1, verdict = 'GRANTED' }]", "hunter must be a seat, got 1"),
+        ("steps = 1", "drive = [[0, 1.0]]", "drive must be a list of [hunter, v, w]"),
+        ("steps = 1", "hunters = [[1.0, 1.0]]", "hunters must be a list of poses"),
+        ('"some.play"', '"some.case"', "some.case: id must be unique"),
+    ],
+)
+def test_a_file_that_is_wrong_is_refused_in_one_line(old: str, new: str, message: str):
+    """Which names the file, the case and the field."""
+    text = GOOD + GOOD_WORLD
+    assert old in text
+    with pytest.raises(ConfigError, match=re.escape(message)) as error:
+        read_cases("some.toml", text.replace(old, new, 1))
+    assert "\n" not in str(error.value)

@@ -1,0 +1,131 @@
+"""`catch-arena conformance`: what it prints, what it writes, its exit codes; and the page that shows it."""
+
+import re
+import shlex
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.conformance.files import load_cases
+from catch_arena.testing import run_conformance
+
+PAGE = (Path(__file__).parents[2] / "docs" / "conformance.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def conformance(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words: str):
+        return CliRunner().invoke(main, ["conformance", *words])
+
+    return call
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
+
+
+def test_a_right_arbiter_passes(conformance):
+    result = conformance("catch_arena:arbitrate", "--exact-lots")
+    assert result.exit_code == 0, result.output
+    assert re.fullmatch(r"cases: \d+ passed, 0 failed, \d+ need an arena\n", result.output)
+
+
+def test_the_pages_arbiter_gets_the_report_that_the_page_shows(conformance, tmp_path):
+    """And the command is the one that the page names."""
+    (tmp_path / "my_arbiter.py").write_text(blocks("python")[0])
+    result = conformance(*shlex.split(blocks("sh")[1])[2:])
+    assert result.exit_code == 1
+    assert result.output == blocks("text")[0]
+
+
+def test_the_pages_python_runs():
+    exec(blocks("python")[1], {})  # noqa: S102 - that is what is tested
+
+
+def test_the_pages_case_is_the_suites():
+    file = Path(__file__).parents[2] / "catch_arena" / "conformance" / "claimants.toml"
+    assert blocks("toml")[0] in file.read_text(encoding="utf-8")
+
+
+def test_an_arena_can_be_named_alone(conformance, tmp_path):
+    """Here one of the tests' own, in a file beside the words."""
+    (tmp_path / "mine.py").write_text(
+        "from conformance.arenas import Staged\ndef oracle():\n    return Staged('oracle')\n"
+    )
+    result = conformance("--arena", "mine.py:oracle", "--only", "spawning", "--only", "reach.in-a-corner")
+    assert result.exit_code == 0, result.output
+    assert result.output == "cases: 23 passed, 0 failed\n"
+
+
+def test_the_cases_can_be_listed_and_one_be_played(conformance):
+    result = conformance("--list")
+    assert result.exit_code == 0
+    assert [line.partition(" ")[0] for line in result.output.splitlines()] == [case.id for case in load_cases()]
+    assert conformance("--list", "--only", "ties").output.count("\n") == 20
+    assert "cases: 1 passed, 0 failed" in conformance("catch_arena:arbitrate", "--only", "claimants.two").output
+
+
+def test_the_junit_file_has_a_test_case_for_each_case(conformance, tmp_path):
+    """With the counts that build servers add up, and characters that XML can hold."""
+    words = "\\x00\\ud800 <&\\x1b[31m"
+    (tmp_path / "mine.py").write_text(f"def arbiter(**case):\n    raise ValueError('{words}')\n")
+    result = conformance("mine.py:arbiter", "--junit", "out/report.xml")
+    assert result.exit_code == 1
+    root = ET.fromstring((tmp_path / "out" / "report.xml").read_bytes())  # noqa: S314 - our own file
+    (suite,) = root
+    cases = load_cases()
+    assert (root.tag, suite.tag) == ("testsuites", "testsuite")
+    assert [(test.get("classname"), test.get("name")) for test in suite] == [
+        (f"conformance.{case.group}", case.id) for case in cases
+    ]
+    failed, skipped = suite.findall("testcase/failure"), suite.findall("testcase/skipped")
+    assert len(failed) + len(skipped) == len(cases)
+    for element in (root, suite):
+        counts = [element.get(name) for name in ("tests", "failures", "skipped", "errors")]
+        assert counts == [str(len(cases)), str(len(failed)), str(len(skipped)), "0"]
+    assert all("Why it matters" in (failure.text or "") for failure in failed)
+    assert all("<&" in failure.get("message", "") for failure in failed)
+
+
+def test_a_report_without_failures_is_whole_xml():
+    report = run_conformance(lambda **_: [], only=["basics.nobody-asks"])
+    root = ET.fromstring(report.junit().encode())  # noqa: S314
+    assert [test.get("name") for test in root.iter("testcase")] == ["basics.nobody-asks"]
+    assert not list(root.iter("failure"))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "ARBITER must be given, as module:function or path.py:function, or --arena, or --list"),
+        (["arbitrate"], "arbitrate: must be module:function or path.py:function"),
+        (["catch_arena:"], "must be module:function"),
+        ([":arbitrate"], "must be module:function"),
+        (["catch_arena:arbitrat"], "has no function arbitrat; did you mean arbitrate?"),
+        (["catch_arena:__doc__"], "has no function __doc__"),
+        (["no_such_module:f"], "no_such_module: importing it raised ModuleNotFoundError"),
+        (["missing.py:f"], "missing.py:f: no such file"),
+        (["broken.py:f"], "importing it raised ZeroDivisionError"),
+        (["--arena", "broken_arena.py:make"], "broken_arena.py:make: making it raised ZeroDivisionError"),
+        (["catch_arena:arbitrate", "--only", "reech"], "no case begins with 'reech': did you mean reach"),
+        (["--list", "--only", "reech"], "no case begins with 'reech'"),
+        (["catch_arena:arbitrate", "--junit", "taken/report.xml"], "taken: cannot be written to"),
+        (["catch_arena:arbitrate", "--junit", "folder"], "folder"),
+    ],
+)
+def test_wrong_words_are_one_line_and_exit_code_2(conformance, tmp_path, words, message):
+    (tmp_path / "broken.py").write_text("1 / 0\n")
+    (tmp_path / "broken_arena.py").write_text("def make():\n    1 / 0\n")
+    (tmp_path / "taken").write_text("")
+    (tmp_path / "folder").mkdir()
+    result = conformance(*words)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert result.stderr.startswith("catch-arena: ")
+    assert result.stderr.count("\n") == 1
+    assert result.stdout == ""

@@ -1,0 +1,316 @@
+"""The laws that follow from the rulebook, on cases and matches that hypothesis looks for.
+
+That a row of a batch is the arena that it would be alone, and that a restored state goes on identically, stands in
+test_batch.py.
+"""
+
+import itertools
+from collections import Counter, defaultdict
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from properties.matches import seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
+
+from catch_arena.arbitration import arbitrate
+from catch_arena.engine import Engine
+from catch_arena.verdicts import Ruling, Verdict
+
+Case = dict[str, Any]
+
+AMONG_ELIGIBLE = {Verdict.GRANTED, Verdict.KILL_FAILED, Verdict.LOST_CONTEST}
+"""The verdicts of those who may catch the target, were it not for each other."""
+WON = {Verdict.GRANTED, Verdict.KILL_FAILED}
+SEEDS = st.integers(0, 2**64 - 1)
+SOURCES = st.randoms(use_true_random=False)
+"""Every number that matches.py draws is chosen, and made simpler where a law fails, by hypothesis."""
+MATCHES = settings(max_examples=settings().max_examples // 4)
+"""Matches take longer than single steps."""
+STEPS = 15
+
+
+@st.composite
+def cases(draw: st.DrawFn, policies: tuple[str, ...] = ("nearest", "first_come", "capstone")) -> Case:
+    """Arguments of `arbitrate`: small grids, on which ties abound, with every circumstance."""
+    grid = draw(st.sampled_from([1e-6, 0.05, 0.1, 0.15]))
+    spots = st.tuples(st.integers(-3, 3), st.integers(-3, 3)).map(lambda spot: (grid * spot[0], grid * spot[1]))
+    hunters = draw(st.lists(spots, min_size=1, max_size=6))
+    targets = {f"t{place}": spot for place, spot in enumerate(draw(st.lists(spots, max_size=4)))}
+    seats = st.integers(0, len(hunters) - 1)
+    names: Any = st.sampled_from([*targets, *targets, "gone", "nobody", "", None])
+    return {
+        "hunters": hunters,
+        "targets": targets,
+        "requests": draw(st.lists(st.tuples(seats, names), max_size=10)),
+        "reach_m": draw(st.sampled_from([0.3, 0.2, 3e-6])),
+        "policy": draw(st.sampled_from(policies)),
+        "seed": draw(SEEDS),
+        "step": draw(st.integers(0, 2**40)),
+        "caught": ["gone"],
+        "inactive": draw(st.lists(seats, max_size=2)),
+        "kill_service_up": draw(st.integers(0, 9)) > 0,
+        "kill_refused": [name for name in targets if draw(st.integers(0, 4)) == 0],
+        "match_over": draw(st.integers(0, 19)) == 0,
+    }
+
+
+def by_hunter(rulings: list[Ruling]) -> dict[int, list[Ruling]]:
+    """Each hunter's rulings in their order."""
+    found = defaultdict(list)
+    for ruling in rulings:
+        found[ruling.hunter].append(ruling)
+    return dict(found)
+
+
+def tied_for(rulings: list[Ruling]) -> dict[object, set[int]]:
+    """The hunters among whom a lot has to decide, by target."""
+    claims = defaultdict(list)
+    for ruling in rulings:
+        if ruling.verdict in AMONG_ELIGIBLE:
+            claims[ruling.target].append((ruling.distance_um, ruling.hunter))
+    nearest = {target: min(distance for distance, _ in claim) for target, claim in claims.items()}
+    tied = {
+        target: {hunter for distance, hunter in claim if distance == nearest[target]}
+        for target, claim in claims.items()
+    }
+    return {target: hunters for target, hunters in tied.items() if len(hunters) > 1}
+
+
+# ---- one step, by name ----
+
+
+@given(case=cases())
+def test_every_request_gets_one_ruling(case: Case) -> None:
+    """R5.2, R5.6: in the order of the requests, and with the evidence that its verdict has."""
+    rulings = arbitrate(**case)
+    assert [(ruling.hunter, ruling.target) for ruling in rulings] == case["requests"]
+    for ruling in rulings:
+        tested = ruling.verdict in AMONG_ELIGIBLE | {Verdict.OUT_OF_REACH} and case["policy"] != "capstone"
+        assert (ruling.distance_um is not None) == tested
+        assert ruling.success == (ruling.verdict is Verdict.GRANTED)
+        if ruling.success:
+            assert ruling.winner == ruling.hunter
+
+
+@given(case=cases(policies=("nearest", "first_come")))
+def test_a_target_is_granted_at_most_once_and_to_whom_all_its_losers_name(case: Case) -> None:
+    """R5.6, R5.8: and a contest always has a winner."""
+    claims = defaultdict(list)
+    for ruling in arbitrate(**case):
+        if ruling.verdict in AMONG_ELIGIBLE:
+            claims[ruling.target].append(ruling)
+    for rulings in claims.values():
+        assert sum(ruling.verdict in WON for ruling in rulings) == 1
+        if len(rulings) > 1:
+            (winner,) = {ruling.winner for ruling in rulings}
+            assert next(ruling.hunter for ruling in rulings if ruling.verdict in WON) == winner
+
+
+@given(case=cases(), data=st.data())
+def test_the_order_of_different_hunters_requests_never_matters(case: Case, data: st.DataObject) -> None:
+    """R5.1: each hunter's own requests stay in their order, since the first stands."""
+    waiting = {seat: iter([request for request in case["requests"] if request[0] == seat]) for seat in range(6)}
+    order = data.draw(st.permutations([seat for seat, _ in case["requests"]]))
+    other = {**case, "requests": [next(waiting[seat]) for seat in order]}
+    assert by_hunter(arbitrate(**other)) == by_hunter(arbitrate(**case))
+
+
+@given(case=cases(policies=("nearest", "capstone")), data=st.data())
+def test_seats_are_labels(case: Case, data: st.DataObject) -> None:
+    """R5.1, R5.5: who sits where changes nothing, but where a lot decides; and then one of the tied wins."""
+    seat_of: list[int] = data.draw(st.permutations(range(len(case["hunters"]))))
+    other = {
+        **case,
+        "hunters": [case["hunters"][seat_of.index(seat)] for seat in range(len(seat_of))],
+        "requests": [(seat_of[seat], name) for seat, name in case["requests"]],
+        "inactive": [seat_of[seat] for seat in case["inactive"]],
+    }
+    rulings, seated = arbitrate(**case), arbitrate(**other)
+    tied = {} if case["policy"] == "capstone" else tied_for(rulings)
+    for ruling, its in zip(rulings, seated, strict=True):
+        assert (its.hunter, its.distance_um) == (seat_of[ruling.hunter], ruling.distance_um)
+        if ruling.verdict in AMONG_ELIGIBLE and ruling.target in tied:
+            assert its.verdict in AMONG_ELIGIBLE
+            assert ruling.winner in tied[ruling.target]
+            assert its.winner in {seat_of[hunter] for hunter in tied[ruling.target]}
+        else:
+            assert its.verdict is ruling.verdict
+            assert its.winner == (None if ruling.winner is None else seat_of[ruling.winner])
+
+
+@given(case=cases(policies=("nearest", "first_come")), data=st.data())
+def test_taking_a_loser_away_changes_nothing_for_the_others(case: Case, data: st.DataObject) -> None:
+    """R5.5: nor does anybody who was not eligible; R5.6 alone asks whether a refused kill was contested."""
+    rulings = by_hunter(arbitrate(**case))
+    losers = [hunter for hunter, its in rulings.items() if not any(ruling.verdict in WON for ruling in its)]
+    if not losers:
+        return
+    loser = data.draw(st.sampled_from(losers))
+    left = by_hunter(arbitrate(**{**case, "requests": [r for r in case["requests"] if r[0] != loser]}))
+    assert left.keys() == rulings.keys() - {loser}
+    for hunter, its in left.items():
+        for ruling, before in zip(its, rulings[hunter], strict=True):
+            assert (ruling.verdict, ruling.distance_um) == (before.verdict, before.distance_um)
+            assert ruling.winner == before.winner or ruling.verdict is Verdict.KILL_FAILED
+
+
+@given(case=cases(policies=("nearest", "first_come")), data=st.data(), share=st.floats(0, 1))
+def test_moving_closer_never_loses(case: Case, data: st.DataObject, share: float) -> None:
+    """R5.3, R5.4: a hunter that asks for the same target from nearer fares no worse."""
+    asked = [(i, request) for i, request in enumerate(case["requests"]) if request[1] in case["targets"]]
+    if not asked:
+        return
+    i, (hunter, name) = data.draw(st.sampled_from(asked))
+    (x, y), (target_x, target_y) = case["hunters"][hunter], case["targets"][name]
+    hunters = list(case["hunters"])
+    hunters[hunter] = (x + share * (target_x - x), y + share * (target_y - y))
+    before = arbitrate(**case)[i]
+    after = arbitrate(**{**case, "hunters": hunters})[i]
+    if before.distance_um is None:
+        assert after == before
+        return
+    assert after.distance_um is not None
+    assert after.distance_um <= before.distance_um
+    assert after.verdict in WON or before.verdict not in WON
+    assert after.verdict in AMONG_ELIGIBLE or before.verdict not in AMONG_ELIGIBLE
+
+
+CHI_SQUARE = {1: 10.83, 2: 13.82, 15: 37.70}
+"""What a fair lot exceeds once in a thousand, by degrees of freedom."""
+
+
+@pytest.mark.rule("R5.5", "R5.9")
+@pytest.mark.parametrize(("policy", "claimants"), [("nearest", 2), ("nearest", 3), ("nearest", 16), ("first_come", 3)])
+def test_r5_5_the_lot_favours_no_seat(policy: Any, claimants: int) -> None:
+    """A chi-square test over 10,000 keys: neighbouring seeds, steps and target numbers, all hunters at one place."""
+    wins: Counter[int | None] = Counter()
+    for seed, step, number in itertools.product(range(100), range(10), range(10)):
+        rulings = arbitrate(
+            hunters=[(0.0, 0.0)] * claimants,
+            targets={f"t{place}": (0.1, 0.0) for place in range(10)},
+            requests=[(seat, f"t{number}") for seat in range(claimants)],
+            policy=policy,
+            seed=seed,
+            step=10 * step + number if policy == "first_come" else step,
+        )
+        wins[rulings[0].winner] += 1
+    expected = 10_000 / claimants
+    assert sum(wins[seat] for seat in range(claimants)) == 10_000
+    assert sum((wins[seat] - expected) ** 2 / expected for seat in range(claimants)) < CHI_SQUARE[claimants - 1]
+
+
+# ---- whole matches ----
+
+
+@MATCHES
+@given(source=SOURCES, seeds=st.tuples(SEEDS, SEEDS), actions=SEEDS)
+def test_equal_inputs_play_equal_matches(source: Random, seeds: tuple[int, int], actions: int) -> None:
+    """R10.1: whatever the engine has played before."""
+    config = some_config(source)
+    used, fresh = Engine(config), Engine(config)
+    used.reset([seeds[0]])
+    earlier = Random(~actions)
+    for _ in range(STEPS):
+        used.step(*some_batch_actions(earlier, config, 1))
+    used.reset([seeds[1]])
+    fresh.reset([seeds[1]])
+    one, other = Random(actions), Random(actions)
+    for step in range(STEPS):
+        assert seen(used, 0) == seen(fresh, 0), f"step {step}, {settings_of(config)}"
+        used.step(*some_batch_actions(one, config, 1))
+        fresh.step(*some_batch_actions(other, config, 1))
+
+
+@MATCHES
+@given(source=SOURCES, seed=SEEDS, actions=SEEDS)
+def test_nothing_is_lost_and_nothing_caught_twice(source: Random, seed: int, actions: int) -> None:
+    """R5.8, R3.1, R3.4 to R3.6, R5.2: catches + alive = spawned, every firing and every number is accounted for, and
+    who requests gets one ruling.
+    """
+    config = some_config(source)
+    engine = Engine(config)
+    engine.reset([seed])
+    chosen = Random(actions)
+    credited: list[object] = []
+    for _ in range(STEPS):
+        choices, commands = some_batch_actions(chosen, config, 1)
+        engine.step(choices, commands)
+        rulings = {ruling.hunter: ruling for ruling in engine.rulings(0)}
+        assert len(rulings) == len(engine.rulings(0))
+        for seat, control in enumerate(config.controls):
+            if control == "full":
+                assert (seat in rulings) == (choices[0, seat] > 0)
+        time, _, spawned, used, firings, *_, refused = engine.state(0)[:8].tolist()
+        world = engine.world(0)
+        numbers = [target.number for target in world.targets]
+        assert numbers == sorted(set(numbers))
+        assert len(numbers) <= config.max_targets
+        assert spawned == used - refused
+        assert firings == time // config.spawn_period_ms
+        if config.policy != "capstone":
+            credited += [ruling.target for ruling in rulings.values() if ruling.success]
+            assert len(set(credited)) == len(credited) == sum(hunter.score for hunter in world.hunters)
+            assert len(credited) + len(numbers) == spawned
+            assert not {config.target_name(number) for number in numbers} & set(credited)
+        if engine.terminated[0] or engine.truncated[0]:
+            break
+
+
+@MATCHES
+@given(source=SOURCES, seed=SEEDS, actions=st.tuples(SEEDS, SEEDS))
+def test_places_are_common_to_all_who_play_a_seed(source: Random, seed: int, actions: tuple[int, int]) -> None:
+    """R3.3, R3.6: the k-th place and its refusal are the same whatever the hunters can do and do."""
+    config = some_config(source)
+    changed = config.replace(
+        reach_m=source.choice([1e-7, 1.0, 5.0]), policy=source.choice(["nearest", "first_come"]), control="full"
+    )
+    appeared: list[dict[int, tuple[float, float, float]]] = []
+    used = []
+    for settings_, chosen in ((config, Random(actions[0])), (changed, Random(actions[1]))):
+        engine = Engine(settings_)
+        engine.reset([seed])
+        places = {}
+        for step in range(STEPS + 1):
+            if step > 0:
+                engine.step(*some_batch_actions(chosen, settings_, 1))
+            places |= {target.number: (target.x, target.y, target.theta) for target in engine.world(0).targets}
+        appeared.append(places)
+        used.append(int(engine.state(0)[3]))
+    for number in range(1, min(used) + 1):
+        assert appeared[0].get(number) == appeared[1].get(number), f"target {number}"
+
+
+@MATCHES
+@given(source=SOURCES, actions=SEEDS, data=st.data())
+def test_seats_are_labels_for_whole_matches(source: Random, actions: int, data: st.DataObject) -> None:
+    """R5.1, R7.1: the same hunters in other seats see, do and earn the same, up to the first lot."""
+    config = some_config(source)
+    if config.policy == "first_come":
+        config = config.replace(policy="nearest")
+    poses = [some_pose(source, config.side_m) for _ in range(config.hunters)]
+    order = np.array(data.draw(st.permutations(range(config.hunters))))
+    controls = config.controls
+    one = Engine(config.replace(hunter_poses=tuple(poses), control=tuple(controls)))
+    other = Engine(
+        config.replace(
+            hunter_poses=tuple(poses[seat] for seat in order), control=tuple(controls[seat] for seat in order)
+        )
+    )
+    seed = some_seed(source)
+    one.reset([seed])
+    other.reset([seed])
+    chosen = Random(actions)
+    for _ in range(STEPS):
+        assert np.array_equal(other.hunter_rows(0)[:, :15], one.hunter_rows(0)[order, :15])
+        assert np.array_equal(other.observations[0], one.observations[0, order])
+        assert np.array_equal(other.masks[0], one.masks[0, order])
+        assert np.array_equal(other.rewards[0], one.rewards[0, order])
+        assert [target.number for target in other.world(0).targets] == [t.number for t in one.world(0).targets]
+        choices, commands = some_batch_actions(chosen, config, 1)
+        one.step(choices, commands)
+        other.step(choices[:, order], commands[:, order])
+        if config.policy == "nearest" and tied_for(list(one.rulings(0))):
+            break

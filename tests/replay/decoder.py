@@ -1,0 +1,111 @@
+"""A decoder of replay files, written from docs/replays.md and the rulebook's appendix alone; slow and plain."""
+
+import hashlib
+import json
+import math
+import struct
+import zlib
+from typing import Any
+
+from oracle.arithmetic import sincos
+
+MILLION = 1000000
+CLOCK, HUNTER, TARGET = 8, 11, 5
+LINEAR, ANGULAR, ACTIVE = 3, 4, 7
+
+
+class Body:
+    def __init__(self, data: bytes):
+        self.data = data
+        self.at = 0
+
+    def bytes(self, count: int) -> bytes:
+        taken = self.data[self.at : self.at + count]
+        assert len(taken) == count
+        self.at += count
+        return taken
+
+    def column(self, count: int) -> list[int]:
+        width = self.bytes(1)[0]
+        planes = [self.bytes(count) for _ in range(width)]
+        folded = [sum(plane[i] << (8 * place) for place, plane in enumerate(planes)) for i in range(count)]
+        return [-(number + 1) // 2 if number % 2 else number // 2 for number in folded]
+
+
+def decode(content: bytes) -> dict[str, Any]:
+    """The header's entries, and `ranks`, `commands`, `digests` and `witness`, by state or step."""
+    assert content[:8] == bytes.fromhex("894341544348 0D0A")
+    form, length = struct.unpack("<IQ", content[8:20])
+    assert form == 2
+    assert len(content) == 20 + length + 32
+    assert hashlib.blake2b(content[:-32], digest_size=32).digest() == content[-32:]
+    body = Body(zlib.decompress(content[20:-32]))
+    header = json.loads(body.bytes(struct.unpack("<I", body.bytes(4))[0]).decode("utf-8"))
+    config, steps = header["config"], header["steps"]
+    hunters = config["hunters"]
+    controls = [config["control"]] * hunters if isinstance(config["control"], str) else config["control"]
+    ranks = [body.column(steps) for _ in range(hunters)]
+    commands = {
+        seat: [[float32(word) for word in body.column(steps)] for _ in range(2)]
+        for seat in range(hunters)
+        if controls[seat] != "target"
+    }
+    digests = [body.bytes(8) for _ in range(steps + 1)]
+    clock = [summed(body.column(steps + 1)) for _ in range(CLOCK)]
+    seats = [hunter(body, config, clock[0], commands.get(seat)) for seat in range(hunters)]
+    spans = [body.column(header["spans"]) for _ in range(2 + TARGET)]
+    assert body.at == len(body.data)
+    spans[0] = summed(spans[0])
+    witness = []
+    for n in range(steps + 1):
+        numbers = [column[n] for column in clock]
+        numbers += [column[n] for seat in seats for column in seat]
+        alive = [target for begin, length, *target in zip(*spans, strict=True) if begin <= n < begin + length]
+        witness.append(numbers + [number for target in sorted(alive) for number in target])
+    return {**header, "ranks": ranks, "commands": commands, "digests": digests, "witness": witness}
+
+
+def float32(rotated: int) -> float:
+    word = (rotated >> 1) | ((rotated & 1) << 31)
+    return struct.unpack("<f", struct.pack("<I", word))[0]
+
+
+def summed(rest: list[int]) -> list[int]:
+    total, found = 0, []
+    for number in rest:
+        total += number
+        found.append(total)
+    return found
+
+
+def millionths(number: float) -> int:
+    return max(-(2**53), min(2**53, math.floor(MILLION * number + 0.5)))
+
+
+def hunter(body: Body, config: dict[str, Any], times: list[int], commands: list[list[float]] | None) -> list[list[int]]:
+    """The eleven columns of one seat."""
+    rest = [body.column(len(times)) for _ in range(HUNTER)]
+    found = [summed(column) for column in rest]
+    found[ACTIVE] = rest[ACTIVE]
+    if commands is not None:
+        fastest, quickest = config["max_speed_mps"], config["max_turn_rate_radps"]
+        limits = ((-fastest if config["reverse"] else 0.0, fastest), (-quickest, quickest))
+        for which, fractions, (low, high) in zip((LINEAR, ANGULAR), commands, limits, strict=True):
+            asked = [0, *(millionths(max(low, min(high, part * high))) for part in fractions)]
+            found[which] = [left + number for left, number in zip(rest[which], asked, strict=True)]
+    x, y, theta = rest[0][:1], rest[1][:1], rest[2][:1]
+    for n in range(1, len(times)):
+        ticks = max(0, min(62, times[n] // 16 - times[n - 1] // 16))
+        v, w = found[LINEAR][n], found[ANGULAR][n]
+        angle, turn, stride = theta[-1] / MILLION, w / MILLION * 0.016, v * 0.016
+        way_x = way_y = 0.0
+        for _ in range(ticks):
+            angle = angle + turn
+            sine, cosine = sincos(angle)
+            way_x = way_x + cosine * stride
+            way_y = way_y + sine * stride
+        theta.append(theta[-1] + rest[2][n] + (16 * w * ticks + 500) // 1000)
+        x.append(x[-1] + rest[0][n] + math.floor(way_x + 0.5))
+        y.append(y[-1] + rest[1][n] + math.floor(way_y + 0.5))
+    found[:3] = x, y, theta
+    return found

@@ -1,0 +1,112 @@
+"""diff: where two replays part."""
+
+import copy
+import re
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.replay.comparison import replay_differences
+
+
+@pytest.fixture
+def pair(mixed):
+    """A match, and a copy to be changed."""
+    return mixed, copy.deepcopy(mixed)
+
+
+def test_equal_replays_have_no_differences(pair):
+    """A copy."""
+    assert replay_differences(*pair) == []
+
+
+def test_headers_are_compared_setting_by_setting(play):
+    """Seed, title, names, controls and settings, groups by their parts."""
+    one = play("duel", max_cycles=2, names=("ann", "bob"), title="final")
+    other = play(
+        "duel", max_cycles=2, seed=2, names=("ann", "cid"), reach_m=0.5, control=("target", "full"), gains={"ki_v": 0.5}
+    )
+    found = replay_differences(one, other)
+
+    assert found[:6] == [
+        "seed: 1 in A, 2 in B",
+        "title: 'final' in A, '' in B",
+        "the agent of hunter_1: 'bob' in A, 'cid' in B",
+        "gains.ki_v: 1.0 in A, 0.5 in B",
+        "reach_m: 0.3 in A, 0.5 in B",
+        "control of hunter_1: target in A, full in B",
+    ]
+    assert "the initial state is the first that differs" in found
+    assert any(re.match(r"the initial state: hunter_1: x is \d\.\d{6} m in A and ", line) for line in found)
+
+
+def test_the_first_actions_that_differ_are_told_with_who_and_what(pair):
+    """A rank, a command's last bit, and a withdrawal."""
+    one, other = pair
+    other.choices[30][3] = (one.choices[30][3] + 1) % 9
+    assert replay_differences(one, other)[0] == (
+        f"step 31: hunter_3 acts otherwise: {one.action(30, 3)} in A, {other.action(30, 3)} in B"
+    )
+    other.commands[20][1, 0] = np.nextafter(one.commands[20][1, 0], np.float32(0))
+    first = replay_differences(one, other)[0]
+    assert re.fullmatch(
+        r"step 21: hunter_1 acts otherwise: linear \S+, angular \S+ of the limits in A, linear .* in B",
+        first,
+    )
+    assert f"{one.commands[20][1, 0]:+.9g}" in first
+    assert f"{other.commands[20][1, 0]:+.9g}" in first
+    other.withdrawals.insert(0, (10, 0))
+    assert replay_differences(one, other)[0] == "before step 11: hunter_0 is withdrawn in B alone"
+
+
+def test_the_first_state_that_differs_is_told_with_its_numbers(play):
+    """And the scores, where there is a difference at all."""
+    one, other = (
+        play("duel", max_cycles=9, chase=True, max_speed_mps=speed, names=("ann", "bob")) for speed in (2.0, 1.5)
+    )
+    found = replay_differences(one, other)
+
+    assert found[:2] == ["max_speed_mps: 2.0 in A, 1.5 in B", "step 1 is the first that differs"]
+    assert (
+        "step 1: hunter_0 (ann): linear velocity is 2.000000 m/s in A and 1.500000 m/s in B, 0.500000 m/s apart"
+        in found
+    )
+    assert found[-1] == "final scores: 0, 0 the same in both"
+
+
+def test_a_digest_alone_and_a_length_are_differences(pair):
+    """The witness is equal there; the shorter match is compared as far as it goes."""
+    one, other = pair
+    other.digests[80] = b"12345678"
+    found = replay_differences(one, other)
+    assert found[:2] == [
+        "step 80 is the first that differs",
+        "step 80: every number by less than a millionth of its unit",
+    ]
+    for part in (other.choices, other.commands, other.digests, other.witness):
+        part.pop()
+    assert replay_differences(one, other)[0] == "steps: 80 in A, 79 in B"
+
+
+def test_diff_exits_with_0_1_or_2(play, mixed, tmp_path, monkeypatch):
+    """Equal, different, unreadable; matches of different sizes are compared by their headers."""
+    monkeypatch.chdir(tmp_path)
+    mixed.save("a.replay")
+    play("duel", max_cycles=3).save("b.replay")
+
+    def diff(*files):
+        return CliRunner().invoke(main, ["diff", *files])
+
+    equal, different, unreadable = (
+        diff("a.replay", "a.replay"),
+        diff("a.replay", "b.replay"),
+        diff("a.replay", "c.replay"),
+    )
+    assert (equal.exit_code, equal.stdout) == (0, "the replays are equal\n")
+    assert different.exit_code == 1
+    assert different.stdout.startswith("A: a.replay\nB: b.replay\n")
+    assert "hunters: 4 in A, 2 in B" in different.stdout
+    assert "with different numbers of hunters" in different.stdout
+    assert (unreadable.exit_code, unreadable.stderr[:33]) == (2, "catch-arena: c.replay: cannot be ")

@@ -1,0 +1,234 @@
+"""explain: why did B lose? The facts are checked against the arbiter and the oracle's lots, the words by example."""
+
+import json
+import re
+from collections import Counter
+from itertools import pairwise
+
+import pytest
+from oracle.arithmetic import draw, key
+from typer.testing import CliRunner
+
+from catch_arena import Verdict, arbitrate, explain, explain_step
+from catch_arena.cli import main
+from catch_arena.errors import ConfigError
+
+TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
+CLOSE = {"hunters": 3, "hunter_poses": TIED, "initial_targets": 3, "reach_m": 3.0, "max_cycles": 20}
+TICKET, SERVICE_LOT = 3, 4
+
+
+@pytest.fixture(scope="module")
+def crowded(play):
+    """Much happens: contests of four, outages, refused kills, ranks without a target."""
+    return play("faulty", seed=2, chase=True, reach_m=2.0, time_limit_s=30.0, names=("ann", "bob", "cid", "dan"))
+
+
+def test_every_contest_is_what_the_arbiter_decides(crowded):
+    """Each one's claimants, placed as they were, are judged again."""
+    worlds = list(crowded.worlds())
+    contests = explain(crowded).contests
+    assert len(contests) > 10
+    for contest in contests:
+        before = worlds[contest.step - 1]
+        target = next(target for target in before.targets if target.name == contest.target)
+        rulings = arbitrate(
+            hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
+            targets={target.name: (target.x, target.y)},
+            requests=[(claim.seat, target.name) for claim in contest.claims],
+            reach_m=2.0,
+        )
+        winner, *losers = contest.claims
+        for ruling, claim in zip(rulings, contest.claims, strict=True):
+            assert ruling.distance_um == claim.distance_um
+            assert ruling.winner == winner.seat
+        assert winner.verdict in (Verdict.GRANTED, Verdict.KILL_FAILED)
+        assert {claim.verdict for claim in losers} == {Verdict.LOST_CONTEST}
+        assert (contest.clause, contest.time_ms) == ("R5.4", 100 * contest.step)
+
+
+def test_the_summary_adds_up(crowded):
+    """Every request of the match stands in it once."""
+    rulings = [ruling for world in crowded.worlds() for ruling in world.rulings]
+    told = explain(crowded)
+    for record in told.records:
+        own = Counter(ruling.verdict for ruling in rulings if ruling.hunter == record.seat)
+        assert record.catches == told.scores[record.seat] == own.pop(Verdict.GRANTED, 0)
+        assert record.contests_lost == own.pop(Verdict.LOST_CONTEST, 0)
+        assert record.refused == {verdict.name: count for verdict, count in own.items()}
+        assert record.contests_won == sum(contest.claims[0].seat == record.seat for contest in told.contests)
+        lost = [
+            next(claim.distance_um for claim in contest.claims if claim.seat == record.seat)
+            - contest.claims[0].distance_um
+            for contest in told.contests
+            if record.seat in [claim.seat for claim in contest.claims[1:]]
+        ]
+        assert record.lost_by_um == pytest.approx(sum(lost) / len(lost))
+    assert all(run.times > 0 for run in told.refusals)
+
+
+def test_targets_that_others_caught_first_are_counted(crowded):
+    """It was the hunter's active target, and it had not asked for it."""
+    counted = Counter()
+    for _, world in pairwise(crowded.worlds()):
+        asked = {(ruling.hunter, ruling.target) for ruling in world.rulings}
+        for ruling in world.rulings:
+            for seat, hunter in enumerate(world.hunters):
+                late = ruling.success and hunter.active_target == ruling.target and (seat, ruling.target) not in asked
+                counted[seat] += late
+    assert [record.forestalled for record in explain(crowded).records] == [counted[seat] for seat in range(4)]
+    assert sum(counted.values()) > 0
+
+
+def test_a_contest_is_told_with_clause_distances_and_winner(play):
+    """Three hunters, two of them equally far and behind."""
+    told = explain(play(chase=True, names=("ann", "bob", "cid"), **CLOSE), "bob").lines()
+
+    assert (
+        "At 0.1 s (step 1) bob, ann and cid asked for target_turtle_2. bob was 0.854333 m away; ann 1.053799 m, "
+        "199.466 mm farther; cid 1.053799 m, 199.466 mm farther. The nearest wins (R5.4): bob is granted it, "
+        "ann and cid get LOST_CONTEST (R5.6)."
+    ) in told
+
+
+def test_an_exact_tie_tells_the_tickets_of_the_lot(play):
+    """R5.5, as the appendix draws them; the lowest wins."""
+    match = play(chase=True, **CLOSE)
+    tie = next(contest for contest in explain(match).contests if contest.clause == "R5.5")
+    number = int(tie.target.removeprefix("target_turtle_"))
+    tied = [claim for claim in tie.claims if claim.lot is not None]
+    assert len(tied) == 2
+    for claim in tied:
+        assert claim.lot == draw(draw(draw(key(match.seed, TICKET), tie.step - 1), number), claim.seat)
+    assert tied[0].lot < tied[1].lot
+    assert tied[0].verdict is Verdict.GRANTED
+    (line,) = [line for line in explain(match).lines() if "lowest ticket wins (R5.5)" in line]
+    assert all(f"hunter_{claim.seat} {claim.lot:016x}" in line for claim in tied)
+    assert "just as far" in line
+
+
+def test_first_come_tells_the_lots_of_the_step(play):
+    """R5.9."""
+    match = play(chase=True, policy="first_come", **CLOSE)
+    contests = explain(match).contests
+    assert contests
+    for contest in contests:
+        lots = [draw(draw(key(match.seed, SERVICE_LOT), contest.step - 1), claim.seat) for claim in contest.claims]
+        assert [claim.lot for claim in contest.claims] == lots
+        assert lots[0] == min(lots)
+    assert any(
+        "The step's lots decide, and the lowest is served first (R5.9)" in line for line in explain(match).lines()
+    )
+
+
+def test_the_capstones_service_is_said_to_refuse_nobody(play):
+    """R9.1: nobody won, and nobody lost."""
+    told = explain(play(chase=True, policy="capstone", **CLOSE))
+    assert {contest.clause for contest in told.contests} == {"R9.1"}
+    assert any("says yes to each of them, GRANTED (R9.1)" in line for line in told.lines())
+    assert {(record.contests_won, record.contests_lost) for record in told.records} == {(0, 0)}
+
+
+def test_repeated_refusals_are_one_line_with_a_count(play):
+    """Whoever asks out of reach in each step."""
+    match = play(
+        "duel", hunters=1, control="full", initial_targets=1, spawn_frequency_hz=0, max_cycles=30, reach_m=1e-6
+    )
+    lines = explain(match).lines()
+    (refused,) = [line for line in lines if "OUT_OF_REACH, " in line]
+    times = sum(ruling.verdict is Verdict.OUT_OF_REACH for world in match.worlds() for ruling in world.rulings)
+    assert f" hunter_0 asked {times} times for target_turtle_1 from " in refused
+    assert refused.endswith("the target is out of reach (R5.3); within reach is less than 0.000001 m.")
+    assert "No contest: in no step could two hunters have caught the same target." in lines
+
+
+def test_every_refusal_has_its_reason_and_clause(play):
+    """Outages, refused kills, empty ranks, a withdrawn hunter: each verdict that occurs is told with its clause."""
+    match = play("faulty", seed=5, control="full", reach_m=3.0, max_cycles=200, withdraw={50: ["hunter_1"]})
+    told = explain(match)
+    clauses = {
+        "SERVICE_DOWN": "R5.7",
+        "KILL_FAILED": "R5.7",
+        "MALFORMED": "R5.2",
+        "OUT_OF_REACH": "R5.3",
+        "HUNTER_INACTIVE": "R1.6",
+    }
+    assert {run.verdict.name for run in told.refusals} == clauses.keys()
+    for verdict, clause in clauses.items():
+        assert any(re.search(rf"{verdict}, .*\({clause}\)", line) for line in told.lines())
+    assert told.records[1].withdrawn_ms == 5000
+    assert told.lines()[-3].endswith("withdrawn at 5.0 s (R1.6).")
+
+
+def test_one_hunter_alone_is_named_by_seat_or_by_name(crowded):
+    """The other ones are heard of where they contest."""
+    told = explain(crowded, "cid")
+    assert told == explain(crowded, 2) == explain(crowded, "2") == explain(crowded, "hunter_2")
+    assert [record.seat for record in told.records] == [2]
+    assert {run.seat for run in told.refusals} == {2}
+    assert all(2 in [claim.seat for claim in contest.claims] for contest in told.contests)
+    assert 0 < len(told.contests) < len(explain(crowded).contests)
+    for wrong, says in (
+        (7, "a seat from 0 to 3, got 7"),
+        (-1, "got -1"),
+        ("bbo", "did you mean bob"),
+        ("", "known: ann, bob"),
+    ):
+        with pytest.raises(ConfigError, match=says):
+            explain(crowded, wrong)
+
+
+def test_agents_of_one_name_are_told_apart_by_their_seats(play):
+    """And cannot be meant by it."""
+    match = play("duel", max_cycles=2, names=("ann", "ann"))
+    assert explain(match).names == ("ann (hunter_0)", "ann (hunter_1)")
+    with pytest.raises(ConfigError, match="one of the seats 0, 1: all are called 'ann'"):
+        explain(match, "ann")
+
+
+def test_a_step_is_told_whole(crowded):
+    """Actions, requests, verdicts, and everybody's distance to what was asked for."""
+    contest = explain(crowded).contests[0]
+    told = explain_step(crowded, contest.step)
+    before, after = list(crowded.worlds())[contest.step - 1 : contest.step + 1]
+    assert (told.begin_ms, told.end_ms) == (before.time_ms, after.time_ms)
+    assert told.contests == (contest,)
+    assert [one.action for one in told.asked] == [crowded.action(contest.step - 1, seat) for seat in range(4)]
+    by_seat = {ruling.hunter: ruling for ruling in after.rulings}
+    for one in told.asked:
+        ruling = by_seat.get(one.seat)
+        assert one.verdict == (ruling.verdict if ruling else None)
+        assert one.target == (ruling.target if ruling else None)
+        assert one.chosen == after.hunters[one.seat].active_target
+    target = next(target for target in before.targets if target.name == contest.target)
+    for hunter, distance in zip(before.hunters, told.distances_um[contest.target], strict=True):
+        assert distance == round(1e6 * ((hunter.x - target.x) ** 2 + (hunter.y - target.y) ** 2) ** 0.5)
+    assert len(explain_step(crowded, contest.step, "bob").asked) == 1
+
+
+def test_a_step_that_is_not_there_is_refused(crowded):
+    """Steps count from 1."""
+    for step in (0, 301, -1):
+        with pytest.raises(ConfigError, match=f"step must be from 1 to 300, got {step}"):
+            explain_step(crowded, step)
+
+
+def test_explain_prints_paragraphs_of_80_columns_or_json(crowded, tmp_path, monkeypatch):
+    """For people, and for programs; what cannot be is one line and exit code 2."""
+    monkeypatch.chdir(tmp_path)
+    crowded.save("m.replay")
+
+    def call(*words):
+        return CliRunner().invoke(main, ["explain", "m.replay", *words])
+
+    whole, one, step = call(), call("--hunter", "bob"), call("--step", "62", "--hunter", "ann")
+    for result in (whole, one, step):
+        assert result.exit_code == 0, result.output
+        assert max(map(len, result.stdout.splitlines())) <= 80
+    assert len(one.stdout) < len(whole.stdout)
+    assert json.loads(call("--json").stdout) == explain(crowded).to_dict()
+    told = json.loads(call("--json", "--step", "62").stdout)
+    assert told["asked"][0]["verdict"] in {verdict.name for verdict in Verdict} | {None}
+    for words in (["--hunter", "bbo"], ["--step", "0"], ["--hunter", "9"]):
+        refused = call(*words)
+        assert (refused.exit_code, len(refused.stderr.splitlines())) == (2, 1)

@@ -1,0 +1,454 @@
+"""The file: as docs/replays.md says, small, and proof against whatever else it may hold."""
+
+import copy
+import hashlib
+import json
+import os
+import re
+import struct
+import subprocess
+import sys
+import zlib
+from contextlib import contextmanager, suppress
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from properties.matches import EFFORT
+from replay.decoder import decode
+
+import catch_arena
+from catch_arena import Replay
+from catch_arena.errors import OutputError, ReplayError
+from catch_arena.replay.columns import Reader, packed
+from catch_arena.replay.fileformat import decoded
+
+ONE_LINE = r"\A[ -~]+\Z"
+
+
+def file_of(replay, folder) -> bytes:
+    replay.save(folder / "made.replay")
+    return (folder / "made.replay").read_bytes()
+
+
+def body_of(content: bytes) -> bytes:
+    return zlib.decompress(content[20:-32])
+
+
+def sealed(body: bytes, *, packed_as: bytes | None = None) -> bytes:
+    """A file with a right length and a right checksum around any body."""
+    shrunk = zlib.compress(body) if packed_as is None else packed_as
+    content = b"\x89CATCH\r\n" + struct.pack("<IQ", 2, len(shrunk)) + shrunk
+    return content + hashlib.blake2b(content, digest_size=32).digest()
+
+
+def with_header(content: bytes, **changes) -> bytes:
+    """The same file with another header; `...` takes an entry away."""
+    body = body_of(content)
+    (length,) = struct.unpack_from("<I", body)
+    header = {**json.loads(body[4 : 4 + length]), **changes}
+    text = json.dumps({name: value for name, value in header.items() if value is not ...}).encode()
+    return sealed(struct.pack("<I", len(text)) + text + body[4 + length :])
+
+
+def refusal(content: bytes, folder: Path) -> str:
+    """The line with which a file is refused."""
+    path = folder / "bad.replay"
+    path.write_bytes(content)
+    with pytest.raises(ReplayError, match=r"bad\.replay: ") as caught:
+        Replay.load(path)
+    text = str(caught.value).removeprefix(f"{path}: ")
+    assert re.match(ONE_LINE, text)
+    assert len(text) < 500
+    return text
+
+
+@pytest.fixture(scope="module")
+def small(play, tmp_path_factory) -> bytes:
+    """A file of a few steps."""
+    match = play("duel", max_cycles=3, control=("full", "target"), withdraw={2: ["hunter_1"]})
+    return file_of(match, tmp_path_factory.mktemp("small"))
+
+
+# what a file is
+
+
+@pytest.mark.parametrize(
+    ("scenario", "overrides"),
+    [
+        ("faulty", {"control": ("target", "velocity", "full", "target"), "withdraw": {20: ["hunter_1"]}}),
+        ("standard", {"control": "full", "reverse": True, "control_period_ms": 250}),
+        ("standard", {"control": "velocity", "control_period_ms": 1100, "side_m": 2.0}),
+        ("capstone", {"hunters": 2}),
+        ("duel", {"reach_m": 3.0, "spawn_frequency_hz": 30.0, "mask_in_observation": True}),
+        ("duel", {"side_m": 5000.0, "max_speed_mps": 1000.0, "max_turn_rate_radps": 1000.0, "control": "full"}),
+    ],
+)
+def test_a_decoder_by_the_document_alone_reads_the_same(play, tmp_path, scenario, overrides):
+    """Header, actions, digests and every number of the witness, in every kind of match."""
+    match = play(scenario, max_cycles=60, **overrides)
+    read = decode(file_of(match, tmp_path))
+
+    assert read["config"] == json.loads(json.dumps(match.config.to_dict()))
+    assert (read["seed"], tuple(read["names"]), read["title"]) == (match.seed, match.names, match.title)
+    assert [tuple(pair) for pair in read["withdrawals"]] == match.withdrawals
+    assert np.array_equal(np.array(read["ranks"]).T, np.array(match.choices))
+    for seat, columns in read["commands"].items():
+        assert np.array_equal(np.array(columns).T, np.array(match.commands)[:, seat])
+    assert read["digests"] == match.digests
+    assert read["witness"] == [state.tolist() for state in match.witness]
+
+
+def test_a_witness_is_the_state_in_whole_millionths(mixed):
+    """At most half a millionth from the numbers that the digest stands for."""
+    hunters, targets = 4 * ([1e6] * 7 + [1] * 4), [1, 1e6, 1e6, 1e6, 1]
+    for engine, witness in zip(mixed.played(), mixed.witness, strict=True):
+        state = engine.state()
+        scale = np.array([1] * 8 + hunters + targets * ((len(state) - 52) // 5))
+        assert np.abs(state * scale - witness).max() <= 0.5 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("most", "overrides"),
+    [
+        (20_000, {"chase": True}),
+        (26_000, {}),
+        (30_000, {"control": "velocity"}),
+        (30_000, {"control": "velocity", "reverse": True}),
+        (32_000, {"control": "full"}),
+        (32_000, {"control": "full", "reverse": True}),
+    ],
+)
+def test_a_minute_of_four_hunters_is_well_below_40_kb(play, tmp_path, most, overrides):
+    """Random commands are the worst case: 26 bits of each float32 are noise."""
+    match = play(**overrides)
+
+    assert match.steps == 600
+    assert len(file_of(match, tmp_path)) < most
+
+
+def test_a_replay_is_the_same_after_saving_and_loading(mixed, tmp_path):
+    """Everything, and the file that it is saved to again."""
+    first = file_of(mixed, tmp_path)
+    loaded = Replay.load(tmp_path / "made.replay")
+
+    assert file_of(loaded, tmp_path) == first
+    for name in (field.name for field in fields(Replay)):
+        assert repr(getattr(loaded, name)) == repr(getattr(mixed, name)), name
+
+
+def test_a_match_that_is_not_over_is_kept_as_far_as_it_went(tmp_path):
+    """From no step at all; a withdrawal that nothing follows is kept too."""
+    env = catch_arena.parallel_env("duel")
+    env.record()
+    env.reset(seed=4)
+    for steps in range(3):
+        file_of(env.replay(), tmp_path)
+        loaded = Replay.load(tmp_path / "made.replay")
+        assert loaded.steps == steps
+        *_, last = loaded.worlds()
+        assert last == env.world()
+        env.step(dict.fromkeys(env.agents, 1))
+    env.withdraw("hunter_0")
+    file_of(env.replay(), tmp_path)
+    assert Replay.load(tmp_path / "made.replay").withdrawals == [(3, 0)]
+
+
+def test_what_could_not_be_read_again_is_not_recorded(tmp_path):
+    """Names that break a line at `record`, a match that is too long at `save`; nothing is left behind."""
+    env = catch_arena.parallel_env("duel")
+    for names in (["a\nb", "c"], ["\x1b[2J", "c"], ["\udc80", "c"], ["x" * 201, "c"], [1, "c"], ["a"]):
+        with pytest.raises(catch_arena.CatchArenaError, match=r"^names"):
+            env.record(names)
+    with pytest.raises(catch_arena.CatchArenaError, match=r"^title must be at most 200 printable characters"):
+        env.record(title="a\tb")
+    config = catch_arena.ArenaConfig(hunters=2, control_period_ms=86_400_000, time_limit_s=1e6)
+    ranks, commands = np.zeros(2, dtype=np.int64), np.zeros((2, 2), dtype=np.float32)
+    with pytest.raises(OutputError, match="2 steps of 86400000 ms are more than a day"):
+        Replay(config, 1, ("a", "b"), choices=[ranks] * 2, commands=[commands] * 2).save(tmp_path / "long.replay")
+    assert list(tmp_path.iterdir()) == []
+
+
+@given(st.lists(st.lists(st.integers(-(2**63), 2**63 - 1), min_size=3, max_size=3)))
+def test_columns_hold_any_whole_numbers(columns):
+    """Of 64 bits, the extremes among them."""
+    reader = Reader(packed(np.array(column, dtype=np.int64) for column in columns))
+
+    assert reader.columns(len(columns), 3).T.tolist() == columns
+    reader.end()
+
+
+# what is not a file
+
+
+def test_every_truncation_is_refused(small):
+    """At every length."""
+    for length in range(len(small)):
+        with pytest.raises(ReplayError, match=ONE_LINE):
+            decoded(small[:length])
+
+
+def test_every_flipped_bit_is_refused(small):
+    """Each single one."""
+    for at in range(len(small)):
+        for bit in range(8):
+            flipped = bytearray(small)
+            flipped[at] ^= 1 << bit
+            with pytest.raises(ReplayError, match=ONE_LINE):
+                decoded(bytes(flipped))
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "is not a Catch Arena replay"),
+        (b"PK\x03\x04 something else", "is not a Catch Arena replay"),
+        (b"\x89CATCH\r\n" + bytes(9), "is truncated"),
+        (b"\x89CATCH\r\n" + struct.pack("<IQ", 1, 5) + bytes(37), "is of format 1, and this version reads format 2"),
+        (b"\x89CATCH\r\n" + struct.pack("<IQ", 2, 2**63) + bytes(37), "should be 9223372036854775860 bytes long"),
+        (sealed(b"", packed_as=b"not zlib"), "its body does not unpack"),
+        (sealed(b"", packed_as=zlib.compress(bytes(9))[:-1]), "is damaged"),
+        (sealed(b"", packed_as=zlib.compress(bytes(9)) + b"more"), "4 bytes follow its body"),
+        (sealed(b""), "more are announced"),
+        (sealed(b"\x00\x00\x00\x00"), "no readable header"),
+        (sealed(b"\xff\xff\xff\xff{}"), "its header is 4294967295 bytes long"),
+        (sealed(b"\x02\x00\x00\x00\xff\xfe"), "no readable header"),
+        (sealed(b"\x02\x00\x00\x0012"), "its header is not a table"),
+        (sealed(struct.pack("<I", 60_000) + b"[" * 60_000), "no readable header"),
+        (sealed(struct.pack("<I", 60_000) + b'{"a":' * 12_000), "no readable header"),
+        (sealed(struct.pack("<I", 10_000) + b"9" * 10_000), "no readable header"),
+    ],
+)
+def test_what_is_no_replay_is_refused_with_its_reason(tmp_path, content, says):
+    """Foreign, older, lying about its size, packed wrongly, nested without end."""
+    assert says in refusal(content, tmp_path)
+
+
+CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"ruleset": "catch_arena_v9\n"}, r"recorded under ruleset 'catch_arena_v9\n', and this is 'catch_arena_v0'"),
+        ({"ruleset": ...}, "was recorded under ruleset None"),
+        ({"title": ...}, "title too many or missing"),
+        ({"extra\x1b": 1}, r"extra\x1b too many or missing"),
+        ({"title": "\x1b[2J"}, "title must be at most 200 printable characters"),
+        ({"names": ["a", "b\r"]}, "names[1] must be at most 200 printable characters"),
+        ({"names": ["a"]}, "names must be 2"),
+        ({"names": "ab"}, "names must be 2"),
+        ({"names": ["a", None]}, "names[1] must be"),
+        ({"seed": -1}, "seed must be a whole number"),
+        ({"seed": 2**64}, "seed must be a whole number"),
+        ({"seed": True}, "seed must be a whole number"),
+        ({"seed": 1.0}, "seed must be a whole number"),
+        ({"steps": -1}, "steps must be whole numbers"),
+        ({"steps": 1.5}, "steps must be whole numbers"),
+        ({"steps": None}, "steps must be whole numbers"),
+        ({"steps": 4}, "4 steps, and a match has 3"),
+        ({"steps": 2}, "is damaged"),
+        ({"steps": 10**7}, "is too long to be kept"),
+        ({"steps": 2**31}, "steps must be whole numbers"),
+        ({"spans": 2**31 - 1}, "is too long to be kept: 2147483647 targets"),
+        ({"spans": 0}, "bytes follow its end"),
+        ({"spans": -1}, "spans must be whole numbers"),
+        ({"withdrawals": [[2, 2]]}, "withdrawals must name hunters"),
+        ({"withdrawals": [[4, 1]]}, "withdrawals must name hunters"),
+        ({"withdrawals": [[2, 1], [1, 0]]}, "in the order of the steps"),
+        ({"withdrawals": [[1, 1], [2, 1]]}, "each once"),
+        ({"withdrawals": [[-1, 1]]}, "withdrawals must be whole numbers"),
+        ({"withdrawals": [[1]]}, "cannot be used"),
+        ({"withdrawals": 7}, "cannot be used"),
+        ({"config": None}, "cannot be used"),
+        ({"config": []}, "cannot be used"),
+        ({"config": {**CONFIG, "hunters": 10**9}}, "hunters must be a whole number from 1 to 64"),
+        ({"config": {**CONFIG, "hunters": "2"}}, "hunters must be a whole number"),
+        ({"config": {**CONFIG, "hunters": [2]}}, "hunters must be a whole number"),
+        ({"config": {**CONFIG, "gains": {"kp_v": []}}}, "gains.kp_v must be a finite number"),
+        ({"config": {**CONFIG, "gains": 3}}, "gains must be Gains"),
+        ({"config": {**CONFIG, "side_m": float("nan")}}, "side_m must be a finite number"),
+        ({"config": {**CONFIG, "side_m": 10**400}}, "side_m must be a finite number"),
+        ({"config": {**CONFIG, "control": {"a": 1}}}, "control must be"),
+        ({"config": {**CONFIG, "control": [["target"], "full"]}}, "control[0] must be one of"),
+        ({"config": {**CONFIG, "policy": "x" * 60_000}}, "policy must be one of"),
+        ({"config": {**CONFIG, "policy": ["nearest"]}}, "policy must be one of"),
+        ({"config": {**CONFIG, "hunter_poses": [[1, 2], 3]}}, "hunter_poses[0] must be"),
+        ({"config": {**CONFIG, "hunter_poses": "ab"}}, "hunter_poses[0] must be"),
+        ({"config": {**CONFIG, "start_radius_m": "1"}}, "start_radius_m must be"),
+        ({"config": {**CONFIG, "name_prefix": "\x07"}}, "name_prefix must be at most 200 printable"),
+        ({"config": {**CONFIG, "nonsense": 1}}, "unknown setting 'nonsense'"),
+        ({"config": {**CONFIG, "control_period_ms": 10**9}}, "more than a day"),
+    ],
+)
+def test_a_header_that_cannot_be_is_refused_with_its_field(small, tmp_path, changes, says):
+    """The checksum is right: somebody has made this file."""
+    text = refusal(with_header(small, **changes), tmp_path)
+
+    assert says in text, text
+
+
+def rebuilt(replay: Replay, folder: Path, change) -> bytes:
+    """The file of a match that was changed in memory, where nothing is checked."""
+    twin = copy.deepcopy(replay)
+    change(twin)
+    return file_of(twin, folder)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda match: match.choices[3].__setitem__(0, 9), "holds actions of hunter_0"),
+        (lambda match: match.choices[3].__setitem__(0, -1), "holds actions of hunter_0"),
+        (lambda match: match.choices[3].__setitem__(1, 1), "holds actions of hunter_1"),
+        (lambda match: match.choices[3].__setitem__(3, 2**62), "holds actions of hunter_3"),
+        (lambda match: match.commands[3].__setitem__((1, 0), np.nan), "holds velocity commands"),
+        (lambda match: match.commands[3].__setitem__((2, 1), np.inf), "holds velocity commands"),
+        (lambda match: match.commands[3].__setitem__((2, 1), -1.0000001), "holds velocity commands"),
+        (lambda match: match.witness[3].__setitem__(9, 2**60), "a number beyond 2^53"),
+        (lambda match: match.witness[3].__setitem__(12, -(2**60)), "a number beyond 2^53"),
+        (lambda match: match.witness[3].__setitem__(-5, match.witness[3][-10]), "cannot be alive together"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:invalid value encountered in cast:RuntimeWarning")  # a NaN is made on purpose
+def test_actions_and_numbers_that_cannot_be_are_refused(mixed, tmp_path, change, says):
+    """NaN, infinity, ranks that nobody sees, commands of those who give none, numbers without measure."""
+    assert says in refusal(rebuilt(mixed, tmp_path, change), tmp_path)
+
+
+@contextmanager
+def named_in_one_line():
+    """A ReplayError's text has no line break and no control character."""
+    try:
+        yield
+    except ReplayError as error:
+        if not re.match(ONE_LINE, str(error)):
+            raise AssertionError(repr(str(error))) from error
+        raise
+
+
+def load_and_play(content: bytes, folder: Path) -> None:
+    """Any other error than a ReplayError of one line fails."""
+    path = folder / "fuzzed.replay"
+    path.write_bytes(content)
+    with suppress(ReplayError), named_in_one_line():
+        for _ in Replay.load(path).worlds():
+            pass
+
+
+@settings(max_examples=300 * EFFORT, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_whatever_is_sealed_loads_and_plays_or_is_refused(small, tmp_path, data):
+    """Bytes of the body replaced, removed, inserted or repeated, under a right checksum: no other error than ours."""
+    body = bytearray(body_of(small))
+    for _ in range(data.draw(st.integers(1, 4))):
+        at = data.draw(st.integers(0, len(body) - 1))
+        size = data.draw(st.integers(0, min(40, len(body) - at)))
+        new = data.draw(
+            st.binary(max_size=12) | st.sampled_from([b"\xff" * 8, b"\x08" * 9, bytes(40), b"1e999", b"[]"])
+        )
+        body[at : at + size] = new * data.draw(st.integers(0, 3))
+    load_and_play(sealed(bytes(body)), tmp_path)
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=9),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=8,
+)
+
+
+@settings(max_examples=200 * EFFORT, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_any_json_in_a_header_loads_and_plays_or_is_refused(small, tmp_path, data):
+    """Any entry of the header or any setting, as anything that JSON can say."""
+    header = decode(small)
+    if data.draw(st.booleans()):
+        changes = {
+            data.draw(
+                st.sampled_from(["seed", "names", "title", "steps", "withdrawals", "spans", "config"])
+            ): data.draw(JSON)
+        }
+    else:
+        setting = data.draw(st.sampled_from(sorted(header["config"])))
+        changes = {"config": {**header["config"], setting: data.draw(JSON)}}
+    load_and_play(with_header(small, **changes), tmp_path)
+
+
+LIMITED = """
+import resource, sys, time
+from catch_arena import ArenaConfig, Engine, Replay
+from catch_arena.errors import ReplayError
+from catch_arena.replay.verification import faults
+resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
+Engine(ArenaConfig())
+for path in sys.argv[1:]:
+    began = time.process_time()
+    try:
+        replay = Replay.load(path)
+        outcome = f"loaded: {faults(replay)[0]}"
+    except ReplayError as error:
+        outcome = str(error).removeprefix(f"{path}: ")
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
+    print(f"{time.process_time() - began:.1f}|{peak}|{outcome}")
+"""
+
+
+def longest(small: bytes, columns: bytes = b"", spans: bytes = bytes(7), **settings) -> bytes:
+    """The longest match of these settings that is read, well-formed; all zeros, or with these columns of hunters."""
+    config = {**CONFIG, "control": "full", "max_cycles": 10**9, **settings}
+    hunters, period = config["hunters"], config["control_period_ms"]
+    steps = min((1 << 23) // (8 + 11 * hunters + 5 * config["max_targets"]) - 1, 86_400_000 // period)
+    header = {**{name: decode(small)[name] for name in ("ruleset", "package", "seed", "title")}, "config": config}
+    header |= {"names": [""] * hunters, "steps": steps, "withdrawals": [], "spans": 0 if spans == bytes(7) else 1 << 18}
+    text = json.dumps(header).encode()
+    if columns:
+        columns = b"".join(b"\x03" + columns[at : at + 3 * (steps + 1)] for at in range(11 * hunters))
+    actions, states = bytes(3 * hunters), bytes(8) + (columns or bytes(11 * hunters))
+    return sealed(struct.pack("<I", len(text)) + text + actions + bytes(8 * steps + 8) + states + spans)
+
+
+def most_spans() -> bytes:
+    """As many targets as a file may hold, 64 new ones in each state."""
+    table = np.ones((7, 1 << 18), dtype=np.int64)
+    table[0] = np.arange(1 << 18) % 64 == 0
+    table[0, 0] = 0
+    table[2] = np.arange(1 << 18)
+    return packed(table)
+
+
+def test_hostile_files_take_neither_memory_nor_time(small, tmp_path):
+    """A process that may have 1 GiB of address space; every bomb is refused or played, in seconds."""
+    bomb = zlib.compressobj(9)
+    crowd = {"hunters": 64, "max_targets": 64, "initial_targets": 64}
+    files = {
+        "bomb": sealed(b"", packed_as=b"".join(bomb.compress(bytes(1 << 20)) for _ in range(128)) + bomb.flush()),
+        "long": bytes(1 << 27),
+        "steps": with_header(small, steps=10**7),
+        "spans": with_header(small, spans=2**18),
+        "json": sealed(struct.pack("<I", 65_000) + b'{"a":[' + b"[],[{}]," * 8124),
+        "crowd": longest(small, spawn_frequency_hz=1e6, **crowd),
+        "dense": longest(small, np.random.default_rng(5).bytes(1 << 20), most_spans(), **crowd),
+    }
+    if EFFORT > 1:
+        files["most"] = longest(small, hunters=1, max_targets=1, initial_targets=0)
+        files["slow"] = longest(small, hunters=64, max_targets=1, initial_targets=0, control_period_ms=86_400_000)
+    for name, content in files.items():
+        (tmp_path / name).write_bytes(content)
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, *files],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=tmp_path,
+        # compiled, whatever this process is; and each thread of a library would reserve address space
+        env={**os.environ, "NUMBA_DISABLE_JIT": "0", "OPENBLAS_NUM_THREADS": "1"},
+    )
+    outcomes = dict(zip(files, (line.split("|", 2) for line in done.stdout.splitlines()), strict=True))
+    played = {name for name, (_, _, text) in outcomes.items() if text.startswith("loaded")}
+    assert played == files.keys() & {"most", "crowd", "dense", "slow"}, outcomes
+    assert all(int(peak) < 1024 for _, peak, _ in outcomes.values()), outcomes
+    assert all(float(seconds) < 60 for seconds, _, _ in outcomes.values()), outcomes

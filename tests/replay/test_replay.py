@@ -1,0 +1,64 @@
+"""Replays keep matches: saved, loaded and played again they agree step by step, and whatever is not one is refused."""
+
+from pathlib import Path
+
+import pytest
+
+import catch_arena
+from catch_arena.errors import OutputError
+
+CONTROL = ("target", "velocity", "full", "target")
+
+
+def record(**overrides):
+    env = catch_arena.parallel_env("faulty", control=CONTROL, max_cycles=80, **overrides)
+    env.record(["a", "b", "c", "d"], title="a test")
+    env.reset(seed=6)
+    for index, agent in enumerate(env.possible_agents):
+        env.action_space(agent).seed(index)
+    worlds = [env.world()]
+    while env.agents:
+        if len(worlds) == 40:
+            env.withdraw("hunter_2")
+        env.step({agent: env.action_space(agent).sample() for agent in env.agents})
+        worlds.append(env.world())
+    return env.replay(), worlds
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    return record()
+
+
+def test_a_replay_plays_the_match_again(recorded, tmp_path):
+    """From the file, every world is the one that was, withdrawals and velocity commands included."""
+    replay, worlds = recorded
+    replay.save(tmp_path / "match.replay")
+    loaded = catch_arena.Replay.load(tmp_path / "match.replay")
+
+    assert list(loaded.worlds()) == worlds
+    assert (loaded.names, loaded.title, loaded.seed) == (("a", "b", "c", "d"), "a test", 6)
+    assert loaded.config == replay.config
+
+
+def test_a_file_that_cannot_be_written_leaves_nothing(recorded, tmp_path):
+    """A folder that is not there: our own error, and no half-written file."""
+    replay, _ = recorded
+    with pytest.raises(OutputError, match="cannot be written"):
+        replay.save(tmp_path / "nowhere" / "match.replay")
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_only_regular_files_are_replaced(recorded, tmp_path):
+    """A device or a folder stays what it is; a link is followed."""
+    replay, _ = recorded
+    for target in (tmp_path, Path("/dev/null")):
+        with pytest.raises(OutputError, match="is not a regular file"):
+            replay.save(target)
+    (tmp_path / "real.replay").write_bytes(b"")
+    (tmp_path / "link.replay").symlink_to(tmp_path / "real.replay")
+    replay.save(tmp_path / "link.replay")
+
+    assert (tmp_path / "link.replay").is_symlink()
+    assert catch_arena.Replay.load(tmp_path / "real.replay").steps == replay.steps

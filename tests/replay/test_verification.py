@@ -1,0 +1,157 @@
+"""verify: the first step that differs, and in what; an edited file is told from an edited match."""
+
+import copy
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena import Replay
+from catch_arena.cli import main
+from catch_arena.errors import ReplayError
+from catch_arena.replay.verification import faults
+
+
+def altered(replay: Replay, change) -> Replay:
+    twin = copy.deepcopy(replay)
+    change(twin)
+    return twin
+
+
+def alter_action(replay: Replay) -> None:
+    replay.commands[22][1] = -replay.commands[22][1]
+
+
+def number_of(replay: Replay, step: int, seat: int, field: int) -> int:
+    """A hunter's number of a witness: x is field 0, y 1, the angular velocity 4."""
+    return int(replay.witness[step][8 + 11 * seat + field])
+
+
+def test_a_match_that_plays_as_recorded_has_no_faults(mixed):
+    """And progress is told, to the end."""
+    told = []
+
+    assert faults(mixed, lambda done, total: told.append((done, total))) == []
+    assert told == [(step, 80) for step in range(81)]
+
+
+def test_an_edited_action_is_named_by_what_it_moves(mixed):
+    """The hunter, each number, as recorded and as replayed; no other hunter."""
+    found = faults(altered(mixed, alter_action))
+
+    assert found[0] == "step 23 is the first that differs"
+    assert all(line.startswith("step 23: hunter_1 (b): ") for line in found[1:])
+    rate = number_of(mixed, 23, 1, 4) / 1e6
+    assert (
+        f"step 23: hunter_1 (b): angular velocity is {rate:.6f} rad/s as recorded and {-rate:.6f} rad/s as replayed, "
+        f"{2 * abs(rate):.6f} rad/s apart"
+    ) in found
+
+
+def test_an_edited_choice_is_named_by_the_active_target(mixed):
+    """Under target control."""
+    step = next(at for at, choices in enumerate(mixed.choices) if at > 30 and choices[0] == 1)
+    found = faults(altered(mixed, lambda match: match.choices[step].__setitem__(0, 2)))
+
+    assert found[0] == f"step {step + 1} is the first that differs"
+    assert any(re.search(r"\(a\): active target is target_turtle_\d+ as recorded and target_", line) for line in found)
+
+
+@pytest.mark.parametrize(
+    ("change", "first", "line"),
+    [
+        (lambda match: setattr(match, "seed", 7), "the initial state", r"hunter_0 \(a\): x is"),
+        (lambda match: match.withdrawals.clear(), "step 40", r"hunter_2 \(c\): withdrawn is yes as recorded and no as"),
+        (
+            lambda match: setattr(match, "config", match.config.replace(initial_targets=9)),
+            "the initial state",
+            r"target_turtle_9: alive as replayed, not as recorded",
+        ),
+        (
+            lambda match: setattr(match, "config", match.config.replace(control_period_ms=116)),
+            "step 1",
+            r"clock and counters: time is 100 ms as recorded and 116 ms as replayed, 16 ms apart",
+        ),
+    ],
+)
+def test_an_edited_header_is_named_by_what_it_changes(mixed, change, first, line):
+    """Seed, withdrawals, settings."""
+    found = faults(altered(mixed, change))
+
+    assert found[0] == f"{first} is the first that differs"
+    assert any(re.match(f"{first}: {line}", one) for one in found), found
+
+
+def test_an_edited_witness_is_told_from_an_edited_action(mixed):
+    """Every digest agrees, so the match is what it was."""
+
+    def shift(match):
+        for step in (31, 40, 41):
+            match.witness[step][8 + 11 * 2 + 1] += 17
+
+    y = number_of(mixed, 31, 2, 1)
+    (found,) = faults(altered(mixed, shift))
+    told, _, number = found.partition("the digest agrees, but hunter_2 (c): ")
+    assert told == "step 31: its witness was altered, and that of 2 later steps: "
+    assert number == f"y is {(y + 17) / 1e6:.6f} m as recorded and {y / 1e6:.6f} m as replayed, 0.000017 m apart"
+
+
+def test_an_edited_digest_is_told_from_an_edited_action(mixed):
+    """The steps after it agree; the last step has none after it."""
+    found = faults(altered(mixed, lambda match: match.digests.__setitem__(12, b"12345678")))
+    assert found == ["step 12: its digest was altered: the match plays on as recorded"]
+    found = faults(altered(mixed, lambda match: match.digests.__setitem__(80, b"12345678")))
+    assert found == [
+        "step 80 is the first that differs",
+        "step 80: every number by less than a millionth of its unit",
+    ]
+
+
+def test_several_faults_are_all_told(mixed):
+    """A digest, a witness, and the match itself."""
+
+    def change(match):
+        match.digests[3] = b"12345678"
+        match.witness[5][0] += 1
+        alter_action(match)
+
+    found = faults(altered(mixed, change))
+    assert found[0].startswith("step 3: its digest was altered")
+    assert found[1].startswith(
+        "step 5: its witness was altered: the digest agrees, but clock and counters: time is 501"
+    )
+    assert found[2] == "step 23 is the first that differs"
+
+
+def test_worlds_stop_at_the_first_step_that_differs_and_say_in_what(mixed):
+    """In one line, for those who watch."""
+    with pytest.raises(
+        ReplayError, match=r"step 23 is the first that differs: hunter_1 \(b\): x is .* \(and \d more\)"
+    ):
+        list(altered(mixed, alter_action).worlds())
+
+
+def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path, monkeypatch):
+    """Sound, altered, cut and missing files together."""
+    monkeypatch.chdir(tmp_path)
+    mixed.save("good.replay")
+    altered(mixed, alter_action).save("played.replay")
+    (tmp_path / "cut.replay").write_bytes((tmp_path / "good.replay").read_bytes()[:-1])
+    result = CliRunner().invoke(main, ["verify", "played.replay", "cut.replay", "good.replay", "none.replay"])
+
+    assert result.exit_code == 2
+    assert result.stdout == "good.replay: all of 80 steps play as recorded\n"
+    lines = result.stderr.splitlines()
+    assert lines[0] == "played.replay: step 23 is the first that differs"
+    assert {line.split(":")[0] for line in lines} == {"played.replay", "cut.replay", "none.replay", "catch-arena"}
+    assert lines[-1] == "catch-arena: 3 of 4 replays failed"
+
+
+def test_verify_prints_no_more_than_a_screen_for_a_file(play, tmp_path):
+    """Another seed: everything differs."""
+    match = altered(play("crowd", max_cycles=2), lambda match: setattr(match, "seed", 99))
+    match.save(tmp_path / "m.replay")
+    lines = CliRunner().invoke(main, ["verify", str(tmp_path / "m.replay")]).stderr.splitlines()
+
+    assert len(lines) == 15
+    assert re.search(r"m\.replay: the initial state: and \d+ more$", lines[-2])
