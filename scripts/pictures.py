@@ -1,39 +1,55 @@
-"""Draw the picture that the README shows: a moment of a match between four of the shipped agents."""
+"""Draw what the README shows: a moment of a match between four of the shipped agents, and ten seconds of it."""
 
 import argparse
+import tempfile
 from pathlib import Path
 
 import cv2
 
-from catch_arena.render.raster import ArenaPainter
+from catch_arena import Replay
+from catch_arena.render.motion import Cut
+from catch_arena.render.video import filmed, render_replay, stage_of
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import play
 
-PICTURE = Path(__file__).parent.parent / "docs" / "picture.png"
+DOCS = Path(__file__).parent.parent / "docs"
 AGENTS = ["patrol", "contested_by_time", "contested", "nearest"]
-SEED, STEP = 3, 405
+SEED = 6
+MOMENT_S = 29.9
+FROM_S, TO_S = 23.0, 33.0
+MOST_BYTES = 2_000_000
 
 
 def main() -> None:
-    """Play up to the moment, and paint it."""
+    """Play the match, and film it."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    config = scenario("standard")
+    replay = recorded()
+    picture, animation = DOCS / "picture.png", DOCS / "animation.gif"
+    moment = Cut(round(1000 * MOMENT_S), round(1000 * MOMENT_S), fps=60)
+    (pixels,) = filmed(replay, stage_of(replay, (1280, 720), "broadcast"), moment)
+    cv2.imwrite(str(picture), cv2.cvtColor(pixels, cv2.COLOR_RGBA2BGR), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    render_replay(replay, animation, start_s=FROM_S, end_s=TO_S)
+    size = picture.stat().st_size + animation.stat().st_size
+    print(f"{picture.name}, {animation.name}: {size / 1e6:.2f} MB together")
+    if size > MOST_BYTES:
+        raise SystemExit(f"the pictures must stay under {MOST_BYTES / 1e6:g} MB together")
+
+
+def recorded() -> Replay:
+    """The match."""
     entrants = enter(AGENTS)
-    names = [one.name for one in entrants]
-    painter = ArenaPainter(config, names, size=(1280, 720), layout="broadcast")
-    frames = []
-
-    def watch(env) -> None:  # noqa: ANN001 - a PettingZoo env
-        world = env.world()
-        frame = painter.paint(world)
-        if world.step == STEP:
-            frames.append(frame)
-
-    play(config, SEED, [one.create() for one in entrants], names, title="A match", watch=watch)
-    picture = cv2.cvtColor(frames[0], cv2.COLOR_RGB2BGR)
-    cv2.imwrite(str(PICTURE), picture, [cv2.IMWRITE_PNG_COMPRESSION, 9])
-    print(PICTURE.relative_to(PICTURE.parent.parent))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "match.replay")
+        play(
+            scenario("standard"),
+            SEED,
+            [one.create() for one in entrants],
+            [one.name for one in entrants],
+            title="A match",
+            record=path,
+        )
+        return Replay.load(path)
 
 
 if __name__ == "__main__":

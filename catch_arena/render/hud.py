@@ -1,14 +1,15 @@
-"""What stands around the arena: who leads, how it came about, and the clock.
+"""What stands around the arena: where each part goes, who the match is between, and the clock.
 
 Pure functions from small states to shapes.
 """
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, Literal, NamedTuple
 
-from catch_arena.render.scene import WHITE, Box, Color, Label, Look, Polygon, Shape, Stroke, Turtle, mix
+from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, mix
+from catch_arena.render.view import Look
 
 Layout = Literal["broadcast", "arena"]
 """With a panel of standings and a timeline beside the arena, or with one line over it."""
@@ -19,12 +20,18 @@ TRACK: Final[Color] = (40, 47, 86)
 DIM: Final[Color] = (150, 158, 204)
 BRIGHT: Final[Color] = (240, 243, 255)
 
-COLUMNS: Final = 220
-"""Of the timeline: however long the match, it is kept and drawn in so many parts."""
-
-
-ROW: Final = 58.0
+ROW: Final = 50.0
 """The most that a line of the standings takes, in units."""
+CLOSE_ROW: Final = 36.0
+"""What it takes at most where the news would have no room otherwise."""
+NEWS_ROW: Final = 26.0
+"""What a line of the news takes, in units."""
+MOST_NEWS: Final = 4
+"""Lines."""
+LEAST_NEWS: Final = 200
+"""Pixels: narrower than that, a line cannot be read."""
+TIMELINE: Final = 170.0
+"""The least that the timeline keeps where the standings or the news could take more, in units."""
 
 
 class Rect(NamedTuple):
@@ -36,16 +43,20 @@ class Rect(NamedTuple):
     height: int
 
 
+NOWHERE: Final = Rect(0, 0, 0, 0)
+
+
 @dataclass(frozen=True, slots=True)
 class Arrangement:
     """Where everything stands in a frame; what has no area is left out."""
 
     arena: Rect
     header: Rect
-    standings: Rect
-    timeline: Rect
     unit: float
     """Pixels of the frame for a pixel of a 1280 x 720 one: texts and gaps follow it."""
+    standings: Rect = NOWHERE
+    news: Rect = NOWHERE
+    timeline: Rect = NOWHERE
 
 
 class Standing(NamedTuple):
@@ -56,100 +67,66 @@ class Standing(NamedTuple):
     withdrawn: bool = False
 
 
-@dataclass(slots=True)
-class Timeline:
-    """Who caught when, and who led by how much: two values for each of COLUMNS parts of the match."""
-
-    duration_ms: int
-    catches: int = 0
-    catchers: list[frozenset[int]] = field(default_factory=lambda: [frozenset()] * COLUMNS)
-    """The seats that caught in each part."""
-    leads: list[tuple[int, int] | None] = field(default_factory=lambda: [None] * COLUMNS)
-    """(seat, catches ahead of the next) at the end of each part; seat -1 where nobody is; None for the future."""
-    _reached: int = -1
-
-    def column(self, time_ms: float) -> int:
-        """The part of the match that an instant falls into."""
-        return min(COLUMNS - 1, max(0, int(time_ms * COLUMNS / max(1, self.duration_ms))))
-
-    def tell(self, time_ms: float, catchers: Sequence[int], scores: Sequence[int]) -> None:
-        """Advance to an instant at which those hunters caught and these are the scores."""
-        column = self.column(time_ms)
-        for part in range(self._reached + 1, column):  # nothing happened in between
-            self.leads[part] = self.leads[self._reached] if self._reached >= 0 else (-1, 0)
-        self._reached = column
-        self.leads[column] = lead(scores)
-        self.catchers[column] |= frozenset(catchers)
-        self.catches += len(catchers)
-
-
-def lead(scores: Sequence[int]) -> tuple[int, int]:
-    """The leader's seat and how far behind the next is; (-1, 0) where they are level. One alone leads by its score."""
-    best = max(scores)
-    if list(scores).count(best) > 1 or best == 0:
-        return -1, 0
-    return list(scores).index(best), best - max((score for score in scores if score != best), default=0)
-
-
 def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
     """Where everything stands in a frame: the panel at the right of a wide one, below in a tall one, else around."""
     width, height = size
-    nothing = Rect(0, 0, 0, 0)
     if layout == "arena":
         strip = max(22, round(0.056 * min(width, height)))
-        arena = Rect(0, strip, width, height - strip)
-        return Arrangement(arena, Rect(0, 0, width, strip), nothing, nothing, strip / 40.0)
+        return Arrangement(Rect(0, strip, width, height - strip), Rect(0, 0, width, strip), strip / 40.0)
     if width >= 1.25 * height:
         side = min(height, round(0.64 * width))
         unit = min(height / 720.0, (width - side) / 560.0)
-        gap = round(20 * unit)
-        header, standings, timeline = _cards(
-            Rect(side + gap, gap, width - side - 2 * gap, height - 2 * gap), unit, hunters
-        )
-        return Arrangement(Rect(0, 0, side, height), header, standings, timeline, unit)
+        gap, top = round(20 * unit), round(48 * unit)
+        header = Rect(side + gap, gap, width - side - 2 * gap, top)
+        below = gap + top + round(14 * unit)
+        cards = _cards(header._replace(top=below, height=height - below - gap), unit, hunters)
+        return Arrangement(Rect(0, 0, side, height), header, unit, *cards)
     if height >= 1.25 * width:
         unit = max(0.6, min(width / 560.0, height / 1160.0))
         gap = round(16 * unit)
         top = round(56 * unit) + gap
-        arena_height = min(width, height - top - round(200 * unit))
-        below = top + arena_height + gap
-        rest = Rect(gap, below, width - 2 * gap, height - below - gap)
-        _, standings, timeline = _cards(rest, unit, hunters, header=False)
-        return Arrangement(
-            Rect(0, top, width, arena_height),
-            Rect(gap, gap // 2, width - 2 * gap, top - gap),
-            standings,
-            timeline,
-            unit,
-        )
+        arena = Rect(0, top, width, min(width, height - top - round(200 * unit)))
+        below = top + arena.height + gap
+        cards = _cards(Rect(gap, below, width - 2 * gap, height - below - gap), unit, hunters)
+        return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, *cards)
     unit = max(0.55, min(width, height) / 800.0)
     gap = round(14 * unit)
     top, bottom = round(56 * unit) + gap, round(max(0.2 * height, 84.0))
     arena_width = min(round(0.66 * width), round(1.1 * (height - top - bottom)))
     arena = Rect(0, top, arena_width, height - top - bottom)
-    return Arrangement(
-        arena,
-        Rect(gap, gap // 2, width - 2 * gap, top - gap),
-        Rect(arena_width + gap, top, width - arena_width - 2 * gap, arena.height),
-        Rect(gap, height - bottom + gap, width - 2 * gap, bottom - 2 * gap),
-        unit,
-    )
+    beside = Rect(arena_width + gap, top, width - arena_width - 2 * gap, arena.height)
+    standings, news = _with_news(beside, unit, hunters, 0)
+    timeline = Rect(gap, height - bottom + gap, width - 2 * gap, bottom - 2 * gap)
+    return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, standings, news, timeline)
 
 
-def _cards(panel: Rect, unit: float, hunters: int, *, header: bool = True) -> tuple[Rect, Rect, Rect]:
-    """Header, standings and timeline in a panel: one below the other, or the last two side by side in a wide one."""
+def _cards(panel: Rect, unit: float, hunters: int) -> tuple[Rect, Rect, Rect]:
+    """Standings, news and timeline: one below the other, or the last beside the others in a wide panel."""
     gap = round(14 * unit)
-    top = round(48 * unit) + gap if header else 0
-    head = Rect(panel.left, panel.top, panel.width, top - gap if header else 0)
-    rest = Rect(panel.left, panel.top + top, panel.width, panel.height - top)
-    if rest.width > 1.6 * rest.height:
-        half = (rest.width - gap) // 2
-        left = Rect(rest.left, rest.top, half, rest.height)
-        return head, left, Rect(rest.left + half + gap, rest.top, rest.width - half - gap, rest.height)
-    wanted = round(hunters * ROW * unit + 16 * unit)
-    below = max(rest.height - gap - wanted, min(round(0.36 * rest.height), round(190 * unit)))
-    standings = Rect(rest.left, rest.top, rest.width, rest.height - below - gap)
-    return head, standings, Rect(rest.left, rest.top + rest.height - below, rest.width, below)
+    if panel.width > 1.6 * panel.height:
+        half = (panel.width - gap) // 2
+        right = Rect(panel.left + half + gap, panel.top, panel.width - half - gap, panel.height)
+        return *_with_news(panel._replace(width=half), unit, hunters, 0), right
+    least = min(round(0.36 * panel.height), round(TIMELINE * unit))
+    standings, news = _with_news(panel, unit, hunters, least + gap)
+    last = news if news.height else standings
+    top = last.top + last.height + gap
+    height = min(panel.top + panel.height - top, round(0.95 * panel.width))
+    return standings, news, Rect(panel.left, top, panel.width, height)
+
+
+def _with_news(area: Rect, unit: float, hunters: int, reserved: int) -> tuple[Rect, Rect]:
+    """The standings, and below them the news if two lines of it fit; so many pixels below belong to others."""
+    gap = round(14 * unit)
+    wanted = round((MOST_NEWS * NEWS_ROW + 16) * unit) + gap + reserved
+    roomy, close = (round((hunters * row + 16) * unit) for row in (ROW, CLOSE_ROW))
+    height = min(max(close, min(roomy, area.height - wanted)), area.height - reserved)
+    left = area.height - height - reserved - gap
+    rows = min(MOST_NEWS, int((left - 16 * unit) / (NEWS_ROW * unit)))
+    if rows < 2 or area.width < LEAST_NEWS or hunters == 1:  # one alone has nobody to be near
+        return area._replace(height=height), NOWHERE
+    news = Rect(area.left, area.top + height + gap, area.width, round(rows * NEWS_ROW * unit + 16 * unit))
+    return area._replace(height=height), news
 
 
 def clock(time_ms: float) -> str:
@@ -167,14 +144,14 @@ def ranked(standings: Sequence[Standing]) -> list[Standing]:
 
 def header_shapes(area: Rect, look: Look, seed: int | None, time_text: str, unit: float) -> list[Shape]:
     """The title, what match this is, and the clock."""
-    big, small = _size(34 * unit, 15), _size(15 * unit, 10)
+    big, small = fitting(34 * unit, 15), fitting(15 * unit, 10)
     right = area.left + area.width
     about = "   ".join(part for part in (look.title, "" if seed is None else f"seed {seed}") if part)
     clock_room = len(time_text) * 0.68 * big + 1.6 * small
     middle = area.top + area.height * (0.36 if about else 0.5)
     shapes: list[Shape] = [
         Label(
-            area.left, middle, "CATCH ARENA", _size(28 * unit, 13), BRIGHT, 700, max_width=area.width - clock_room - 8
+            area.left, middle, "CATCH ARENA", fitting(28 * unit, 13), BRIGHT, 700, max_width=area.width - clock_room - 8
         ),
         Label(right - 1.2 * small, middle, time_text, big, BRIGHT, 700, "right"),
         Label(right, middle + 0.36 * (big - small), "s" if ":" not in time_text else "", small, DIM, 500, "right"),
@@ -190,208 +167,65 @@ def header_shapes(area: Rect, look: Look, seed: int | None, time_text: str, unit
 
 def split_strip(area: Rect, time_text: str) -> tuple[Rect, Rect]:
     """The line over the arena: the part for the scores, and the clock's at its right end."""
-    room = round((len(time_text) + 1.5) * 0.62 * _size(0.58 * area.height, 12))
+    room = round((len(time_text) + 1.5) * 0.62 * fitting(0.58 * area.height, 12))
     return area._replace(width=area.width - room), area._replace(left=area.left + area.width - room, width=room)
 
 
 def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
     """The clock in the line over the arena."""
-    size = _size(0.58 * area.height, 12)
+    size = fitting(0.58 * area.height, 12)
     return [
         Label(area.left + area.width - 0.5 * size, area.top + area.height / 2.0, time_text, size, BRIGHT, 700, "right")
     ]
 
 
+def chip_width(look: Look, size: float) -> float:
+    """Of the chips that bear a match's numbers beside text of that size."""
+    return (0.6 * len(str(len(look.names) - 1)) + 0.7) * size
+
+
+def chip(x: float, middle: float, look: Look, seat: int, size: float, *, faded: bool = False) -> list[Shape]:
+    """A hunter's number on its colour; `x` is its left end."""
+    color = mix(look.color(seat), PANEL, 0.6 if faded else 0.0)
+    width = chip_width(look, size)
+    return [
+        Box(x, middle - 0.56 * size, width, 1.12 * size, color, 0.3 * size),
+        Label(x + width / 2.0, middle, str(seat), fitting(0.82 * size, 9), readable_on(color), 800, "center"),
+    ]
+
+
 def chip_shapes(area: Rect, look: Look, standings: Sequence[Standing]) -> list[Shape]:
-    """Every hunter's number on its colour, and its score: by seat, or the best as far as there is room."""
-    size = _size(0.58 * area.height, 12)
+    """Every hunter's chip and its score: by seat, or the best as far as there is room."""
+    size = fitting(0.58 * area.height, 12)
     middle = area.top + area.height / 2.0
-    number_width = 0.6 * len(str(len(standings) - 1)) * size
-    step = number_width + (1.6 + 0.66 * max(len(str(one.score)) for one in standings)) * size
+    step = chip_width(look, size) + (0.9 + 0.66 * max(len(str(one.score)) for one in standings)) * size
     fits = max(1, int((area.width - 0.5 * size) // step))
     shown = sorted(standings) if fits >= len(standings) else ranked(standings)[:fits]
     shapes: list[Shape] = []
     x = area.left + 0.5 * size
     for one in shown:
-        color = mix(look.color(one.seat), PANEL, 0.6 if one.withdrawn else 0.0)
-        chip = number_width + 0.7 * size
-        shapes += [
-            Box(x, middle - 0.56 * size, chip, 1.12 * size, color, 0.3 * size),
-            Label(x + chip / 2.0, middle, str(one.seat), _size(0.82 * size, 9), readable_on(color), 800, "center"),
-            Label(x + chip + 0.25 * size, middle, str(one.score), size, BRIGHT, 700),
-        ]
+        shapes += chip(x, middle, look, one.seat, size, faded=one.withdrawn)
+        shapes.append(Label(x + chip_width(look, size) + 0.25 * size, middle, str(one.score), size, BRIGHT, 700))
         x += step
     return shapes
 
 
-def standings_shapes(area: Rect, look: Look, standings: Sequence[Standing], unit: float) -> list[Shape]:
-    """A line for each hunter, the best first: turtle, number, name, its share of the leader's score, and the score."""
-    pad = 8 * unit
-    lines = ranked(standings)
-    best = max(1, lines[0].score)
-    room = area.height - 2.0 * pad
-    least = max(15.0, 19.0 * unit)
-    rows = max(1, int(room // least))
-    columns = (
-        1 if len(lines) <= rows else max(1, min(-(-len(lines) // rows), int(area.width // max(130.0, 165.0 * unit))))
-    )
-    left_out = len(lines) - rows * columns
-    if left_out > 0:  # the last line says how many more there are
-        left_out += 1
-        lines = lines[: rows * columns - 1]
-    per_column = -(-(len(lines) + (left_out > 0)) // columns)
-    height = min(room / per_column, max(28.0, ROW * unit))
-    width = (area.width - 2.0 * pad) / columns
-    shapes: list[Shape] = [Box(area.left, area.top, area.width, per_column * height + 2.0 * pad, CARD, 12 * unit)]
-    for place, one in enumerate(lines):
-        column, row = divmod(place, per_column)
-        line = (area.left + pad + column * width, area.top + pad + row * height, width, height)
-        shapes += _line(line, look, one, best, unit)
-    if left_out > 0:
-        column, row = divmod(len(lines), per_column)
-        x, y = area.left + pad + column * width, area.top + pad + (row + 0.5) * height
-        shapes.append(Label(x + 0.3 * height, y, f"and {left_out} more", _size(0.5 * height, 10), DIM, 500))
-    return shapes
-
-
-def _line(line: tuple[float, float, float, float], look: Look, one: Standing, best: int, unit: float) -> list[Shape]:
-    left, top, width, height = line
-    middle = top + height / 2.0
-    size = min(_size(0.54 * height, 10), _size(21 * unit, 11), _size(0.1 * width, 9))
-    color = look.color(one.seat)
-    digits = len(str(best))
-    x = left + 0.3 * size
-    shapes: list[Shape] = [Turtle(x + 0.85 * size, middle, 0.0, 1.75 * size, color, faded=one.withdrawn)]
-    x += 2.1 * size
-    number_size = _size(0.8 * size, 9)
-    number_room = 0.62 * number_size * len(str(len(look.names) - 1))
-    shapes.append(Label(x + number_room, middle, str(one.seat), number_size, DIM, 600, "right"))
-    x += number_room + 0.6 * size
-    right = left + width - 0.5 * size
-    bar_end = right - (0.78 * digits + 0.6) * size
-    has_bar = width >= 21 * size
-    bar_start = max(x + 4.5 * size, bar_end - 0.3 * width) if has_bar else bar_end
-    name = look.names[one.seat] + ("  (out)" if one.withdrawn else "")
-    shapes.append(
-        Label(x, middle, name, size, DIM if one.withdrawn else BRIGHT, 500, max_width=bar_start - x - 0.5 * size)
-    )
-    shapes.append(Label(right, middle, str(one.score), _size(1.1 * size, 11), BRIGHT, 800, "right"))
-    if has_bar:
-        thick = max(3.0, 0.48 * size)
-        length = bar_end - bar_start
-        shapes.append(Box(bar_start, middle - thick / 2, length, thick, TRACK, thick / 2))
-        if one.score:
-            filled = max(thick, length * one.score / best)
-            shapes.append(
-                Box(bar_start, middle - thick / 2, filled, thick, mix(color, CARD, 0.5 * one.withdrawn), thick / 2)
-            )
-    return shapes
-
-
-def cursor_x(area: Rect, timeline: Timeline, time_ms: float, unit: float) -> float:
-    """Where the present is on the timeline [pixels]."""
-    left, width = _chart(area, unit)
-    return left + width * min(1.0, time_ms / max(1, timeline.duration_ms))
-
-
-def _chart(area: Rect, unit: float) -> tuple[float, float]:
-    pad = 16 * unit
-    axis = 2.6 * _size(12 * unit, 9)
-    return area.left + pad + axis, area.width - 2 * pad - axis
-
-
-def timeline_shapes(area: Rect, look: Look, timeline: Timeline, time_ms: float, unit: float) -> list[Shape]:
-    """Catches as ticks in their hunters' colours; below, how far ahead of the next the leader was, in the leader's."""
-    shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
-    text, small = _size(14 * unit, 10), _size(12 * unit, 9)
-    pad = 16 * unit
-    left, width = _chart(area, unit)
-    right = left + width
-    alone = len(look.names) == 1
-    many = "1 catch" if timeline.catches == 1 else f"{timeline.catches} catches"
-    head = area.top + max(0.95 * text, min(0.11 * area.height, 22 * unit))
-    many_room = 0.6 * text * len(many)
-    shapes += [
-        Label(
-            area.left + pad,
-            head,
-            "Catches" if alone else "Catches and lead",
-            text,
-            DIM,
-            500,
-            max_width=area.width - 2 * pad - many_room,
-        ),
-        Label(right, head, many, text, DIM, 500, "right"),
-    ]
-    foot = area.top + area.height - max(0.85 * small, min(0.08 * area.height, 18 * unit))
-    lane_top = head + 0.95 * text
-    base = foot - 1.15 * small
-    lanes = len(look.names) if (base - lane_top) / 2.0 >= 1.25 * small * len(look.names) else 1
-    pitch = min(20.0 * unit, 0.5 * (base - lane_top) / lanes)
-    lane = max(4.0, min(12.0 * unit, 0.7 * pitch))
-    step = width / COLUMNS
-    for row in range(lanes):
-        row_top = lane_top + row * pitch
-        shapes.append(Box(left, row_top, width, lane, TRACK, lane / 2))
-        if lanes > 1:
-            shapes.append(Label(left - 0.5 * small, row_top + lane / 2, str(row), small, look.color(row), 700, "right"))
-    tick = max(step, min(3.0 * unit, 3.0), 1.5)
-    for part, seats in enumerate(timeline.catchers):
-        for seat in sorted(seats):
-            row_top = lane_top + (seat * pitch if lanes > 1 else 0.0)
-            shapes.append(Box(left + (part + 0.5) * step - tick / 2, row_top, tick, lane, look.color(seat)))
-    top = lane_top + (lanes - 1) * pitch + lane + max(4.0, 0.05 * area.height)
-    most = max((ahead for _, ahead in (now or (-1, 0) for now in timeline.leads)), default=0)
-    height = base - top
-    now_x = cursor_x(area, timeline, time_ms, unit)
-    if height >= 8:
-        scale = height / max(3, most)
-        for start, end, seat, ahead in _runs(timeline):
-            x0, x1 = left + start * step, min(left + end * step, max(now_x, left + start * step + 1.0))
-            y = base - ahead * scale
-            color = look.color(seat)
-            shapes.append(Polygon(((x0, base), (x0, y), (x1, y), (x1, base)), mix(color, CARD, 0.55)))
-            shapes.append(Stroke(x0, y, x1, y, max(1.0, 2.0 * unit), color))
-        shapes.append(Label(left - 0.5 * small, top + 0.4 * small, f"+{max(3, most)}", small, DIM, 600, "right"))
-        shapes.append(Stroke(left, base, right, base, 1.0, mix(CARD, DIM, 0.4)))
-    for at_s in tick_seconds(timeline.duration_ms / 1000.0, width / (5.2 * small)):
-        x = left + width * 1000.0 * at_s / max(1, timeline.duration_ms)
-        shapes.append(Label(min(x, right - 1.2 * small), foot, axis_time(at_s), small, DIM, 500, "center"))
-    shapes.append(Stroke(now_x, lane_top - 2.0, now_x, base, max(1.0, 1.6 * unit), WHITE))
-    return shapes
-
-
-def _runs(timeline: Timeline) -> list[tuple[int, int, int, int]]:
-    """(first column, last + 1, seat, catches ahead) of every stretch in which the same one led by the same."""
-    runs: list[tuple[int, int, int, int]] = []
-    for part, now in enumerate(timeline.leads):
-        if now is None or now[0] < 0:
-            continue
-        if runs and runs[-1][1] == part and runs[-1][2:] == now:
-            runs[-1] = (runs[-1][0], part + 1, *now)
-        else:
-            runs.append((part, part + 1, *now))
-    return runs
-
-
-def tick_seconds(duration_s: float, most: float) -> list[float]:
-    """Round times from 0 to the end, at most so many."""
-    for step in (step * 10.0**power for power in range(-1, 8) for step in (1.0, 2.0, 3.0, 6.0)):
-        if duration_s / step + 1 <= max(2.0, most):
-            return [step * count for count in range(math.floor(duration_s / step + 1e-9) + 1)]
-    return [0.0]
-
-
-def axis_time(at_s: float) -> str:
-    """A round time, as the timeline's axis says it."""
-    return f"{at_s:g} s" if at_s < 600 else f"{at_s / 60:.0f} min"
+@lru_cache(maxsize=256)
+def legible(color: Color) -> Color:
+    """A hunter's colour, lightened as far as texts and lines on a dark card need it."""
+    part = next(part / 10.0 for part in range(11) if _luminance(mix(color, WHITE, part / 10.0)) >= 105.0)
+    return mix(color, WHITE, part)
 
 
 def readable_on(color: Color) -> Color:
     """Dark or bright, whichever stands out from that colour."""
-    luminance = 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
-    return PANEL if luminance > 120 else BRIGHT
+    return PANEL if _luminance(color) > 120 else BRIGHT
 
 
-def _size(pixels: float, least: int) -> int:
+def _luminance(color: Color) -> float:
+    return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
+
+
+def fitting(pixels: float, least: int) -> int:
+    """A text's size: whole pixels, and enough of them to be read."""
     return max(least, round(pixels))

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from fractions import Fraction
+from typing import Final, Protocol
 
 from catch_arena.core.physics import next_pose
-from catch_arena.render.scene import Pose
+from catch_arena.render.view import Pose
 from catch_arena.world import HunterState, World
 
 TICK_MS: Final = 16
@@ -45,6 +46,13 @@ class Leg:
         part = time_ms / TICK_MS - tick
         return tuple(between(a, b, part) for a, b in zip(start, end, strict=True))
 
+    def ticks_between(self, after_ms: float, until_ms: float) -> list[tuple[Pose, ...]]:
+        """The poses at those of this step's ticks that fall into (after, until]."""
+        first = self.before.time_ms // TICK_MS
+        return [
+            poses for tick, poses in enumerate(self.poses[1:], start=first + 1) if after_ms < tick * TICK_MS <= until_ms
+        ]
+
 
 def between(start: Pose, end: Pose, part: float) -> Pose:
     """The pose that far along the straight way, turning the shorter way round."""
@@ -68,7 +76,8 @@ def _way(start: HunterState, end: HunterState, ticks: int, side_m: float) -> lis
     pose = (start.x, start.y, start.theta)
     way = [pose]
     for _ in range(ticks):
-        pose = next_pose(*pose, end.linear_velocity, end.angular_velocity, side_m)
+        x, y, theta, _ = next_pose(*pose, end.linear_velocity, end.angular_velocity, side_m)
+        pose = (x, y, theta)
         way.append(pose)
     if math.hypot(pose[0] - end.x, pose[1] - end.y) > _AGREES_M:
         # in steps of more than a second the watchdog has taken the velocity away: a straight way is all that is known
@@ -77,17 +86,60 @@ def _way(start: HunterState, end: HunterState, ticks: int, side_m: float) -> lis
     return way
 
 
+class Shots(Protocol):
+    """Which instants of a match the frames of a film show; none lies before the one of the frame before."""
+
+    @property
+    def frames(self) -> int:
+        """How many."""
+
+    def time_ms(self, frame: int) -> float:
+        """The instant that a frame shows."""
+
+    def frames_before(self, time_ms: int) -> int:
+        """How many frames show earlier instants."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """The part of a match that a video shows, and its pace: which instant each frame shows."""
+
+    start_ms: int
+    end_ms: int
+    fps: int
+    speed: Fraction = Fraction(1)
+    """Seconds of the match in a second of the video: below 1 is slow motion."""
+
+    @property
+    def frames(self) -> int:
+        """As many as the part lasts, rounded half up, at least 1."""
+        return max(1, math.floor((self.end_ms - self.start_ms) / self._pace + Fraction(1, 2)))
+
+    @property
+    def _pace(self) -> Fraction:
+        """Milliseconds of the match from frame to frame."""
+        return 1000 * self.speed / self.fps
+
+    def time_ms(self, frame: int) -> float:
+        """The instant that a frame shows."""
+        return float(self.start_ms + frame * self._pace)
+
+    def frames_before(self, time_ms: int) -> int:
+        """How many frames show earlier instants."""
+        return min(self.frames, max(0, math.ceil((time_ms - self.start_ms) / self._pace)))
+
+
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """One leg and the frames that fall into it: none where steps are shorter than frames."""
+    """One leg and the frames that fall into it: none where steps are shorter than frames, or before the cut."""
 
     leg: Leg
     frames: range
     next_tick: tuple[Pose, ...] | None
 
 
-def passages(worlds: Iterable[World], fps: int, frames: int) -> Iterator[Passage]:
-    """The legs of a match with their frames; frame k shows the instant k / fps [s], a leg has those in [t, t + period).
+def passages(worlds: Iterable[World], shots: Shots) -> Iterator[Passage]:
+    """The legs of a match up to the last shot with their frames; a leg has those that show [t, t + period).
 
     Memory does not grow with the match: two legs are known at a time. A match without steps is one leg that leads
     nowhere.
@@ -95,9 +147,9 @@ def passages(worlds: Iterable[World], fps: int, frames: int) -> Iterator[Passage
     stream = _legs(worlds)
     now: Leg | None = next(stream)
     shown = 0
-    while now is not None:
+    while now is not None and shown < shots.frames:
         following = next(stream, None)
-        end = frames if following is None else min(frames, -(-now.after.time_ms * fps // 1000))
+        end = shots.frames if following is None else shots.frames_before(now.after.time_ms)
         yield Passage(
             now, range(shown, end), None if following is None else following.poses[min(1, len(following.poses) - 1)]
         )

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.render import text
-from catch_arena.render.scene import INK, Label, Ring, Turtle, mix
 from catch_arena.render.sdl import pygame
+from catch_arena.render.shapes import INK, Label, Ring, Turtle, mix
 
 PHASES: Final = 2
 """A sprite is drawn at every 1 / PHASES of a pixel."""
@@ -39,7 +39,7 @@ class SpriteCache:
 
     def turtle(self, shape: Turtle) -> tuple[Sprite, int, int]:
         """A turtle's sprite, and the whole pixels at which its origin belongs."""
-        x, y, phase_x, phase_y = _phase(shape.x, shape.y)
+        x, y, phase_x, phase_y = _phase(shape.x, shape.y, PHASES if shape.length < 64 else 1)
         turns = max(64, min(192, 8 * round(0.3 * shape.length)))
         angle = round(shape.theta * turns / (2.0 * math.pi)) % turns
         length = round(shape.length)
@@ -97,15 +97,19 @@ def _bytes_of(made: Any) -> int:
     return int(made.nbytes)
 
 
-def _phase(x: float, y: float) -> tuple[int, int, int, int]:
-    """The whole pixel and the part of one that are nearest below a place."""
-    at_x, at_y = round(x * PHASES), round(y * PHASES)
-    return at_x // PHASES, at_y // PHASES, at_x % PHASES, at_y % PHASES
+def _phase(x: float, y: float, phases: int = PHASES) -> tuple[int, int, int, int]:
+    """The whole pixel and the part of one that are nearest below a place; large pictures do with whole ones."""
+    at_x, at_y = round(x * phases), round(y * phases)
+    return at_x // phases, at_y // phases, at_x % phases, at_y % phases
 
 
 def _sprite(pixels: NDArray[np.floating[Any]], origin_x: int, origin_y: int) -> Sprite:
     """Premultiplied colours and coverage, 0 to 255, as a surface in the canvas's own channel order."""
-    whole = np.ascontiguousarray(np.clip(pixels + 0.5, 0, 255).astype(np.uint8))
+    return _surface_of(np.clip(pixels + 0.5, 0, 255).astype(np.uint8), origin_x, origin_y)
+
+
+def _surface_of(pixels: NDArray[np.uint8], origin_x: int, origin_y: int) -> Sprite:
+    whole = np.ascontiguousarray(pixels)
     height, width = whole.shape[:2]
     # a copy: the surface of frombuffer would lean on an array that nobody else keeps
     return Sprite(pygame.image.frombuffer(whole.data, (width, height), "RGBA").copy(), origin_x, origin_y)
@@ -140,7 +144,8 @@ def _turtle_parts() -> list[tuple[Points, float, float]]:
     return parts
 
 
-_PARTS: Final = _turtle_parts()
+TURTLE_PARTS: Final = _turtle_parts()
+"""Outline, the part of its own colour, the part of white; the lowest first."""
 _CORNERS: Final = np.linspace(0.0, 2.0 * math.pi, 6, endpoint=False)
 _SCUTE: Final = np.stack([-0.03 + 0.135 * np.cos(_CORNERS), 0.125 * np.sin(_CORNERS)], axis=1)
 """The hexagon in the middle of the shell; lines lead from its corners to the edge."""
@@ -148,10 +153,10 @@ _EDGE: Final = np.stack([-0.03 + 0.285 * np.cos(_CORNERS), 0.228 * np.sin(_CORNE
 _SHEEN: Final = _ellipse(0.0, 0.0, 0.185, 0.14)
 
 
-def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> NDArray[np.float32]:
-    """A turtle before it has a colour: (side, side, 4), 0 to 1.
+def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> NDArray[np.uint8]:
+    """A turtle before it has a colour: (side, side, 4), 0 to 255.
 
-    Its own colour's part, white's part, coverage, and its shadow's coverage.
+    Its own colour's part, white's part, coverage, and the coverage of as much of its shadow as is seen.
     """
     fine = 8 if length <= 64 else 4
     half = math.ceil(0.62 * length) + 2
@@ -164,28 +169,35 @@ def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> N
     def placed(points: Points) -> NDArray[np.int32]:
         return np.asarray(np.rint(points @ turn.T + middle), dtype=np.int32)
 
-    for points, own, white in _PARTS:
+    for points, own, white in TURTLE_PARTS:
         cv2.fillPoly(picture, [placed(points)], (255.0 * own, 255.0 * white, 255.0))
     sheen = _SHEEN * unit + placed(np.array([[-0.03, 0.0]])) - np.array(LIGHT) * 0.075 * unit
     cv2.fillPoly(picture, [np.rint(sheen).astype(np.int32)], (255.0 * 0.86, 255.0 * 0.14, 255.0))
     thick, line = max(1, round(0.022 * unit)), (255.0 * 0.62, 0.0, 255.0)
     inner, outer = placed(_SCUTE), placed(_EDGE)
     cv2.polylines(picture, [inner, *np.stack([inner, outer], axis=1)], True, line, thick)
-    small = cv2.resize(picture, (side, side), interpolation=cv2.INTER_AREA).astype(np.float32) / 255.0
+    small = cv2.resize(picture, (side, side), interpolation=cv2.INTER_AREA)
     fall = np.array([[1.0, 0.0, 0.085 * length * LIGHT[0]], [0.0, 1.0, 0.085 * length * LIGHT[1]]])
-    shadow = cv2.warpAffine(cv2.GaussianBlur(small[..., 2], (0, 0), max(0.6, 0.035 * length)), fall, (side, side))
-    return np.dstack([small, 0.42 * shadow]).astype(np.float32)
+    body = small[..., 2].astype(np.float32)
+    shadow = cv2.warpAffine(cv2.GaussianBlur(body, (0, 0), max(0.6, 0.035 * length)), fall, (side, side))
+    under = 0.42 * shadow * (1.0 - body / 255.0)
+    return np.dstack([small, np.rint(under).astype(np.uint8)])
 
 
-def _dyed(inks: NDArray[np.float32], shape: Turtle) -> Sprite:
-    own, white, body, shadow = (inks[..., channel, None] for channel in range(4))
-    own = body - white - (body - white - own) * shape.contrast
+def _dyed(inks: NDArray[np.uint8], shape: Turtle) -> Sprite:
+    """Every channel is a sum of the inks: one matrix dyes them all."""
     dye = mix(shape.color, INK, 0.5) if shape.faded else shape.color
-    under = shadow * (1.0 - body)
-    rgb = own * np.array(dye, dtype=np.float32) + 255.0 * white + under * np.array(INK, dtype=np.float32)
-    pixels = np.concatenate([rgb, 255.0 * (body + under)], axis=2)
+    kept = 0.55 if shape.faded else 1.0
+    # of what is neither its own colour nor white, the less is dark the less contrast there is
+    lit = [own * (1.0 - shape.contrast) / 255.0 for own in dye]
+    matrix = [
+        (own * shape.contrast / 255.0, 1.0 - light, light, ink / 255.0)
+        for own, light, ink in zip(dye, lit, INK, strict=True)
+    ]
+    matrix.append((0.0, 0.0, 1.0, 1.0))
     half = inks.shape[0] // 2
-    return _sprite(pixels * (0.55 if shape.faded else 1.0), half, half)
+    pixels = cv2.transform(inks, kept * np.array(matrix))
+    return _surface_of(np.asarray(pixels, dtype=np.uint8), half, half)
 
 
 def _ring(shape: Ring, phase_x: int, phase_y: int) -> Sprite:

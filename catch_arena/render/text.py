@@ -1,6 +1,8 @@
 """Text as coverage: the font that opencv 5 carries, or pygame's own with opencv 4; never one of the system's."""
 
 import math
+import re
+import unicodedata
 from functools import lru_cache
 from typing import Any, Final
 
@@ -21,12 +23,22 @@ BASELINE: Final = 1.1
 MIDDLE: Final = 0.36
 """From the baseline up to the middle of the capitals [sizes]."""
 
+_RIGHT_TO_LEFT: Final = re.compile(
+    "[\u0590-\u08ff\ufb1d-\ufdff\ufe70-\ufefc]+(?: +[\u0590-\u08ff\ufb1d-\ufdff\ufe70-\ufefc]+)*"
+)
+
 _FACE: Any = cv2.FontFace("sans") if hasattr(cv2, "FontFace") else None
 
 
 def printable(text: str) -> str:
-    """One line of it: what a font cannot show (tabs, line ends, control characters) as spaces."""
-    return "".join(sign if sign.isprintable() else " " for sign in text[:LONGEST])
+    """One line of it, in the order in which it is seen.
+
+    Tabs, line ends and control characters become spaces, invisible marks go, and what is written from right to left
+    (Hebrew, Arabic) is turned round, since the font's letters are set from left to right. A letter that the font does
+    not have is drawn as a question mark.
+    """
+    signs = (sign if sign.isprintable() else " " for sign in text[:LONGEST] if unicodedata.category(sign) != "Cf")
+    return _RIGHT_TO_LEFT.sub(lambda run: run[0][::-1], "".join(signs))
 
 
 @lru_cache(maxsize=2048)

@@ -1,4 +1,4 @@
-"""A plain window for render_mode="human"."""
+"""Windows: a picture on the screen that its user may resize, and the plain window for render_mode="human"."""
 
 import os
 import sys
@@ -9,10 +9,61 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.errors import OutputError
+from catch_arena.render.hud import PANEL
 from catch_arena.render.sdl import pygame
 
 _NAP_S: Final = 0.02
 """The window answers its user at least so often."""
+
+
+class Screen:
+    """A window. Only one can be open.
+
+    Args: `title`; `size`, (width, height) [pixels] to begin with. Raises: OutputError without a display.
+    """
+
+    def __init__(self, title: str, size: tuple[int, int]) -> None:
+        try:
+            pygame.display.init()
+            pygame.display.set_mode(size, pygame.RESIZABLE)
+        except pygame.error as error:
+            raise OutputError(
+                f'a window needs a display to open on: {error}; render_mode "rgb_array" and videos do not'
+            ) from None
+        if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
+            # SDL's last resort where there is no display, which nobody asked for
+            sys.stderr.write(
+                'catch_arena: there is no display, so that nobody sees the window; "rgb_array" needs none\n'
+            )
+        pygame.display.set_caption(title)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) [pixels], as its user has made it."""
+        width, height = pygame.display.get_window_size()
+        return width, height
+
+    def show(self, pixels: NDArray[np.uint8]) -> None:
+        """A (height, width, 3 or 4) picture, as large as the window has room for; the fourth byte means nothing."""
+        height, width, channels = pixels.shape
+        picture = pygame.image.frombuffer(
+            np.ascontiguousarray(pixels).data, (width, height), "RGB" if channels == 3 else "RGBX"
+        )
+        surface = pygame.display.get_surface()
+        if surface is None:
+            return
+        room = surface.get_size()
+        if room != (width, height):
+            part = min(room[0] / width, room[1] / height)
+            width, height = max(1, round(part * width)), max(1, round(part * height))
+            picture = pygame.transform.smoothscale(picture, (width, height))
+            surface.fill(PANEL)
+        surface.blit(picture, ((room[0] - width) // 2, (room[1] - height) // 2))
+        pygame.display.flip()
+
+    def close(self) -> None:
+        """Close the window."""
+        pygame.display.quit()
 
 
 class Window:
@@ -28,7 +79,7 @@ class Window:
         self._title = title
         self._size = size
         self._period_s = period_ms / 1000.0
-        self._screen: pygame.Surface | None = None
+        self._screen: Screen | None = None
         self._due_s = 0.0
         self.closed = False
         """Its user, or `close`, has closed it."""
@@ -38,38 +89,22 @@ class Window:
         if self.closed:
             return
         if self._screen is None:
-            self._open()
+            try:
+                self._screen = Screen(self._title, self._size)
+            except OutputError:
+                self.closed = True
+                raise
+            self._due_s = time.perf_counter()
         self._wait_until_due()
-        if self.closed or self._screen is None:
-            return
-        height, width = frame.shape[:2]
-        picture = pygame.image.frombuffer(np.ascontiguousarray(frame).data, (width, height), "RGB")
-        self._screen.blit(picture, (0, 0))
-        pygame.display.flip()
+        if not self.closed:
+            self._screen.show(frame)
 
     def close(self) -> None:
         """Close the window, if it is open."""
         self.closed = True
         if self._screen is not None:
+            self._screen.close()
             self._screen = None
-            pygame.display.quit()
-
-    def _open(self) -> None:
-        try:
-            pygame.display.init()
-            self._screen = pygame.display.set_mode(self._size)
-        except pygame.error as error:
-            self.closed = True
-            raise OutputError(
-                f'render_mode "human" needs a display to open a window on: {error}; "rgb_array" does not'
-            ) from None
-        if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
-            # SDL's last resort where there is no display, which nobody asked for
-            sys.stderr.write(
-                'catch_arena: there is no display, so that nobody sees the window; "rgb_array" needs none\n'
-            )
-        pygame.display.set_caption(self._title)
-        self._due_s = time.perf_counter()
 
     def _wait_until_due(self) -> None:
         while True:

@@ -1,12 +1,12 @@
-"""Where the hunters are between two step boundaries."""
+"""Where the hunters are between two step boundaries, and which frame shows which instant."""
 
 import itertools
 import math
+from fractions import Fraction
 
 import pytest
 
-from catch_arena.render.motion import TICK_MS, between, leg, passages
-from catch_arena.render.video import frame_count
+from catch_arena.render.motion import TICK_MS, Cut, between, leg, passages
 
 
 def poses_of(world) -> tuple:
@@ -33,17 +33,56 @@ def test_turning_takes_the_shorter_way():
     assert math.cos(theta) == pytest.approx(-1.0)
 
 
-@pytest.mark.parametrize("fps", [1, 7, 25, 60, 144, 240])
+@pytest.mark.parametrize("speed", [Fraction(1), Fraction(1, 3), Fraction(7)])
+@pytest.mark.parametrize("fps", [1, 7, 25, 60, 240])
 @pytest.mark.parametrize("period", [16, 33, 100, 1500])
-def test_every_frame_belongs_to_one_step_and_lies_in_it(play, fps, period):
+def test_every_frame_belongs_to_one_step_and_lies_in_it(play, fps, period, speed):
     replay = play("duel", control_period_ms=period, max_cycles=6)
-    frames = frame_count(6 * period, fps)
+    cut = Cut(0, 6 * period, fps, speed)
     shown = []
-    for passage in passages(replay.worlds(), fps, frames):
+    for passage in passages(replay.worlds(), cut):
         for frame in passage.frames:
-            assert passage.leg.before.time_ms <= 1000 * frame / fps < passage.leg.after.time_ms or frame == 0
+            time_ms = 1000 * speed * frame / fps
+            assert cut.time_ms(frame) == pytest.approx(float(time_ms))
+            assert passage.leg.before.time_ms <= time_ms < passage.leg.after.time_ms or frame == 0
             shown.append(frame)
-    assert shown == list(range(frames))
+    assert shown == list(range(cut.frames))
+
+
+def test_a_part_of_a_match_begins_and_ends_where_it_is_told_and_no_later_step_is_played(match):
+    cut = Cut(1250, 2000, 60)
+    read = list(passages(match.worlds(), cut))
+    frames = [(passage.leg, frame) for passage in read for frame in passage.frames]
+    assert [frame for _, frame in frames] == list(range(45))
+    assert cut.time_ms(0) == 1250.0
+    assert frames[0][0].before.time_ms == 1200
+    assert read[0].leg.before.time_ms == 0  # what came before is told, without frames
+    assert read[-1].leg.after.time_ms == 2000
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "fps", "speed", "frames"),
+    [
+        (0, 60_000, 60, 1, 3600),
+        (0, 0, 60, 1, 1),
+        (0, 100, 60, 1, 6),
+        (0, 25, 60, 1, 2),
+        (0, 33, 30, 1, 1),
+        (5_000, 6_000, 60, Fraction(1, 4), 240),
+        (0, 60_000, 25, 8, 188),
+    ],
+)
+def test_a_video_is_as_long_as_its_part_of_the_match(start, end, fps, speed, frames):
+    cut = Cut(start, end, fps, Fraction(speed))
+    assert cut.frames == frames
+    assert cut.time_ms(cut.frames - 1) <= end
+
+
+def test_the_ticks_between_two_instants_are_each_told_once(worlds):
+    step = leg(worlds[3], worlds[4])  # 300 to 400 ms: ticks at 304, 320, ... 400
+    assert step.ticks_between(300.0, 400.0) == list(step.poses[1:])
+    assert step.ticks_between(304.0, 336.0) == list(step.poses[2:4])
+    assert step.ticks_between(305.0, 319.0) == []
 
 
 def test_motion_is_smooth_across_step_boundaries(match):
@@ -52,7 +91,7 @@ def test_motion_is_smooth_across_step_boundaries(match):
     limit = match.config.max_speed_mps / fps * 1.02
     last = None
     fastest = 0.0
-    for passage in passages(match.worlds(), fps, 180):
+    for passage in passages(match.worlds(), Cut(0, 3000, fps)):
         for frame in passage.frames:
             poses = passage.leg.at(1000.0 * frame / fps, passage.next_tick)
             if last is not None:
@@ -82,11 +121,11 @@ def test_only_two_steps_ahead_are_read(match):
             read += 1
             yield world
 
-    for index, _ in enumerate(passages(counted(), 60, 180)):
+    for index, _ in enumerate(passages(counted(), Cut(0, 3000, 60))):
         assert read <= index + 3
 
 
 def test_a_match_without_steps_is_one_picture(worlds):
-    (passage,) = passages(worlds[:1], 60, 1)
+    (passage,) = passages(worlds[:1], Cut(0, 0, 60))
     assert list(passage.frames) == [0]
     assert passage.leg.at(0.0) == poses_of(worlds[0])

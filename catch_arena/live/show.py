@@ -1,0 +1,246 @@
+"""The window in which a match is seen while it is played."""
+
+import time
+from collections.abc import Callable
+from typing import Any, Final
+
+from catch_arena.envs.parallel import CatchArenaEnv
+from catch_arena.errors import OutputError
+from catch_arena.live import cards
+from catch_arena.live.keys import Hands, Wish, wish_of
+from catch_arena.render import hud
+from catch_arena.render.motion import Leg, leg
+from catch_arena.render.sdl import pygame
+from catch_arena.render.shapes import Shape
+from catch_arena.render.stage import LARGEST, SMALLEST, Stage
+from catch_arena.render.view import Look, Viewport
+from catch_arena.render.window import Screen
+from catch_arena.replay import Replay
+from catch_arena.tournament.match import ranks_of
+from catch_arena.world import World
+
+SPEEDS: Final = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+"""Of the match's time, to the clock on the wall."""
+_FPS: Final = 60
+_LONGEST_FRAME_MS: Final = 100.0
+"""Who was held up does not leap."""
+_NOTE_S: Final = 3.0
+_POINTED_MS: Final = 3000
+_SETTLED_S: Final = 0.2
+"""A window that has kept its size for so long is drawn anew in it."""
+
+
+class Ended(Exception):  # noqa: N818 - no error: a person's wish
+    """The window's user wants no more."""
+
+
+class Again(Exception):  # noqa: N818
+    """The window's user wants the match from its beginning."""
+
+
+class Show:
+    """A match on the screen, at its own pace: give it to `tournament.match.play` as `watch`.
+
+    Between two steps it draws the way from the one to the other, and meanwhile the person steers the next. Its calls
+    raise Ended and Again.
+
+    Args: `look`; `seed`, which is shown; `size` of the window; `hands`, which take the keys of the person in `seat`;
+    `save`, called with the replay so far, says where it is.
+    """
+
+    def __init__(
+        self,
+        look: Look,
+        seed: int,
+        size: tuple[int, int],
+        *,
+        hands: Hands | None = None,
+        seat: int | None = None,
+        save: Callable[[Replay], str] | None = None,
+    ) -> None:
+        self._look, self._seed = look, seed
+        self._hands, self._seat, self._save = hands, seat, save
+        self._screen = Screen(f"Catch Arena: {look.title}", size)
+        pygame.joystick.init()
+        self._pads = [pygame.joystick.Joystick(place) for place in range(pygame.joystick.get_count())]
+        self._clock = pygame.time.Clock()
+        self._stage = self._new_stage(size)
+        self._last: World
+        self._legs: list[Leg] = []
+        self._resized_s: float | None = None
+        self._resizing = size
+        self._paused = self._helping = False
+        self._helped = hands is None
+        self._speed = SPEEDS.index(1.0)
+        self._note, self._note_until_s = "", 0.0
+        self._tell("H shows the keys")
+
+    @property
+    def replay(self) -> Replay:
+        """What has been played."""
+        return self._env.replay()
+
+    @property
+    def scores(self) -> tuple[int, ...]:
+        """By seat, at the last state that was shown."""
+        return tuple(hunter.score for hunter in self._last.hunters)
+
+    @property
+    def ranks(self) -> tuple[int, ...]:
+        """By seat, as a tournament would rank them: who forfeited comes last."""
+        lasted = {seat: step for step, seat in self.replay.withdrawals}
+        return ranks_of(self.scores, [lasted.get(seat) for seat in range(len(self.scores))])
+
+    def __call__(self, env: CatchArenaEnv) -> None:
+        """One more state of the match: the first one, or the next."""
+        self._env = env
+        world = env.world()
+        if world.step == 0:
+            self._last = world
+            self._begin(world)
+            return
+        now = leg(self._last, world)
+        self._last = world
+        self._legs.append(now)
+        self._stage.enter(now)
+        self._run(now)
+        if not env.agents:
+            self._end(world)
+
+    def close(self) -> None:
+        """Close the window."""
+        pygame.joystick.quit()
+        self._screen.close()
+
+    def _begin(self, world: World) -> None:
+        self._legs = []
+        self._stage.reset()
+        now = leg(world, world)
+        self._stage.enter(now)
+        self._ahead_ms = 0.0
+        self._steps = 0
+        self._paused = self._helping = False
+        while not self._helped:
+            self._draw(now, 0.0, self._keys("any key begins"))
+            for event in self._events():
+                if event.type in {pygame.KEYDOWN, pygame.JOYBUTTONDOWN} and not getattr(event, "mod", 0):
+                    self._helped = True
+        self._clock.tick()
+
+    def _run(self, now: Leg) -> None:
+        """From a step's beginning to its end; a pause holds it there."""
+        time_ms = now.before.time_ms + self._ahead_ms
+        end_ms = now.after.time_ms
+        while time_ms < end_ms:
+            self._draw(now, time_ms, self._written(now, time_ms))
+            self._events()
+            time_ms += min(_LONGEST_FRAME_MS, self._clock.tick(_FPS)) * SPEEDS[self._speed]
+        self._ahead_ms = time_ms - end_ms
+        self._steps = max(0, self._steps - 1)
+        while self._paused and not self._steps:
+            self._draw(now, end_ms, self._written(now, end_ms))
+            self._events()
+            self._clock.tick(_FPS)
+            self._ahead_ms = 0.0
+
+    def _end(self, world: World) -> None:
+        """The standings, until the user has seen them."""
+        table = [
+            (rank, hud.Standing(seat, hunter.score, hunter.withdrawn))
+            for seat, (rank, hunter) in enumerate(zip(self.ranks, world.hunters, strict=True))
+        ]
+        table.sort(key=lambda line: (line[0], line[1].seat))
+        now = self._legs[-1]
+        while True:
+            card = cards.result_card(self._area, self._look, table, "R: again    Ctrl-S: save    Esc: end")
+            self._draw(now, world.time_ms, [*card, *self._note_shapes()])
+            self._events()
+            self._clock.tick(_FPS)
+
+    def _events(self) -> list[Any]:
+        """What has come since the last look, after each has had its effect."""
+        events = list(pygame.event.get())
+        for event in events:
+            if self._hands is not None:
+                self._hands.take(event)
+            if event.type == pygame.JOYDEVICEADDED:
+                self._pads.append(pygame.joystick.Joystick(event.device_index))
+            wish = wish_of(event, paused=self._paused)
+            if wish is not None:
+                self._fulfil(wish)
+        self._fit()
+        return events
+
+    def _fulfil(self, wish: Wish) -> None:
+        if wish is Wish.END:
+            raise Ended
+        if wish is Wish.AGAIN:
+            raise Again
+        if wish is Wish.PAUSE:
+            self._paused, self._helping = not self._paused, False
+        elif wish is Wish.STEP:
+            self._steps += self._paused
+        elif wish is Wish.HELP:
+            self._paused = self._helping = not self._helping
+        elif wish is Wish.SAVE:
+            self._keep()
+        else:
+            faster = 1 if wish is Wish.FASTER else -1
+            self._speed = min(max(0, self._speed + faster), len(SPEEDS) - 1)
+            self._tell(f"speed {SPEEDS[self._speed]:g}")
+
+    def _keep(self) -> None:
+        if self._save is None:
+            return
+        try:
+            self._tell(f"saved: {self._save(self.replay)}")
+        except OutputError as error:
+            self._tell(str(error))
+
+    def _draw(self, now: Leg, time_ms: float, over: list[Shape]) -> None:
+        self._stage.draw(time_ms, now.at(time_ms))
+        self._stage.write_over(over)
+        self._screen.show(self._stage.pixels)
+
+    def _written(self, now: Leg, time_ms: float) -> list[Shape]:
+        shapes: list[Shape] = []
+        if self._seat is not None and (time_ms < _POINTED_MS or self._paused):
+            view = Viewport(*self._area, self._look.config.side_m)
+            shapes += cards.pointer(view, now.at(time_ms)[self._seat][:2], self._look.color(self._seat))
+        if self._helping:
+            return shapes + self._keys("H goes on")
+        if self._paused:
+            return shapes + cards.note(self._area, "paused    space: go on    . one step    H: keys")
+        return shapes + self._note_shapes()
+
+    def _keys(self, below: str) -> list[Shape]:
+        rows = cards.WINDOW if self._hands is None else (*cards.DRIVING, *cards.WINDOW)
+        return cards.keys_card(self._area, "Keys", rows, below)
+
+    def _note_shapes(self) -> list[Shape]:
+        return cards.note(self._area, self._note) if time.monotonic() < self._note_until_s else []
+
+    def _tell(self, text: str) -> None:
+        self._note, self._note_until_s = text, time.monotonic() + _NOTE_S
+
+    @property
+    def _area(self) -> tuple[int, int]:
+        return self._stage.arena.width, self._stage.arena.height
+
+    def _new_stage(self, size: tuple[int, int]) -> Stage:
+        width, height = (min(max(SMALLEST, part), most) for part, most in zip(size, LARGEST, strict=True))
+        self._drawn_for = size
+        return Stage(self._look, (width, height), "broadcast", self._seed)
+
+    def _fit(self) -> None:
+        """A new stage for a window that has another size, told all that has happened."""
+        size, now_s = self._screen.size, time.monotonic()
+        if size == self._drawn_for:
+            self._resized_s = None
+        elif self._resized_s is None or size != self._resizing:
+            self._resized_s, self._resizing = now_s, size
+        elif now_s - self._resized_s > _SETTLED_S:
+            self._stage = self._new_stage(size)
+            for past in self._legs or [leg(self._last, self._last)]:
+                self._stage.enter(past)
+            self._clock.tick()

@@ -1,0 +1,63 @@
+"""The element `<catch-replay>`, which plays a film, as one script: a page may hold any number of them."""
+
+import json
+from functools import cache
+from importlib.resources import files
+from typing import Any, Final
+
+from catch_arena.player.film import css, film_text
+from catch_arena.render import scene, shapes, view
+from catch_arena.render.sprites import TURTLE_PARTS
+from catch_arena.replay import Replay
+
+_SCRIPTS: Final = ("film.js", "arena.js", "player.js")
+_EVERY: Final = 2
+"""Of the points of a turtle's outline, so many are one."""
+_FALLBACK: Final = "This replay plays where scripts may run."
+
+
+def player_html(replay: Replay) -> str:
+    """A replay that plays: for a page, or for a notebook's output; several may stand on one page.
+
+    Raises: ReplayError where the match does not play as recorded.
+    """
+    return f'{element_script()}<catch-replay film="{film_text(replay)}">{_FALLBACK}</catch-replay>'
+
+
+@cache
+def element_script() -> str:
+    """What a page needs once; more than once does no harm."""
+    parts = "\n".join(page_file("catch_arena.player", name) for name in _SCRIPTS)
+    return (
+        '<script>if (!customElements.get("catch-replay")) {\n'
+        f"(() => {{{parts}\n"
+        f"CatchReplay.look = {script_json(_look())};\n"
+        f"CatchReplay.style = {script_json(page_file('catch_arena.player', 'player.css'))};\n"
+        'CatchReplay.unpacked = unpacked;\ncustomElements.define("catch-replay", CatchReplay);\n})();\n}</script>'
+    )
+
+
+def page_file(package: str, name: str) -> str:
+    """A file of a package's folder `page`."""
+    return (files(package) / "page" / name).read_text(encoding="utf-8")
+
+
+def script_json(value: object) -> str:
+    """JSON that may stand inside a script: nothing in it ends the script."""
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+
+
+def _look() -> dict[str, Any]:
+    """The colours and shapes of render/."""
+    return {
+        "ground": css(view.GROUND),
+        "outside": css(view.OUTSIDE),
+        "grid": css(scene.GRID),
+        "wall": css(scene.WALL),
+        "target": css(view.TARGET),
+        "ink": css(shapes.INK),
+        "hunterLength": view.HUNTER_LENGTH_M,
+        "targetLength": view.TARGET_LENGTH_M,
+        "margin": view.MARGIN,
+        "turtle": [[own, white, points[::_EVERY].round(3).tolist()] for points, own, white in TURTLE_PARTS],
+    }

@@ -1,0 +1,291 @@
+const CLOSE_UP_M = 1.1;
+const LASTS_MS = 900;
+
+/** Paints an instant of a film, as render/ does: `look` comes from its tables. */
+class Painter {
+  constructor(look) {
+    this.look = look;
+    this.turtle = look.turtle.map(([own, white, points]) => {
+      const path = new Path2D();
+      points.forEach(([x, y]) => path.lineTo(x, y));
+      path.closePath();
+      return { own, white, path };
+    });
+    this.dyes = new Map();
+  }
+
+  /** The whole arena. Args: the seat of the hunter that is picked, or null; `calm`, whether nothing should pulse. */
+  paint(canvas, film, time, picked, calm) {
+    const margin = this.look.margin * film.side;
+    const view = { x: -margin, y: -margin, side: film.side + 2 * margin };
+    const scene = this.#scene(canvas, film, time, view, picked);
+    this.#ground(scene);
+    film.hunters.forEach((_, seat) => this.#trail(scene, seat));
+    this.#targets(scene);
+    film.hunters.forEach((_, seat) => this.#hunter(scene, seat));
+    const recent = film.rulings.filter((ruling) => ruling.target && ruling.time < time && time - ruling.time < LASTS_MS);
+    for (const ruling of recent) this.#ruling(scene, ruling, calm);
+    film.hunters.forEach((hunter, seat) => this.#number(scene, seat, film.pose(hunter, time)));
+  }
+
+  /** A contest from near by: how far each claimant is from the target, and the circle in which it is within reach. */
+  closeUp(canvas, film, contest) {
+    const middle = film.pose(contest.place, contest.time);
+    const view = { x: middle.x - CLOSE_UP_M / 2, y: middle.y - CLOSE_UP_M / 2, side: CLOSE_UP_M };
+    const scene = this.#scene(canvas, film, contest.time, view, null);
+    const { context, scale, dots, place, length } = scene;
+    this.#ground(scene);
+    this.#targets(scene);
+    context.globalAlpha = 0.35;
+    for (const seat of contest.parties) {
+      const { color } = film.hunters[seat];
+      this.#turtle(scene, film.pose(film.hunters[seat], contest.time), length, color, 1);
+    }
+    context.globalAlpha = 1;
+    const [x, y] = place(middle);
+    context.lineWidth = 1.5 * dots;
+    context.strokeStyle = "#ffffff";
+    context.setLineDash([4 * dots, 4 * dots]);
+    context.beginPath();
+    context.arc(x, y, film.reach * scale, 0, 2 * Math.PI);
+    context.stroke();
+    context.setLineDash([]);
+    context.fillStyle = "#ffffff";
+    context.beginPath();
+    context.arc(x, y, 4 * dots, 0, 2 * Math.PI);
+    context.fill();
+    for (const seat of [...contest.parties].reverse()) this.#distance(scene, seat, [x, y]);
+  }
+
+  #scene(canvas, film, time, view, picked) {
+    const context = canvas.getContext("2d");
+    const size = canvas.width;
+    const scale = size / view.side;
+    const dots = size / canvas.clientWidth || 1;
+    const place = ({ x, y }) => [(x - view.x) * scale, size - (y - view.y) * scale];
+    const smallest = dots * Math.max(18, canvas.clientWidth / 26);
+    const length = Math.max(this.look.hunterLength * scale, smallest);
+    return { context, film, time, size, scale, dots, place, length, picked };
+  }
+
+  #targets(scene) {
+    const { film, time, length } = scene;
+    const small = (length * this.look.targetLength) / this.look.hunterLength;
+    for (const target of film.alive(time)) {
+      this.#turtle(scene, film.pose(target, time), small, this.look.target, 0.6);
+    }
+  }
+
+  /** A claimant's number at its place, and the way to the target. */
+  #distance(scene, seat, target) {
+    const { context, film, time, dots, place } = scene;
+    const hunter = film.hunters[seat];
+    const [x, y] = place(film.pose(hunter, time));
+    for (const [color, width] of [[this.look.ink, 6], [hunter.color, 3]]) {
+      context.strokeStyle = color;
+      context.lineWidth = width * dots;
+      context.lineCap = "round";
+      context.beginPath();
+      context.moveTo(x, y);
+      context.lineTo(...target);
+      context.stroke();
+    }
+    context.fillStyle = hunter.color;
+    context.lineWidth = 1.5 * dots;
+    context.strokeStyle = this.look.ink;
+    context.beginPath();
+    context.arc(x, y, 10 * dots, 0, 2 * Math.PI);
+    context.fill();
+    context.stroke();
+    context.font = `750 ${12 * dots}px system-ui, sans-serif`;
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.fillStyle = inkOn(hunter.color);
+    context.fillText(seat, x, y + dots);
+  }
+
+  #ground({ context, film, size, scale, dots, place }) {
+    context.fillStyle = this.look.outside;
+    context.fillRect(0, 0, size, size);
+    const [left, bottom] = place({ x: 0, y: 0 });
+    const side = film.side * scale;
+    context.fillStyle = this.look.ground;
+    context.fillRect(left, bottom - side, side, side);
+    context.strokeStyle = this.look.grid;
+    context.lineWidth = dots;
+    context.beginPath();
+    for (let line = 1; line < film.side; line++) {
+      context.moveTo(left + line * scale, bottom);
+      context.lineTo(left + line * scale, bottom - side);
+      context.moveTo(left, bottom - line * scale);
+      context.lineTo(left + side, bottom - line * scale);
+    }
+    context.stroke();
+    context.strokeStyle = this.look.wall;
+    context.strokeRect(left, bottom - side, side, side);
+  }
+
+  #trail({ context, film, time, place, length, picked }, seat) {
+    const hunter = film.hunters[seat];
+    const span = 1800;
+    context.strokeStyle = hunter.color;
+    context.lineWidth = 0.1 * length;
+    context.lineCap = "butt";
+    for (let from = Math.max(0, time - span); from < time; from += film.period) {
+      context.globalAlpha = (0.65 * (from + span - time)) / span / (picked === null || picked === seat ? 1 : 4);
+      context.beginPath();
+      context.moveTo(...place(film.pose(hunter, from)));
+      context.lineTo(...place(film.pose(hunter, Math.min(from + film.period, time))));
+      context.stroke();
+    }
+    context.globalAlpha = 1;
+  }
+
+  #hunter(scene, seat) {
+    const { context, film, time, scale, dots, place, length, picked } = scene;
+    const hunter = film.hunters[seat];
+    const pose = film.pose(hunter, time);
+    const [x, y] = place(pose);
+    const gone = film.withdrawn(seat, time);
+    if (!gone) {
+      context.beginPath();
+      context.arc(x, y, film.reach * scale, 0, 2 * Math.PI);
+      context.fillStyle = mixed(hunter.color, "#ffffff", 0.55, 0.14);
+      context.fill();
+      context.lineWidth = (picked === seat ? 3 : 1.3) * dots;
+      context.strokeStyle = picked === seat ? "#ffffff" : mixed(hunter.color, "#ffffff", 0.55, 0.85);
+      context.stroke();
+      this.#heading(scene, hunter, pose);
+    }
+    context.globalAlpha = gone ? 0.55 : 1;
+    this.#turtle(scene, pose, length, gone ? mixed(hunter.color, this.look.ink, 0.5) : hunter.color, 1);
+    context.globalAlpha = 1;
+  }
+
+  #heading({ context, film, scale, place, length }, hunter, pose) {
+    const [x, y] = place(pose);
+    const base = Math.max(film.reach * scale, 0.55 * length) + 1.5;
+    const size = 0.16 * length;
+    context.save();
+    context.translate(x, y);
+    context.rotate(-pose.theta);
+    context.fillStyle = mixed(hunter.color, "#ffffff", 0.45);
+    context.beginPath();
+    context.moveTo(base + size, 0);
+    context.lineTo(base, 0.62 * size);
+    context.lineTo(base, -0.62 * size);
+    context.fill();
+    context.restore();
+  }
+
+  #turtle({ context, place }, pose, length, color, contrast) {
+    const [x, y] = place(pose);
+    context.save();
+    context.translate(x, y);
+    context.fillStyle = mixed(this.look.ink, this.look.ink, 0, 0.33);
+    context.beginPath();
+    context.ellipse(0.05 * length, 0.07 * length, 0.36 * length, 0.3 * length, 0, 0, 2 * Math.PI);
+    context.fill();
+    context.rotate(-pose.theta);
+    context.scale(length, length);
+    for (const [index, { path }] of this.turtle.entries()) {
+      context.fillStyle = this.#dyed(color, contrast)[index];
+      context.fill(path);
+    }
+    context.restore();
+  }
+
+  /** The colour of each part of a turtle: so much of its own, so much white; the less contrast, the less dark. */
+  #dyed(color, contrast) {
+    const key = color + contrast;
+    if (!this.dyes.has(key)) {
+      const part = (own, white, channel) => {
+        const lit = channel * (1 - contrast);
+        return Math.round(own * channel * contrast + white * (255 - lit) + lit);
+      };
+      const inks = this.turtle.map(({ own, white }) => `rgb(${rgb(color).map((one) => part(own, white, one))})`);
+      this.dyes.set(key, inks);
+    }
+    return this.dyes.get(key);
+  }
+
+  /** A catch is a ring about the target, a lost contest a dashed line to it. */
+  #ruling({ context, film, time, place, length }, { time: judged, seat, verdict, target }, calm) {
+    const part = (time - judged) / LASTS_MS;
+    const [x, y] = place(film.pose(target, judged));
+    context.globalAlpha = 1 - part;
+    if (verdict === "GRANTED") {
+      const eased = calm ? 0.5 : 1 - (1 - part) ** 3;
+      context.strokeStyle = "#ffffff";
+      context.lineWidth = 0.11 * length * (1 - part) + 1;
+      context.beginPath();
+      context.arc(x, y, length * (0.3 + 0.75 * eased), 0, 2 * Math.PI);
+      context.stroke();
+    } else if (verdict === "LOST_CONTEST") {
+      context.strokeStyle = film.hunters[seat].color;
+      context.lineWidth = 0.1 * length;
+      context.setLineDash([0.2 * length, 0.14 * length]);
+      context.beginPath();
+      context.moveTo(...place(film.pose(film.hunters[seat], time)));
+      context.lineTo(x, y);
+      context.stroke();
+      context.setLineDash([]);
+    }
+    context.globalAlpha = 1;
+  }
+
+  #number({ context, place, length, dots }, seat, pose) {
+    const [x, y] = place(pose);
+    context.font = `800 ${Math.max(10 * dots, 0.36 * length)}px system-ui, sans-serif`;
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.lineJoin = "round";
+    context.lineWidth = 0.11 * length;
+    context.strokeStyle = this.look.ink;
+    context.strokeText(seat, x, y);
+    context.fillStyle = "#ffffff";
+    context.fillText(seat, x, y);
+  }
+
+  /** The catches of a match, a lane for each hunter, and its contests as diamonds above them. */
+  strip(canvas, film, picked) {
+    const context = canvas.getContext("2d");
+    const { width, height } = canvas;
+    const dots = width / canvas.clientWidth || 1;
+    const across = (time) => (time / film.duration) * width;
+    const top = 12 * dots;
+    const lane = (height - top - 3 * dots) / film.hunters.length;
+    context.fillStyle = this.look.ground;
+    context.fillRect(0, 0, width, height);
+    for (const { time, seat } of film.catches) {
+      context.globalAlpha = picked === null || picked === seat ? 1 : 0.25;
+      context.fillStyle = film.hunters[seat].color;
+      context.fillRect(across(time) - 1.5 * dots, top + seat * lane, 3 * dots, Math.max(2 * dots, lane - 2 * dots));
+    }
+    context.globalAlpha = 1;
+    for (const contest of film.contests) {
+      const [x, y, half] = [across(contest.time), 6 * dots, 4 * dots];
+      const ours = picked === null || contest.parties.includes(picked);
+      context.beginPath();
+      [[0, -half], [half, 0], [0, half], [-half, 0]].forEach(([right, down]) => context.lineTo(x + right, y + down));
+      context.closePath();
+      context.fillStyle = ours ? "#ffffff" : "#ffffff55";
+      context.fill();
+    }
+  }
+}
+
+const rgb = (color) => [1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16));
+
+/** A colour with a part of another one. */
+function mixed(one, other, part, opacity = 1) {
+  const [from, to] = [rgb(one), rgb(other)];
+  const channels = from.map((channel, index) => Math.round(channel + (to[index] - channel) * part));
+  return `rgb(${channels.join(" ")} / ${opacity})`;
+}
+
+/** The colour of a number on a hunter's. */
+function inkOn(color) {
+  const [red, green, blue] = rgb(color);
+  return 0.3 * red + 0.59 * green + 0.11 * blue > 120 ? "#0e122c" : "#ffffff";
+}

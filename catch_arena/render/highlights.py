@@ -1,0 +1,127 @@
+"""A film of the moments that are worth seeing: slow motion about the decisive instant, and a caption."""
+
+import os
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import cv2
+import numpy as np
+
+from catch_arena.errors import ConfigError
+from catch_arena.render import hud
+from catch_arena.render.encoders import Pixels, Progress, format_of
+from catch_arena.render.moments import Kind, Moment
+from catch_arena.render.motion import Cut
+from catch_arena.render.raster import Canvas
+from catch_arena.render.shapes import Box, Color, Label, Shape
+from catch_arena.render.shots import Splice
+from catch_arena.render.sprites import SpriteCache
+from catch_arena.render.stage import Stage
+from catch_arena.render.text import text_width
+from catch_arena.render.video import RenderReport, duration_ms, filmed, frame_rate, frame_size, write_film
+from catch_arena.render.view import Look
+from catch_arena.replay import Replay
+
+SLOW: Final = Fraction(1, 4)
+_SLOW_FROM_MS: Final = 400
+_SLOW_TO_MS: Final = 500
+_FADE_S: Final = 0.2
+_CAPTION: Final = 0.13
+"""Of the picture's height."""
+_ACCENT: Final[Color] = (255, 206, 84)
+HEADINGS: Final[dict[Kind, str]] = {
+    "contest": "CONTEST",
+    "lead": "NEW LEADER",
+    "streak": "STREAK",
+    "finish": "FINISH",
+    "upset": "UPSET",
+}
+
+
+class Clip(NamedTuple):
+    """A moment, and where it is from."""
+
+    path: Path
+    """Of the replay, which is read when its turn comes."""
+    moment: Moment
+
+
+def render_highlights(
+    clips: Sequence[Clip],
+    path: str | os.PathLike[str],
+    *,
+    size: tuple[int, int] | None = None,
+    fps: int | None = None,
+    progress: Progress | None = None,
+) -> RenderReport:
+    """Write the moments as one film, in their order; memory holds one match at a time.
+
+    Args: as for `video.render_replay`. Raises: ConfigError, OutputError, ReplayError; no half-written file is left.
+    """
+    if not clips:
+        raise ConfigError("clips must be one at least, got none")
+    kind = format_of(Path(path))
+    fps, within = frame_rate(kind, fps), frame_size(kind, size)
+    frames = sum(slowed(clip.moment, fps).frames for clip in clips)
+    return write_film(path, _pictures(clips, within, fps), within, fps, frames, progress)
+
+
+def slowed(moment: Moment, fps: int) -> Splice:
+    """The moment, slow about its decisive instant."""
+    slow_ms = max(moment.start_ms, moment.decisive_ms - _SLOW_FROM_MS)
+    fast_ms = min(moment.end_ms, moment.decisive_ms + _SLOW_TO_MS)
+    cuts = (
+        Cut(moment.start_ms, slow_ms, fps),
+        Cut(slow_ms, fast_ms, fps, SLOW),
+        Cut(fast_ms, moment.end_ms, fps),
+    )
+    return Splice(tuple(cut for cut in cuts if cut.start_ms < cut.end_ms))
+
+
+def _pictures(clips: Sequence[Clip], size: tuple[int, int], fps: int) -> Iterator[Pixels]:
+    width, height = size
+    frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
+    below = round(_CAPTION * height)
+    caption = hud.Rect(0, height - below, width, below)
+    for number, (path, moment) in enumerate(clips, start=1):
+        replay = Replay.load(path)
+        look = Look.of(replay.config, replay.names, replay.title or path.stem, duration_ms(replay))
+        stage = Stage(look, (width, height - below), "broadcast", replay.seed)
+        shots = slowed(moment, fps)
+        where = f"{path.stem}   {number} of {len(clips)}"
+        for shot, pixels in enumerate(filmed(replay, stage, shots)):
+            frame.pixels[: height - below] = pixels
+            slow = shots.cut_of(shot)[0].speed != 1
+            frame.clear(caption, hud.CARD)
+            frame.draw(caption_shapes(caption, moment, where, slow=slow))
+            seen = min(1.0, (shot + 1) / (_FADE_S * fps), (shots.frames - shot) / (_FADE_S * fps))
+            yield frame.pixels if seen == 1.0 else _dimmed(frame.pixels, seen)
+
+
+def caption_shapes(area: hud.Rect, moment: Moment, where: str, *, slow: bool) -> list[Shape]:
+    """What happens and why, which match it is, and whether time runs slowly."""
+    unit = area.height / 94.0
+    pad = 20.0 * unit
+    big, small = hud.fitting(28 * unit, 12), hud.fitting(17 * unit, 10)
+    tag = hud.fitting(15 * unit, 9)
+    upper, lower = area.top + 0.34 * area.height, area.top + 0.72 * area.height
+    heading = HEADINGS[moment.kind]
+    chip = text_width(heading, tag, 800) + 1.2 * tag
+    right = area.left + area.width - pad
+    about = f"{where}   slow motion ¼" if slow else where
+    room = min(0.45 * area.width, text_width(about, small, 500)) + 2.0 * pad
+    beside = area.left + pad + chip + 0.7 * pad
+    return [
+        Box(area.left, area.top, area.width, max(2.0, 3.0 * unit), _ACCENT),
+        Box(area.left + pad, upper - 0.85 * tag, chip, 1.7 * tag, _ACCENT, 0.4 * tag),
+        Label(area.left + pad + 0.5 * chip, upper, heading, tag, hud.PANEL, 800, "center"),
+        Label(beside, upper, moment.what, big, hud.BRIGHT, 800, max_width=right - beside),
+        Label(area.left + pad, lower, moment.why, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
+        Label(right, lower, about, small, _ACCENT if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
+    ]
+
+
+def _dimmed(pixels: Pixels, part: float) -> Pixels:
+    return np.asarray(cv2.convertScaleAbs(pixels, alpha=part), dtype=np.uint8)

@@ -1,0 +1,250 @@
+"""What the arbiter answered lately, as it is seen in the arena: catches, contests, refusals; and the hunters' numbers.
+
+Pure functions. Every word is written where it covers no other word and no number.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, NamedTuple
+
+import numpy as np
+
+from catch_arena.render.shapes import INK, WHITE, Color, Label, Ring, Shape, Stroke, mix
+from catch_arena.render.view import GROUND, Look, Pose, Viewport
+from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.world import World
+
+NEAR_UM: Final = 1_000_000
+"""Who is within a metre of a target that another catches was near."""
+
+MOST_REASONS: Final = 6
+"""While more hunters than these are refused, each has a ! instead of the reason."""
+
+REASONS: Final[dict[Verdict, str]] = {
+    Verdict.MATCH_OVER: "match over",
+    Verdict.MALFORMED: "no such target",
+    Verdict.HUNTER_INACTIVE: "withdrawn",
+    Verdict.DUPLICATE: "asked twice",
+    Verdict.UNKNOWN_TARGET: "no such target",
+    Verdict.ALREADY_CAUGHT: "already caught",
+    Verdict.SERVICE_DOWN: "service down",
+    Verdict.OUT_OF_REACH: "out of reach",
+    Verdict.KILL_FAILED: "kill failed",
+}
+"""Why a request was refused, in as few words as a moment allows."""
+
+_LASTS_MS: Final = {"catch": 900.0, "lost": 1200.0, "refused": 700.0}
+
+
+class Rival(NamedTuple):
+    """Somebody who was near when another caught a target."""
+
+    seat: int
+    distance_um: int
+    asked: bool
+    """It requested the same target in the same step, and lost the contest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """One ruling, as it is shown for a moment: what, whose, where, since when."""
+
+    kind: Literal["catch", "lost", "refused"]
+    time_ms: int
+    """When it was judged: the boundary at which the step began (R1.4)."""
+    seat: int
+    x: float
+    """The target's place [m], or the hunter's where there was no such target."""
+    y: float
+    word: str = "+1"
+    rivals: tuple[Rival, ...] = ()
+    """Of a catch: who else was near, the nearest first."""
+    distance_um: int | None = None
+    """From the hunter to the target."""
+
+    @property
+    def lasts_ms(self) -> float:
+        """How long it is shown."""
+        return _LASTS_MS[self.kind]
+
+
+def marks_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Mark, ...]:
+    """What the step from one world to the next is to show of its rulings, which were judged on the former.
+
+    Args: `by_lot`, whether contests go by lots and not by distance (R5.9).
+    """
+    targets = {target.name: (target.x, target.y) for target in before.targets}
+    distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}
+    marks = []
+    for ruling in after.rulings:
+        hunter = before.hunters[ruling.hunter]
+        place = targets.get(str(ruling.target))
+        x, y = place or (hunter.x, hunter.y)
+        if ruling.verdict is Verdict.GRANTED:
+            rivals = () if place is None else _rivals(before, after.rulings, ruling, place)
+            mark = Mark("catch", before.time_ms, ruling.hunter, x, y, "+1", rivals, ruling.distance_um)
+        elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
+            behind = distances[ruling.hunter] - distances[ruling.winner]
+            mark = Mark("lost", before.time_ms, ruling.hunter, x, y, "by lot" if by_lot else margin(behind))
+        else:
+            mark = Mark("refused", before.time_ms, ruling.hunter, x, y, REASONS[ruling.verdict])
+        marks.append(mark)
+    return tuple(marks)
+
+
+def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, place: tuple[float, float]) -> tuple[Rival, ...]:
+    lost = {
+        ruling.hunter: ruling.distance_um or 0
+        for ruling in rulings
+        if ruling.verdict is Verdict.LOST_CONTEST and ruling.target == won.target
+    }
+    rivals = [Rival(seat, distance, asked=True) for seat, distance in lost.items()]
+    for seat, hunter in enumerate(before.hunters):
+        distance = round(1e6 * float(np.hypot(hunter.x - place[0], hunter.y - place[1])))
+        if seat != won.hunter and seat not in lost and distance < NEAR_UM and not hunter.withdrawn:
+            rivals.append(Rival(seat, distance, asked=False))
+    return tuple(sorted(rivals, key=lambda rival: (not rival.asked, rival.distance_um, rival.seat)))
+
+
+def margin(behind_um: int) -> str:
+    """How much further away the loser was; an exact tie was drawn by lot (R5.5)."""
+    if behind_um == 0:
+        return "by lot"
+    return f"−{length_text(behind_um)}"
+
+
+def length_text(length_um: int) -> str:
+    """Two digits of a short length, in the unit that fits."""
+    if length_um < 1000:
+        return f"{length_um} µm"
+    if length_um < 9950:
+        return f"{length_um / 1000:.1f} mm"
+    return f"{length_um / 1000:.0f} mm" if length_um < 99_500 else f"{length_um / 10_000:.0f} cm"
+
+
+def still_seen(marks: Iterable[Mark], time_ms: float) -> list[Mark]:
+    """The marks that are not over yet; of each hunter's refusals only the latest, which a step may repeat."""
+    seen = [mark for mark in marks if time_ms - mark.time_ms < mark.lasts_ms]
+    latest = {mark.seat: mark for mark in seen if mark.kind == "refused"}
+    return [mark for mark in seen if mark.kind != "refused" or latest[mark.seat] is mark]
+
+
+def mark_shapes(
+    view: Viewport, look: Look, poses: Sequence[Pose], marks: Sequence[Mark], time_ms: float
+) -> list[Shape]:
+    """The rings of catches, the lines of contests, every hunter's number, and the words."""
+    shapes: list[Shape] = []
+    for mark in marks:
+        part = (time_ms - mark.time_ms) / mark.lasts_ms
+        if mark.kind == "catch":
+            seats = [mark.seat, *(rival.seat for rival in mark.rivals)] if mark.rivals else []
+            thick = [1.0, *(0.8 if rival.asked else 0.35 for rival in mark.rivals)]
+            for seat, much in zip(seats, thick, strict=False):
+                shapes.append(_thread(view, mark, look.color(seat), poses[seat], much * (1.0 - part), part))
+            shapes.append(_catch_ring(view, mark, part))
+        elif mark.kind == "lost":
+            shapes.append(_thread(view, mark, look.color(mark.seat), poses[mark.seat], 0.8 * (1.0 - part), part))
+    size = max(10, round(0.34 * view.hunter_length))
+    numbers = apart([view.place(x, y) for x, y, _ in poses], (1.1 if len(poses) <= 10 else 1.55) * size)
+    shapes += [Label(*place, str(seat), size, WHITE, 800, "center", outline=INK) for seat, place in enumerate(numbers)]
+    return shapes + _words(view, look, poses, marks, time_ms, numbers, size)
+
+
+def _catch_ring(view: Viewport, mark: Mark, part: float) -> Ring:
+    eased = 1.0 - (1.0 - part) ** 3
+    length = view.hunter_length
+    x, y = view.place(mark.x, mark.y)
+    radius = length * (0.3 + 0.75 * eased)
+    return Ring(x, y, radius, max(1.2, 0.11 * length * (1.0 - part)), WHITE, (1.0 - part) ** 1.5, glow=True)
+
+
+def _thread(view: Viewport, mark: Mark, color: Color, pose: Pose, much: float, part: float) -> Stroke:
+    """From somebody who was near to the target; it thins out, since strokes are opaque."""
+    width = max(0.8, 0.08 * view.hunter_length * much)
+    return Stroke(*view.place(pose[0], pose[1]), *view.place(mark.x, mark.y), width, mix(color, GROUND, 0.8 * part))
+
+
+_ROUNDS: Final = 4
+
+
+def apart(places: Sequence[tuple[float, float]], room: float) -> list[tuple[float, float]]:
+    """The places, those that are nearer to each other than `room` moved apart; as they move, so do the results.
+
+    A few rounds: in a dense crowd some stay a little too near, and nobody goes far from where it belongs.
+    """
+    around = 2.4 * np.arange(len(places))  # so that those in one very place part too
+    moved = np.array(places) + 1e-3 * np.stack([np.cos(around), np.sin(around)], axis=1)
+    for _ in range(_ROUNDS):
+        ways = moved[:, None] - moved[None]
+        distances = np.hypot(ways[..., 0], ways[..., 1])
+        np.fill_diagonal(distances, room)
+        short = np.maximum(0.0, room - distances)
+        if not short.any():
+            break
+        moved += (0.5 * (short / distances)[..., None] * ways).sum(axis=1)
+    drift = moved - np.array(places)
+    far = np.hypot(drift[:, 0], drift[:, 1])[:, None]
+    kept = np.array(places) + drift * np.minimum(1.0, room / np.maximum(far, 1e-9))
+    return [(x, y) for x, y in kept.tolist()]
+
+
+class _Room(NamedTuple):
+    """What a text takes: its middle, and half its width and height."""
+
+    x: float
+    y: float
+    half_width: float
+    half_height: float
+
+
+def _words(
+    view: Viewport,
+    look: Look,
+    poses: Sequence[Pose],
+    marks: Sequence[Mark],
+    time_ms: float,
+    numbers: Sequence[tuple[float, float]],
+    number_size: int,
+) -> list[Shape]:
+    """+1 rising over the hunter, what a contest was lost by sinking below it, why a request was refused.
+
+    Kept inside the picture; a word that would cover another one is moved on, the more the more it would.
+    """
+    taken = [
+        _Room(x, y, 0.32 * len(str(seat)) * number_size, 0.45 * number_size) for seat, (x, y) in enumerate(numbers)
+    ]
+    reach = look.config.reach_m * view.scale
+    length = view.hunter_length
+    briefly = length < 26 or sum(mark.kind == "refused" for mark in marks) > MOST_REASONS
+    shapes: list[Shape] = []
+    for mark in marks:
+        part = (time_ms - mark.time_ms) / mark.lasts_ms
+        text = "!" if mark.kind == "refused" and briefly else mark.word
+        size = max(11, round({"catch": 0.48, "lost": 0.36, "refused": 0.3}[mark.kind] * length))
+        half_width = 0.3 * len(text) * size
+        x, y = view.place(*poses[mark.seat][:2])
+        rises = 0.0 if mark.kind == "refused" else 0.3 * length * part  # a refusal may be repeated, step by step
+        away = max(reach, 0.5 * length) + 0.75 * size + rises
+        side = -1.0 if mark.kind == "catch" else 1.0
+        if not 0.6 * size < y + side * away < view.height - 0.6 * size:
+            side = -side
+        x = min(max(x, half_width + 2.0), view.width - half_width - 2.0)
+        room = _clear(_Room(x, y + side * away, half_width, 0.5 * size), side, taken)
+        room = room._replace(y=min(max(room.y, 0.6 * size), view.height - 0.6 * size))
+        taken.append(room)
+        color = WHITE if mark.kind == "catch" else mix(look.color(mark.seat), WHITE, 0.35)
+        opacity = min(1.0, 3.0 * (1.0 - part))
+        shapes.append(Label(x, room.y, text, size, color, 800, "center", outline=INK, opacity=opacity))
+    return shapes
+
+
+def _clear(room: _Room, side: float, taken: Sequence[_Room]) -> _Room:
+    """Moved up or down as far as the others ask for: by all that they overlap, or less where they hardly touch."""
+    for _ in range(3):
+        for other in taken:
+            beside = room.half_width + other.half_width - abs(room.x - other.x)
+            above = room.half_height + other.half_height - abs(room.y - other.y)
+            if beside > 0.0 and above > 0.0:
+                whole = room.half_height + other.half_height - side * (room.y - other.y)
+                room = room._replace(y=room.y + side * whole * min(1.0, beside / room.half_height))
+    return room

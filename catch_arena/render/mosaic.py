@@ -1,0 +1,163 @@
+"""Many matches at once, side by side in one film."""
+
+import math
+import os
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from pathlib import Path
+from typing import Final
+
+import cv2
+
+from catch_arena.errors import ConfigError, ReplayError
+from catch_arena.render import hud
+from catch_arena.render.encoders import Pixels, Progress, format_of
+from catch_arena.render.grid import Grid, fitted_grid
+from catch_arena.render.motion import Cut
+from catch_arena.render.raster import Canvas
+from catch_arena.render.shapes import Label, Shape
+from catch_arena.render.sprites import SpriteCache
+from catch_arena.render.stage import Stage
+from catch_arena.render.video import (
+    RenderReport,
+    duration_ms,
+    filmed,
+    frame_rate,
+    frame_size,
+    pace_of,
+    write_film,
+)
+from catch_arena.render.view import Look
+from catch_arena.replay import Replay
+
+MOST: Final = 64
+"""Matches in one picture."""
+SIZE: Final = (1280, 1280)
+"""Unless another is asked for, the picture is as large as its cells need, and no larger than this."""
+SMALL_SIZE: Final = (720, 720)
+"""The same for GIF and WebP."""
+USUAL_FPS: Final = 30
+LEAST_SIDE: Final = 72
+"""A smaller arena shows nothing."""
+_STRIP: Final = 0.09
+_LABEL: Final = 0.075
+_STAYS_S: Final = 2.0
+"""How long the last result is seen."""
+
+
+def render_mosaic(
+    replays: Mapping[str, Replay],
+    path: str | os.PathLike[str],
+    *,
+    size: tuple[int, int] | None = None,
+    fps: int | None = None,
+    speed: float = 1.0,
+    progress: Progress | None = None,
+) -> RenderReport:
+    """Write a film in which all of these matches run at once; one that has ended shows its result until all have.
+
+    A match that does not play as recorded stops where it differs, and its cell says so.
+
+    Args: `replays`, 1 to 64 of them, by what is written below each; the others as for `video.render_replay`.
+    Raises: ConfigError, OutputError; no half-written file is left.
+    """
+    if not 1 <= len(replays) <= MOST:
+        raise ConfigError(f"a mosaic must have 1 to {MOST} matches, got {len(replays)}")
+    kind = format_of(Path(path))
+    fps, pace = frame_rate(kind, min(USUAL_FPS, kind.fps) if fps is None else fps), pace_of(speed)
+    box = (SIZE if kind.even else SMALL_SIZE) if size is None else size
+    grid = fitted_grid(len(replays), box, _STRIP + _LABEL)
+    within = frame_size(kind, grid.size if size is None else size)
+    if grid.side < LEAST_SIDE:
+        raise ConfigError(
+            f"size must give each of {len(replays)} arenas {LEAST_SIDE} pixels at least, "
+            f"got {grid.side} in {within[0]} x {within[1]}"
+        )
+    end_ms = max(_end_ms(replay, fps, pace) for replay in replays.values())
+    whole = Cut(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
+    return write_film(path, _pictures(replays, grid, within, whole), within, fps, whole.frames, progress)
+
+
+def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
+    """So late that the last frame shows the end."""
+    return duration_ms(replay) + math.ceil(1000 * pace / fps)
+
+
+def _pictures(replays: Mapping[str, Replay], grid: Grid, size: tuple[int, int], whole: Cut) -> Iterator[Pixels]:
+    sprites = SpriteCache()
+    frame = Canvas.blank(*size, hud.PANEL, sprites)
+    areas = grid.cells(len(replays), hud.Rect(0, 0, *size))
+    cells = [
+        _Cell(name, replay, frame, area, whole, sprites)
+        for area, (name, replay) in zip(areas, replays.items(), strict=True)
+    ]
+    for _ in range(whole.frames):
+        for cell in cells:
+            cell.advance()
+        yield frame.pixels
+
+
+class _Cell:
+    """One match in its part of the picture."""
+
+    def __init__(
+        self, name: str, replay: Replay, frame: Canvas, area: hud.Rect, whole: Cut, sprites: SpriteCache
+    ) -> None:
+        side = area.width
+        self._name = name
+        self._look = Look.of(replay.config, replay.names)
+        self._label = area._replace(top=area.top + area.height - round(_LABEL * side), height=round(_LABEL * side))
+        self._frame = frame
+        picture = area._replace(height=area.height - self._label.height)
+        self._picture = frame.part(picture)
+        self._stage = Stage(self._look, (picture.width, picture.height), "arena", sprites=sprites)
+        cut = Cut(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
+        self._frames = filmed(replay, self._stage, cut)
+        self._running = True
+        self._write(None)
+        self._leader: int | None = None
+
+    def advance(self) -> None:
+        """One frame on."""
+        if not self._running:
+            return
+        try:
+            pixels = next(self._frames, None)
+        except ReplayError:
+            self._end("does not play as recorded", None)
+            return
+        if pixels is None:
+            winner = self._stage.leader
+            self._end("a tie" if winner is None else f"{self._look.names[winner]} wins", winner)
+            return
+        self._picture.pixels[:] = pixels
+        if self._stage.leader != self._leader:
+            self._leader = self._stage.leader
+            self._write(self._leader)
+
+    def _end(self, text: str, seat: int | None) -> None:
+        """The last picture, darker, and the result on it."""
+        self._running = False
+        arena = self._picture.part(self._stage.arena)
+        height, width = arena.pixels.shape[:2]
+        arena.pixels[:] = cv2.convertScaleAbs(arena.pixels, alpha=0.45)
+        size = hud.fitting(0.085 * width, 11)
+        color = hud.BRIGHT if seat is None else hud.legible(self._look.color(seat))
+        place = (0.5 * width, 0.5 * height)
+        arena.draw([Label(*place, text, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * width)])
+
+    def _write(self, leader: int | None) -> None:
+        """What stands below: which match it is, and who leads."""
+        area = self._label
+        size = hud.fitting(0.58 * area.height, 9)
+        middle = area.top + 0.5 * area.height
+        shapes: list[Shape] = [
+            Label(area.left + 2, middle, self._name, size, hud.DIM, 500, max_width=0.52 * area.width)
+        ]
+        if leader is not None:
+            color, right = hud.legible(self._look.color(leader)), area.left + area.width - 2
+            shapes.append(
+                Label(right, middle, self._look.names[leader], size, color, 700, "right", max_width=0.44 * area.width)
+            )
+        self._frame.clear(area, hud.PANEL)
+        self._frame.draw(shapes)

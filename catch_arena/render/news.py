@@ -1,0 +1,98 @@
+"""The news: the latest contests, near misses and refusals in words, the newest first.
+
+Pure functions from small states to shapes.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from catch_arena.render.hud import BRIGHT, CARD, DIM, NEWS_ROW, Rect, chip, chip_width, clock, fitting
+from catch_arena.render.marks import Mark, length_text
+from catch_arena.render.shapes import Box, Label, Shape
+from catch_arena.render.text import text_width
+from catch_arena.render.view import Look
+
+KEPT: Final = 8
+"""Items; a card shows as many of them as it has room for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One line: when, who, what, and whom it concerns besides."""
+
+    time_ms: int
+    seat: int
+    text: str
+    other: int | None = None
+    after: str = ""
+    """What follows the other's number."""
+    contest: bool = False
+    times: int = 1
+
+    def repeated_by(self, other: "Item") -> bool:
+        """The same hunter was refused again, for the same reason."""
+        return self.other is None and (self.seat, self.text, self.other) == (other.seat, other.text, other.other)
+
+
+def items_of(marks: Iterable[Mark]) -> list[Item]:
+    """What is worth a line: catches with somebody near, and refusals."""
+    items = []
+    for mark in marks:
+        if mark.kind == "refused":
+            items.append(Item(mark.time_ms, mark.seat, mark.word))
+        elif mark.kind == "catch" and mark.rivals and mark.distance_um is not None:
+            rival = mark.rivals[0]
+            behind = rival.distance_um - mark.distance_um
+            how = f"by {length_text(behind)}" if behind > 0 else "by lot"
+            if rival.asked:
+                items.append(Item(mark.time_ms, mark.seat, "beat", rival.seat, how, contest=True))
+            elif behind > 0:
+                items.append(Item(mark.time_ms, mark.seat, "ahead of", rival.seat, how))
+    return items
+
+
+class News:
+    """The latest items, the newest first; a refusal that is repeated is one item that counts."""
+
+    def __init__(self) -> None:
+        self.items: tuple[Item, ...] = ()
+
+    def tell(self, marks: Iterable[Mark]) -> None:
+        """These rulings were made."""
+        for item in items_of(marks):
+            same = [old for old in self.items if old.repeated_by(item)]
+            others = tuple(old for old in self.items if old not in same)
+            times = item.times + sum(old.times for old in same)
+            self.items = (replace(item, times=times), *others)[:KEPT]
+
+
+def news_shapes(area: Rect, look: Look, items: Sequence[Item], unit: float) -> list[Shape]:
+    """As many items as there is room for."""
+    pad = 8 * unit
+    height = NEWS_ROW * unit
+    size = fitting(14 * unit, 10)
+    shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
+    if not items:
+        place = (area.left + 2.0 * pad, area.top + pad + 0.5 * height)
+        shapes.append(Label(*place, "Contests and refusals", size, DIM, 500, max_width=area.width - 4.0 * pad))
+    for row, item in enumerate(items[: max(1, int((area.height - 2.0 * pad) // height))]):
+        middle = area.top + pad + (row + 0.5) * height
+        x = area.left + 2.0 * pad
+        at = clock(item.time_ms)
+        shapes.append(Label(x + 3.2 * size, middle, at, size, DIM, 500, "right"))
+        x += 4.0 * size
+        words = item.text if item.times == 1 else f"{item.text}  × {item.times}"
+        color, weight = (BRIGHT, 700) if item.contest else (DIM, 500)
+        parts: tuple[int | str, ...] = (item.seat, words)
+        if item.other is not None:
+            parts = (*parts, item.other, item.after)
+        for part in parts:
+            if isinstance(part, int):
+                shapes += chip(x, middle, look, part, size)
+                x += chip_width(look, size) + 0.6 * size
+            else:
+                room = area.left + area.width - 2.0 * pad - x
+                shapes.append(Label(x, middle, part, size, color, weight, max_width=room))
+                x += text_width(part, size, weight) + 0.6 * size
+    return shapes

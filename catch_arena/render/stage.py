@@ -1,0 +1,237 @@
+"""A match as pictures: frames one after the other for videos, and one at a time for `env.render()`."""
+
+from collections.abc import Iterable, Sequence
+from typing import Final, get_args
+
+import cv2
+import numpy as np
+
+from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError, suggest
+from catch_arena.render import hud, scene, timeline
+from catch_arena.render.marks import Mark, marks_of, still_seen
+from catch_arena.render.motion import TICK_MS, Leg, leg
+from catch_arena.render.news import News, news_shapes
+from catch_arena.render.raster import Canvas, Ground, Pixels
+from catch_arena.render.shapes import Shape
+from catch_arena.render.sprites import SpriteCache
+from catch_arena.render.standings import Ladder, standings_shapes
+from catch_arena.render.view import Look, Pose, Viewport
+from catch_arena.world import World
+
+SMALLEST: Final = 320
+LARGEST: Final = (3840, 2160)
+
+
+def checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    """The (width, height) [pixels] of a frame, if it can be. Raises: ConfigError."""
+    good = isinstance(size, Sequence) and len(size) == 2
+    good = good and all(isinstance(part, int) and not isinstance(part, bool) for part in size)
+    if not good or not (SMALLEST <= size[0] <= LARGEST[0] and SMALLEST <= size[1] <= LARGEST[1]):
+        raise ConfigError(
+            f"size must be two whole numbers from {SMALLEST} x {SMALLEST} to {LARGEST[0]} x {LARGEST[1]}, got {size!r}"
+        )
+    return size[0], size[1]
+
+
+class Stage:
+    """A match's frames, one after the other, in one buffer: `enter` each step, then `draw` the instants in it."""
+
+    def __init__(
+        self,
+        look: Look,
+        size: tuple[int, int],
+        layout: hud.Layout,
+        seed: int | None = None,
+        sprites: SpriteCache | None = None,
+    ) -> None:
+        if layout not in get_args(hud.Layout):
+            raise ConfigError(
+                f"layout must be broadcast or arena, got {layout!r}; {suggest(layout, get_args(hud.Layout))}"
+            )
+        self.look = look
+        self._seed = seed
+        self._by_lot = look.config.policy == "first_come"
+        self._plan = hud.arrange(size, layout, look.config.hunters)
+        if sprites is None:  # stages of the same match or size share theirs
+            sprites = SpriteCache()
+        self._frame = Canvas.blank(*size, hud.PANEL, sprites)
+        self._arena = self._frame.part(self._plan.arena)
+        self._ground = Ground(Viewport(*self._plan.arena[2:], look.config.side_m), sprites)
+        self.reset()
+
+    @property
+    def pixels(self) -> Pixels:
+        """(height, width, 4): the shared buffer, whose fourth byte means nothing; the next `draw` overwrites it."""
+        return self._frame.pixels
+
+    @property
+    def arena(self) -> hud.Rect:
+        """Where in the picture the arena lies."""
+        return self._plan.arena
+
+    @property
+    def leader(self) -> int | None:
+        """The seat that alone has the most catches, in the step that was entered last."""
+        best, *others = hud.ranked(self._standings)
+        return best.seat if best.score > 0 and all(one.score < best.score for one in others) else None
+
+    def reset(self, time_ms: float = 0.0) -> None:
+        """A new match: no trails, no marks."""
+        self._ground.reset(time_ms)
+        self._marks: list[Mark] = []
+        self._timeline = timeline.Timeline(self.look.duration_ms)
+        self._ladder = Ladder()
+        self._news = News()
+        self._standings: tuple[hud.Standing, ...] = ()
+        self._leg: Leg | None = None
+        self._poses: tuple[Pose, ...] = ()
+        self._moved_ms = time_ms
+        self._shown: dict[str, object] = {}
+
+    def enter(self, now: Leg) -> None:
+        """Begin a step: its rulings count from here on. Steps of which no instant is drawn are entered too."""
+        began_ms = now.before.time_ms
+        if self._leg is not None:
+            self._follow(began_ms)
+            self._ground.fade(began_ms)
+        else:
+            self._poses = now.poses[0]
+        self._leg = now
+        marks = marks_of(now.before, now.after, by_lot=self._by_lot)
+        self._marks = still_seen([*self._marks, *marks], began_ms)
+        self._news.tell(marks)
+        self._standings = tuple(
+            hud.Standing(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(now.after.hunters)
+        )
+        self._ladder.tell(began_ms, self._standings)
+        catchers = [mark.seat for mark in marks if mark.kind == "catch"]
+        self._timeline.tell(began_ms, catchers, [one.score for one in self._standings])
+
+    def draw(self, time_ms: float, poses: tuple[Pose, ...]) -> Pixels:
+        """Draw one instant of the step that was entered last into the buffer; the hunters have come to these poses."""
+        if self._leg is None:
+            raise ValueError("a step must be entered before one of its instants is drawn")
+        self._follow(time_ms)
+        self._ground.fade(time_ms)
+        self._move(poses)
+        self._marks = still_seen(self._marks, time_ms)
+        now = self._leg.after
+        self._arena.pixels[:] = self._ground.pixels
+        self._arena.draw(
+            scene.arena_shapes(
+                self._ground.view,
+                self.look,
+                hunters=now.hunters,
+                poses=poses,
+                targets=[target for target in now.targets if target.spawned_ms <= time_ms],
+                marks=self._marks,
+                time_ms=time_ms,
+            )
+        )
+        self._draw_around(time_ms, min(time_ms, now.time_ms))
+        return self.pixels
+
+    def write_over(self, drawn: Iterable[Shape]) -> None:
+        """Shapes over the arena, in pixels from its corner; the next `draw` takes them away."""
+        self._arena.draw(drawn)
+
+    def _follow(self, until_ms: float) -> None:
+        """Lead the trails through the ticks since the last instant, where it lies further back than a frame or two."""
+        if self._leg is not None and until_ms - self._moved_ms > 2 * TICK_MS:
+            for poses in self._leg.ticks_between(self._moved_ms, until_ms):
+                self._move(poses)
+        self._moved_ms = until_ms
+
+    def _move(self, poses: tuple[Pose, ...]) -> None:
+        for seat, (start, end) in enumerate(zip(self._poses, poses, strict=True)):
+            if start[:2] != end[:2]:
+                self._ground.trail(self.look.color(seat), start, end)
+        self._poses = poses
+
+    def _draw_around(self, time_ms: float, played_ms: float) -> None:
+        """The panel's parts, each only when it would look different; the clock stands still after the end."""
+        plan, look, unit = self._plan, self.look, self._plan.unit
+        clock = hud.clock(played_ms)
+        if not plan.standings.width:
+            chips, right = hud.split_strip(plan.header, clock)
+            if self._changed("chips", (chips, self._standings)):
+                self._redraw(chips, hud.chip_shapes(chips, look, self._standings))
+            if self._changed("clock", clock):
+                self._redraw(right, hud.strip_clock_shapes(right, clock))
+            return
+        if self._changed("header", clock):
+            self._redraw(plan.header, hud.header_shapes(plan.header, look, self._seed, clock, unit))
+        lines = self._ladder.lines(time_ms)
+        if self._changed("standings", lines):
+            self._redraw(plan.standings, standings_shapes(plan.standings, look, lines, unit))
+        if plan.news.width and self._changed("news", self._news.items):
+            self._redraw(plan.news, news_shapes(plan.news, look, self._news.items, unit))
+        area, history = plan.timeline, self._timeline
+        cursor = round(timeline.cursor_x(area, history, time_ms, unit))
+        card = self._frame.pixels[area.top : area.top + area.height, area.left : area.left + area.width]
+        if self._changed("history", history.catches):
+            self._redraw(area, timeline.timeline_shapes(area, look, history, unit))
+            self._history = card.copy()
+            self._shown.pop("present", None)
+        if self._changed("present", cursor):
+            card[:] = self._history
+            self._frame.draw(timeline.present_shapes(area, look, history, time_ms, unit))
+
+    def _changed(self, part: str, state: object) -> bool:
+        if part in self._shown and self._shown[part] == state:
+            return False
+        self._shown[part] = state
+        return True
+
+    def _redraw(self, area: hud.Rect, shapes: list[Shape]) -> None:
+        self._frame.clear(area, hud.PANEL)
+        self._frame.draw(shapes)
+
+
+class ArenaPainter:
+    """One arena's picture at every step that it is shown, for `env.render()`.
+
+    Trails and catches come from the worlds that were painted before; a world of step 0, or one that the last cannot
+    have led to, begins anew.
+
+    Args: `config`; `names` by seat; `size`, (width, height) [pixels]; `layout`, "arena" or "broadcast".
+    Raises: ConfigError.
+    """
+
+    def __init__(
+        self,
+        config: ArenaConfig,
+        names: Sequence[str] | None = None,
+        size: tuple[int, int] = (500, 500),
+        layout: hud.Layout = "arena",
+    ) -> None:
+        self._stage = Stage(Look.of(config, names), checked_size(size), layout)
+        self._last: World | None = None
+
+    def paint(self, world: World) -> Pixels:
+        """A fresh (height, width, 3) uint8 frame of the world as it is now."""
+        stage, last = self._stage, self._last
+        if last is None or world.step == 0 or world.step < last.step or not self._led_to(last, world):
+            stage.reset(float(world.time_ms))
+            now = leg(world, world)
+            stage.enter(now)
+        elif world.step == last.step:
+            now = leg(world, world)
+        elif world.step == last.step + 1:
+            now = leg(last, world)
+            stage.enter(now)
+        else:  # steps were left out: their rulings are not known, and the way is a straight line
+            now = Leg(last, world, (tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters),))
+            stage.enter(now)
+        self._last = world
+        pixels = stage.draw(float(world.time_ms), now.poses[-1])
+        return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB), dtype=np.uint8)
+
+    def _led_to(self, last: World, world: World) -> bool:
+        """Nobody can have driven further."""
+        furthest = self._stage.look.config.max_speed_mps * (world.time_ms - last.time_ms + 16) / 1000.0 + 1e-6
+        return all(
+            abs(now.x - then.x) <= furthest and abs(now.y - then.y) <= furthest
+            for then, now in zip(last.hunters, world.hunters, strict=True)
+        )

@@ -1,0 +1,147 @@
+"""Whole sessions, on SDL's driver for machines without a screen, with the keys of a script."""
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.live import show as live
+from catch_arena.render.sdl import pygame
+from catch_arena.replay import Replay
+from catch_arena.replay.verification import faults
+
+QUICK = ["--set", "time_limit_s=1", "--size", "320x320"]
+
+
+def press(code: int, mod: int = 0):
+    return pygame.event.Event(pygame.KEYDOWN, key=code, mod=mod, unicode="")
+
+
+class Script:
+    """Gives the window its events: at each look as many as the script says, and at last Escape."""
+
+    def __init__(self, *looks):
+        self._looks = list(looks)
+
+    def get(self):
+        if not self._looks:
+            return [press(pygame.K_ESCAPE)]
+        look = self._looks.pop(0)
+        return [press(look)] if isinstance(look, int) else list(look)
+
+
+@pytest.fixture
+def session(monkeypatch, tmp_path):
+    """Runs a command with a script of keys."""
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.chdir(tmp_path)
+
+    def run(words, *looks):
+        script = Script(*looks)
+        monkeypatch.setattr(pygame.event, "get", script.get)
+        return CliRunner().invoke(main, [*words, *QUICK])
+
+    yield run
+    pygame.display.quit()
+
+
+def nothing(looks: int) -> list[tuple[()]]:
+    return [()] * looks
+
+
+def test_a_person_plays_to_the_end_and_is_recorded(session, tmp_path):
+    result = session(
+        ["play", "--against", "nearest", "patrol", "--seat", "1", "--record", "mine.replay"],
+        pygame.K_UP,  # begins, and drives
+        *nothing(150),
+    )
+    assert result.exit_code == 0, result.output
+    replay = Replay.load(tmp_path / "mine.replay")
+    assert replay.names == ("nearest", "you", "patrol", "nearest#2")
+    assert replay.config.controls[:2] == ("target", "velocity")
+    assert replay.steps == 10
+    assert {float(commands[1][0]) for commands in replay.commands} == {1.0}
+    assert list(faults(replay)) == []
+    assert "  you" in result.output
+    assert "replay: mine.replay" in result.output
+
+
+def test_pause_holds_the_match_and_a_step_is_one_step(session, tmp_path):
+    result = session(
+        ["play", "--record", "mine.replay"],
+        pygame.K_x,
+        pygame.K_p,
+        *nothing(40),
+        pygame.K_PERIOD,
+        *nothing(15),
+        pygame.K_s,
+        *nothing(15),
+    )
+    assert result.exit_code == 0, result.output
+    assert Replay.load(tmp_path / "mine.replay").steps == 3
+
+
+def test_ctrl_s_saves_what_was_played_so_far(session, tmp_path):
+    saved = press(pygame.K_s, pygame.KMOD_LCTRL)
+    result = session(["watch", "nearest", "patrol", "--scenario", "duel"], *nothing(20), [saved])
+    assert result.exit_code == 0, result.output
+    assert 0 < Replay.load(tmp_path / "match.replay").steps < 10
+    assert "replay:" not in result.output  # without --record the end writes nothing
+
+
+def test_r_begins_the_same_match_again(session, tmp_path):
+    result = session(["watch", "nearest", "--record", "r.replay"], *nothing(30), pygame.K_r, *nothing(8))
+    assert result.exit_code == 0, result.output
+    assert Replay.load(tmp_path / "r.replay").steps < 4
+
+
+def test_speed_is_the_pace_of_the_window_and_changes_no_match(session, tmp_path):
+    words = ["watch", "nearest", "--record"]
+    plus = pygame.event.Event(pygame.KEYDOWN, key=pygame.K_PLUS, mod=0, unicode="+")
+    session([*words, "fast.replay"], [plus] * 9, *nothing(40))
+    session([*words, "usual.replay"], *nothing(150))
+    fast, usual = Replay.load(tmp_path / "fast.replay"), Replay.load(tmp_path / "usual.replay")
+    assert fast.steps == usual.steps == 10
+    assert fast.digests == usual.digests
+
+
+def test_the_window_may_be_resized_and_the_keys_shown(session, monkeypatch):
+    sizes = iter([(320, 320)] * 20)
+    drawn = []
+    monkeypatch.setattr(live.Screen, "size", property(lambda _: next(sizes, (500, 400))))
+    monkeypatch.setattr(live, "_SETTLED_S", 0.0)
+    monkeypatch.setattr(live.Screen, "show", lambda _, pixels: drawn.append(pixels.shape[:2]))
+    result = session(["watch", "nearest"], *nothing(10), pygame.K_h, *nothing(30), pygame.K_h, *nothing(9))
+    assert result.exit_code == 0, result.output
+    assert drawn[0] == (320, 320)
+    assert drawn[-1] == (400, 500)
+
+
+def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, tmp_path):
+    (tmp_path / "bad.py").write_text("class Agent:\n def reset(self, seed): 0\n def act(self, view): return 1 / 0\n")
+    result = session(["watch", "bad.py", "idle", "--scenario", "duel"], *nothing(150))
+    assert result.exit_code == 0, result.output
+    assert result.output.splitlines() == ["  1    0  idle", "  2    0  bad"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["play", "--seat", "4"], "--seat must be from 0 to 3"),
+        (["play", "--against", "nearst"], "did you mean nearest"),
+        (["play", "nearest", "patrol", "idle", "first"], "agents must be 3 at most"),
+        (["watch", "nearest", "--scenario", "dual"], "did you mean duel"),
+        (["watch", "nearest", "--record", "."], "not a regular file"),
+    ],
+)
+def test_bad_words_are_one_line(session, words, said):
+    result = session(words)
+    assert result.exit_code == 2
+    assert said in result.output
+    assert len(result.output.splitlines()) == 1
+
+
+def test_without_a_display_it_says_so(session, monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "no_such_driver")
+    result = session(["watch", "nearest"])
+    assert result.exit_code == 2
+    assert "needs a display" in result.output

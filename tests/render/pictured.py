@@ -1,0 +1,89 @@
+"""A small world, the shapes that show it, and where shapes reach."""
+
+import itertools
+
+from catch_arena.config import ArenaConfig
+from catch_arena.render import hud, scene, text
+from catch_arena.render.shapes import Box, Label, Path, Polygon, Stroke, Turtle
+from catch_arena.render.view import Look, Viewport
+from catch_arena.verdicts import Ruling
+from catch_arena.world import HunterState, TargetState, World
+
+
+def a_world(*rulings: Ruling, places=((1.0, 2.0), (9.0, 3.0)), step: int = 5) -> World:
+    hunters = tuple(HunterState(f"hunter_{i}", x, y, 0.5, 1.0, 0.0, 3 - i) for i, (x, y) in enumerate(places))
+    targets = (
+        TargetState("target_turtle_7", 7, 1.1, 2.1, 0.0, 0),
+        TargetState("target_turtle_9", 9, 5.0, 5.0, 1.0, 480),
+    )
+    return World(100 * step, step, 11.088889122009277, hunters, targets, rulings, 9)
+
+
+def shapes_of(world: World, marks=(), time_ms: float = 500.0, size=(720, 720)) -> list:
+    look = Look.of(ArenaConfig(hunters=len(world.hunters)))
+    view = Viewport(*size, world.side_m)
+    poses = [(hunter.x, hunter.y, hunter.theta) for hunter in world.hunters]
+    return scene.arena_shapes(
+        view, look, hunters=world.hunters, poses=poses, targets=world.targets, marks=marks, time_ms=time_ms
+    )
+
+
+def kinds(shapes, kind) -> list:
+    return [shape for shape in shapes if isinstance(shape, kind)]
+
+
+SIZES = [
+    (320, 320),
+    (321, 480),
+    (500, 500),
+    (640, 360),
+    (720, 1280),
+    (960, 720),
+    (1280, 720),
+    (3840, 2160),
+    (3840, 320),
+    (320, 2160),
+]
+
+
+def a_look(hunters: int) -> Look:
+    names = [f"contested_by_arrival_time_v{seat}" for seat in range(hunters)]
+    return Look.of(ArenaConfig(hunters=hunters), names, "Round 3   match 12 of 64", 60_000)
+
+
+def extent(shape) -> tuple[float, float, float, float]:
+    """Left, top, right, bottom."""
+    match shape:
+        case Box():
+            return shape.left, shape.top, shape.left + shape.width, shape.top + shape.height
+        case Label():
+            shown = text.fitted(shape.text, shape.size, shape.weight, shape.max_width)
+            width = text.text_width(shown, shape.size, shape.weight)
+            left = shape.x - {"left": 0.0, "center": width / 2, "right": width}[shape.align]
+            return left, shape.y - 0.4 * shape.size, left + width, shape.y + 0.4 * shape.size
+        case Turtle():
+            half = shape.length / 2
+            return shape.x - half, shape.y - 0.8 * half, shape.x + half, shape.y + 0.8 * half
+        case Polygon() | Path():
+            x, y = zip(*shape.points, strict=True)
+            return min(x), min(y), max(x), max(y)
+        case Stroke():
+            x, y = (shape.x0, shape.x1), (shape.y0, shape.y1)
+            return min(x), min(y), max(x), max(y)
+    raise TypeError(shape)
+
+
+def assert_inside(shapes, area: hud.Rect) -> None:
+    for shape in shapes:
+        left, top, right, bottom = extent(shape)
+        assert left >= area.left - 2, shape
+        assert top >= area.top - 2, shape
+        assert right <= area.left + area.width + 2, shape
+        assert bottom <= area.top + area.height + 2, shape
+
+
+def assert_texts_apart(shapes) -> None:
+    placed = [(shape, extent(shape)) for shape in shapes if isinstance(shape, Label)]
+    placed = [(shape, box) for shape, box in placed if box[2] > box[0]]
+    for (one, a), (other, b) in itertools.combinations(placed, 2):
+        assert a[2] <= b[0] + 0.5 or b[2] <= a[0] + 0.5 or a[3] <= b[1] + 0.5 or b[3] <= a[1] + 0.5, (one, other)

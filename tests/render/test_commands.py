@@ -1,0 +1,121 @@
+"""`catch-arena mosaic`, `highlights` and `sheet`: what they print, what they leave, and their exit codes."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+
+SMALL = ["--size", "480x320", "--fps", "10"]
+
+
+@pytest.fixture(scope="module")
+def matches(play):
+    return [play("duel", seed=seed, time_limit_s=6.0, names=("ann", "bob")) for seed in range(3)]
+
+
+@pytest.fixture(autouse=True)
+def folder(matches, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    where = tmp_path / "replays"
+    where.mkdir()
+    for seed, match in enumerate(matches):
+        match.save(where / f"m{seed}.replay")
+    return where
+
+
+def call(*words: str):
+    return CliRunner().invoke(main, list(words))
+
+
+def test_a_mosaic_of_a_folder(tmp_path):
+    result = call("mosaic", "replays", "-o", "out/grid.mp4", "--speed", "4", *SMALL)
+    assert result.exit_code == 0, result.output
+    assert "matches: 3 of 3" in result.output
+    assert (tmp_path / "out" / "grid.mp4").is_file()
+
+
+def test_the_list_says_file_time_kind_and_caption_and_writes_nothing(tmp_path):
+    result = call("highlights", "replays", "--list", "--count", "2")
+    assert result.exit_code == 0, result.output
+    lines = result.output.splitlines()
+    assert len(lines) == 2
+    assert all(line.startswith("m") and ".replay  " in line and " s  " in line and ": " in line for line in lines)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["replays"]
+
+
+def test_highlights_are_filmed(tmp_path):
+    result = call("highlights", "replays", "-o", "best.mp4", "--count", "1", *SMALL)
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "best.mp4").is_file()
+
+
+@pytest.mark.parametrize("pick", ["even", "moments"])
+def test_a_sheet_of_a_match(tmp_path, pick):
+    result = call("sheet", "replays/m0.replay", "--pick", pick, "--count", "4")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_broken_replay_is_told_and_the_others_are_shown(folder, matches):
+    content = (folder / "m0.replay").read_bytes()
+    (folder / "m0.replay").write_bytes(content[:100])
+    other = matches[1].__class__.load(folder / "m1.replay")
+    other.digests[30] = b"12345678"
+    other.save(folder / "m1.replay")
+    result = call("highlights", "replays", "--list")
+    assert result.exit_code == 0, result.output
+    assert "left out: replays/m0.replay: " in result.output
+    assert "left out: replays/m1.replay: " in result.output
+    assert "m2.replay" in result.output
+
+
+def test_folders_without_anything_to_show_are_one_line(folder, play):
+    empty, quiet = folder.parent / "empty", folder.parent / "quiet"
+    empty.mkdir()
+    quiet.mkdir()
+    play("duel", time_limit_s=0.2).save(quiet / "q.replay")
+    (folder.parent / "best.mp4").write_bytes(b"as it was")
+    for where, said in (("empty", "holds no replays"), ("nowhere", "is no folder"), ("quiet", "nothing worth seeing")):
+        result = call("highlights", where, "-o", "best.mp4")
+        assert result.exit_code == 2
+        assert said in result.output
+        assert len(result.output.splitlines()) == 1
+    assert (folder.parent / "best.mp4").read_bytes() == b"as it was"
+    (quiet / "q.replay").write_bytes(b"nothing")
+    assert "none of 1 replays" in call("mosaic", "quiet", "-o", "grid.mp4").output
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["mosaic", "replays", "-o", "grid.avi"], "must end in"),
+        (["mosaic", "replays", "-o", "grid.mp4", "--size", "9x9"], "size must be"),
+        (["highlights", "replays", "-o", "best.txt"], "must end in"),
+        (["sheet", "replays/m0.replay", "-o", "sheet.jpg"], "must end in .png"),
+        (["sheet", "no.replay"], "cannot be read"),
+    ],
+)
+def test_bad_words_are_one_line(words, said):
+    result = call(*words)
+    assert result.exit_code == 2
+    assert said in result.output
+    assert len(result.output.splitlines()) == 1
+
+
+def test_ctrl_c_leaves_no_half_written_film(tmp_path):
+    code = "from catch_arena.cli import main; main()"
+    words = [sys.executable, "-c", code, "mosaic", "replays", "-o", "grid.mp4", "--speed", "0.02"]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 60
+        while not list(tmp_path.glob(".grid*")) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        assert "interrupted" in process.communicate(timeout=30)[1]
+        assert process.returncode == 130
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["replays"]

@@ -1,0 +1,148 @@
+"""The file of a video: whole, or not there at all."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from render.films import ENDINGS, SMALL, decoded
+
+from catch_arena.errors import OutputError, ReplayError
+from catch_arena.render.encoders import video_file
+from catch_arena.render.video import render_replay
+
+
+def test_a_picture_in_which_nothing_happens_has_all_its_frames_too(tmp_path):
+    """Encoders that merge what looks alike are no reason to call a file incomplete."""
+    still = np.full((320, 480, 4), 77, dtype=np.uint8)
+    for ending in ENDINGS:
+        with video_file(tmp_path / f"still{ending}", (480, 320), 30, 45) as video:
+            for _ in range(45):
+                video.write(still)
+        assert np.abs(decoded(video.path)[-1].astype(int) - 77).max() <= 2
+
+
+def test_places_that_cannot_be_written_to(match, tmp_path):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder.mp4").mkdir()
+    for path in (tmp_path / "missing" / "match.mp4", tmp_path / "file" / "match.mp4", tmp_path / "folder.mp4"):
+        with pytest.raises(OutputError, match=r"\.mp4: cannot be written: "):
+            render_replay(match, path, **SMALL)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.mp4"]
+
+
+def test_a_folder_without_permission(match):
+    """Not even root may make a file in /proc."""
+    with pytest.raises(OutputError, match=r"match\.mp4: cannot be written: "):
+        render_replay(match, Path("/proc/match.mp4"), **SMALL)
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("trouble", [KeyboardInterrupt, ReplayError("step 9 is the first that differs")])
+def test_whatever_happens_on_the_way_the_old_file_stays_and_no_half_one(match, tmp_path, trouble, ending):
+    (tmp_path / f"match{ending}").write_text("what stood here before")
+
+    def stop(done: int, total: int) -> None:
+        if done == total // 2:
+            raise trouble
+
+    with pytest.raises(trouble if isinstance(trouble, type) else type(trouble)):
+        render_replay(match, tmp_path / f"match{ending}", progress=stop, **SMALL)
+    assert [path.name for path in tmp_path.iterdir()] == [f"match{ending}"]
+    assert (tmp_path / f"match{ending}").read_text() == "what stood here before"
+
+
+_FULL_DISK = """
+import json, resource, sys
+from pathlib import Path
+if sys.argv[3] == "plain":
+    sys.modules["av"] = None
+from catch_arena import Replay
+from catch_arena.errors import OutputError
+from catch_arena.render.video import render_replay
+replay = Replay.load(sys.argv[1])
+folder = Path(sys.argv[2])
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[4]), resource.RLIM_INFINITY))
+try:
+    render_replay(replay, folder / "match.mp4", size=(480, 320), fps=30)
+    said = ""
+except OutputError as error:
+    said = str(error)
+print(json.dumps([said, sorted(path.name for path in folder.iterdir())]))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no RLIMIT_FSIZE")
+@pytest.mark.parametrize(("encoder", "limit"), [("h264", 0), ("h264", 40_000), ("h264", "almost"), ("plain", "almost")])
+def test_a_full_disk_is_an_error_and_leaves_nothing(match, tmp_path, encoder, limit):
+    """A process whose files may not grow beyond a limit meets the same write errors as one on a full disk."""
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    match.save(tmp_path / "match.replay")
+
+    def run(folder: Path, most: int) -> tuple[str, list[str]]:
+        arguments = [str(tmp_path / "match.replay"), str(folder), encoder, str(most)]
+        paths = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+        done = subprocess.run(
+            [sys.executable, "-c", _FULL_DISK, *arguments], capture_output=True, text=True, check=False, env=paths
+        )
+        assert done.returncode == 0, done.stderr
+        said, left = json.loads(done.stdout.splitlines()[-1])
+        return said, left
+
+    if limit == "almost":  # the last bytes are the index
+        assert run(whole, 1 << 40) == ("", ["match.mp4"])
+        limit = (whole / "match.mp4").stat().st_size - 100
+    folder = tmp_path / "full"
+    folder.mkdir()
+    said, left = run(folder, limit)
+    assert "match.mp4: cannot be written: " in said
+    assert left == []
+
+
+def test_the_script_says_what_it_wrote_and_what_it_could_not(match, tmp_path):
+    match.save(tmp_path / "match.replay")
+    script = Path(__file__).parents[2] / "scripts" / "render.py"
+    paths = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, str(script), *arguments],
+            capture_output=True,
+            text=True,
+            check=False,
+            env=paths,
+            cwd=tmp_path,
+        )
+
+    done = run("match.replay", "-o", "out.mp4", "--size", "320x320", "--fps", "10")
+    assert (done.returncode, done.stdout.strip()) == (0, "video: out.mp4 (30 frames, 3 s)")
+    assert len(decoded(tmp_path / "out.mp4")) == 30
+    (tmp_path / "broken.replay").write_bytes((tmp_path / "match.replay").read_bytes()[:100])
+    done = run("broken.replay", "-o", "broken.mp4")
+    assert (done.returncode, done.stdout.strip()) == (2, "")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "broken.mp4").exists()
+
+
+@pytest.mark.parametrize("ending", [".mp4", ".gif"])
+def test_ctrl_c_leaves_nothing_behind(play, tmp_path, ending):
+    play(time_limit_s=30.0).save(tmp_path / "match.replay")
+    script = Path(__file__).parents[2] / "scripts" / "render.py"
+    command = [sys.executable, str(script), "match.replay", "-o", f"out{ending}", "--fps", "50", "--size", "640x360"]
+    paths = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    with subprocess.Popen(command, cwd=tmp_path, env=paths, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        deadline = time.monotonic() + 60.0
+        while not list(tmp_path.glob(".out*")) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        assert list(tmp_path.glob(".out*"))  # it has begun to write
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60.0)
+    assert process.returncode not in (0, None)
+    assert b"Traceback" not in said
+    assert [path.name for path in tmp_path.iterdir()] == ["match.replay"]

@@ -1,0 +1,38 @@
+"""Cells of equal size: inside the picture, apart, and as large as they can be."""
+
+import pytest
+
+from catch_arena.render.grid import fitted_grid
+from catch_arena.render.hud import Rect
+
+SIZES = [(1280, 720), (320, 320), (720, 1280), (1280, 1280)]
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 9, 17, 64])
+def test_cells_lie_inside_and_apart(count, size):
+    area = Rect(10, 20, *size)
+    grid = fitted_grid(count, size, 0.2)
+    cells = grid.cells(count, area)
+    assert len(cells) == count
+    for place, one in enumerate(cells):
+        assert one.left >= area.left
+        assert one.top >= area.top
+        assert one.left + one.width <= area.left + area.width
+        assert one.top + one.height <= area.top + area.height
+        for other in cells[:place]:
+            beside = one.left >= other.left + other.width or other.left >= one.left + one.width
+            assert beside or one.top >= other.top + other.height or other.top >= one.top + one.height
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("count", [1, 4, 10, 64])
+def test_no_other_number_of_columns_has_larger_cells(count, size):
+    width, height = size
+    sides = []
+    for columns in range(1, count + 1):
+        rows = -(-count // columns)
+        wide = width / (columns + 0.025 * (columns + 1))
+        high = height / (1.2 * rows + 0.025 * (rows + 1))
+        sides.append(min(wide, high))
+    assert max(sides) - 2 <= fitted_grid(count, size, 0.2).side <= max(sides)

@@ -1,0 +1,29 @@
+"""Names as they are written, whatever they hold."""
+
+import pytest
+
+from catch_arena.render import text
+
+
+def test_long_and_odd_names_end_in_an_ellipsis_or_in_spaces():
+    shown = text.fitted("a" * 5000, 20, 500, 150.0)
+    assert shown.endswith(text.ELLIPSIS)
+    assert text.text_width(shown, 20, 500) <= 150
+    assert text.fitted("two\nlines\tand\x00more", 20, 500, 1e9) == "two lines and more"
+    assert text.fitted("anything", 20, 500, 3.0) == ""
+
+
+def test_what_is_written_from_right_to_left_is_turned_round_and_the_rest_is_not():
+    assert text.printable("abc \u05d0\u05d1\u05d2 def") == "abc \u05d2\u05d1\u05d0 def"
+    assert text.printable("\u05d0\u05d1 \u05d2\u05d3") == "\u05d3\u05d2 \u05d1\u05d0"  # a phrase is one run
+
+
+def test_marks_that_nobody_sees_are_left_out():
+    """Among them those that would turn the rest of a line round."""
+    assert text.printable("a\u202eb\u200dc\ufeff") == "abc"
+
+
+@pytest.mark.parametrize("name", ["日本語", "\U0001f422\U0001f3c6", "\ue000", "\ud800", "e\u0301\u0302\u0303", "﷽", ""])
+def test_any_name_can_be_measured_and_drawn(name):
+    shown = text.fitted(name, 20, 500, 300.0)
+    assert text.coverage(shown, 20, 500).shape == (31, text.text_width(shown, 20, 500) + 40)

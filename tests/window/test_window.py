@@ -1,0 +1,111 @@
+"""A person at a real window: keys go in through the X server, and what is seen comes out of it."""
+
+import time
+
+import numpy as np
+
+from catch_arena.render.hud import PANEL
+from catch_arena.render.view import GROUND, HUNTER_COLORS
+from catch_arena.replay import Replay
+from catch_arena.replay.verification import faults
+
+COMMAND = "from catch_arena.cli import main; main()"
+HUMAN = """
+import catch_arena
+env = catch_arena.parallel_env("duel", render_mode="human")
+env.reset(seed=1)
+while env.agents:
+    env.step({agent: 1 for agent in env.agents})
+"""
+
+
+def share(picture: np.ndarray, color: tuple[int, int, int]) -> float:
+    """How much of a picture has that colour."""
+    return float((np.abs(picture.astype(int) - color).max(axis=2) < 10).mean()) if picture.size else 0.0
+
+
+def still(desk) -> bool:
+    """Nothing moves in the window."""
+    before = desk.seen()
+    time.sleep(0.4)
+    return np.array_equal(before, desk.seen())
+
+
+def test_a_person_drives_pauses_steps_saves_and_ends(desk, started, keep, tmp_path):
+    words = [
+        "play",
+        "--against",
+        "nearest",
+        "--scenario",
+        "duel",
+        "--record",
+        "mine.replay",
+        "--set",
+        "time_limit_s=20",
+    ]
+    process = started(COMMAND, *words)
+    desk.wait(lambda: share(desk.seen(), PANEL) > 0.3)
+    assert desk.window()[1][2:] == (1280, 720)
+    assert still(desk)  # it waits, with the keys on show
+    keep("1_keys", desk.picture())
+    card = share(desk.seen()[:, :700], PANEL)
+
+    desk.keys("keydown", "Up")
+    desk.wait(lambda: share(desk.seen()[:, :700], PANEL) < 0.5 * card)  # the card is gone
+    time.sleep(1.0)
+    desk.keys("keydown", "Left")
+    time.sleep(0.5)
+    desk.keys("keyup", "Left")
+    desk.keys("keyup", "Up")
+    keep("2_driving", desk.picture())
+    seen = desk.seen()[:, :720]
+    assert share(seen, GROUND) > 0.4
+    assert share(seen, HUNTER_COLORS[0]) > 0.0002  # one's turtle and the newest of its trail
+
+    desk.keys("key", "space")
+    desk.wait(lambda: still(desk))
+    keep("3_paused", desk.picture())
+    before = desk.seen()
+    desk.keys("key", "period")
+    desk.wait(lambda: not np.array_equal(before, desk.seen()))
+    desk.wait(lambda: still(desk))
+    desk.keys("key", "ctrl+s")
+    desk.wait((tmp_path / "mine.replay").is_file)
+    saved = Replay.load(tmp_path / "mine.replay")
+    assert 10 < saved.steps < 200
+
+    desk.keys("key", "p")
+    desk.wait(lambda: not still(desk))
+    desk.keys("key", "Escape")
+    output = process.communicate(timeout=30)[0]
+    assert process.returncode == 0, output
+    assert "replay: mine.replay" in output
+    mine = Replay.load(tmp_path / "mine.replay")
+    assert mine.names == ("you", "nearest")
+    assert mine.steps >= saved.steps
+    assert list(faults(mine)) == []
+    linear, angular = np.array(mine.commands)[:, 0].T
+    assert linear[:8].tolist() == [1.0] * 8
+    assert angular.max() == 1.0
+    assert angular.min() == 0.0
+
+
+def test_the_window_can_be_resized(desk, started, keep):
+    started(COMMAND, "watch", "nearest", "patrol", "--scenario", "duel")
+    desk.wait(lambda: share(desk.seen(), GROUND) > 0.2)
+    window, _ = desk.window()
+    desk.keys("windowsize", "--sync", window, "700", "800")
+    desk.wait(lambda: desk.seen().shape[:2] == (800, 700) and share(desk.seen()[100:500], GROUND) > 0.3)
+    time.sleep(1.0)
+    keep("4_resized", desk.picture())
+    assert share(desk.seen()[-100:], (0, 0, 0)) < 0.1  # drawn for this size, to its edges
+    desk.keys("key", "q")
+
+
+def test_render_mode_human_shows_the_match_in_motion(desk, started, keep):
+    process = started(HUMAN)
+    desk.wait(lambda: share(desk.seen(), GROUND) > 0.4)
+    assert desk.window()[1][2:] == (500, 500)
+    assert not still(desk)
+    keep("5_human", desk.picture())
+    assert process.poll() is None
