@@ -2,10 +2,13 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+WORKERS := --numprocesses 2 --dist loadgroup
+RULES := tests/oracle tests/properties tests/rulebook tests/unit
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test fast check format bench pictures docs clean setup
+.PHONY: help demo test fast nightly laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
+	clean setup
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
@@ -14,10 +17,39 @@ demo: $(VENV)/ready ## play a tournament of all shipped agents, and film the fin
 	$(BIN)/python scripts/demo.py --out out/demo
 
 test: $(VENV)/ready-dev ## run the tests
-	$(BIN)/pytest --numprocesses 2 --dist loadgroup tests
+	$(BIN)/pytest $(WORKERS) tests
+
+nightly: laws interpreted boundscheck coverage mutate ## what takes long: the five targets that follow
+
+laws: $(VENV)/ready-dev ## the property tests at length, with a million steps of engine against oracle
+	CATCH_ARENA_LONG=1 $(BIN)/pytest $(WORKERS) tests/properties
+
+interpreted: $(VENV)/ready-dev ## the tests of the rules without the compiler
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(WORKERS) $(RULES)
+
+boundscheck: $(VENV)/ready-dev ## the tests of the rules with every index tested
+	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(WORKERS) $(RULES)
+
+# Without the compiler, since compiled code cannot be measured; random matches, batches and threads are slow then, and meet no
+# line that the other tests do not.
+coverage: $(VENV)/ready-dev ## measure coverage: at least 95 % of all, and every line and branch of the rules
+	rm -rf out/coverage
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(WORKERS) tests --ignore tests/properties -k 'not batch and not thread'
+	$(BIN)/coverage combine --quiet
+	$(BIN)/coverage report --fail-under 95
+	$(BIN)/coverage report --fail-under 100 --include 'catch_arena/core/*'
+
+mutate: $(VENV)/ready-dev ## change the rules, and see that a test notices
+	$(BIN)/python scripts/mutate.py
 
 fast: $(VENV)/ready-dev ## run the rulebook's tests only
 	$(BIN)/pytest tests/rulebook
+
+browser: $(VENV)/ready-browser ## play videos and open pages in a headless Chromium
+	$(BIN)/pytest tests/browser
+
+window: $(VENV)/ready-window ## play in a real window, on an X server without a screen
+	$(BIN)/pytest tests/window
 
 check: $(VENV)/ready-dev ## format, lint, types, import contract
 	$(BIN)/ruff format --check .
@@ -29,11 +61,15 @@ format: $(VENV)/ready-dev ## put the sources into form
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-bench: $(VENV)/ready-dev ## measure the speed, side by side with a peer
-	$(BIN)/python scripts/bench.py
+bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs/performance.md)
+	@mkdir -p out
+	$(BIN)/python scripts/bench --json out/bench.json --page docs/performance.md
 
-pictures: $(VENV)/ready ## draw the README's picture
+pictures: $(VENV)/ready ## draw the README's picture and its animation
 	$(BIN)/python scripts/pictures.py
+
+golden: $(VENV)/ready-dev ## draw the frames anew that tests/render compares with
+	PYTHONPATH=tests $(BIN)/python tests/render/golden.py
 
 docs: $(VENV)/ready ## write the tables in docs/ that are made from code
 	$(BIN)/python scripts/write_docs.py
@@ -59,4 +95,21 @@ $(VENV)/ready: pyproject.toml | $(VENV)/bin/python
 
 $(VENV)/ready-dev: $(VENV)/ready
 	@$(PIP) install --group test --group check
+	@touch $@
+
+$(VENV)/ready-bench: $(VENV)/ready
+	@echo "setting up the peers (a few minutes)"
+	@$(PIP) install --editable '.[bench]'
+	@touch $@
+
+$(VENV)/ready-browser: $(VENV)/ready-dev
+	@command -v chromium >/dev/null || { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install -y -qq chromium; } \
+		|| { echo "the browser tests need Chromium: apt-get install chromium"; exit 1; }
+	@$(PIP) install --group browser
+	@touch $@
+
+$(VENV)/ready-window: $(VENV)/ready-dev
+	@command -v Xvfb >/dev/null && command -v xdotool >/dev/null && command -v xwd >/dev/null \
+		|| { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install -y -qq xvfb xdotool x11-apps; } \
+		|| { echo "the window's tests need Xvfb, xdotool and xwd: apt-get install xvfb xdotool x11-apps"; exit 1; }
 	@touch $@

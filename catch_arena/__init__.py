@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from catch_arena.engine import Engine as Engine
     from catch_arena.envs.aec import env as env
     from catch_arena.envs.parallel import parallel_env as parallel_env
+    from catch_arena.envs.vector import VectorArena as VectorArena
     from catch_arena.errors import CatchArenaError as CatchArenaError
+    from catch_arena.explanation import explain as explain
+    from catch_arena.explanation import explain_step as explain_step
     from catch_arena.policy import Limits as Limits
     from catch_arena.policy import Policy as Policy
     from catch_arena.policy import View as View
@@ -41,11 +44,14 @@ _HOMES: Final = {
     "RewardWeights": "config",
     "Ruling": "verdicts",
     "SCENARIOS": "scenarios",
+    "VectorArena": "envs.vector",
     "Verdict": "verdicts",
     "View": "policy",
     "World": "world",
     "arbitrate": "arbitration",
     "env": "envs.aec",
+    "explain": "explanation",
+    "explain_step": "explanation",
     "parallel_env": "envs.parallel",
     "scenario": "scenarios",
 }

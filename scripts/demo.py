@@ -9,11 +9,14 @@ from rich.console import Console
 
 from catch_arena import CatchArenaError, Replay, scenario
 from catch_arena.render.video import render_replay
-from catch_arena.tournament import results, runner, schedule
-from catch_arena.tournament.display import progress_bar, standings_table
+from catch_arena.tournament.display.tables import progress_bar, standings_table
 from catch_arena.tournament.entrants import enter, shipped
+from catch_arena.tournament.execution import executors, runner
 from catch_arena.tournament.match import play
-from catch_arena.tournament.standings import standings
+from catch_arena.tournament.plans import schedule
+from catch_arena.tournament.records import results
+from catch_arena.tournament.records.store import Tournament
+from catch_arena.tournament.statistics.standings import standings
 
 SCENARIO = "standard"
 
@@ -34,7 +37,7 @@ def parse() -> Args:
     parser.add_argument("--out", type=Path, default=Path("out/demo"), help="the folder to write to")
     parser.add_argument("--rounds", type=int, default=2)
     parser.add_argument("--seed", type=int, default=7)
-    parser.add_argument("--jobs", type=int, default=runner.usable_cores())
+    parser.add_argument("--jobs", type=int, default=executors.usable_cores())
     return Args(**vars(parser.parse_args()))
 
 
@@ -49,7 +52,7 @@ def demo(args: Args) -> None:
     with progress_bar("playing", len(plan)) as show:
         played = runner.run(config, entrants, plan, jobs=args.jobs, progress=show)
     table = standings(entrants, played)
-    results.write_results(args.out, config=config, seed=args.seed, entrants=entrants, played=played, table=table)
+    results.write_standings(args.out, Tournament(config, entrants, plan.words), len(played), table)
     Console().print(standings_table(table))
 
     best = enter([line.name for line in table[: config.hunters]])

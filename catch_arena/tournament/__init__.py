@@ -1,5 +1,7 @@
-"""Tournaments, a module for each question.
+"""Tournaments, a room for each question.
 
-Who plays: entrants. What is played: schedule. How one match goes: match. How all of them go: runner. What came out:
-standings, results.
+Who plays: entrants. How one match goes: match, players; with agents in processes of their own: isolation. What is
+played: plans. How all of it is played: execution. What is kept: records. How strong the entrants are, and how sure
+that is: statistics. Playing until something is known: sequential. Is the arena fair: fairness. Is one agent fit, and
+how good is it: marking. What people see of it: display.
 """

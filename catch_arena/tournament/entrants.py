@@ -4,17 +4,25 @@ import hashlib
 import importlib
 import importlib.util
 import pkgutil
+import shlex
+import shutil
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from inspect import signature
 from pathlib import Path
 from types import ModuleType
+from typing import Final, NamedTuple
 
 from catch_arena.config import Control
 from catch_arena.errors import AgentError, CatchArenaError, suggest
 from catch_arena.policy import Policy, control_of
+
+COMMAND: Final = "cmd:"
+"""What the word for a command begins with."""
+_SHIPPED: Final = "catch_arena.agents"
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,50 +32,113 @@ class Entrant:
     name: str
     """Unique in its tournament: `nearest`, and `nearest#2` where it plays against itself."""
     spec: str
-    """What `agent_class` finds it by, from any folder."""
+    """What `agent_class` or `command_of` finds it by, from any folder."""
     control: Control
     digest: str
-    """16 hexadecimal digits of the source file's bytes."""
+    """16 hexadecimal digits of the source file's bytes; of a command, of its words and of the files that they name."""
+    fault: str | None = None
+    """Why it cannot play, where that showed when it was looked at in isolation: it forfeits all its matches."""
 
     def create(self) -> Policy:
-        """A fresh instance, for one match."""
-        policy: Policy = agent_class(self.spec)()
-        return policy
+        """A fresh instance in this process, for one match. Raises: AgentError."""
+        return fresh(self.spec)
+
+
+@dataclass(frozen=True, slots=True)
+class Inspection:
+    """What an agent says of itself."""
+
+    control: Control = "target"
+    source: str | None = None
+    """The file that it was loaded from."""
+    fault: str | None = None
+    """Why it cannot play."""
+    log: str = ""
+    """What it printed meanwhile."""
 
 
 def shipped() -> dict[str, str]:
     """The agents that come with the package: name to one line about each."""
-    package = _imported("catch_arena.agents")
+    package = _imported(_SHIPPED)
     names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
-    return {name: (_imported(f"catch_arena.agents.{name}").__doc__ or "").partition("\n")[0] for name in names}
+    return {name: (_imported(f"{_SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
 
 
-def enter(specs: Sequence[str]) -> tuple[Entrant, ...]:
+def inspected(spec: str) -> Inspection:
+    """An agent looked at in this process. Raises: AgentError where it cannot play."""
+    policy = fresh(spec)
+    return Inspection(control_of(policy), source_of(policy))
+
+
+def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspected) -> tuple[Entrant, ...]:
     """The entrants that these words stand for, in their order.
 
-    Args: `specs`: shipped names, `package.module:Class`, or paths of .py files with a class `Agent`.
+    Args: `specs`: shipped names, `package.module:Class`, paths of .py files with a class `Agent`, or `cmd:` and a
+    command; `inspect`: looks at an agent, in this process or (`Sandbox.inspect`) in one of its own.
     Raises: AgentError, one line, that names the word and what is wrong with it.
     """
     seen: Counter[str] = Counter()
+    inspections: dict[str, Inspection] = {}
     entrants = []
     for spec in specs:
-        name, whole = _name_and_spec(spec)
-        control, digest = _inspected(whole)
+        name, whole, content = _meant(spec)
+        if whole not in inspections:
+            inspections[whole] = inspect(whole)
+        found = inspections[whole]
+        if content is None:
+            content = Path(found.source).read_bytes() if found.source else whole.encode()
         seen[name] += 1
-        entrants.append(Entrant(name if seen[name] == 1 else f"{name}#{seen[name]}", whole, control, digest))
+        unique = name if seen[name] == 1 else f"{name}#{seen[name]}"
+        digest = hashlib.blake2b(content, digest_size=8).hexdigest()
+        entrants.append(Entrant(unique, whole, found.control, digest, found.fault))
     return tuple(entrants)
+
+
+def fresh(spec: str) -> Policy:
+    """A new instance of an agent that can play. Raises: AgentError that says why it cannot."""
+    found = agent_class(spec)
+    try:
+        policy: Policy = found()
+    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+        raise AgentError(f"{spec}: {found.__name__}() raised {reason(error)}") from error
+    for method, argument in (("reset", "seed"), ("act", "view")):
+        if not callable(getattr(policy, method, None)):
+            raise AgentError(f"{spec}: {found.__name__} must have a method {method}")
+        if not _takes_one(getattr(policy, method)):
+            raise AgentError(
+                f"{spec}: {found.__name__}.{method} must take one argument: def {method}(self, {argument})"
+            )
+    try:
+        control_of(policy)
+    except CatchArenaError:
+        raise AgentError(
+            f"{spec}: control must be target, velocity or full, got {getattr(policy, 'control', None)!r}"
+        ) from None
+    return policy
+
+
+def is_shipped(spec: str) -> bool:
+    """Whether an agent comes with the package: our own code, which needs no process of its own."""
+    return spec.startswith(f"{_SHIPPED}.")
+
+
+def source_of(policy: Policy) -> str | None:
+    """The file that an agent's class comes from."""
+    return getattr(sys.modules.get(type(policy).__module__), "__file__", None)
+
+
+def command_of(spec: str) -> list[str] | None:
+    """The words of a command, its program first; None for an agent in Python."""
+    return shlex.split(spec.removeprefix(COMMAND)) if spec.startswith(COMMAND) else None
 
 
 @cache
 def agent_class(spec: str) -> type:
     """The class that a spec stands for. Raises: AgentError."""
-    if spec.endswith(".py"):
-        module, name = _from_file(Path(spec)), "Agent"
-    else:
-        place, _, name = spec.partition(":")
-        if str(Path.cwd()) not in sys.path and "" not in sys.path:
-            sys.path.append(str(Path.cwd()))  # as `python -m` finds modules; workers start in the same folder
-        module = _imported(place)
+    if spec.startswith(COMMAND):
+        raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
+    place, _, name = (spec, ":", "Agent") if spec.endswith(".py") else spec.partition(":")
+    module = module_at(place)
     found = getattr(module, name, None)
     if not isinstance(found, type):
         classes = [key for key, value in vars(module).items() if isinstance(value, type)]
@@ -75,41 +146,69 @@ def agent_class(spec: str) -> type:
     return found
 
 
-def _name_and_spec(spec: str) -> tuple[str, str]:
+def module_at(place: str) -> ModuleType:
+    """The module with a dotted name, or in a .py file. Raises: AgentError."""
+    if place.endswith(".py"):
+        return _from_file(Path(place))
+    if str(Path.cwd()) not in sys.path and "" not in sys.path:
+        sys.path.append(str(Path.cwd()))  # as `python -m` finds modules; workers start in the same folder
+    return _imported(place)
+
+
+class _Meant(NamedTuple):
+    """What a word stands for."""
+
+    name: str
+    spec: str
+    content: bytes | None = None
+    """What the digest is of, where that is known without a look at the agent."""
+
+
+def _meant(spec: str) -> _Meant:
+    if spec.startswith(COMMAND):
+        return _command(spec)
     if spec.endswith(".py"):
         path = Path(spec).expanduser().resolve()
         if not path.is_file():
             raise AgentError(f"{spec}: no such file")
-        return path.stem, str(path)
+        return _Meant(path.stem, str(path), path.read_bytes())
     if ":" in spec:
-        return spec.rpartition(":")[2], spec
+        return _Meant(spec.rpartition(":")[2], spec)
     known = shipped()
     if spec not in known:
         raise AgentError(
-            f"unknown agent {spec!r}: {suggest(spec, known)} (or give package.module:Class, or the path of a .py file)"
+            f"unknown agent {spec!r}: {suggest(spec, known)} "
+            f"(or give package.module:Class, the path of a .py file, or {COMMAND}COMMAND)"
         )
-    return spec, f"catch_arena.agents.{spec}:Agent"
+    return _Meant(spec, f"{_SHIPPED}.{spec}:Agent")
 
 
-def _inspected(spec: str) -> tuple[Control, str]:
-    """The control and the digest of a class that can play."""
-    found = agent_class(spec)
+def _command(spec: str) -> _Meant:
+    """A command, with the files that it names under their whole paths: it is started in another folder."""
     try:
-        policy = found()
-    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-        raise AgentError(f"{spec}: {found.__name__}() raised {reason(error)}") from error
-    for method in ("reset", "act"):
-        if not callable(getattr(policy, method, None)):
-            raise AgentError(f"{spec}: {found.__name__} must have a method {method}")
+        words = shlex.split(spec.removeprefix(COMMAND))
+    except ValueError as error:
+        raise AgentError(f"{spec}: must be a command as a shell takes it: {error}") from None
+    if not words:
+        raise AgentError(f"{spec}: must name a command, as in {COMMAND}./my_bot")
+    files = {word: path.resolve() for word in words if (path := Path(word).expanduser()).is_file()}
+    program, *arguments = [str(files.get(word, word)) for word in words]
+    found = shutil.which(program)
+    if found is None:
+        raise AgentError(f"{spec}: {words[0]} is no program that can be run")
+    content = b"\0".join(files[word].read_bytes() if word in files else word.encode() for word in words)
+    name = next(iter(files.values()), Path(program)).stem
+    return _Meant(name, COMMAND + shlex.join([found, *arguments]), content)
+
+
+def _takes_one(method: Callable[..., object]) -> bool:
     try:
-        control = control_of(policy)
-    except CatchArenaError:
-        raise AgentError(
-            f"{spec}: control must be target, velocity or full, got {getattr(policy, 'control', None)!r}"
-        ) from None
-    source = getattr(sys.modules.get(found.__module__), "__file__", None)
-    content = Path(source).read_bytes() if source else spec.encode()
-    return control, hashlib.blake2b(content, digest_size=8).hexdigest()
+        signature(method).bind(None)
+    except TypeError:
+        return False
+    except ValueError:  # some callables tell no signature
+        return True
+    return True
 
 
 def _from_file(path: Path) -> ModuleType:

@@ -1,17 +1,49 @@
 """One match: agents in their seats, from the first observation to the last."""
 
 import hashlib
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Final
 
-from catch_arena.config import ArenaConfig
+from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.parallel import CatchArenaEnv
-from catch_arena.errors import ActionError, AgentError, ConfigError
-from catch_arena.policy import Limits, Policy, View, control_of
-from catch_arena.tournament.entrants import reason
+from catch_arena.errors import ActionError, ConfigError
+from catch_arena.policy import Limits, Policy
+from catch_arena.tournament.players import Fault, ForfeitCode, Players, Sight, TrustedPlayers
+from catch_arena.verdicts import Verdict
+
+_HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full": {"cmd_vel": (0.0, 0.0), "catch": 0}}
+"""What is played for a seat that gives no action."""
+
+
+@dataclass(frozen=True, slots=True)
+class Thinking:
+    """How long one seat took over its moves, by the clock on the wall."""
+
+    moves: int
+    """The steps that it was asked in, the one that it failed in among them."""
+    total_s: float
+    longest_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Forfeit:
+    """How one seat failed."""
+
+    code: ForfeitCode
+    step: int
+    """The step that it gave no action for, from 1; 0 where it could not begin."""
+    reason: str
+    """One line for people."""
+    sight: Sight | None = None
+    """What it was shown in that step; a store does not keep it."""
+
+    def __str__(self) -> str:
+        """For people."""
+        return f"{self.code} {f'in step {self.step}' if self.step else 'before the first step'}: {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,18 +52,30 @@ class MatchResult:
 
     scores: tuple[int, ...]
     ranks: tuple[int, ...]
-    """R6.1: 1 is best; equal scores share a rank, and the ranks that they use up are left out (1, 1, 3)."""
+    """R6.1: 1 is best; equal scores share a rank, and the ranks that they use up are left out (1, 1, 3). Those who
+    forfeited come last, whatever their scores: the longer one lasted, the better.
+    """
     verdicts: tuple[dict[str, int], ...]
     """How many of the seat's requests met each verdict, by its name; verdicts that it never met are left out."""
+    contests_won: tuple[int, ...]
+    """How many targets the seat got that others in reach requested in the same step (R5.4)."""
     steps: int
     digest: str
     """The final state's (A.8): matches that agree in it ended alike."""
+    forfeits: tuple[str | None, ...]
+    """FORFEIT_CRASH, FORFEIT_TIMEOUT, FORFEIT_ILLEGAL or FORFEIT_INIT where a seat failed."""
+    thinking: tuple[Thinking, ...] = field(compare=False)
+    """Like all that follows, no part of what another run of the same match repeats."""
+    details: tuple[Forfeit | None, ...] = field(default=(), compare=False)
+    """More about each of `forfeits`."""
+    logs: tuple[str, ...] = field(default=(), compare=False)
+    """What isolated agents printed, tracebacks included, as far as it is kept; a store does not hold it."""
 
 
 def play(
     config: ArenaConfig,
     seed: int,
-    policies: Sequence[Policy],
+    players: Players | Sequence[Policy],
     names: Sequence[str],
     *,
     places: Sequence[int] | None = None,
@@ -39,54 +83,86 @@ def play(
     record: Path | None = None,
     watch: Callable[[CatchArenaEnv], None] | None = None,
 ) -> MatchResult:
-    """Play one match to its end.
+    """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6); the others play on.
 
-    Args: `config`, whose `control` gives way to what the policies ask for; `seed`, the match's; `policies`, fresh for
-    this match, and their `names`, by seat; `places`, each one's place among the entrants (else its seat), from which
-    its own seed is made; `title` and `record`, the heading and the file of a replay; `watch`, called after the reset
-    and after every step.
-    Raises: AgentError that names the agent and the step; OutputError for a replay that cannot be written.
+    Args: `config`, whose `control` gives way to what the players ask for; `seed`, the match's; `players`, fresh for
+    this match (policies are trusted, and play in this process), and their `names`, by seat; `places`, each one's place
+    among the entrants (else its seat), from which its own seed is made; `title` and `record`, the heading and the file
+    of a replay; `watch`, called after the reset and after every step.
+    Raises: OutputError for a replay that cannot be written; NoContest where isolated players could not be held.
     """
-    if not len(policies) == len(names) == config.hunters:
-        raise ConfigError(f"policies must be {config.hunters}, one for each hunter, got {len(policies)}")
-    controls = tuple(control_of(policy) for policy in policies)
-    env = CatchArenaEnv(config.replace(control=controls, mask_in_observation=False))
+    if isinstance(players, Sequence):
+        players = TrustedPlayers(players)
+    controls = players.controls
+    if not len(controls) == len(names) == config.hunters:
+        raise ConfigError(f"players must be {config.hunters}, one for each hunter, got {len(controls)}")
+    seats = range(config.hunters)
+    control = tuple(controls[seat] for seat in seats)
+    env = CatchArenaEnv(config.replace(control=control, mask_in_observation=False))
     if record is not None:
         env.record(names, title)
     observations, infos = env.reset(seed=seed)
     agents = env.possible_agents
-    limits = [Limits.of(env.config, seat) for seat in range(config.hunters)]
-    tallies: list[Counter[str]] = [Counter() for _ in agents]
-    for policy, name, place in zip(policies, names, places or range(config.hunters), strict=True):
-        _asked(name, "reset", 0, policy.reset, agent_seed(seed, place))
+    forfeits: list[Forfeit | None] = [None] * config.hunters
+    tallies: dict[str, Counter[str]] = {agent: Counter() for agent in agents}
+    total_s, longest_s = [0.0] * config.hunters, [0.0] * config.hunters
+    won: Counter[int] = Counter()
     step = 0
+    playing = dict(enumerate(agents))
+    actions: dict[str, Any] = {}
+
+    def forfeit(seat: int, fault: Fault, sight: Sight | None = None) -> None:
+        forfeits[seat] = Forfeit(fault.code, step, fault.reason, sight)
+        actions[agents[seat]] = _HOLD[controls[seat]]  # R1.6: it is among the env's agents for one more step
+        del playing[seat]
+        env.withdraw(agents[seat])
+        players.drop(seat)
+
+    seeds = [agent_seed(seed, place) for place in places or seats]
+    for seat, failed in players.reset(seeds, [Limits.of(env.config, seat) for seat in seats]).items():
+        forfeit(seat, failed)
     if watch is not None:
         watch(env)
     while env.agents:
         step += 1
-        actions = {
-            agent: _asked(name, "act", step, policy.act, _view(observations[agent], infos[agent], limit))
-            for agent, name, policy, limit in zip(agents, names, policies, limits, strict=True)
-        }
+        sights = {seat: _sight(observations[agent], infos[agent]) for seat, agent in playing.items()}
+        for seat, (action, seconds, fault) in players.act(sights).items():
+            total_s[seat] += seconds
+            if seconds > longest_s[seat]:  # noqa: PLR1730 - max() takes twice as long
+                longest_s[seat] = seconds
+            if fault is None:
+                actions[agents[seat]] = action
+            else:
+                forfeit(seat, fault, sights[seat])
         try:
             observations, _, _, _, infos = env.step(actions)
-        except ActionError as error:
-            _blame(error, env, actions, names, step)
-        for agent, tally in zip(agents, tallies, strict=True):
-            verdict = infos[agent]["verdict"]
-            if verdict is not None:
-                tally[verdict.name] += 1
+        except ActionError:
+            for seat, failed in _illegal(env, actions).items():
+                forfeit(seat, failed, sights[seat])
+            observations, _, _, _, infos = env.step(actions)
+        actions.clear()
+        for agent, info in infos.items():
+            if info["verdict"] is not None:
+                tallies[agent][info["verdict"].name] += 1
+        won.update({info["winner"] for info in infos.values() if info["verdict"] is Verdict.LOST_CONTEST})
         if watch is not None:
             watch(env)
+    logs = players.logs()
+    moves = [step if one is None else one.step for one in forfeits]
     scores = tuple(hunter.score for hunter in env.world().hunters)
     if record is not None:
         env.replay().save(record)
     return MatchResult(
         scores=scores,
-        ranks=ranks_of(scores),
-        verdicts=tuple(dict(sorted(tally.items())) for tally in tallies),
+        ranks=ranks_of(scores, [None if one is None else one.step for one in forfeits]),
+        verdicts=tuple(dict(sorted(tally.items())) for tally in tallies.values()),
+        contests_won=tuple(won[seat] for seat in seats),
         steps=step,
         digest=env.digest().hex(),
+        forfeits=tuple(None if one is None else one.code for one in forfeits),
+        thinking=tuple(Thinking(*times) for times in zip(moves, total_s, longest_s, strict=True)),
+        details=tuple(forfeits),
+        logs=tuple(logs.get(seat, "") for seat in seats),
     )
 
 
@@ -96,35 +172,35 @@ def agent_seed(match_seed: int, place: int) -> int:
     return int.from_bytes(digest, "little") >> 1
 
 
-def ranks_of(scores: Sequence[int]) -> tuple[int, ...]:
-    """R6.1: each one's rank is 1 + how many have more."""
-    return tuple(1 + sum(other > score for other in scores) for score in scores)
+def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) -> tuple[int, ...]:
+    """R6.1: each one's rank is 1 + how many did better.
+
+    Args: `scores`; `lasted`, the step at which a seat forfeited, None for those that did not: they did better than
+    all who did.
+    """
+    merits = [
+        (math.inf, score) if end is None else (end, 0)
+        for score, end in zip(scores, lasted or [None] * len(scores), strict=True)
+    ]
+    return tuple(1 + sum(other > merit for other in merits) for merit in merits)
 
 
-def _view(observation: Any, info: dict[str, Any], limits: Limits) -> View:
+def _sight(observation: Any, info: dict[str, Any]) -> Sight:
     mask = info.get("action_mask")
     if isinstance(mask, dict):  # full control: the mask of "catch"
         mask = mask["catch"]
     # plain numbers: a scripted agent reads them one by one, which is slow on arrays
-    return View(observation.tolist(), () if mask is None else mask.tolist(), limits)
+    return observation.tolist(), [] if mask is None else mask.tolist()
 
 
-def _asked(name: str, what: str, step: int, method: Callable[[Any], Any], argument: object) -> Any:
-    """What the agent answers; whatever it raises becomes an AgentError."""
-    try:
-        return method(argument)
-    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-        raise AgentError(f"{name}: {what} raised {reason(error)} (step {step})") from error
-
-
-def _blame(
-    error: ActionError, env: CatchArenaEnv, actions: dict[str, Any], names: Sequence[str], step: int
-) -> NoReturn:
-    """Say which agent gave the action that the env refused."""
-    for agent, name in zip(env.possible_agents, names, strict=True):
+def _illegal(env: CatchArenaEnv, actions: dict[str, Any]) -> dict[int, Fault]:
+    """The seats whose actions the env refuses."""
+    faults = {}
+    for seat, agent in enumerate(env.possible_agents):
         try:
-            env.check_action(agent, actions[agent])
+            if agent in actions:
+                env.check_action(agent, actions[agent])
         except ActionError as refused:
             detail = str(refused).removeprefix(f"{agent}: ").replace("\n", " ")[:200]
-            raise AgentError(f"{name}: {detail} (step {step})") from error
-    raise error
+            faults[seat] = Fault("FORFEIT_ILLEGAL", detail)
+    return faults

@@ -1,5 +1,6 @@
 """The command line: what it prints, what it leaves, and its exit codes."""
 
+import json
 import os
 import re
 import signal
@@ -13,6 +14,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import arena, main
 from catch_arena.errors import ConfigError
+from catch_arena.tournament.entrants import agent_class
 
 ROOT = Path(__file__).parents[2]
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
@@ -29,14 +31,15 @@ def catch_arena(tmp_path, monkeypatch):
 
 
 def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_path):
-    result = catch_arena("tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--out", "o", "--record", "o/replays")
+    result = catch_arena("tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--out", "o", "--record")
     assert result.exit_code == 0, result.output
-    assert re.search(r"1 +nearest +2 ", result.output)
+    assert re.search(r"1 +nearest +1 +2 ", result.output)
     assert sorted(path.name for path in (tmp_path / "o").iterdir()) == [
         "replays",
-        "results.jsonl",
+        "report.html",
         "standings.csv",
         "standings.json",
+        "tournament.sqlite",
     ]
     replays = sorted(map(str, (tmp_path / "o" / "replays").iterdir()))
     assert len(replays) == 2
@@ -49,6 +52,66 @@ def test_no_line_of_the_table_is_longer_than_80_columns(catch_arena):
     result = catch_arena("tournament", "contested_by_time", "contested_by_time", *QUICK, "--jobs", "1", "--out", "o")
     assert max(map(len, result.output.splitlines())) <= 80
     assert "contested_by_time#2" in result.output
+
+
+BAD = Path(__file__).parent / "isolation" / "bad"
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_bad_agents_are_isolated_by_default_and_spoil_nothing(catch_arena, tmp_path, jobs):
+    """One ends its process, one is late, one cannot begin, one writes where it plays; the others play on."""
+    words = ["nearest", "idle", *(str(BAD / f"{name}.py") for name in ("exits", "hangs", "writes_here"))]
+    (tmp_path / "no_agent.py").write_text("1 / 0\n")
+    limits = [*QUICK, "--limit", "bank_s=0", "--limit", "step_ms=1000", "--jobs", jobs, "--out", "o"]
+    result = catch_arena("tournament", *words, "no_agent.py", "--format", "gauntlet", *limits)
+    assert result.exit_code == 0, result.output
+    assert "warning: no_agent cannot begin, and forfeits its matches: " in result.stderr
+    table = {line.split()[1]: line.split()[-1] for line in result.stdout.splitlines() if re.match(r" *\d ", line)}
+    assert table == {"nearest": "0", "idle": "0", "writes_here": "0", "exits": "2", "hangs": "2", "no_agent": "2"}
+    logs = {path.name: path.read_text() for path in (tmp_path / "o" / "logs").iterdir()}
+    assert logs["exits.log"].count("FORFEIT_CRASH in step 5: act: its process exited with code 3") == 2
+    assert logs["hangs.log"].count("FORFEIT_TIMEOUT in step 5: act took longer") == 2
+    assert logs["no_agent.log"].count("FORFEIT_INIT before the first step: ") == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["no_agent.py", "o"]
+    assert catch_arena("export", "o", "-o", "m.jsonl").exit_code == 0
+    details = [one for line in (tmp_path / "m.jsonl").read_text().splitlines() for one in json.loads(line)["details"]]
+    assert sum(one is not None for one in details) == 6
+
+
+def test_one_that_is_trusted_and_one_that_is_isolated_play_the_same_tournament(catch_arena, tmp_path):
+    """But one does not go on with what the other began, nor do other limits."""
+    (tmp_path / "mine.py").write_text((ROOT / "agents" / "contested.py").read_text())
+    words = ["tournament", "mine.py", "nearest", "random", *QUICK, "--jobs", "1"]
+    for out, how in (("a", ["--trusted"]), ("b", [])):
+        assert catch_arena(*words, "--out", out, *how).exit_code == 0
+        catch_arena("export", out, "--no-timing", "-o", f"{out}.csv")
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    for out, how, message in (
+        ("a", [], "trusted is true there, and false here"),
+        ("b", ["--limit", "step_ms=50"], "step_ms is 100.0 there, and 50 here"),
+    ):
+        refused = catch_arena(*words, "--out", out, "--resume", *how)
+        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
+        assert message in refused.stderr
+
+
+def test_a_match_says_who_forfeited_and_what_they_printed(catch_arena):
+    result = catch_arena("match", str(BAD / "crashes.py"), "nearest", *QUICK)
+    assert result.exit_code == 0, result.output
+    assert "crashes: FORFEIT_CRASH in step 5: act raised ZeroDivisionError" in result.stdout
+    assert result.stderr.startswith("crashes printed:\nTraceback")
+
+
+def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
+    words = ["tournament", "nearest", "idle", "-s", "duel", "--set", "time_limit_s=15", "--jobs", "1"]
+    clear = catch_arena(*words, "--until-separated", "0.95", "--out", "a")
+    assert re.search(r"duel: 2 agents, at most 10000 matches", clear.output)
+    assert re.search(r"after \d\d matches, the order is clear", clear.output)
+    words[2] = "nearest"
+    spent = catch_arena(*words, "--until-separated", "0.95", "--max-matches", "21", "--out", "b")
+    assert re.search("after 20 matches, nearest.* cannot be told apart yet", spent.output)
+    more = catch_arena(*words, "--until-separated", "0.95", "--max-matches", "30", "--out", "b", "--resume")
+    assert re.search("after 30 matches, nearest.* cannot be told apart yet", more.output)
 
 
 def test_a_match_is_recorded(catch_arena, tmp_path):
@@ -79,6 +142,28 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         (["tournament", "nearest", "idle", *QUICK, "--jobs", "0"], "jobs must be at least 1"),
         (["tournament", "nearest", "idle", *QUICK, "--rounds", "0"], "rounds must be at least 1"),
         (["tournament", "nearest", "idle", *QUICK, "--out", "file/o"], "file/o: cannot be written to"),
+        (["tournament", "nearest", "idle", *QUICK, "--address", "auto"], "--address must come with --executor ray"),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--executor", "ray", "--address", "auto", "-j", "2"],
+            "--jobs must be left out with --address",
+        ),
+        (["tournament", "nearest", "idle", *QUICK, "--max-matches", "9"], "--max-matches must come with"),
+        (["tournament", "nearest", "idle", *QUICK, "--until-separated", "2"], "confidence must lie in [0.5, 1)"),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--until-separated", "0.9", "--format", "swiss"],
+            "--format must be another one with --until-separated, got swiss",
+        ),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--until-separated", "0.9", "--rounds", "2"],
+            "--rounds must be left out with --until-separated, got 2",
+        ),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--limit", "steps=9"],
+            "unknown limit 'steps': did you mean step_ms",
+        ),
+        (["match", "nearest", "idle", *QUICK, "--limit", "step_ms=9", "--trusted"], "--limit must be left out with"),
+        (["match", "cmd:true", "idle", *QUICK, "--trusted"], "must not be trusted"),
+        (["export", "missing", "-o", "e"], "missing: holds no tournament"),
         (["match", "nearest", *QUICK], "agents must be at least 2"),
         (["match", "nearest", "idle", "first", *QUICK], "agents must be 2"),
         (["match", "nearest", "idle", *QUICK, "-o", "file/m.replay"], "file: cannot be written to"),
@@ -145,25 +230,76 @@ def test_the_script_is_the_command(tmp_path):
             "b": [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament"],
         }.items()
     ]
-    assert outputs[0].replace("results: a", "results: b") == outputs[1]
-    assert (tmp_path / "a" / "results.jsonl").read_bytes() == (tmp_path / "b" / "results.jsonl").read_bytes()
+    assert outputs[0].replace(": a", ": b") == outputs[1]
+    assert (tmp_path / "a" / "standings.json").read_bytes() == (tmp_path / "b" / "standings.json").read_bytes()
 
 
-def test_ctrl_c_ends_it_with_130_and_no_results(tmp_path):
+def test_a_plan_is_printed_with_its_cost_and_nothing_is_played(catch_arena, tmp_path):
+    result = catch_arena("tournament", "nearest", "idle", "random", *QUICK, "--plan", "--record", "--jobs", "2")
+    assert result.exit_code == 0, result.output
+    for line in (
+        r"plan +format round-robin, rounds 1, seed 0",
+        r"matches +6",
+        r"an agent plays +4 matches",
+        r"a pair meets in +2 matches",
+        r"time +about .* with 2 processes",
+        r"store +about [\d.]+ kB",
+        r"replays +about [\d.]+ kB",
+    ):
+        assert re.search(line, result.output), line
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_tournament_is_not_overwritten_and_is_continued_by_the_same_words_alone(catch_arena, tmp_path):
+    first = ["tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--out", "o"]
+    begun = catch_arena(*first, "--resume")  # nothing to go on with: it begins
+    assert begun.exit_code == 0, begun.output
+    content = (tmp_path / "o" / "tournament.sqlite").read_bytes()
+    refused = catch_arena(*first)
+    assert refused.exit_code == 2
+    assert "holds a tournament already, with 2 of 2 matches played: go on with --resume" in refused.stderr
+    for more, message in (
+        (["--rounds", "2"], "rounds is 1 there, and 2 here"),
+        (["--set", "reach_m=0.5"], "reach_m is 0.3 there, and 0.5 here"),
+        (["--record"], "recorded is false there, and true here"),
+        (["first"], "its agents are nearest idle, and here nearest idle first"),
+    ):
+        other = catch_arena(*first, "--resume", *more)
+        assert (other.exit_code, other.stderr.count("\n")) == (2, 1)
+        assert message in other.stderr
+    assert catch_arena(*first, "--resume").output == begun.output
+    assert (tmp_path / "o" / "tournament.sqlite").read_bytes() == content
+
+
+def test_an_agent_that_was_changed_does_not_continue_a_tournament(catch_arena, tmp_path):
+    words = ["tournament", "mine.py", "idle", *QUICK, "--jobs", "1", "--out", "o", "--resume"]
+    source = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
+    (tmp_path / "mine.py").write_text(source)
+    assert catch_arena(*words).exit_code == 0
+    (tmp_path / "mine.py").write_text(source + "# better\n")
+    agent_class.cache_clear()
+    assert "the digest of agent mine is" in catch_arena(*words).stderr
+
+
+@pytest.mark.parametrize("how", [["--trusted"], ["--limit", "step_ms=1000000"]])
+def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
     hang = tmp_path / "hang.py"
     hang.write_text(
-        "from pathlib import Path\nclass Agent:\n    def reset(self, seed): Path('began').touch()\n"
+        "from pathlib import Path\nclass Agent:\n"
+        "    def reset(self, seed): Path(__file__).with_name('began').touch()\n"
         "    def act(self, view):\n        while True: pass\n"
     )
     command = [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament", "hang.py", "idle"]
-    process = subprocess.Popen(
-        [*command, "--scenario", "duel", "--jobs", "2", "--out", "o"], cwd=tmp_path, stderr=subprocess.PIPE, text=True
-    )
+    words = [*command, "--scenario", "duel", "--jobs", "2", "--out", "o", *how]
+    process = subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
     patience = time.monotonic() + 60
     while not (tmp_path / "began").exists() and time.monotonic() < patience:
         time.sleep(0.05)
     os.kill(process.pid, signal.SIGINT)
     _, errors = process.communicate(timeout=30)
     assert process.returncode == 130
-    assert errors.strip().splitlines()[-1] == "catch-arena: interrupted"
-    assert not list((tmp_path / "o").iterdir())
+    assert errors.strip().splitlines()[-2:] == [
+        "0 of 2 matches are kept in o; the same command with --resume goes on",
+        "catch-arena: interrupted",
+    ]
+    assert [path.name for path in (tmp_path / "o").iterdir()] == ["tournament.sqlite"]

@@ -1,9 +1,11 @@
 """One match: ranks, the agents' seeds, and agents that misbehave."""
 
+import re
+
 import pytest
 
 from catch_arena import Replay, scenario
-from catch_arena.errors import AgentError, ConfigError
+from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import agent_seed, play, ranks_of
 
@@ -61,18 +63,37 @@ def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("answer", "message"),
+    ("answer", "code", "message"),
     [
-        (lambda _: 1 // 0, "bad: act raised ZeroDivisionError: .* \\(step 5\\)"),
-        (lambda _: 99, "bad: an action must be a whole number from 0 to 8, got 99 \\(step 5\\)"),
-        (lambda _: None, "bad: an action must be .* got None \\(step 5\\)"),
-        (lambda _: (0.0, 0.0), "bad: an action must be .* \\(step 5\\)"),
+        (lambda _: 1 // 0, "FORFEIT_CRASH", "act raised ZeroDivisionError: .*"),
+        (lambda _: 99, "FORFEIT_ILLEGAL", "an action must be a whole number from 0 to 8, got 99"),
+        (lambda _: None, "FORFEIT_ILLEGAL", "an action must be .* got None"),
+        (lambda _: (0.0, 0.0), "FORFEIT_ILLEGAL", "an action must be .*"),
     ],
 )
-def test_a_misbehaving_agent_is_named_with_its_step_in_one_line(answer, message):
-    with pytest.raises(AgentError, match=message) as raised:
-        play(SHORT, 0, [Holds(), Answers(answer)], ["good", "bad"])
-    assert "\n" not in str(raised.value)
+def test_a_misbehaving_agent_forfeits_in_its_step_and_the_other_plays_on(tmp_path, answer, code, message):
+    good = enter(["nearest"])[0].create()
+    result = play(SHORT, 0, [good, Answers(answer)], ["good", "bad"], record=tmp_path / "m.replay")
+    assert result.forfeits == (None, code)
+    assert (result.details[0], result.details[1].step) == (None, 5)
+    assert re.fullmatch(message, result.details[1].reason)
+    assert (result.ranks, result.steps) == ((1, 2), 100)
+    assert [times.moves for times in result.thinking] == [100, 5]
+    assert Replay.load(tmp_path / "m.replay").withdrawals == [(4, 1)]
+
+
+def test_one_that_cannot_begin_forfeits_before_the_first_step():
+    class Fails(Holds):
+        def reset(self, seed):
+            raise SystemExit(seed)
+
+    result = play(SHORT, 0, [Fails(), Holds()], ["bad", "good"])
+    assert result.forfeits == ("FORFEIT_INIT", None)
+    assert (result.details[0].step, result.details[0].sight, result.thinking[0].moves) == (0, None, 0)
+
+
+def test_those_who_forfeit_rank_behind_all_others_by_how_long_they_lasted():
+    assert ranks_of((9, 0, 5, 7, 1), (3, None, 8, 3, None)) == (4, 2, 3, 4, 1)
 
 
 def test_what_an_agent_does_to_its_view_changes_nothing():
@@ -90,5 +111,5 @@ def test_what_an_agent_does_to_its_view_changes_nothing():
 
 
 def test_a_match_needs_a_policy_for_each_seat():
-    with pytest.raises(ConfigError, match="policies must be 2"):
+    with pytest.raises(ConfigError, match="players must be 2"):
         play(SHORT, 0, [Holds()], ["a"])

@@ -1,0 +1,163 @@
+"""The command line's frame: the application, its errors, and the words that commands share.
+
+What is heavy (the engine, the renderer) is imported by the commands that need it: --help must be quick.
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich import box
+from rich.table import Table
+from typer.core import TyperGroup
+
+from catch_arena.config import ArenaConfig
+from catch_arena.errors import CatchArenaError, ConfigError
+from catch_arena.scenarios import scenario
+from catch_arena.tournament.isolation.limits import AgentLimits
+
+if TYPE_CHECKING:
+    from catch_arena.tournament.entrants import Entrant
+
+INTERRUPTED = 130
+REFUSED = 2
+
+
+class _Commands(TyperGroup):
+    """Turns our errors into one line and an exit code."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was named."""
+        try:
+            return super().invoke(ctx)
+        except CatchArenaError as error:
+            typer.echo(f"catch-arena: {error}", err=True)
+            raise typer.Exit(REFUSED) from None
+        except KeyboardInterrupt:
+            typer.echo("catch-arena: interrupted", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+
+
+main = typer.Typer(
+    name="catch-arena",
+    help="Hunters chase turtles, and a referee decides who caught what.",
+    cls=_Commands,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Agents = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="AGENT...",
+        help="A shipped name (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, or "
+        "cmd:COMMAND (docs/isolation.md).",
+    ),
+]
+Scenario = Annotated[str, typer.Option("--scenario", "-s", help="The arena to play in (see `catch-arena scenarios`).")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change a setting, as in time_limit_s=30 or faults.kill_down=0.2; may be repeated.",
+    ),
+]
+Limits = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--limit",
+        metavar="KEY=VALUE",
+        help="Change a limit of isolated agents, as in step_ms=200 or memory_mib=2048 (docs/isolation.md); may be "
+        "repeated.",
+    ),
+]
+Trusted = Annotated[
+    bool,
+    typer.Option("--trusted", help="Run all agents inside our own processes: quicker, and nothing limits them."),
+]
+Seed = Annotated[int, typer.Option(help="Whatever is drawn follows from it.")]
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"catch-arena {version('catch-arena')}")
+        raise typer.Exit
+
+
+@main.callback()
+def _common(
+    *,
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and exit.", callback=_show_version, is_eager=True)
+    ] = False,
+) -> None:
+    del version
+
+
+def arena(name: str, settings: list[str] | None) -> ArenaConfig:
+    """The scenario with the changes of --set. Raises: ConfigError."""
+    overrides: dict[str, Any] = {}
+    for key, value in _pairs("--set", settings):
+        if key == "control":
+            raise ConfigError("--set control=... must be left to the agents: each states its own control")
+        group, dot, part = key.partition(".")
+        if not dot:
+            overrides[key] = value
+        elif isinstance(parts := overrides.setdefault(group, {}), dict):
+            parts[part] = value
+        else:
+            raise ConfigError(f"--set {group}=... and --set {key}=... must not both be given")
+    return scenario(name, **overrides)
+
+
+def agent_limits(words: list[str] | None) -> AgentLimits:
+    """The usual limits with the changes of --limit. Raises: ConfigError."""
+    return AgentLimits.of(**dict(_pairs("--limit", words)))
+
+
+def limits_or_trust(words: list[str] | None, *, trusted: bool) -> AgentLimits | None:
+    """What isolated agents may take; None with --trusted. Raises: ConfigError."""
+    if trusted and words:
+        raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {words[0]}")
+    return None if trusted else agent_limits(words)
+
+
+def entered(words: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
+    """The agents that these words stand for, looked at where they will play; those that cannot are told on stderr, and
+    what this system cannot limit. Raises: AgentError.
+    """
+    from catch_arena.tournament.entrants import enter, is_shipped
+    from catch_arena.tournament.isolation.processes import missing_protections
+    from catch_arena.tournament.isolation.seating import inspector, sandboxed
+
+    with sandboxed(limits) as sandbox:
+        players = enter(words, inspector(sandbox))
+    for player in players:
+        if player.fault is not None:
+            typer.echo(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)
+    if limits is not None and not all(is_shipped(player.spec) for player in players):
+        for line in missing_protections():
+            typer.echo(f"warning: {line}", err=True)
+    return players
+
+
+def _pairs(option: str, words: list[str] | None) -> Iterator[tuple[str, Any]]:
+    for word in words or ():
+        key, equals, text = word.partition("=")
+        if not equals or not key:
+            raise ConfigError(f"{option} must be KEY=VALUE, got {word!r}")
+        try:
+            yield key, json.loads(text)
+        except ValueError:
+            yield key, text  # a bare word
+
+
+def table(*headings: str) -> Table:
+    """A plain table with these headings."""
+    return Table(*headings, box=box.SIMPLE_HEAD, pad_edge=False)

@@ -1,0 +1,98 @@
+"""`catch-arena check-agent` and `grade`: one agent, looked at on its own."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catch_arena.cli.app import Limits, Seed, Settings, Trusted, agent_limits, arena, limits_or_trust, main
+from catch_arena.errors import ConfigError
+from catch_arena.scenarios import SCENARIOS
+
+Agent = Annotated[
+    str,
+    typer.Argument(
+        metavar="AGENT",
+        help="A shipped name, package.module:Class, a .py file with a class Agent, or cmd:COMMAND.",
+    ),
+]
+NOT_PASSED = 1
+
+
+@main.command(name="check-agent")
+def check_agent(
+    agent: Agent,
+    *,
+    scenarios: Annotated[
+        list[str] | None,
+        typer.Option("--scenario", "-s", help="An arena to play in; may be repeated.", show_default="all"),
+    ] = None,
+    seed: Seed = 0,
+    limits: Limits = None,
+    settings: Settings = None,
+) -> None:
+    """Let an agent play itself, isolated, and say what is wrong with it.
+
+    The exit code is 1 where it would forfeit, else 0.
+    """
+    from catch_arena.tournament.isolation.processes import missing_protections
+    from catch_arena.tournament.isolation.sandbox import Sandbox
+    from catch_arena.tournament.marking.check import check
+
+    arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
+    for line in missing_protections():
+        typer.echo(f"note: {line}", err=True)
+    wrong = 0
+    with Sandbox(agent_limits(limits)) as sandbox:
+        for finding in check(agent, arenas, seed, sandbox):
+            wrong += finding.level == "error"
+            typer.echo(f"{finding.level + ':':9}" + finding.text.replace("\n", f"\n{'':9}"))
+    if wrong:
+        raise typer.Exit(NOT_PASSED)
+    typer.echo(f"{agent} is fit to play")
+
+
+@main.command()
+def grade(
+    agent: Agent,
+    *,
+    spec: Annotated[Path, typer.Option(metavar="FILE", help="What it is marked by (docs/grading.md).")],
+    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the marks as JUnit XML.")] = None,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the marks as JSON.")] = None,
+    limits: Limits = None,
+    trusted: Trusted = False,
+) -> None:
+    """Mark an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
+
+    The exit code is 0 where every test passed, else 1.
+    """
+    from catch_arena.replay import regular_file, write_whole
+    from catch_arena.tournament.entrants import enter
+    from catch_arena.tournament.isolation.seating import inspector, sandboxed
+    from catch_arena.tournament.marking.grading import json_text, junit_text, mark, read_spec
+    from catch_arena.tournament.records.results import prepare_folder
+
+    exercise = read_spec(spec)
+    for path in (junit, json):
+        if path is not None:
+            prepare_folder(path.parent)
+            regular_file(path)
+    with sandboxed(limits_or_trust(limits, trusted=trusted)) as sandbox:
+        look = inspector(sandbox)
+        (student,) = enter([agent], look)
+        marks = []
+        for test in exercise.tests:
+            opponents = enter(test.opponents, look)
+            for word, opponent in zip(test.opponents, opponents, strict=True):
+                if opponent.fault is not None:
+                    raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
+            marks.append(mark(test, student, opponents, sandbox))
+            typer.echo(str(marks[-1]))
+    points, possible = sum(one.points for one in marks), sum(one.possible for one in marks)
+    typer.echo(f"{exercise.title}: {student.name} has {points:g} of {possible:g} points")
+    if junit is not None:
+        write_whole(junit, junit_text(exercise, student, marks).encode())
+    if json is not None:
+        write_whole(json, json_text(exercise, student, marks).encode())
+    if any(one.failures for one in marks):
+        raise typer.Exit(NOT_PASSED)

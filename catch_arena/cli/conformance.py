@@ -1,0 +1,92 @@
+"""`catch-arena conformance`: anybody's arbiter, tried with the cases of the suite."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from catch_arena.cli.app import main
+from catch_arena.errors import AgentError, ConfigError, suggest
+
+FAILED = 1
+
+
+@main.command()
+def conformance(
+    arbiter: Annotated[
+        str | None, typer.Argument(metavar="ARBITER", help="module:function, or path.py:function.", show_default=False)
+    ] = None,
+    *,
+    arena: Annotated[
+        str | None, typer.Option(metavar="module:Class", help="An arena, for the cases that need one.")
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="ID", help="A case, or all whose ids begin so; may be repeated.")
+    ] = None,
+    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the report as JUnit XML.")] = None,
+    verdicts_only: Annotated[
+        bool, typer.Option("--verdicts-only", help="Do not compare distances and winners.")
+    ] = False,
+    exact_lots: Annotated[
+        bool, typer.Option("--exact-lots", help="Lots must draw what the rulebook's appendix says.")
+    ] = False,
+    listing: Annotated[bool, typer.Option("--list", help="List the cases and play none.")] = False,
+) -> None:
+    """Try an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
+
+    It takes the arguments of catch_arena.arbitrate and returns its rulings; docs/conformance.md has an example.
+    """
+    from catch_arena.replay import regular_file, write_whole
+    from catch_arena.testing import chosen, run_conformance
+    from catch_arena.tournament.records.results import prepare_folder
+
+    if listing:
+        for case in chosen(only or ()):
+            typer.echo(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
+        return
+    if arbiter is None and arena is None:
+        raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
+    if junit is not None:
+        prepare_folder(junit.parent)
+        regular_file(junit)
+    report = run_conformance(
+        None if arbiter is None else _callable(arbiter),
+        arena=None if arena is None else _made(arena),
+        only=only or (),
+        evidence=not verdicts_only,
+        exact_lots=exact_lots,
+    )
+    typer.echo(str(report))
+    if junit is not None:
+        write_whole(junit, report.junit().encode())
+        typer.echo(f"JUnit XML: {junit}")
+    if not report.passed:
+        raise typer.Exit(FAILED)
+
+
+def _made(spec: str) -> Any:
+    """What a class or a function without arguments makes. Raises: AgentError."""
+    from catch_arena.tournament.entrants import reason
+
+    make = _callable(spec)
+    try:
+        return make()
+    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+        raise AgentError(f"{spec}: making it raised {reason(error)}") from error
+
+
+def _callable(spec: str) -> Any:
+    """What «module:function» or «path.py:function» stands for. Raises: AgentError."""
+    from catch_arena.tournament.entrants import module_at
+
+    place, colon, name = spec.rpartition(":")
+    if not (place and colon and name):
+        raise AgentError(f"{spec}: must be module:function or path.py:function")
+    if place.endswith(".py") and not Path(place).is_file():
+        raise AgentError(f"{spec}: no such file")
+    module = module_at(place)
+    found = getattr(module, name, None)
+    if not callable(found):
+        known = [key for key, value in vars(module).items() if callable(value) and not key.startswith("_")]
+        raise AgentError(f"{spec}: has no function {name}{'; ' + suggest(name, known) if known else ''}")
+    return found

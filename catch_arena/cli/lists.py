@@ -1,0 +1,37 @@
+"""`catch-arena agents` and `scenarios`: what there is."""
+
+from rich.console import Console
+
+from catch_arena.cli.app import main, table
+from catch_arena.scenarios import SCENARIOS
+
+
+@main.command()
+def agents() -> None:
+    """List the agents that come with the package."""
+    from catch_arena.tournament.entrants import shipped
+
+    listing = table("agent", "what it does")
+    for name, line in shipped().items():
+        listing.add_row(name, line)
+    Console().print(listing)
+
+
+@main.command()
+def scenarios() -> None:
+    """List the scenarios."""
+    listing = table("scenario", "hunters", "side m", "max m/s", "at start", "at most", "per s", "seconds")
+    for column in listing.columns[1:]:
+        column.justify = "right"
+    for name, config in SCENARIOS.items():
+        listing.add_row(
+            name,
+            str(config.hunters),
+            f"{config.side_m:.1f}",
+            f"{config.max_speed_mps:.1f}",
+            str(config.initial_targets),
+            str(config.max_targets),
+            f"{1000 / config.spawn_period_ms:g}",
+            f"{config.time_limit_s:g}",
+        )
+    Console().print(listing)

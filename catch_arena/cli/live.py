@@ -1,0 +1,105 @@
+"""`catch-arena play` and `watch`: matches in a window."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from catch_arena.cli.app import Agents, Scenario, Seed, Settings, arena, main
+from catch_arena.cli.videos import width_and_height
+from catch_arena.errors import ConfigError
+
+if TYPE_CHECKING:
+    from catch_arena.replay import Replay
+
+_RIVALS = ("nearest", "contested_by_time", "patrol")
+
+Record = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Keep the replay here.", show_default="with Ctrl-S: match.replay"),
+]
+Size = Annotated[str, typer.Option(metavar="WIDTHxHEIGHT", help="Of the window; it can be resized.")]
+
+
+@main.command()
+def play(
+    agents: Annotated[
+        list[str] | None, typer.Argument(metavar="[AGENT...]", help="More rivals.", show_default=False)
+    ] = None,
+    *,
+    against: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="AGENT...",
+            help="Your rivals; fewer than the scenario has seats for sit in several.",
+            show_default=", ".join(_RIVALS),
+        ),
+    ] = None,
+    scenario: Scenario = "standard",
+    seat: Annotated[int, typer.Option(help="Yours.")] = 0,
+    seed: Seed = 0,
+    record: Record = None,
+    size: Size = "1280x720",
+    settings: Settings = None,
+) -> None:
+    """Take a seat yourself, with turtlesim's keys or a gamepad, against agents.
+
+    The keys are shown in the window. A target within reach is requested for you.
+    """
+    config = arena(scenario, settings)
+    if not 0 <= seat < config.hunters:
+        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario}, got {seat}")
+    rivals = [*(against or ()), *(agents or ())] or list(_RIVALS)
+    _show(rivals, scenario, config.hunters - 1, seat, seed, record, size, settings)
+
+
+@main.command()
+def watch(
+    agents: Agents,
+    *,
+    scenario: Scenario = "standard",
+    seed: Seed = 0,
+    record: Record = None,
+    size: Size = "1280x720",
+    settings: Settings = None,
+) -> None:
+    """Watch agents play, live; fewer than the scenario has seats for sit in several."""
+    _show(agents, scenario, arena(scenario, settings).hunters, None, seed, record, size, settings)
+
+
+def _show(
+    words: list[str],
+    scenario: str,
+    free: int,
+    person: int | None,
+    seed: int,
+    record: Path | None,
+    size: str,
+    settings: list[str] | None,
+) -> None:
+    """Seat the agents, one after the other and over again, and play in a window."""
+    from catch_arena.live.session import seated, show_match
+    from catch_arena.render.stage import checked_size
+    from catch_arena.replay import regular_file
+    from catch_arena.tournament.entrants import enter
+    from catch_arena.tournament.records.results import prepare_folder
+
+    config = arena(scenario, settings)
+    if len(words) > free:
+        raise ConfigError(f"agents must be {free} at most, one for each free seat of {scenario}, got {len(words)}")
+    window = checked_size(width_and_height(size))
+    seats = seated(enter([words[place % len(words)] for place in range(free)]), config.hunters, person)
+    target = Path("match.replay") if record is None else record
+    prepare_folder(target.parent)
+    regular_file(target)
+
+    def save(replay: "Replay") -> str:
+        replay.save(target)
+        return str(target)
+
+    replay, scores, ranks = show_match(config, seed, seats, title=scenario, size=window, save=save)
+    ranking = sorted(zip(ranks, scores, replay.names, strict=True), key=lambda line: line[0])
+    for rank, score, name in ranking:
+        typer.echo(f"{rank:>3}  {score:>3}  {name}")
+    if record is not None:
+        typer.echo(f"replay: {save(replay)}")

@@ -1,0 +1,232 @@
+"""`catch-arena tournament` and `match`: agents play."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+from rich.console import Console
+
+from catch_arena.cli.app import (
+    Agents,
+    Limits,
+    Scenario,
+    Seed,
+    Settings,
+    Trusted,
+    arena,
+    entered,
+    limits_or_trust,
+    main,
+)
+from catch_arena.errors import ConfigError, NoContest
+
+if TYPE_CHECKING:  # heavy
+    from catch_arena.tournament.entrants import Entrant
+    from catch_arena.tournament.execution.executors import Executor
+    from catch_arena.tournament.execution.worker import Worker
+    from catch_arena.tournament.plans.schedule import Plan
+
+Format = Literal["round-robin", "balanced", "gauntlet", "swiss"]
+Place = Literal["local", "ray"]
+
+
+@main.command()
+def tournament(
+    agents: Agents,
+    *,
+    scenario: Scenario = "standard",
+    form: Annotated[
+        Format | None,
+        typer.Option(
+            "--format",
+            metavar="FORMAT",
+            help="round-robin: every group of agents; balanced: fewer groups, in which pairs meet about equally often; "
+            "gauntlet: the first agent against the others; swiss: rounds, paired by the standing.",
+            show_default="round-robin, or balanced where that is long",
+        ),
+    ] = None,
+    rounds: Annotated[
+        int | None, typer.Option(help="How often the format is gone through.", show_default="1, and enough in a swiss")
+    ] = None,
+    until_separated: Annotated[
+        float | None,
+        typer.Option(metavar="P", help="Play rounds until the order of all is clear with this confidence, as 0.95."),
+    ] = None,
+    max_matches: Annotated[
+        int | None, typer.Option(help="The most that --until-separated plays.", show_default="10000")
+    ] = None,
+    seed: Seed = 0,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")
+    ] = None,
+    executor: Annotated[Place, typer.Option(help="Where they play: on this machine, or by Ray.")] = "local",
+    address: Annotated[
+        str | None, typer.Option(help="A running Ray cluster; all its cores play.", show_default="Ray starts here")
+    ] = None,
+    trusted: Trusted = False,
+    limits: Limits = None,
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="The folder for its matches, standings and agents' logs.")
+    ] = Path("out/tournament"),
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with what DIR holds, if it holds anything.")] = False,
+    record: Annotated[bool, typer.Option("--record", help="Also keep a replay of each match, in DIR/replays.")] = False,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 meanwhile; the address is printed.")
+    ] = False,
+    plan: Annotated[bool, typer.Option("--plan", help="Say what would be played and what it costs; no more.")] = False,
+    settings: Settings = None,
+) -> None:
+    """Play groups of agents in every seating, and rank them.
+
+    The same words and seed give the same results, whatever --jobs and --executor are.
+
+    Agents that do not come with the package play in processes of their own, with limits.
+    """
+    from catch_arena.report import write_report
+    from catch_arena.tournament.display.live import LiveStandings
+    from catch_arena.tournament.display.tables import plan_table, standings_table
+    from catch_arena.tournament.execution.cost import measured
+    from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_out
+    from catch_arena.tournament.execution.worker import Worker
+    from catch_arena.tournament.plans.schedule import require_enough
+    from catch_arena.tournament.records.results import prepare_folder, write_standings
+    from catch_arena.tournament.records.store import Store, Tournament
+    from catch_arena.tournament.sequential.until_separated import UntilSeparated
+    from catch_arena.tournament.statistics.standings import standings
+
+    config = arena(scenario, settings)
+    allowed = limits_or_trust(limits, trusted=trusted)
+    jobs = _jobs(executor, jobs, address)
+    players = entered(agents, allowed)
+    require_enough(len(players), config, scenario)
+    plays = _plan(players, config.hunters, form, rounds, seed, until_separated, max_matches)
+    worker = Worker(config, players, record, allowed)
+    if plan:
+        Console().print(plan_table(plays, players, measured(worker, plays), jobs))
+        return
+    prepare_folder(out / REPLAYS if record else out)
+    terms = {"recorded": record, "trusted": trusted, **({} if allowed is None else asdict(allowed))}
+    facts = Tournament(config, players, plays.words, terms)
+    with Store.begin(facts, out, resume=resume) as store, _watched(out) if watch else nullcontext():
+        most = "at most " if isinstance(plays, UntilSeparated) else ""
+        typer.echo(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {config.hunters} in each")
+        try:
+            with _executor(executor, worker, jobs, address) as ready, LiveStandings(players, plays.size) as live:
+                play_out(store, plays, ready, folder=out, told=live.update)
+        except (KeyboardInterrupt, NoContest):
+            kept = f"{store.count_played()} of {most}{plays.size} matches are kept in {out}"
+            typer.echo(f"{kept}; the same command with --resume goes on", err=True)
+            raise
+        table = standings(players, list(store.played()))
+        played = store.count_played()
+        write_standings(out, facts, played, table)
+    Console().print(standings_table(table))
+    if isinstance(plays, UntilSeparated) and plays.last is not None:
+        typer.echo(f"after {played} matches, {plays.last}")
+    if (out / LOGS).exists():
+        typer.echo(f"what agents printed, and how they failed: {out / LOGS}")
+    typer.echo(f"results: {out}")
+    typer.echo(f"report: {write_report(out)}")
+
+
+@contextmanager
+def _watched(folder: Path) -> Iterator[None]:
+    """Serve the report of a tournament that is under way."""
+    from catch_arena.report.watch import Watched, serving
+
+    watched = Watched(folder)
+    with serving(watched) as address:
+        typer.echo(f"watch: {address}")
+        yield
+        watched.let_see_the_end()
+
+
+def _plan(
+    players: "tuple[Entrant, ...]",
+    hunters: int,
+    form: Format | None,
+    rounds: int | None,
+    seed: int,
+    until_separated: float | None,
+    max_matches: int | None,
+) -> "Plan":
+    """What these options ask for. Raises: ConfigError, for those that do not go together too."""
+    from catch_arena.tournament.plans.schedule import FixedPlan, plan_of
+    from catch_arena.tournament.sequential.until_separated import BUDGET, UntilSeparated
+
+    if until_separated is None:
+        if max_matches is not None:
+            raise ConfigError(f"--max-matches must come with --until-separated, got {max_matches} alone")
+        return plan_of(form, len(players), hunters, rounds, seed)
+    if rounds is not None:
+        raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
+
+    def of_rounds(count: int) -> FixedPlan:
+        made = plan_of(form, len(players), hunters, count, seed)
+        if not isinstance(made, FixedPlan):
+            raise ConfigError(f"--format must be another one with --until-separated, got {form}")
+        return made
+
+    return UntilSeparated(players, until_separated, BUDGET if max_matches is None else max_matches, of_rounds)
+
+
+def _jobs(place: Place, jobs: int | None, address: str | None) -> int:
+    """How many processes play on this machine. Raises: ConfigError for options that do not go together."""
+    from catch_arena.tournament.execution.executors import require_jobs, usable_cores
+
+    if address is not None and place != "ray":
+        raise ConfigError(f"--address must come with --executor ray, got --executor {place}")
+    if address is not None and jobs is not None:
+        raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {jobs}")
+    jobs = usable_cores() if jobs is None else jobs
+    require_jobs(jobs)
+    return jobs
+
+
+def _executor(place: Place, worker: "Worker", jobs: int, address: str | None) -> "Executor":
+    from catch_arena.tournament.execution.executors import InThisProcess, Processes
+
+    if place == "ray":
+        from catch_arena.tournament.execution.on_ray import OnRay
+
+        return OnRay(worker, jobs, address)
+    return InThisProcess(worker) if jobs == 1 else Processes(worker, jobs)
+
+
+@main.command()
+def match(
+    agents: Agents,
+    *,
+    scenario: Scenario = "standard",
+    seed: Seed = 0,
+    trusted: Trusted = False,
+    limits: Limits = None,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The replay to write.")] = Path("match.replay"),
+    settings: Settings = None,
+) -> None:
+    """Play one match, seated in the order given, and record it."""
+    from catch_arena.replay import regular_file
+    from catch_arena.tournament.isolation.seating import play_entrants, sandboxed
+    from catch_arena.tournament.plans.schedule import require_enough
+    from catch_arena.tournament.records.results import prepare_folder
+
+    config = arena(scenario, settings)
+    allowed = limits_or_trust(limits, trusted=trusted)
+    players = entered(agents, allowed)
+    require_enough(len(players), config, scenario)
+    if len(players) > config.hunters:
+        raise ConfigError(f"agents must be {config.hunters}, one for each hunter of {scenario}, got {len(players)}")
+    prepare_folder(output.parent)
+    regular_file(output)
+    with sandboxed(allowed) as sandbox:
+        result = play_entrants(config, seed, players, sandbox, title=scenario, record=output)
+    for player, log in zip(players, result.logs, strict=True):
+        if log:
+            typer.echo(f"{player.name} printed:\n{log}", err=True)
+    lines = zip(result.ranks, result.scores, players, result.details, strict=True)
+    for rank, score, player, forfeit in sorted(lines, key=lambda line: line[0]):
+        typer.echo(f"{rank:>3}  {score:>3}  {player.name}" + (f": {forfeit}" if forfeit else ""))
+    typer.echo(f"replay: {output}")

@@ -1,0 +1,159 @@
+"""`catch-arena compare` and `audit`: whether one agent is stronger than another, and whether the arena is fair."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from catch_arena.cli.app import Limits, Scenario, Seed, Settings, Trusted, arena, entered, limits_or_trust, main, table
+from catch_arena.errors import ConfigError
+
+if TYPE_CHECKING:
+    from catch_arena.tournament.entrants import Entrant
+
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")]
+
+_EXIT_CODES = {"H1": 0, "H0": 1, None: 3}
+
+
+@main.command()
+def compare(
+    agents: Annotated[list[str], typer.Argument(metavar="A B", help="The new agent, and the one that it should beat.")],
+    *,
+    against: Annotated[
+        list[str] | None,
+        typer.Option(metavar="AGENT", help="One more agent of the field that both play against; may be repeated."),
+    ] = None,
+    scenario: Scenario = "duel",
+    elo0: Annotated[float, typer.Option(help="H0: A is stronger by so many points.")] = 0.0,
+    elo1: Annotated[float, typer.Option(help="H1: A is stronger by so many points.")] = 20.0,
+    share0: Annotated[float | None, typer.Option(help="H0 as A's share instead, 0.5 being equal.")] = None,
+    share1: Annotated[float | None, typer.Option(help="H1 as A's share instead.")] = None,
+    alpha: Annotated[float, typer.Option(help="How often H1 may be accepted wrongly.")] = 0.05,
+    beta: Annotated[float, typer.Option(help="How often H0 may be accepted wrongly.")] = 0.05,
+    max_blocks: Annotated[int, typer.Option(help="Give up after so many blocks.")] = 2000,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    trusted: Trusted = False,
+    limits: Limits = None,
+    settings: Settings = None,
+) -> None:
+    """Play A and B until a sequential test knows which is stronger.
+
+    Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
+    """
+    from catch_arena.tournament.sequential.compare import compare as play_and_test
+    from catch_arena.tournament.sequential.sprt import Sprt, elo_of_share, share_of_elo
+
+    config = arena(scenario, settings)
+    if len(agents) != 2:
+        raise ConfigError(f"agents must be two, A and B, got {len(agents)}; the field is named by --against")
+    if (share0 is None) != (share1 is None):
+        raise ConfigError("--share0 and --share1 must be given together")
+    test = Sprt(
+        share_of_elo(elo0) if share0 is None else share0, share_of_elo(elo1) if share1 is None else share1, alpha, beta
+    )
+    allowed = limits_or_trust(limits, trusted=trusted)
+    entrants = entered([*agents, *(against or ())], allowed)
+    first, second = entrants[:2]
+    low, high = test.bounds
+    console = Console(stderr=True)
+    with console.status(f"{first.name} against {second.name}: the first blocks") as status:
+
+        def show(blocks: int, test: Sprt) -> None:
+            ratio = test.log_likelihood_ratio
+            status.update(f"{blocks} of at most {max_blocks} blocks; H0 {low:.2f} < {ratio:+.2f} < {high:.2f} H1")
+
+        found = play_and_test(
+            config,
+            entrants,
+            test,
+            max_blocks=max_blocks,
+            seed=seed,
+            jobs=jobs_or_all(jobs),
+            limits=allowed,
+            progress=show,
+        )
+    share = found.share
+    points = [f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high)]
+    typer.echo(f"{found.matches} matches in {found.blocks} blocks, {_opponents(config.hunters, entrants)}")
+    typer.echo(
+        f"share of {first.name}: {100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), "
+        f"{points[0]} points ({points[1]} to {points[2]})"
+    )
+    typer.echo(
+        f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
+        f"H0 is {elo_of_share(test.share0):+.0f} points, H1 {elo_of_share(test.share1):+.0f}"
+    )
+    verdicts = {
+        "H1": f"{first.name} is stronger than {second.name} (H1)",
+        "H0": f"{first.name} is not stronger than {second.name} (H0)",
+        None: f"undecided after {found.blocks} blocks",
+    }
+    typer.echo(f"verdict: {verdicts[found.answer]}")
+    raise typer.Exit(_EXIT_CODES[found.answer])
+
+
+@main.command()
+def audit(
+    agent: Annotated[
+        str, typer.Argument(metavar="[AGENT]", help="The agent that sits in all seats; named as in a tournament.")
+    ] = "nearest",
+    *,
+    scenario: Scenario = "standard",
+    matches: Annotated[int, typer.Option(help="Matches of identical agents; the twins play a quarter as many.")] = 2000,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    out: Annotated[Path, typer.Option(help="The folder for audit.json, of which the report tells.")] = Path(
+        "out/tournament"
+    ),
+    settings: Settings = None,
+) -> None:
+    """Ask whether the arena is fair: to seats, to labels, to the order of requests.
+
+    Exits with 0 if nothing unfair was found, with 1 otherwise.
+    """
+    from catch_arena.replay import write_whole
+    from catch_arena.tournament.display.tables import progress_bar
+    from catch_arena.tournament.fairness.audit import FILE, LEVEL, audit_text
+    from catch_arena.tournament.fairness.audit import audit as ask
+    from catch_arena.tournament.records.results import prepare_folder
+
+    config = arena(scenario, settings)
+    prepare_folder(out)
+    with progress_bar("playing") as show:
+        found = ask(config, agent, matches=matches, seed=seed, jobs=jobs_or_all(jobs), progress=show)
+    write_whole(out / FILE, audit_text(found, config, seed).encode())
+    seats = table("seat", "wins", "95 %", "score")
+    for number, seat in enumerate(found.seats):
+        interval = f"{100 * seat.wins.low:.1f} - {100 * seat.wins.high:.1f}"
+        seats.add_row(str(number), f"{100 * seat.wins.mean:.1f} %", interval, f"{seat.score:.2f}")
+    typer.echo(f"{found.matches} matches of {found.agent} in all seats of {scenario}")
+    Console().print(seats)
+    for check in found.checks:
+        chance = "" if check.p is None else f" (p = {check.p:.3f})"
+        typer.echo(f"{check.question} {'No' if check.passed else 'YES'}: {check.finding}{chance}")
+    floor = found.twin_difference.margin
+    typer.echo(f"noise floor: up to {floor:.0f} points between equals after {found.twin_matches} matches")
+    if found.passed:
+        typer.echo(f"verdict: fair, as far as {found.matches} matches can show")
+    else:
+        typer.echo(f"verdict: NOT FAIR; a fair arena fails like this in {100 * LEVEL:.0f} audits of 100 at most")
+    typer.echo(f"results: {out / FILE}")
+    raise typer.Exit(0 if found.passed else 1)
+
+
+def jobs_or_all(jobs: int | None) -> int:
+    """--jobs, or a process for each core."""
+    from catch_arena.tournament.execution.executors import usable_cores
+
+    return usable_cores() if jobs is None else jobs
+
+
+def _opponents(hunters: int, entrants: Sequence["Entrant"]) -> str:
+    field = ", ".join(entrant.name for entrant in entrants[2:])
+    if not field:
+        return "against each other"
+    return f"{'in turn' if hunters == len(entrants) - 1 else 'together'} against {field}"

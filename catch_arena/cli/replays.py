@@ -1,0 +1,95 @@
+"""`catch-arena verify`, `diff` and `explain`: what recorded matches prove, where two of them part, and why."""
+
+import json
+import textwrap
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catch_arena.cli.app import main
+from catch_arena.errors import ReplayError
+
+_DIFFER = 1
+_BAR_AFTER_S = 2.0
+_COLUMNS = 80
+
+Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
+
+
+@main.command()
+def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recorded matches.")]) -> None:
+    """Play recorded matches again, and compare every step.
+
+    A match that does not play as recorded: its first step that differs, and in what. The exit code is 2 if any fails.
+    """
+    from catch_arena.replay import Replay
+    from catch_arena.replay.verification import faults
+    from catch_arena.tournament.display.tables import progress_bar
+
+    bad = 0
+    for path in replays:
+        try:
+            replay = Replay.load(path)
+            with progress_bar("verifying", after_s=_BAR_AFTER_S) as show:
+                found = [f"{path}: {fault}" for fault in faults(replay, show)]
+        except ReplayError as error:
+            found = [str(error)]
+        bad += bool(found)
+        for line in found:
+            typer.echo(line, err=True)
+        if not found:
+            typer.echo(f"{path}: all of {replay.steps} steps play as recorded")
+    if bad:
+        raise ReplayError(f"{bad} of {len(replays)} replays failed")
+
+
+@main.command()
+def diff(
+    a: Annotated[Path, typer.Argument(metavar="A", help="A recorded match.")],
+    b: Annotated[Path, typer.Argument(metavar="B", help="Another one.")],
+) -> None:
+    """Say where two recorded matches part: headers, actions, states, scores.
+
+    The exit code is 0 where they are equal, 1 where they differ, 2 where one cannot be read.
+    """
+    from catch_arena.replay import Replay
+    from catch_arena.replay.comparison import replay_differences
+
+    found = replay_differences(Replay.load(a), Replay.load(b))
+    if not found:
+        typer.echo("the replays are equal")
+        return
+    typer.echo(f"A: {a}\nB: {b}")
+    for line in found:
+        typer.echo(line)
+    raise typer.Exit(_DIFFER)
+
+
+@main.command()
+def explain(
+    replay: Recorded,
+    *,
+    hunter: Annotated[
+        str | None, typer.Option(metavar="N", help="Only this one: a seat from 0, or an agent's name.")
+    ] = None,
+    step: Annotated[int | None, typer.Option(metavar="K", help="All about one step, counted from 1.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """Tell a recorded match's contests and refusals: the clause, the distances, the winner."""
+    from catch_arena import explanation
+    from catch_arena.replay import Replay
+    from catch_arena.tournament.display.tables import progress_bar
+
+    recorded = Replay.load(replay)
+    told: explanation.Explanation | explanation.StepExplanation
+    if step is None:
+        with progress_bar("playing", after_s=_BAR_AFTER_S) as show:
+            told = explanation.explain(recorded, hunter, show)
+    else:
+        told = explanation.explain_step(recorded, step, hunter)
+    if as_json:
+        typer.echo(json.dumps(told.to_dict(), indent=1))
+        return
+    for paragraph in told.lines():
+        typer.echo(textwrap.fill(paragraph, _COLUMNS, subsequent_indent="    ", break_on_hyphens=False))

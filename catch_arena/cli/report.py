@@ -1,0 +1,51 @@
+"""`catch-arena report`: a tournament as a page."""
+
+import threading
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catch_arena.cli.app import main
+from catch_arena.errors import ConfigError
+
+_MOST_MB = 1000
+
+
+@main.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a tournament, ended or under way.")],
+    *,
+    budget: Annotated[
+        float | None, typer.Option(metavar="MB", help="Room for replays in the page.", show_default="1")
+    ] = None,
+    match: Annotated[
+        list[str] | None, typer.Option(metavar="ID", help="A recorded match that the page plays; may be repeated.")
+    ] = None,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Serve it on 127.0.0.1 instead, and follow the tournament; Ctrl-C ends.")
+    ] = False,
+    port: Annotated[int | None, typer.Option(help="For --watch.", show_default="the first free one")] = None,
+) -> None:
+    """Write DIR/report.html: one file with the standings, what they rest on, and replays that play."""
+    if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
+        raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
+    if port is not None and not watch:
+        raise ConfigError("--port must come with --watch")
+    if watch:
+        if budget is not None or match:
+            raise ConfigError("--budget and --match must be left out with --watch, whose page plays every replay")
+        from catch_arena.report.watch import Watched, serving
+
+        watched = Watched(folder)
+        watched.state()  # what is wrong is said here, before anybody looks
+        with serving(watched, port) as address:
+            typer.echo(f"report: {address} (Ctrl-C ends)")
+            with suppress(KeyboardInterrupt):
+                threading.Event().wait()
+        return
+    from catch_arena.report import BUDGET, write_report
+
+    size = BUDGET if budget is None else round(1e6 * budget)
+    typer.echo(f"report: {write_report(folder, budget=size, matches=match or ())}")

@@ -1,0 +1,270 @@
+"""`catch-arena render`, `mosaic`, `highlights` and `sheet`: recorded matches become videos and pictures."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from catch_arena.cli.app import main
+from catch_arena.errors import ConfigError, ReplayError
+
+if TYPE_CHECKING:
+    from catch_arena.render.moments import Moment, Story
+    from catch_arena.render.video import RenderReport
+
+Layout = Literal["broadcast", "arena"]
+
+_BAR_AFTER_S = 2.0
+_MOST_IN_ONE = 64
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with replays.")]
+Video = Annotated[
+    Path,
+    typer.Option("--output", "-o", help="The file to write, which ends in .mp4, .webm, .gif or .webp."),
+]
+Fps = Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")]
+
+
+@main.command()
+def render(
+    replay: Annotated[Path, typer.Argument(help="A recorded match.")],
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="The file to write, which ends in .mp4, .webm, .gif or .webp.",
+            show_default="an MP4 file beside the replay",
+        ),
+    ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"
+        ),
+    ] = None,
+    fps: Fps = None,
+    layout: Annotated[Layout, typer.Option(help="With the scores, or the arena alone.")] = "broadcast",
+    start: Annotated[float, typer.Option("--from", metavar="SECONDS", help="Where to begin in the match.")] = 0.0,
+    end: Annotated[
+        float | None, typer.Option("--to", metavar="SECONDS", help="Where to end.", show_default="the match's end")
+    ] = None,
+    speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
+) -> None:
+    """Turn a recorded match, or a part of it, into a video."""
+    from catch_arena.render.video import render_replay
+    from catch_arena.replay import Replay
+    from catch_arena.tournament.display.tables import progress_bar
+    from catch_arena.tournament.records.results import prepare_folder
+
+    recorded = Replay.load(replay)
+    target = replay.with_suffix(".mp4") if output is None else output
+    prepare_folder(target.parent)
+    with progress_bar("rendering") as show:
+        report = render_replay(
+            recorded,
+            target,
+            size=None if size is None else width_and_height(size),
+            fps=fps,
+            layout=layout,
+            start_s=start,
+            end_s=end,
+            speed=speed,
+            progress=show,
+        )
+    _tell(report)
+
+
+@main.command()
+def mosaic(
+    folder: Folder,
+    *,
+    output: Video,
+    size: Annotated[
+        str | None,
+        typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture.", show_default="as the cells need, up to 1280x1280"),
+    ] = None,
+    fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="30; GIF 25")] = None,
+    speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
+    count: Annotated[int, typer.Option(min=1, max=_MOST_IN_ONE, help="At most so many matches, by name.")] = (
+        _MOST_IN_ONE
+    ),
+) -> None:
+    """Show all matches of a folder at once, in a grid."""
+    from catch_arena.render.encoders import format_of
+    from catch_arena.render.mosaic import render_mosaic
+    from catch_arena.replay import Replay
+    from catch_arena.tournament.display.tables import progress_bar
+    from catch_arena.tournament.records.results import prepare_folder
+
+    within = None if size is None else width_and_height(size)
+    format_of(output)
+    paths = _replays_in(folder)
+    found: dict[str, Replay] = {}
+    for path in paths:
+        if len(found) == count:
+            break
+        try:
+            found[path.stem] = Replay.load(path)
+        except ReplayError as error:
+            _tell_skipped(error)
+    _require_some(folder, len(found), len(paths))
+    prepare_folder(output.parent)
+    with progress_bar("rendering", after_s=_BAR_AFTER_S) as show:
+        report = render_mosaic(found, output, size=within, fps=fps, speed=speed, progress=show)
+    typer.echo(f"matches: {len(found)} of {len(paths)}")
+    _tell(report)
+
+
+@main.command()
+def highlights(
+    folder: Folder,
+    *,
+    output: Video = Path("highlights.mp4"),
+    count: Annotated[int, typer.Option(min=1, help="At most so many moments.")] = 8,
+    listing: Annotated[
+        bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
+    ] = False,
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"
+        ),
+    ] = None,
+    fps: Fps = None,
+) -> None:
+    """Find the moments of a folder's matches that are worth seeing, and film them.
+
+    Close contests, changes of lead, streaks, the last seconds of close matches, and upsets; the best comes last.
+    """
+    from catch_arena.render.encoders import format_of
+    from catch_arena.render.highlights import Clip, render_highlights
+    from catch_arena.render.hud import clock
+    from catch_arena.render.moments import best
+    from catch_arena.tournament.display.tables import progress_bar
+    from catch_arena.tournament.records.results import prepare_folder
+
+    within = None if size is None else width_and_height(size)
+    format_of(output)
+    found = _moments_in(folder)
+    chosen = best({str(path): moments for path, moments in found.items()}, count)
+    if not chosen:
+        raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
+    for path, moment in chosen:
+        typer.echo(f"{Path(path).name}  {clock(moment.decisive_ms)} s  {moment.kind}: {moment.what}. {moment.why}")
+    if listing:
+        return
+    prepare_folder(output.parent)
+    with progress_bar("rendering", after_s=_BAR_AFTER_S) as show:
+        clips = [Clip(Path(path), moment) for path, moment in chosen]
+        report = render_highlights(clips, output, size=within, fps=fps, progress=show)
+    _tell(report)
+
+
+@main.command()
+def sheet(
+    replay: Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")],
+    *,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The PNG file to write.")] = Path("sheet.png"),
+    count: Annotated[int, typer.Option(min=1, max=100, help="How many pictures.")] = 12,
+    pick: Annotated[
+        Literal["even", "moments"], typer.Option(help="Evenly from beginning to end, or the moments worth seeing.")
+    ] = "even",
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WIDTHxHEIGHT", help="Of the whole sheet.", show_default="as the pictures need, up to 1600x1320"
+        ),
+    ] = None,
+) -> None:
+    """Put pictures of a match side by side, with their times."""
+    from catch_arena.render.moments import best, moments, story
+    from catch_arena.render.sheet import contact_sheet, even_instants, instants_of
+    from catch_arena.replay import Replay, regular_file, write_whole
+    from catch_arena.tournament.display.tables import progress_bar
+    from catch_arena.tournament.records.results import prepare_folder
+
+    if output.suffix.lower() != ".png":
+        raise ConfigError(f"output must end in .png, got {str(output)!r}")
+    within = None if size is None else width_and_height(size)
+    recorded = Replay.load(replay)
+    with progress_bar("looking", after_s=_BAR_AFTER_S) as show:
+        if pick == "even":
+            instants = even_instants(recorded, count)
+        else:
+            chosen = best({"": moments(story(recorded, show))}, count)
+            instants = instants_of([moment for _, moment in chosen])
+    if not instants:
+        raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
+    prepare_folder(output.parent)
+    regular_file(output)
+    with progress_bar("drawing", after_s=_BAR_AFTER_S) as show:
+        picture = contact_sheet(recorded, instants, size=within, progress=show)
+    write_whole(output, picture)
+    typer.echo(f"sheet: {output} ({len(instants)} pictures)")
+
+
+def _moments_in(folder: Path) -> "Mapping[Path, Sequence[Moment]]":
+    """What is worth seeing in a folder's matches; those that cannot be played are told and left out."""
+    from catch_arena.render.moments import moments, records, win_rates
+    from catch_arena.tournament.display.tables import progress_bar
+
+    paths = _replays_in(folder)
+    stories = {}
+    with progress_bar("looking", after_s=_BAR_AFTER_S) as show:
+        for done, path in enumerate(paths, start=1):
+            try:
+                stories[path] = _story_of(path)
+            except ReplayError as error:
+                _tell_skipped(error)
+            show(done, len(paths))
+    _require_some(folder, len(stories), len(paths))
+    known = records(stories.values())
+    return {path: moments(told, win_rates(known, told)) for path, told in stories.items()}
+
+
+def _story_of(path: Path) -> "Story":
+    from catch_arena.render.moments import story
+    from catch_arena.replay import Replay
+
+    replay = Replay.load(path)
+    try:
+        return story(replay)
+    except ReplayError as error:
+        raise ReplayError(f"{path}: {error}") from None
+
+
+def _replays_in(folder: Path) -> list[Path]:
+    """The replays of a folder, by name. Raises: ReplayError where there is none."""
+    if not folder.is_dir():
+        raise ReplayError(f"{folder}: is no folder")
+    paths = sorted(folder.glob("*.replay"))
+    if not paths:
+        raise ReplayError(f"{folder}: holds no replays (files that end in .replay)")
+    return paths
+
+
+def _require_some(folder: Path, good: int, paths: int) -> None:
+    if not good:
+        raise ReplayError(f"{folder}: none of {paths} replays can be played")
+
+
+def _tell_skipped(error: ReplayError) -> None:
+    typer.echo(f"left out: {error}", err=True)
+
+
+def _tell(report: "RenderReport") -> None:
+    """Where the video is."""
+    if report.notice:
+        typer.echo(report.notice, err=True)
+    typer.echo(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
+
+
+def width_and_height(text: str) -> tuple[int, int]:
+    """«1280x720» as two numbers. Raises: ConfigError."""
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise ConfigError(f"size must be WIDTHxHEIGHT as in 1280x720, got {text!r}")
+    return int(width), int(height)

@@ -1,0 +1,171 @@
+"""The report of a tournament that is under way, on this machine alone: http://127.0.0.1."""
+
+import math
+import sys
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any, Final
+from urllib.parse import unquote
+
+from catch_arena.errors import CatchArenaError, OutputError, ReplayError
+from catch_arena.player import film_text
+from catch_arena.report.findings import Findings
+from catch_arena.report.page import page
+from catch_arena.tournament.records.store import Store
+
+HOST: Final = "127.0.0.1"
+PORT: Final = 8765
+_PORTS: Final = 20
+_PAUSE_S: Final = 2.0
+_PAUSE_FACTOR: Final = 10.0
+"""The page is made anew after so many times what it took to make: at most a tenth of one core's time."""
+_PATIENCE_S: Final = 5.0
+"""How long one request may take to arrive."""
+_LINGER_S: Final = 5.0
+"""A page that is open asks several times in so long."""
+
+
+class Watched:
+    """A folder's report, made anew when there are more matches, for as many threads as ask."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._lock = threading.Lock()
+        self._page = ""
+        self._findings: Findings | None = None
+        self._count = 0
+        self._next = 0.0
+        self._seen = -math.inf
+
+    def state(self) -> str:
+        """A word that changes when the page does."""
+        self._seen = time.monotonic()
+        with self._lock:
+            if time.monotonic() >= self._next:
+                self._renew()
+            return str(self._count)
+
+    def page(self) -> str:
+        """The page as it is now; it asks for the films that it shows."""
+        self.state()
+        return self._page
+
+    def film(self, match: str) -> str:
+        """Any recorded match. Raises: CatchArenaError where it was not recorded."""
+        with self._lock:
+            findings = self._findings
+        if findings is None:
+            raise ReplayError("no match has been played yet")
+        return film_text(findings.replay(match))
+
+    def let_see_the_end(self) -> None:
+        """The tournament has ended: a page that is open gets some time to fetch what came last."""
+        self._next = 0.0
+        if time.monotonic() - self._seen < _LINGER_S:
+            time.sleep(_LINGER_S)
+
+    def _renew(self) -> None:
+        with Store.read(self._folder) as store:
+            count = store.count_played()
+        if count == self._count and self._page:
+            return
+        begin = time.monotonic()
+        if not count:
+            self._page = _WAITING
+        else:
+            self._findings = Findings.of(self._folder)
+            self._page = page(self._findings, {}, watched=True)
+        self._count = count
+        end = time.monotonic()
+        self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
+
+
+_WAITING: Final = (
+    '<!doctype html><html lang="en"><meta charset="utf-8"><meta name="color-scheme" content="light dark">'
+    '<meta http-equiv="refresh" content="2"><title>Catch Arena</title><p>No match has been played yet.</p></html>'
+)
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: "_Server"
+    timeout = _PATIENCE_S
+
+    def do_GET(self) -> None:
+        """The page, its state, or a film."""
+        name, port = self.headers.get("Host", ""), self.server.server_port
+        if name not in (f"{HOST}:{port}", f"localhost:{port}"):  # a stranger's page, under a name that leads here
+            self._answer(403, "text/plain", "ask for 127.0.0.1")
+            return
+        path = self.path.partition("?")[0]
+        try:
+            if path == "/":
+                self._answer(200, "text/html", self.server.watched.page())
+            elif path == "/state":
+                self._answer(200, "text/plain", self.server.watched.state())
+            elif path.startswith("/films/"):
+                self._answer(200, "text/plain", self.server.watched.film(unquote(path.removeprefix("/films/"))))
+            else:
+                self._answer(404, "text/plain", "there is nothing here")
+        except CatchArenaError as error:
+            self._answer(404, "text/plain", str(error))
+
+    def _answer(self, status: int, kind: str, text: str) -> None:
+        content = text.encode()
+        self.send_response(status)
+        self.send_header("Content-Type", f"{kind}; charset=utf-8")
+        self.send_header("Content-Length", str(len(content)))
+        self.send_header("Cache-Control", "no-store")
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.end_headers()
+        self.wfile.write(content)
+
+    def log_message(self, *_: Any) -> None:
+        """Nothing: the terminal belongs to the tournament."""
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+    allow_reuse_address = False  # a port that somebody else has must look taken, on Windows too
+
+    def __init__(self, port: int, watched: Watched) -> None:
+        self.watched = watched
+        super().__init__((HOST, port), _Handler)
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A reader that has gone away is no news."""
+        if not isinstance(sys.exception(), OSError):
+            super().handle_error(request, client_address)
+
+
+@contextmanager
+def serving(watched: Watched, port: int | None = None) -> Iterator[str]:
+    """Serve a report meanwhile; the address.
+
+    Args: `port`, None for the first free one from PORT up.
+    Raises: OutputError where the port, or all of them, are taken.
+    """
+    server = _listening(watched, range(PORT, PORT + _PORTS) if port is None else (port,))
+    thread = threading.Thread(target=server.serve_forever, daemon=True)
+    thread.start()
+    try:
+        yield f"http://{HOST}:{server.server_port}/"
+    finally:
+        server.shutdown()
+        server.server_close()
+        thread.join()
+
+
+def _listening(watched: Watched, ports: Sequence[int]) -> _Server:
+    for port in ports:
+        try:
+            return _Server(port, watched)
+        except OSError as error:
+            reason = error.strerror or error
+        except OverflowError:
+            raise OutputError(f"port must be from 0 to 65535, got {port}") from None
+    told = str(ports[0]) if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
+    raise OutputError(f"port {told} of {HOST}: cannot be used: {reason}")

@@ -1,0 +1,1 @@
+"""Playing a plan: runner, on what executors have to offer."""

@@ -1,0 +1,74 @@
+"""What plays the matches of a block, in whatever process."""
+
+import hashlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from catch_arena.config import ArenaConfig
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.seating import play_entrants
+from catch_arena.tournament.match import MatchResult
+from catch_arena.tournament.plans.schedule import Match, Played
+
+_DIGEST_BYTES: Final = 16
+
+Outcome = tuple[Played, bytes]
+"""A match that was played, and the content of its replay's file: empty where none was asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Worker:
+    """Plays matches; it can be sent to another process, and makes fresh instances of the agents there."""
+
+    config: ArenaConfig
+    entrants: tuple[Entrant, ...]
+    record: bool = False
+    """Whether replays are made."""
+    limits: AgentLimits | None = None
+    """Those of isolated agents; None where all are trusted."""
+
+    @property
+    def sandbox(self) -> Sandbox | None:
+        """Where its agents are isolated: one for each process, which waits there for the next match."""
+        return None if self.limits is None else _sandbox(self.limits)
+
+    def play(self, matches: Iterable[Match]) -> list[Outcome]:
+        """One match after the other. Raises: NoContest for one that could not be held, time and again."""
+        return [
+            self._recorded(match) if self.record else (Played(match, self._result(match)), b"") for match in matches
+        ]
+
+    def close(self) -> None:
+        """End the agents that wait in this process for their next match; they end with it at the latest."""
+        if self.sandbox is not None:
+            self.sandbox.close()
+
+    def _recorded(self, match: Match) -> Outcome:
+        with TemporaryDirectory(prefix="catch-arena-") as folder:
+            path = Path(folder) / "replay"
+            result = self._result(match, path)
+            content = path.read_bytes()
+        return Played(match, result, hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest()), content
+
+    def _result(self, match: Match, record: Path | None = None) -> MatchResult:
+        players = [self.entrants[place] for place in match.seating]
+        return play_entrants(
+            self.config,
+            match.seed,
+            players,
+            self.sandbox,
+            places=match.seating,
+            title=f"match {match.id}",
+            record=record,
+        )
+
+
+@cache
+def _sandbox(limits: AgentLimits) -> Sandbox:
+    return Sandbox(limits)

@@ -1,0 +1,1 @@
+"""Is the arena fair? The audit."""

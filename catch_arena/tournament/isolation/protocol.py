@@ -1,0 +1,78 @@
+"""What a match and an isolated agent say to each other, in lines of JSON (docs/isolation.md), and how our own processes
+pass messages with open files.
+"""
+
+import array
+import json
+import socket
+from collections.abc import Sequence
+from dataclasses import asdict
+from functools import cache
+from typing import Any, Final
+
+from catch_arena.policy import Limits
+
+VERSION: Final = 1
+HELLO: Final = b'{"hello":%d}\n' % VERSION
+_MOST_FILES: Final = 4
+_PART: Final = 65536
+
+_encoded: Final = json.JSONEncoder(separators=(",", ":")).encode
+
+
+def line(**message: Any) -> bytes:
+    """A message as one line."""
+    return _encoded(message).encode() + b"\n"
+
+
+def reset_line(seed: int, limits: Limits) -> bytes:
+    """What begins a match."""
+    return line(reset={"seed": seed, "limits": asdict(limits)})
+
+
+def view_line(observation: Sequence[float], mask: Sequence[int]) -> bytes:
+    """What an agent is shown in a step.
+
+    Nine digits tell every float32 apart, and are written three times as fast as all digits of the same double.
+    """
+    return (_view_form(len(observation)) % (*observation, mask)).encode()
+
+
+@cache
+def _view_form(width: int) -> str:
+    return '{"view":[' + ",".join(["%.9g"] * width) + '],"mask":%s}\n'
+
+
+def float32(numbers: Sequence[float]) -> list[float]:
+    """Numbers as they were before they were written with nine digits."""
+    return array.array("f", numbers).tolist()
+
+
+def action_line(action: object) -> bytes:
+    """An agent's action; what JSON cannot say is sent as its text, which no control takes for an action."""
+    try:
+        return b'{"action":%s}\n' % json.dumps(action, default=_plain).encode()
+    except (TypeError, ValueError, RecursionError):
+        return line(action=repr(type(action)))
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else repr(value)  # NumPy's numbers and arrays
+
+
+def send(channel: socket.socket, files: Sequence[int] = (), **message: Any) -> None:
+    """Pass a message, with open files, to another process of ours."""
+    content = line(**message)
+    sent = socket.send_fds(channel, [content], list(files))
+    channel.sendall(content[sent:])
+
+
+def receive(channel: socket.socket) -> tuple[dict[str, Any], list[int]] | None:
+    """The next message and its open files; None where the other side has gone. One is under way at a time."""
+    content, files, _, _ = socket.recv_fds(channel, _PART, _MOST_FILES)
+    while content and not content.endswith(b"\n"):
+        part = channel.recv(_PART)
+        if not part:
+            return None
+        content += part
+    return (json.loads(content), files) if content else None

@@ -1,0 +1,214 @@
+"""The processes of isolated agents, from the tournament's side.
+
+docs/isolation.md says what this protects against, and what it does not.
+"""
+
+import json
+import os
+import select
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Self
+
+from catch_arena.errors import NoContest
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.isolation import protocol
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.processes import how_it_ended
+
+_HOSTS_KEPT: Final = 16
+"""Entrants whose hosts wait for their next match; each holds its agent's modules in memory."""
+_KEEPER_S: Final = 30.0
+"""How long the keeper may take over anything that is asked of it."""
+_HOST_S: Final = 1.0
+"""How long a host may take to bury its agent."""
+_MESSAGE: Final = 100
+_START: Final = (
+    "import sys; sys.path[:] = sys.argv[1:]; from catch_arena.tournament.isolation.keeper import main; main()"
+)
+_PASSED_ON: Final = ("PATH", "LANG", "LC_ALL", "TZ")
+_SETTINGS: Final = {
+    "PYTHONDONTWRITEBYTECODE": "1",  # nothing is left beside an agent's file
+    "PYTHONHASHSEED": "0",  # equal seeds, equal play
+    "PYTHONUNBUFFERED": "1",  # what is printed is kept, however its process ends
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+"""The environment of agents, HOME and TMPDIR besides."""
+
+
+class _Keeper:
+    """The process that all agents of a sandbox descend from (keeper.py)."""
+
+    def __init__(self) -> None:
+        self._control, theirs = socket.socketpair()
+        path = [str(Path(entry).absolute()) for entry in (*sys.path, "")]
+        with theirs:
+            self._process = subprocess.Popen(  # noqa: S603 - our own module
+                [sys.executable, "-c", _START, *path],
+                stdin=theirs.fileno(),
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                cwd="/",
+                env={name: os.environ[name] for name in _PASSED_ON if name in os.environ} | _SETTINGS,
+                start_new_session=True,
+            )
+        self._control.settimeout(_KEEPER_S)
+        try:
+            self.folder = Path(self._heard()["folder"])
+        except NoContest:
+            self._end()
+            raise
+
+    def ask(self, files: Sequence[int] = (), **request: Any) -> dict[str, Any]:
+        """Its answer. Raises: NoContest where there is none."""
+        with suppress(OSError):  # what is wrong shows when it is heard
+            protocol.send(self._control, files, **request)
+        return self._heard()
+
+    def require_alive(self) -> None:
+        """Raises: NoContest where it has ended, and all agents with it."""
+        if select.select([self._control], [], [], 0.0)[0]:  # it says nothing that it was not asked
+            raise NoContest("the keeper of the agents' processes has ended")
+
+    def close(self) -> None:
+        """Let it end everything, and itself."""
+        self._end()
+        shutil.rmtree(self.folder, ignore_errors=True)  # where the keeper was killed
+
+    def _end(self) -> None:
+        self._control.close()
+        try:
+            self._process.wait(_KEEPER_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def _heard(self) -> dict[str, Any]:
+        try:
+            received = protocol.receive(self._control)
+        except OSError as error:
+            raise NoContest(f"the keeper of the agents' processes does not answer: {error}") from None
+        if received is None:
+            raise NoContest("the keeper of the agents' processes has ended")
+        return received[0]
+
+
+@dataclass(slots=True)
+class _Host:
+    pid: int
+    channel: socket.socket
+    busy: bool = True
+    """Whether it has yet to say how the process that it forked has ended."""
+
+    def exit_code(self) -> int | None:
+        """That process's, less than 0 for a signal; None where the host does not say."""
+        try:
+            # one short message, without files: the host may run a stranger's code
+            code = os.waitstatus_to_exitcode(json.loads(self.channel.recv(_MESSAGE))["ended"])
+        except (OSError, ValueError, TypeError, KeyError, OverflowError):
+            return None
+        self.busy = False
+        return code
+
+
+class Sandbox:
+    """Where the isolated agents of one tournament process live; it holds one match at a time.
+
+    They descend from one process of ours, the keeper, which is started when it is first needed and ends them all when
+    this process ends, however that ends. Use it as a context manager, or `close` it. Whatever it raises is a NoContest.
+    """
+
+    def __init__(self, limits: AgentLimits | None = None) -> None:
+        self.limits = limits or AgentLimits()
+        self._keeper: _Keeper | None = None
+        self._hosts: dict[tuple[str, str], _Host] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End all agents, and remove what they wrote; the next match would start anew."""
+        for host in self._hosts.values():
+            host.channel.close()
+        self._hosts.clear()
+        if self._keeper is not None:
+            self._keeper.close()
+            self._keeper = None
+
+    def start(self, entrant: Entrant, seat: int, files: Sequence[int]) -> None:
+        """Give an entrant a process for this match; `files` are its lines in, its lines out and its log."""
+        if self._keeper is None:
+            self._keeper = _Keeper()
+        folder = self._keeper.folder / f"seat_{seat}"
+        try:
+            folder.mkdir()
+        except OSError as error:
+            raise NoContest(f"{folder}: cannot be made: {error.strerror}") from None
+        host = self._hosts.get(_key(entrant))
+        if host is not None:
+            try:
+                protocol.send(host.channel, files, play=str(folder))
+            except OSError:  # it has ended since its last match
+                self.end(entrant)
+                host = None
+        if host is None:
+            host = self._start_host(self._keeper, entrant.spec)
+            with suppress(OSError):  # has it ended already, its lines will show
+                protocol.send(host.channel, files, play=str(folder))
+        host.busy = True
+        self._hosts.pop(_key(entrant), None)
+        self._hosts[_key(entrant)] = host  # the last one: those that have waited longest are ended first
+
+    def end(self, entrant: Entrant) -> None:
+        """End an agent and all that it started, its host too."""
+        host = self._hosts.pop(_key(entrant), None)
+        if host is not None and self._keeper is not None:
+            host.channel.close()
+            self._keeper.ask(end=host.pid)
+
+    def how_it_ended(self, entrant: Entrant) -> str:
+        """Why an agent's lines have ended, in words; where the keeper has ended, that is no agent's fault."""
+        if self._keeper is not None:
+            self._keeper.require_alive()
+        code = self._hosts[_key(entrant)].exit_code()
+        return "its process has ended, or closed its answers" if code is None else how_it_ended(code)
+
+    def clear(self) -> None:
+        """End what a match has left, but for the hosts that serve the next one."""
+        if self._keeper is None:
+            return
+        try:
+            if not self._keeper.ask(sweep=True)["done"]:
+                raise NoContest("a process of an agent could not be ended")
+            for key, host in list(self._hosts.items()):
+                unclear = host.busy and host.exit_code() is None
+                if unclear or len(self._hosts) > _HOSTS_KEPT:
+                    del self._hosts[key]
+                    host.channel.close()
+                    self._keeper.ask(end=host.pid)
+        except BaseException:
+            self.close()
+            raise
+
+    def _start_host(self, keeper: _Keeper, spec: str) -> _Host:
+        ours, theirs = socket.socketpair()
+        ours.settimeout(_HOST_S)
+        with theirs:
+            pid = keeper.ask([theirs.fileno()], host=spec, limits=asdict(self.limits))["pid"]
+        return _Host(pid, ours)
+
+
+def _key(entrant: Entrant) -> tuple[str, str]:
+    return entrant.name, entrant.spec

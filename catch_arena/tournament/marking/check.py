@@ -1,0 +1,112 @@
+"""Whether an agent is fit to play: it plays itself, isolated, and what is wrong is said in plain words."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from catch_arena.config import ArenaConfig
+from catch_arena.policy import Limits, View
+from catch_arena.tournament.entrants import Inspection, enter
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.seating import inspector, play_entrants
+from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.players import Sight
+from catch_arena.verdicts import REASONS, Verdict
+
+_LINES_SHOWN: Final = 6
+"""Of a log, its last ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that the check found."""
+
+    level: Literal["ok", "warning", "error"]
+    text: str
+    """The first line says it, further ones show it."""
+
+
+def check(word: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox) -> Iterator[Finding]:
+    """Play the agent against itself, in every seat of each arena, and twice in the first.
+
+    Raises: AgentError where the word stands for no agent; NoContest.
+    """
+    looked: list[Inspection] = []
+
+    def look(spec: str) -> Inspection:
+        if not looked:
+            looked.append(inspector(sandbox)(spec))
+        return looked[0]
+
+    (entrant,) = enter([word], look)
+    if entrant.fault is not None:
+        yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
+        return
+    yield Finding("ok", f"control {entrant.control}, digest {entrant.digest}")
+    first: list[bytes] = []
+    for name, config in arenas.items():
+        digests: list[bytes] = []
+        copies = enter([word] * config.hunters, look)
+        result = play_entrants(config, seed, copies, sandbox, watch=lambda env, told=digests: told.append(env.digest()))
+        yield from _findings(name, config, result, sandbox.limits.step_ms)
+        first = first or digests
+    name, config = next(iter(arenas.items()))
+    again: list[bytes] = []
+    copies = enter([word] * config.hunters, look)
+    play_entrants(config, seed, copies, sandbox, watch=lambda env: again.append(env.digest()))
+    if again == first:
+        yield Finding("ok", f"{name}: plays the same match again, given the same seed")
+    else:
+        step = sum(one == two for one, two in zip(first, again, strict=False))
+        yield Finding(
+            "warning",
+            f"{name}: plays another match from step {step} on, given the same seed: "
+            "draw from random.Random(seed) of reset, and not from the clock or the global random",
+        )
+
+
+def _findings(name: str, config: ArenaConfig, result: MatchResult, step_ms: float) -> Iterator[Finding]:
+    failed = [seat for seat, forfeit in enumerate(result.details) if forfeit is not None]
+    told: set[tuple[str, str]] = set()
+    for seat in failed:
+        forfeit = result.details[seat]
+        if forfeit is not None and (forfeit.code, forfeit.reason) not in told:
+            told.add((forfeit.code, forfeit.reason))
+            yield Finding("error", f"{name}: {_in_words(forfeit, config, seat)}{_tail(result.logs[seat])}")
+    moves = sum(times.moves for times in result.thinking)
+    mean_ms = 1000.0 * sum(times.total_s for times in result.thinking) / max(1, moves)
+    longest_ms = 1000.0 * max(times.longest_s for times in result.thinking)
+    timing = f"{mean_ms:.1f} ms a step, at longest {longest_ms:.1f} of {step_ms:g}"
+    if not failed:
+        scores = " ".join(map(str, result.scores))
+        yield Finding("ok", f"{name}: {result.steps} steps, scores {scores}, {timing}")
+    if longest_ms > step_ms:
+        yield Finding("warning", f"{name}: is too slow: {timing}; what is over comes out of the bank of the match")
+    if not failed and (printed := next((log for log in result.logs if log), "")):
+        first_line = printed.lstrip().partition("\n")[0][:80]
+        yield Finding("warning", f"{name}: prints, which goes to its log: {first_line!r}")
+    for verdict in (Verdict.MALFORMED, Verdict.OUT_OF_REACH):
+        count = sum(tally.get(verdict.name, 0) for tally in result.verdicts)
+        if count:
+            yield Finding("warning", f"{name}: {count} requests were {verdict.name}: {REASONS[verdict]}")
+
+
+def _in_words(forfeit: Forfeit, config: ArenaConfig, seat: int) -> str:
+    if forfeit.sight is None:
+        return f"{forfeit.code}, before the first step: {forfeit.reason}"
+    view = _seen(forfeit.sight, config, seat)
+    targets = ", ".join(f"{target.rank}: {target.distance:.2f} m" for target in view.targets)
+    return (
+        f"{forfeit.code} in step {forfeit.step}: {forfeit.reason}\n"
+        f"it saw: targets {targets or 'none (view.targets is empty)'}; {len(view.rivals)} rivals; "
+        f"mask {list(view.mask)}; score {view.score:g}; {view.time_left:.1f} s left"
+    )
+
+
+def _seen(sight: Sight, config: ArenaConfig, seat: int) -> View:
+    return View(*sight, Limits.of(config, seat))
+
+
+def _tail(log: str) -> str:
+    lines = log.splitlines()[-_LINES_SHOWN:]
+    return "".join(f"\n| {line[:200]}" for line in lines)

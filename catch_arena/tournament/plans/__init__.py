@@ -1,0 +1,1 @@
+"""What is played: seedings of blocks in four formats."""

@@ -1,0 +1,262 @@
+"""What is played: groups of entrants, in blocks where each sits in each seat, in one of four formats."""
+
+import hashlib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, groupby, islice
+from math import comb
+from typing import Final, Protocol
+
+from catch_arena.config import ArenaConfig, require_choice
+from catch_arena.errors import ConfigError
+from catch_arena.scenarios import SCENARIOS
+from catch_arena.tournament.match import MatchResult
+from catch_arena.tournament.plans.design import groups_in_sweep, sweeps, sweeps_to_meet
+from catch_arena.tournament.plans.swiss import tables
+
+FORMATS: Final = ("round-robin", "balanced", "gauntlet", "swiss")
+
+_MOST_MATCHES: Final = 1_000_000
+_MOST_ROUNDS: Final = 99_999
+"""As many as the ids have room for."""
+_MANY_MATCHES: Final = 20_000
+"""A round of more than these is cut down to balanced blocks, where nobody asked for all of it."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Match:
+    """One match of a plan."""
+
+    id: str
+    """The same for the same plan, whenever it is made; ids sort in the order of the plan."""
+    block: int
+    """Its block, from 0: matches of one block share their seed, and so their targets (R3.3)."""
+    seed: int
+    seating: tuple[int, ...]
+    """By seat: the place of its player among the entrants."""
+
+
+Block = tuple[Match, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """A match of the plan, and what came out of it."""
+
+    match: Match
+    result: MatchResult
+    replay: str | None = None
+    """The digest of its replay's file, where one was kept."""
+
+
+class Plan(Protocol):
+    """What is played, in stages: the blocks of one stage do not depend on each other's results."""
+
+    @property
+    def words(self) -> Mapping[str, str | int | float]:
+        """What it follows from: with as many entrants and seats, equal words make equal plans."""
+
+    @property
+    def size(self) -> int:
+        """How many matches it has; the most that it may have, where it depends on their results."""
+
+    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+        """The blocks of a stage, from 0 up; none after the last one.
+
+        Args: `played`, all matches of the stages before.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class FixedPlan:
+    """A plan of one stage, whose blocks are made anew whenever they are walked: none is held."""
+
+    words: Mapping[str, str | int]
+    size: int
+    blocks: Callable[[], Iterator[Block]]
+
+    def __len__(self) -> int:
+        return self.size
+
+    def __iter__(self) -> Iterator[Match]:
+        return (match for block in self.blocks() for match in block)
+
+    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+        """All of it."""
+        del played
+        return () if number else self.blocks()
+
+
+@dataclass(frozen=True, slots=True)
+class Swiss:
+    """Rounds of tables, each round paired by the standing so far: a stage a round."""
+
+    entrants: int
+    seats: int
+    rounds: int
+    seed: int
+
+    def __post_init__(self) -> None:
+        _check(self.rounds, self.seed, self.size, f"Swiss rounds of {self.entrants} entrants")
+
+    @property
+    def words(self) -> Mapping[str, str | int]:
+        """The format, the rounds and the seed."""
+        return _words("swiss", self.rounds, self.seed)
+
+    @property
+    def size(self) -> int:
+        """The same, whatever the results."""
+        return self.rounds * (self.entrants // self.seats) * self.seats
+
+    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+        """One round."""
+        if number >= self.rounds:
+            return
+        matches = ((one.match.seating, one.result.ranks) for one in played)
+        drawn = tables(self.entrants, self.seats, matches, lambda one: draw("standing", self.seed, number, one))
+        for index, group in enumerate(drawn):
+            yield _block(group, ("swiss", self.seed, number, index), number, index, len(drawn))
+
+
+def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, seed: int) -> Plan:
+    """The plan of a format.
+
+    Args: `wanted`, one of FORMATS; None is a round robin, or balanced blocks where that has too many matches;
+    `rounds`, None for 1, and in a Swiss for as many as leave but one unbeaten where matches are duels.
+    Raises: ConfigError.
+    """
+    if wanted is None:
+        wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"
+    require_choice("format", wanted, FORMATS)
+    if wanted == "swiss":
+        return Swiss(entrants, seats, (entrants - 1).bit_length() or 1 if rounds is None else rounds, seed)
+    makers = {"round-robin": round_robin, "balanced": balanced, "gauntlet": gauntlet}
+    return makers[wanted](entrants, seats, 1 if rounds is None else rounds, seed)
+
+
+def round_robin(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
+    """In each round, one block for each subset of `seats` entrants.
+
+    A block has one seed, draws a circular order of its players, and plays every rotation of it: each player sits in
+    each seat once. All is drawn from `seed` alone; a plan with more rounds begins with the plan with fewer.
+    """
+    count = comb(entrants, seats)
+    _check(rounds, seed, rounds * count * seats, f"every {seats} of {entrants} entrants")
+
+    def blocks() -> Iterator[Block]:
+        for number in range(rounds):
+            for index, group in enumerate(combinations(range(entrants), seats)):
+                yield _block(group, (seed, number, *group), number, index, count)
+
+    return FixedPlan(_words("round-robin", rounds, seed), rounds * count * seats, blocks)
+
+
+def balanced(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
+    """In each round, as few blocks as have a meeting for each pair, with everybody in as many of them.
+
+    How often a pair meets differs by as little as the swaps of `design.sweeps` can make it.
+    """
+    return _in_sweeps("balanced", entrants, seats, rounds, seed)
+
+
+def gauntlet(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
+    """The first entrant in every block, against each subset of the others; balanced blocks of them where those are too
+    many.
+    """
+    if seats < 2:
+        raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {seats}")
+    count = comb(entrants - 1, seats - 1)
+    if count * seats > _MANY_MATCHES:
+        return _in_sweeps("gauntlet", entrants, seats, rounds, seed, challenger=True)
+    _check(rounds, seed, rounds * count * seats, f"one against every {seats - 1} of {entrants - 1} entrants")
+
+    def blocks() -> Iterator[Block]:
+        for number in range(rounds):
+            for index, others in enumerate(combinations(range(1, entrants), seats - 1)):
+                yield _block((0, *others), ("gauntlet", seed, number, index), number, index, count)
+
+    return FixedPlan(_words("gauntlet", rounds, seed), rounds * count * seats, blocks)
+
+
+def listed(matches: Sequence[Match]) -> FixedPlan:
+    """The plan of these very matches, which stand by block."""
+    text = "\n".join(f"{match.id} {match.block} {match.seed} {match.seating}" for match in matches)
+    words = {"format": "listed", "digest": hashlib.blake2b(text.encode(), digest_size=8).hexdigest()}
+    return FixedPlan(words, len(matches), lambda: iter(blocks_of(matches)))
+
+
+def blocks_of(matches: Iterable[Match]) -> list[Block]:
+    """The matches by block, in the order of the plan."""
+    return [tuple(block) for _, block in groupby(matches, key=lambda match: match.block)]
+
+
+def require_enough(entrants: int, config: ArenaConfig, scenario: str) -> None:
+    """Raises: ConfigError with advice, where the entrants cannot fill the seats."""
+    if entrants >= config.hunters:
+        return
+    fitting = [name for name, other in SCENARIOS.items() if 1 < other.hunters <= entrants]
+    advice = f"; or try --scenario {fitting[0]}" if fitting else ""
+    raise ConfigError(
+        f"agents must be at least {config.hunters} to fill the seats of {scenario}, got {entrants}: "
+        f"name more of them (the same one may be named twice){advice}"
+    )
+
+
+def _check(rounds: int, seed: int, size: int, what: str) -> None:
+    """Raises: ConfigError for a plan that cannot be, or that is too long."""
+    if not 1 <= rounds <= _MOST_ROUNDS:
+        raise ConfigError(f"rounds must be at least 1 and at most {_MOST_ROUNDS}, got {rounds}")
+    if seed < 0:
+        raise ConfigError(f"seed must be a whole number from 0 up, got {seed}")
+    if size > _MOST_MATCHES:
+        raise ConfigError(
+            f"a plan must have at most {_MOST_MATCHES} matches, got {size}: {what}, in every seating, {rounds} rounds"
+        )
+
+
+def _block(group: Sequence[int], about: tuple[object, ...], number: int, index: int, groups: int) -> Block:
+    """Every rotation of a drawn circle of the group.
+
+    Args: `about`, the words that its seed and its circle are drawn from; `number`, its round's, and `index`, its own in
+    the round, both from 0; `groups`, how many a round has.
+    """
+    order = sorted(group, key=lambda player: draw("order", *about, player))
+    seed = draw("match", *about)
+    return tuple(
+        Match(
+            id=f"r{number + 1:05d}-g{index + 1:06d}-s{turn:02d}",
+            block=number * groups + index,
+            seed=seed,
+            seating=(*order[turn:], *order[:turn]),
+        )
+        for turn in range(len(order))
+    )
+
+
+def draw(*about: object) -> int:
+    """48 bits that depend on these words alone; exact in a double, as JSON readers keep numbers."""
+    text = "/".join(map(str, about))
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=6).digest(), "little")
+
+
+def _in_sweeps(name: str, entrants: int, seats: int, rounds: int, seed: int, *, challenger: bool = False) -> FixedPlan:
+    """Blocks from a balanced design of the entrants, or of the field when a challenger sits in every block."""
+    aside = int(challenger)
+    players, places = entrants - aside, seats - aside
+    turns = rounds * sweeps_to_meet(players, places)
+    count = groups_in_sweep(players, places)
+    _check(turns, seed, turns * count * seats, f"balanced blocks of {entrants} entrants")
+
+    def blocks() -> Iterator[Block]:
+        drawn = sweeps(players, places, lambda *about: draw(name, seed, *about))
+        for number, groups in enumerate(islice(drawn, turns)):
+            for index, group in enumerate(groups):
+                everybody = (*range(aside), *(player + aside for player in group))
+                yield _block(everybody, (name, seed, number, index), number, index, count)
+
+    return FixedPlan(_words(name, rounds, seed), turns * count * seats, blocks)
+
+
+def _words(name: str, rounds: int, seed: int) -> Mapping[str, str | int]:
+    return {"format": name, "rounds": rounds, "seed": seed}

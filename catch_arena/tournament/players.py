@@ -1,0 +1,135 @@
+"""Those who sit in one match, in this process or in their own: what a match asks of them, and what it hears."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+from catch_arena.config import Control
+from catch_arena.errors import AgentError
+from catch_arena.policy import Limits, Policy, View, control_of
+from catch_arena.tournament.entrants import Entrant, reason
+
+ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT"]
+"""How an agent fails: it raises or dies; it takes too long; what it answers is no legal action; it cannot begin."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Why one seat cannot go on."""
+
+    code: ForfeitCode
+    reason: str
+    """One line for people."""
+
+
+# plain tuples: a trusted match makes thousands of them
+Sight = tuple[list[float], list[int]]
+"""What one seat is shown in a step: R7.1's vector, and R7.2's mask, which is empty under velocity control."""
+Answer = tuple[Any, float, Fault | None]
+"""What it makes of that: its action, unchecked (None where there is a fault), how long that took [s], and its fault."""
+
+
+class Players(Protocol):
+    """Agents in the seats of one match; a seat that had a fault is not asked again."""
+
+    @property
+    def controls(self) -> Mapping[int, Control]:
+        """What each seat asks for."""
+
+    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+        """Begin a match: each seat is told its own seed. Returns: those that cannot play, by seat."""
+
+    def act(self, sights: Mapping[int, Sight]) -> dict[int, Answer]:
+        """Ask these seats for their actions, in one step."""
+
+    def drop(self, seat: int) -> None:
+        """The seat has forfeited; what it still does is ended."""
+
+    def logs(self) -> dict[int, str]:
+        """What seats have printed, as far as it is kept."""
+
+
+class TrustedPlayers:
+    """Agents in this process: quick, and asked one after the other. What they raise is their fault alone; nothing
+    limits their time, their memory or their reach.
+    """
+
+    def __init__(self, policies: Sequence[Policy]) -> None:
+        self.controls: dict[int, Control] = {seat: control_of(policy) for seat, policy in enumerate(policies)}
+        self._policies = dict(enumerate(policies))
+        self._limits: Sequence[Limits] = ()
+        self._faults: dict[int, Fault] = {}
+
+    @classmethod
+    def of(cls, entrants: Mapping[int, Entrant]) -> "TrustedPlayers":
+        """A fresh instance of each, by seat; what cannot be made forfeits."""
+        players = cls(())
+        players.controls = {seat: entrant.control for seat, entrant in entrants.items()}
+        for seat, entrant in entrants.items():
+            try:
+                players._policies[seat] = entrant.create()
+            except AgentError as error:
+                players._faults[seat] = Fault("FORFEIT_INIT", str(error))
+        return players
+
+    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+        """Begin a match."""
+        self._limits = limits
+        for seat, policy in self._policies.items():
+            try:
+                policy.reset(seeds[seat])
+            except (Exception, SystemExit) as error:  # noqa: BLE001 - a stranger's code may raise anything
+                self._faults[seat] = Fault("FORFEIT_INIT", f"reset raised {reason(error)}")
+        return self._faults
+
+    def act(self, sights: Mapping[int, Sight]) -> dict[int, Answer]:
+        """Ask these seats for their actions."""
+        answers: dict[int, Answer] = {}
+        policies, all_limits, clock = self._policies, self._limits, time.perf_counter
+        for seat, (observation, mask) in sights.items():
+            view = View(observation, mask, all_limits[seat])
+            begin = clock()
+            try:
+                action = policies[seat].act(view)
+            except (Exception, SystemExit) as error:  # noqa: BLE001 - a stranger's code may raise anything
+                fault = Fault("FORFEIT_CRASH", f"act raised {reason(error)}")
+                answers[seat] = None, clock() - begin, fault
+            else:
+                answers[seat] = action, clock() - begin, None
+        return answers
+
+    def drop(self, seat: int) -> None:
+        """Nothing of it runs on."""
+
+    def logs(self) -> dict[int, str]:
+        """What agents print here goes where this process prints."""
+        return {}
+
+
+class Together:
+    """Several kinds of players in one match, each in seats of its own."""
+
+    def __init__(self, parts: Sequence[Players]) -> None:
+        self.controls = {seat: control for part in parts for seat, control in part.controls.items()}
+        self._part_of = {seat: part for part in parts for seat in part.controls}
+        self._parts = parts
+
+    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+        """Begin a match."""
+        return {seat: fault for part in self._parts for seat, fault in part.reset(seeds, limits).items()}
+
+    def act(self, sights: Mapping[int, Sight]) -> dict[int, Answer]:
+        """Ask these seats for their actions, one kind after the other."""
+        answers: dict[int, Answer] = {}
+        for part in self._parts:
+            answers |= part.act({seat: sight for seat, sight in sights.items() if seat in part.controls})
+        return answers
+
+    def drop(self, seat: int) -> None:
+        """The seat has forfeited."""
+        self._part_of[seat].drop(seat)
+
+    def logs(self) -> dict[int, str]:
+        """What seats have printed."""
+        return {seat: log for part in self._parts for seat, log in part.logs().items()}

@@ -1,0 +1,1 @@
+"""What is kept of a tournament, and written from it: store, logs, exports, standings."""

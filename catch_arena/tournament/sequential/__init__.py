@@ -1,0 +1,1 @@
+"""Playing until it is known: tests that look while matches are played."""

@@ -1,0 +1,70 @@
+"""Each entrant against each other."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.statistics.intervals import Estimate, shares
+from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, sums_by
+
+
+@dataclass(frozen=True, slots=True)
+class Encounter:
+    """One entrant against another."""
+
+    name: str
+    other: str
+    matches: int
+    """In which both played."""
+    wins: int
+    """In which this one came out above the other."""
+    ties: int
+    share: Estimate
+    """Of those matches: a win counts 1, a tie one half."""
+    improvement: float
+    """The probability that a match of this one, drawn from all, has a higher score than one of the other's, a tie
+    counting one half (Agarwal et al. 2021); other than the share, it does not ask that they met.
+    """
+
+
+def head_to_head(entrants: Sequence[Entrant], played: Sequence[Played]) -> list[Encounter]:
+    """All ordered pairs of different entrants that played, in the entrants' order."""
+    outcomes = Outcomes.of(len(entrants), played)
+    pairs = Pairs.of(outcomes)
+    wins, ties = pairs.table(1), pairs.table(0)
+    met = wins + wins.T + ties
+    size = len(entrants)
+    low, high = np.minimum(pairs.first, pairs.second), np.maximum(pairs.first, pairs.second)
+    column = low * size + high
+    present, number = np.unique(column, return_inverse=True)
+    result: Floats = 0.5 + pairs.result * np.where(pairs.first == low, 0.5, -0.5)
+    estimates = shares(
+        sums_by(pairs.blocks, len(present), pairs.block, number, result),
+        sums_by(pairs.blocks, len(present), pairs.block, number),
+    )
+    share = {divmod(int(cell), size): estimate for cell, estimate in zip(present, estimates, strict=True)}
+    share |= {(j, i): Estimate(1 - one.mean, 1 - one.high, 1 - one.low) for (i, j), one in share.items()}
+    unknown = Estimate(math.nan, math.nan, math.nan)
+
+    histogram = sums_by(size, int(outcomes.scores.max(initial=0)) + 1, outcomes.seating, outcomes.scores)
+    totals = histogram.sum(axis=1)
+    below_or_half = np.cumsum(histogram, axis=1) - histogram / 2.0
+    who = np.flatnonzero(totals)
+    return [
+        Encounter(
+            name=entrants[i].name,
+            other=entrants[j].name,
+            matches=int(met[i, j]),
+            wins=int(wins[i, j]),
+            ties=int(ties[i, j]),
+            share=share.get((i, j), unknown),
+            improvement=float(histogram[i] @ below_or_half[j] / (totals[i] * totals[j])),
+        )
+        for i in who.tolist()
+        for j in who.tolist()
+        if i != j
+    ]

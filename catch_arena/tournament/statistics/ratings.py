@@ -1,0 +1,149 @@
+"""How strong the entrants are: one fit to all matches at once, whatever order they were played in.
+
+The model is Davidson's (1970): of two that meet, with strengths a and b, the first comes out above with probability
+a / (a + b + v sqrt(a b)), and they tie with probability v sqrt(a b) / (a + b + v sqrt(a b)). A match of more than two
+counts as all its pairs (a composite likelihood: Varin, Reid and Firth 2011), which are not independent, so errors are
+taken from whole blocks. docs/ratings.md has the rest.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from catch_arena.tournament.statistics.intervals import Estimate, estimates
+from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, sums_by
+
+ELO: Final = 400.0 / math.log(10.0)
+"""Points for each unit of log strength: 400 points make wins ten times as likely as defeats."""
+_FEWEST_BLOCKS: Final = 4
+"""In which an entrant must have played for its rating to have an interval; a mean has none with fewer either."""
+_LONGEST_STEP: Final = 2.0
+_CLOSE_ENOUGH: Final = 1e-10
+_MOST_STEPS: Final = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Ratings:
+    """The fit, in points, 0 being the mean of all who played; NaN for those who did not."""
+
+    points: Floats
+    """(entrants,)."""
+    tie: float
+    """Davidson's v: two equals tie with probability v / (2 + v)."""
+    influence: Floats
+    """(blocks, entrants): how far each block moves each rating from where it would be without it."""
+    pseudo_influence: Floats
+    """(2 entrants, entrants): the same for the imagined games that keep ratings finite."""
+    blocks: Floats
+    """(entrants,): in how many blocks each played."""
+    blocks_above: Floats
+    """(entrants, entrants): in how many blocks the first came out above the second more often than below."""
+
+    def estimates(self) -> list[Estimate]:
+        """Each rating with its interval."""
+        return estimates(
+            self.points,
+            self.influence * len(self.influence),
+            np.where(self.blocks >= _FEWEST_BLOCKS, np.ones_like(self.influence), 0.0),
+            (self.pseudo_influence**2).sum(axis=0),
+        )
+
+    def difference(self, one: int, other: int) -> Estimate:
+        """How much higher the first is rated than the second."""
+        (found,) = estimates(
+            self.points[[one]] - self.points[[other]],
+            (self.influence[:, [one]] - self.influence[:, [other]]) * len(self.influence),
+            np.ones((len(self.influence), 1)),
+            ((self.pseudo_influence[:, [one]] - self.pseudo_influence[:, [other]]) ** 2).sum(axis=0),
+        )
+        return found
+
+    def errors_of_differences(self) -> Floats:
+        """(entrants, entrants): the standard error of each difference of two ratings."""
+        count = max(len(self.influence), 2)
+        covariance = self.influence.T @ self.influence * (count / (count - 1))
+        covariance += self.pseudo_influence.T @ self.pseudo_influence
+        own = np.diag(covariance)
+        return np.sqrt(np.maximum(own[:, None] + own[None, :] - 2.0 * covariance, 0.0))
+
+
+def rate(outcomes: Outcomes) -> Ratings:
+    """Fit the model.
+
+    Everyone is imagined to have won half a game and lost half a game against an opponent of rating 0, and two equals to
+    have tied half a game of one: without that an entrant that never lost would have no finite rating.
+    """
+    pairs = Pairs.of(outcomes)
+    blocks_played = (outcomes.by_block() > 0).sum(axis=0)
+    strengths, log_tie, information = fit(pairs.table(1), pairs.table(0))
+    size = outcomes.entrants
+
+    above, below, tied = _chances(strengths[pairs.first] - strengths[pairs.second], log_tie)
+    pull = (pairs.result - (above - below)) / 2.0
+    gradients = np.zeros((outcomes.blocks, size + 1))
+    gradients[:, :size] = sums_by(outcomes.blocks, size, pairs.block, pairs.first, pull)
+    gradients[:, :size] -= sums_by(outcomes.blocks, size, pairs.block, pairs.second, pull)
+    gradients[:, size] = np.bincount(pairs.block, (pairs.result == 0) - tied, outcomes.blocks)
+    win = _logistic(strengths)
+    imagined = np.zeros((2 * size, size + 1))
+    imagined[:size, :size] = np.diag(1.0 - win)  # for the errors they are whole games: see docs/ratings.md
+    imagined[size:, :size] = np.diag(-win)
+
+    played = blocks_played > 0
+    moves: Floats = ELO * np.linalg.solve(information, np.concatenate((gradients, imagined)).T)[:size].T
+    mean = strengths[played].mean() if played.any() else 0.0
+    moves -= moves[:, played].mean(axis=1, keepdims=True) if played.any() else 0.0
+    moves[:, ~played] = 0.0
+    influence = moves[: outcomes.blocks]
+    return Ratings(
+        points=np.where(played, ELO * (strengths - mean), math.nan),
+        tie=math.exp(log_tie),
+        influence=influence - influence.mean(axis=0) if outcomes.blocks else influence,
+        pseudo_influence=moves[outcomes.blocks :],
+        blocks=blocks_played.astype(np.float64),
+        blocks_above=pairs.blocks_above(),
+    )
+
+
+def fit(wins: Floats, ties: Floats) -> tuple[Floats, float, Floats]:
+    """Newton's method on the concave log-likelihood.
+
+    Args: `wins`[i, j], how often i came out above j; `ties`, symmetric; both (entrants, entrants).
+    Returns: log strengths, log v, and the information matrix, in which v is last.
+    """
+    size = len(wins)
+    met = wins + wins.T + ties
+    achieved = wins.sum(axis=1) + ties.sum(axis=1) / 2.0
+    tied_in_all = ties.sum() / 2.0
+    place = np.zeros(size + 1)
+    information = np.eye(size + 1)
+    for _ in range(_MOST_STEPS):
+        strengths, log_tie = place[:size], float(place[size])
+        above, below, tied = _chances(strengths[:, None] - strengths[None, :], log_tie)
+        win, equals_tie = _logistic(strengths), float(_chances(np.zeros(1), log_tie)[2][0])
+        gradient = np.empty(size + 1)
+        gradient[:size] = achieved - (met * (above + tied / 2.0)).sum(axis=1) + 0.5 - win
+        gradient[size] = tied_in_all - (met * tied).sum() / 2.0 + 0.5 - equals_tie
+        curvature = met * ((above + below) / 4.0 - ((above - below) / 2.0) ** 2)
+        information[:size, :size] = np.diag(curvature.sum(axis=1) + win * (1.0 - win)) - curvature
+        information[:size, size] = information[size, :size] = -(met * (above - below) / 2.0 * tied).sum(axis=1)
+        information[size, size] = (met * tied * (1.0 - tied)).sum() / 2.0 + equals_tie * (1.0 - equals_tie)
+        step = np.linalg.solve(information, gradient)
+        longest = float(np.abs(step).max())
+        if longest < _CLOSE_ENOUGH:
+            break
+        place = place + step * min(1.0, _LONGEST_STEP / longest)
+    return place[:size], float(place[size]), information
+
+
+def _chances(difference: Floats, log_tie: float) -> tuple[Floats, Floats, Floats]:
+    """Davidson's: above, below, tied, given log strengths that differ by this much."""
+    above, below = np.exp(difference / 2.0), np.exp(-difference / 2.0)
+    total = above + below + math.exp(log_tie)
+    return above / total, below / total, math.exp(log_tie) / total
+
+
+def _logistic(strengths: Floats) -> Floats:
+    return 1.0 / (1.0 + np.exp(-strengths))

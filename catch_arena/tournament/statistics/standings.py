@@ -1,0 +1,129 @@
+"""What the matches say about the entrants, and how sure that is."""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.statistics.intervals import Estimate, estimates, ratios, shares
+from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.ratings import rate
+from catch_arena.tournament.statistics.separation import groups
+from catch_arena.verdicts import Verdict
+
+_DIGITS = 6
+"""Ratings that agree to so many share a place: the last bits depend on the order of the entrants."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """One entrant's line of the table; docs/ratings.md says how each figure is made."""
+
+    place: int
+    """1 is best, by rating; equal ratings share a place."""
+    name: str
+    groups: tuple[int, int]
+    """The first and the last group that it belongs to, from 1; two in one group cannot be told apart."""
+    matches: int
+    rating: Estimate
+    """In points: 0 is the mean, 400 more make it ten times as likely to come out above as below."""
+    score: Estimate
+    """Catches in a match."""
+    iqm: Estimate
+    """The mean score of the middle half of its matches."""
+    win_share: Estimate
+    """Matches won in [0, 1]; those who share the first rank share the win."""
+    mean_rank: float
+    contests_lost: float
+    """Requests in a match that a rival won (R5.6)."""
+    contest_wins: float
+    """Of the contests that it took part in, the share that it won; NaN where there was none."""
+    refusals: dict[str, float]
+    """Requests in a match that were refused for another reason, by verdict; those that it never met are left out."""
+    forfeits: dict[str, int]
+    """Matches that it forfeited, by code."""
+
+    @property
+    def group(self) -> str:
+        """«1», or «1-3» where it belongs to several."""
+        return "-".join(str(number) for number in sorted(set(self.groups)))
+
+    @property
+    def refused(self) -> float:
+        """All the refusals together."""
+        return sum(self.refusals.values())
+
+
+def standings(entrants: Sequence[Entrant], played: Sequence[Played]) -> list[Standing]:
+    """The table of those who played, highest rating first. Played again it is the same, in whatever order."""
+    if not played:
+        return []
+    outcomes = Outcomes.of(len(entrants), played)
+    counts = outcomes.by_block()
+    totals = counts.sum(axis=0)
+    ratings = rate(outcomes)
+    rating = ratings.estimates()
+    score = ratios(outcomes.by_block(outcomes.scores), counts)
+    win_share = shares(outcomes.by_block(outcomes.win_shares), counts)
+    iqm = _interquartile_means(outcomes)
+    ranks = outcomes.by_block(outcomes.ranks).sum(axis=0)
+    verdicts: list[Counter[str]] = [Counter() for _ in entrants]
+    forfeits: list[Counter[str]] = [Counter() for _ in entrants]
+    won = [0] * len(entrants)
+    for one in played:
+        for seat, place in enumerate(one.match.seating):
+            verdicts[place].update(one.result.verdicts[seat])
+            if code := one.result.forfeits[seat]:
+                forfeits[place][code] += 1
+            won[place] += one.result.contests_won[seat]
+    order = sorted(
+        np.flatnonzero(totals).tolist(), key=lambda place: (-round(rating[place].mean, _DIGITS), entrants[place].name)
+    )
+    return [
+        Standing(
+            place=1 + sum(round(rating[other].mean - rating[place].mean, _DIGITS) > 0 for other in order),
+            name=entrants[place].name,
+            groups=belongs,
+            matches=int(totals[place]),
+            rating=rating[place],
+            score=score[place],
+            iqm=iqm[place],
+            win_share=win_share[place],
+            mean_rank=float(ranks[place] / totals[place]),
+            contests_lost=verdicts[place]["LOST_CONTEST"] / float(totals[place]),
+            contest_wins=_share(won[place], verdicts[place]["LOST_CONTEST"]),
+            refusals={
+                verdict.name: verdicts[place][verdict.name] / float(totals[place])
+                for verdict in Verdict
+                if verdict not in (Verdict.GRANTED, Verdict.LOST_CONTEST) and verdicts[place][verdict.name]
+            },
+            forfeits=dict(sorted(forfeits[place].items())),
+        )
+        for place, belongs in zip(order, groups(ratings, order), strict=True)
+    ]
+
+
+def _share(won: int, lost: int) -> float:
+    return won / (won + lost) if won + lost else math.nan
+
+
+def _interquartile_means(outcomes: Outcomes) -> list[Estimate]:
+    """The mean score of the middle half of each entrant's matches: a quarter is cut off at either end. For the interval
+    what lies beyond a quartile pulls as if it lay there (Huber 1981).
+    """
+    means = np.full(outcomes.entrants, math.nan)
+    pulls = np.zeros(outcomes.seating.shape)
+    for place in range(outcomes.entrants):
+        here = outcomes.seating == place
+        scores = np.sort(outcomes.scores[here])
+        cut = len(scores) // 4
+        middle = scores[cut : len(scores) - cut]
+        if len(middle):
+            means[place] = middle.mean()
+            held = np.clip(outcomes.scores[here], middle[0], middle[-1])
+            pulls[here] = (held - held.mean()) * (len(scores) / len(middle))
+    return estimates(means, outcomes.by_block(pulls), outcomes.by_block())

@@ -1,0 +1,343 @@
+"""What people see, click and type who open a report, or a replay, in a browser."""
+
+import io
+import re
+import time
+
+import cv2
+import numpy as np
+import pytest
+from report.synthetic import tournament
+
+import catch_arena
+from catch_arena.explanation import explain
+from catch_arena.player import player_html
+from catch_arena.render import view
+from catch_arena.report import REPORT, watch, write_report
+from catch_arena.report.findings import Findings
+from catch_arena.report.watch import Watched, serving
+
+_SHOWING = "match => document.getElementById('showing').textContent === `Match ${match}`"
+
+_CONTRASTS = """
+() => {
+    const dot = new OffscreenCanvas(1, 1).getContext("2d", {willReadFrequently: true});
+    const rgba = (color) => {
+        dot.clearRect(0, 0, 1, 1);
+        dot.fillStyle = color;
+        dot.fillRect(0, 0, 1, 1);
+        return dot.getImageData(0, 0, 1, 1).data;
+    };
+    const light = ([red, green, blue]) => [red, green, blue]
+        .map((part) => part / 255)
+        .map((part) => (part <= 0.03928 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4))
+        .reduce((sum, part, index) => sum + part * [0.2126, 0.7152, 0.0722][index], 0);
+    const behind = (node) => {
+        for (let at = node; at; at = at.parentElement ?? at.getRootNode().host) {
+            const color = rgba(getComputedStyle(at).backgroundColor);
+            if (color[3] === 255) return color;
+        }
+        return [255, 255, 255];
+    };
+    const player = document.querySelector("catch-replay").shadowRoot;
+    return [...document.body.querySelectorAll("*"), ...player.querySelectorAll("*")]
+        .filter((node) => node.checkVisibility() && !node.disabled)
+        .filter((node) => !["SCRIPT", "STYLE", "CANVAS"].includes(node.tagName))
+        .filter((node) => [...node.childNodes].some((child) => child.nodeType === 3 && child.textContent.trim()))
+        .map((node) => {
+            const both = [light(rgba(getComputedStyle(node).color)), light(behind(node))].sort((a, b) => b - a);
+            return [(both[0] + 0.05) / (both[1] + 0.05), node.tagName, node.className, node.textContent.slice(0, 30)];
+        });
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def crowd():
+    """A short match with many contests."""
+    env = catch_arena.parallel_env("crowd", time_limit_s=8.0)
+    env.record([f"agent {seat}" for seat in range(16)], "a crowd")
+    _, infos = env.reset(seed=5)
+    while env.agents:
+        _, _, _, _, infos = env.step({agent: int(infos[agent]["action_mask"][1]) for agent in env.agents})
+    return env.replay()
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    """Four agents, recorded: the report that a real tournament leaves."""
+    from typer.testing import CliRunner
+
+    from catch_arena.cli import main
+
+    folder = tmp_path_factory.mktemp("tournament")
+    agents = ["nearest", "contested", "patrol", "first"]
+    words = ["--record", "--jobs", "1", "--set", "time_limit_s=20", "--set", "reach_m=0.8", "--out", str(folder)]
+    done = CliRunner().invoke(main, ["tournament", *agents, *words])
+    assert done.exit_code == 0, done.output
+    return folder / REPORT
+
+
+@pytest.fixture
+def quiet(page):
+    """A page that must write nothing to its console, open no dialog, and ask nothing of anybody."""
+    noises = []
+    page.on("console", lambda message: noises.append(message.text))
+    page.on("dialog", lambda dialog: noises.append(dialog.message) or dialog.dismiss())
+    page.on("request", lambda request: request.url.startswith("file:") or noises.append(request.url))
+    yield page
+    assert noises == []
+
+
+@pytest.fixture
+def player(quiet, crowd, tmp_path):
+    """A page with one replay and nothing else."""
+    return opened(quiet, tmp_path, player_html(crowd))
+
+
+def opened(page, folder, body):
+    path = folder / "player.html"
+    path.write_text(f'<!doctype html><html lang="en"><meta charset="utf-8"><title>replay</title><body>{body}')
+    page.goto(path.as_uri())
+    page.wait_for_function("[...document.querySelectorAll('catch-replay')].every((one) => one.film)")
+    return page
+
+
+def clock(page):
+    return float(re.match(r"[\d.]+", page.locator("output").first.inner_text()).group())
+
+
+def picture(page, locator):
+    """What an element looks like: (height, width, 3), red first."""
+    encoded = np.frombuffer(io.BytesIO(page.locator(locator).first.screenshot()).read(), np.uint8)
+    return cv2.imdecode(encoded, cv2.IMREAD_COLOR)[..., ::-1]
+
+
+def share_of(pixels, color, tolerance=6):
+    return float((np.abs(pixels.astype(int) - color).max(axis=2) <= tolerance).mean())
+
+
+def test_a_click_plays_and_another_one_pauses(player):
+    before = picture(player, "canvas.arena")
+    assert clock(player) == 0.0
+    player.get_by_role("button", name="Play", exact=True).click()
+    player.wait_for_function("document.querySelector('catch-replay').time > 600")
+    player.get_by_role("button", name="Pause").click()
+    now = clock(player)
+    assert 0.6 <= now < 8.0
+    assert (picture(player, "canvas.arena") != before).any(axis=2).mean() > 0.01
+    time.sleep(0.3)
+    assert clock(player) == now
+
+
+def test_the_arena_has_the_colours_of_the_videos(player):
+    pixels = picture(player, "canvas.arena")
+    assert share_of(pixels, view.GROUND) > 0.5
+    for seat in range(8):
+        shell = np.array(view.HUNTER_COLORS[seat]) * 0.96 + 5  # render.sprites has the parts
+        assert share_of(pixels, shell) * pixels.shape[0] * pixels.shape[1] > 30, seat
+
+
+def test_the_next_contest_says_who_won_by_what_and_how_far_away_each_was(player, crowd):
+    contests = explain(crowd).contests
+    for contest in contests[:3]:
+        player.get_by_role("button", name="Next contest").click()
+        assert clock(player) == pytest.approx((contest.step - 1) / 10)
+        told = player.locator(".contest").inner_text()
+        for claim in contest.claims:
+            assert f"agent {claim.seat}" in told
+            assert f"{claim.distance_um / 1e6:.6f} m" in told
+        assert f"({contest.clause})" in told
+        assert f"agent {contest.claims[0].seat} is granted it" in told
+        assert player.locator(".claims li").first.inner_text().startswith(f"{contest.claims[0].seat}\n")
+    player.get_by_role("button", name="Previous contest").click()
+    assert clock(player) == pytest.approx((contests[1].step - 1) / 10)
+    assert share_of(picture(player, "canvas.close-up"), view.GROUND) > 0.2
+
+
+def test_a_picked_hunter_has_its_own_contests(player, crowd):
+    contests = explain(crowd).contests
+    seat = contests[-1].claims[0].seat
+    line = player.get_by_role("button", name=f"agent {seat}", exact=False).filter(has_text=f"agent {seat}").first
+    line.click()
+    assert line.get_attribute("aria-pressed") == "true"
+    own = [one for one in contests if any(claim.seat == seat for claim in one.claims)]
+    for contest in own:
+        player.get_by_role("button", name="Next contest").click()
+        assert clock(player) == pytest.approx((contest.step - 1) / 10)
+    line.click()
+    assert line.get_attribute("aria-pressed") == "false"
+
+
+def test_scores_and_speed_follow_the_scrubber(player, crowd):
+    scores = [hunter.score for hunter in list(crowd.worlds())[-1].hunters]
+    player.get_by_label("Time").focus()
+    player.keyboard.press("End")
+    assert clock(player) == 8.0
+    assert [int(text) for text in player.locator(".score").all_inner_texts()] == scores
+    player.keyboard.press("Home")
+    assert sum(int(text) for text in player.locator(".score").all_inner_texts()) == 0
+    player.get_by_label("Speed").select_option("8")
+    player.locator("canvas.arena").focus()
+    player.keyboard.press("Space")
+    player.wait_for_function("document.querySelector('catch-replay').time === 8000", timeout=5000)
+    assert player.get_by_role("button", name="Play", exact=True).is_visible()
+
+
+def test_every_listed_key_does_what_it_says(player, crowd):
+    contests = explain(crowd).contests
+    player.locator("canvas.arena").focus()
+    keys = player.keyboard
+    for key, expected in (
+        ("ArrowRight", 1.0),
+        ("Shift+ArrowRight", 1.1),
+        ("ArrowLeft", 0.1),
+        ("Shift+ArrowLeft", 0.0),
+        ("n", (contests[0].step - 1) / 10),
+        ("End", 8.0),
+        ("p", (contests[-1].step - 1) / 10),
+        ("Home", 0.0),
+    ):
+        keys.press(key)
+        assert clock(player) == pytest.approx(expected), key
+    pressed = "[aria-pressed=true] .name"
+    for key, name in (("h", "agent 0"), ("h", "agent 1"), ("7", "agent 7")):
+        keys.press(key)
+        assert player.locator(pressed).inner_text() == name
+    keys.press("Escape")
+    assert player.locator(pressed).count() == 0
+    for key, speed in (("+", "2"), ("-", "1"), ("-", "0.5")):
+        keys.press(key)
+        assert player.get_by_label("Speed").input_value() == speed
+    keys.press("Space")
+    player.wait_for_function("document.querySelector('catch-replay').time > 200")
+    keys.press("Space")
+    assert player.get_by_role("button", name="Play", exact=True).is_visible()
+    player.get_by_role("button", name="Next contest").focus()
+    keys.press("Space")  # a button keeps its own keys: it does not play
+    assert clock(player) == pytest.approx((contests[0].step - 1) / 10)
+    assert player.get_by_role("button", name="Play", exact=True).is_visible()
+
+
+def test_several_players_stand_on_one_page(quiet, crowd, tmp_path):
+    page = opened(quiet, tmp_path, player_html(crowd) + player_html(crowd))
+    page.get_by_role("button", name="Next contest").nth(1).click()
+    clocks = [float(text.split()[0]) for text in page.locator("output").all_inner_texts()]
+    assert clocks[0] == 0.0 < clocks[1]
+
+
+def test_a_replay_plays_for_those_who_want_less_motion(chromium, crowd, tmp_path):
+    page = opened(chromium.new_page(reduced_motion="reduce"), tmp_path, player_html(crowd))
+    page.get_by_role("button", name="Play", exact=True).click()
+    page.wait_for_function("document.querySelector('catch-replay').time > 600")
+    page.close()
+
+
+def test_a_report_shows_its_first_replay_and_any_other_that_is_picked(quiet, report):
+    quiet.goto(report.as_uri())
+    quiet.wait_for_function("document.querySelector('catch-replay').film")
+    assert quiet.get_by_role("heading", level=1).inner_text()
+    assert quiet.locator("#list li").count() == 4
+    other = quiet.locator("#list li").nth(2)
+    match = other.get_by_role("button").get_attribute("aria-label").removeprefix("Show match ")
+    other.get_by_role("button").click()
+    quiet.wait_for_function(_SHOWING, arg=match)
+    assert quiet.locator("#list [aria-current]").inner_text().startswith(match)
+    quiet.keyboard.press("Space")  # the player has the focus
+    quiet.wait_for_function("document.querySelector('catch-replay').time > 300")
+    quiet.get_by_role("combobox", name="Agent").select_option("patrol")
+    assert quiet.locator("#found").inner_text() == "1 to 4 of 4"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [360, 1280])
+def test_a_report_is_readable_in_light_and_dark_on_a_phone_and_a_desk(chromium, report, scheme, width):
+    page = chromium.new_page(color_scheme=scheme, viewport={"width": width, "height": 800})
+    page.goto(report.as_uri())
+    page.wait_for_function("document.querySelector('catch-replay').film")
+    page.get_by_role("button", name="Next contest").click()
+    assert page.evaluate("document.documentElement.scrollWidth") == width  # nothing is cut off
+    assert (picture(page, "h1").mean() > 128) == (scheme == "light")
+    faint = [one for one in page.evaluate(_CONTRASTS) if one[0] < 4.5]
+    assert faint == []
+    small = page.locator("button:visible, select:visible").all()
+    assert all(one.bounding_box()["height"] >= 35 for one in small)  # a finger finds them
+    page.close()
+
+
+def test_the_switch_changes_light_and_dark_and_is_remembered(chromium, report):
+    context = chromium.new_context(color_scheme="light")
+    page = context.new_page()
+    page.goto(report.as_uri())
+    ground = "getComputedStyle(document.body).backgroundColor"
+    light = page.evaluate(ground)
+    page.get_by_role("button", name="Light or dark").click()
+    dark = page.evaluate(ground)
+    assert dark != light
+    assert (
+        page.locator("catch-replay .player").evaluate("one => getComputedStyle(one).backgroundColor")
+        != "rgb(255, 255, 255)"
+    )
+    page.reload()
+    assert page.evaluate(ground) == dark
+    context.close()
+
+
+def test_every_control_and_picture_has_a_name(quiet, report):
+    quiet.goto(report.as_uri())
+    quiet.wait_for_function("document.querySelector('catch-replay').film")
+    roles = ("button", "combobox", "checkbox", "slider", "img", "region", "link")
+    for role in roles:
+        found = quiet.get_by_role(role).all()
+        assert found, role
+        for one in found:
+            assert one.aria_snapshot().split("\n")[0].count('"') >= 2, (role, one.aria_snapshot())
+
+
+def test_wicked_names_are_only_words(quiet, tmp_path):
+    names = ["<script>alert(1)</script>", '"><img src=x onerror=alert(2)>', "</script><b>", "{{ 7 * 7 }}"]
+    tournament(tmp_path, 1, names)
+    quiet.goto(write_report(tmp_path).as_uri())
+    quiet.wait_for_selector("#list li")
+    said = quiet.locator("body").inner_text()
+    for name in names:
+        assert name in said
+    assert quiet.locator("img, b:has-text('</')").count() == 0
+    assert names[0] in quiet.locator("#list").inner_text()
+
+
+def test_ten_thousand_matches_open_in_under_two_seconds_and_five_megabytes(quiet, tmp_path):
+    assert tournament(tmp_path, 167) >= 10_000
+    path = write_report(tmp_path)
+    assert path.stat().st_size < 5_000_000
+    begin = time.monotonic()
+    quiet.goto(path.as_uri())
+    quiet.wait_for_function("document.querySelectorAll('#list li').length === 10")
+    quiet.evaluate("() => new Promise((painted) => requestAnimationFrame(() => requestAnimationFrame(painted)))")
+    assert time.monotonic() - begin < 2.0
+    assert quiet.locator("#found").inner_text() == "1 to 10 of 10,020"
+    quiet.get_by_role("button", name="More").click()
+    assert quiet.locator("#found").inner_text() == "11 to 20 of 10,020"
+
+
+def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report, tmp_path, monkeypatch):
+    monkeypatch.setattr(watch, "_PAUSE_S", 0.0)
+    monkeypatch.setattr(watch, "_PAUSE_FACTOR", 0.0)
+    tournament(tmp_path, 1, most=12)
+    with serving(Watched(tmp_path), 0) as address:
+        page.goto(address)
+        page.wait_for_selector("#list li")
+        assert "of 60" in page.locator("header").inner_text()
+        tournament(tmp_path, 1)
+        page.wait_for_function("document.querySelector('#found').textContent === '1 to 10 of 60'", timeout=15_000)
+        assert "of 60" not in page.locator("header").inner_text()
+    page.wait_for_function("document.querySelector('#news').textContent.includes('ended')", timeout=15_000)
+    recorded = Findings.of(report.parent).recorded
+    with serving(Watched(report.parent), 0) as address:
+        page.goto(address)
+        page.wait_for_function("document.querySelector('catch-replay').film")
+        match = max(recorded)
+        page.get_by_role("button", name=f"Show match {match}").click()
+        page.wait_for_function(
+            "match => document.getElementById('showing').textContent === `Match ${match}`", arg=match
+        )

@@ -1,0 +1,17 @@
+"""One real tournament, played once: four agents, ten seconds a match, every match recorded."""
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+
+
+@pytest.fixture(scope="session")
+def played(tmp_path_factory):
+    """Its folder."""
+    folder = tmp_path_factory.mktemp("tournament")
+    agents = ["nearest", "contested", "patrol", "first"]
+    words = ["--set", "time_limit_s=10", "--scenario", "standard", "--record", "--jobs", "1", "--out", str(folder)]
+    done = CliRunner().invoke(main, ["tournament", *agents, *words])
+    assert done.exit_code == 0, done.output
+    return folder

@@ -1,0 +1,61 @@
+"""Tournaments that nobody played: results drawn at random, put into a store as a runner does."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from random import Random
+
+from catch_arena.config import ArenaConfig
+from catch_arena.scenarios import scenario
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import Forfeit, MatchResult, Thinking, ranks_of
+from catch_arena.tournament.plans.schedule import Played, round_robin
+from catch_arena.tournament.records.store import Store, Tournament
+
+NAMES = ("contested", "patrol", "nearest", "first", "idle", "random")
+
+
+def tournament(
+    folder: Path,
+    rounds: int,
+    names: Sequence[str] = NAMES,
+    *,
+    most: int | None = None,
+    forfeits: bool = False,
+    terms: dict[str, bool] | None = None,
+) -> int:
+    """Fill a folder's store, or what is missing in it; how many matches it has. The first agents are the best.
+
+    Args: `most`, play no more than so many; `forfeits`, whether the last agent crashes now and then.
+    """
+    config: ArenaConfig = scenario("standard")
+    entrants = tuple(Entrant(name, f"{name}.py", "target", f"{place:016x}") for place, name in enumerate(names))
+    plan = round_robin(len(names), config.hunters, rounds, seed=1)
+    folder.mkdir(parents=True, exist_ok=True)
+    with Store.begin(Tournament(config, entrants, plan.words, terms or {}), folder, resume=True) as store:
+        store.plan(plan.stage(0, ()))
+        for number, match in enumerate(plan):
+            if most is not None and number >= most:
+                break
+            random = Random(match.id)
+            crashed = [forfeits and place == len(names) - 1 and random.random() < 0.1 for place in match.seating]
+            scores = tuple(max(0, round(random.gauss(22 - 3 * place, 4))) for place in match.seating)
+            wrong = [
+                Forfeit("FORFEIT_CRASH", 7, "act raised ValueError: <b>no</b>") if bad else None for bad in crashed
+            ]
+            store.keep(
+                Played(
+                    match,
+                    MatchResult(
+                        scores=scores,
+                        ranks=ranks_of(scores, [one and one.step for one in wrong]),
+                        verdicts=tuple({"GRANTED": score, "LOST_CONTEST": 1, "OUT_OF_REACH": 2} for score in scores),
+                        contests_won=tuple(random.randrange(3) for _ in scores),
+                        steps=600,
+                        digest="0" * 16,
+                        forfeits=tuple(one and one.code for one in wrong),
+                        thinking=tuple(Thinking(600, 0.02, 0.001) for _ in scores),
+                        details=tuple(wrong),
+                    ),
+                )
+            )
+        return store.count_played()

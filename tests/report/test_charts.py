@@ -1,0 +1,103 @@
+"""Numbers become places and words."""
+
+import dataclasses
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from report.synthetic import tournament
+
+from catch_arena.report.charts import Axis, distributions, headline, interval, lanes, number, percent, seats
+from catch_arena.report.findings import Findings
+from catch_arena.tournament.statistics.intervals import Estimate
+
+NAN = math.nan
+
+
+@pytest.fixture(scope="module")
+def findings(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("synthetic")
+    tournament(folder, 2, forfeits=True)
+    return Findings.of(folder)
+
+
+@given(st.lists(st.floats(-1e6, 1e6).map(lambda value: round(value, 6)), max_size=8))
+def test_an_axis_holds_all_values_between_round_ends(values):
+    axis = Axis.over([*values, NAN])
+    assert axis.low < axis.high
+    assert 2 <= len(axis.ticks) <= 8
+    assert all(axis.low - 1e-6 <= value <= axis.high + 1e-6 for value in values)
+    assert [axis.at(axis.low), axis.at(axis.high)] == [0.0, 100.0]
+
+
+def test_an_interval_that_is_not_known_is_a_point():
+    axis = Axis.over([0.0, 10.0])
+    assert axis.whisker(Estimate(5.0, NAN, NAN)) == {"left": 50.0, "width": 0.0, "mean": 50.0}
+    assert axis.whisker(Estimate(5.0, 2.0, 8.0)) == {"left": 20.0, "width": 60.0, "mean": 50.0}
+    assert axis.whisker(Estimate(NAN, NAN, NAN)) is None
+
+
+@pytest.mark.parametrize(
+    ("groups", "ended", "said"),
+    [
+        ([(1, 1), (2, 2)], True, "a comes first"),
+        ([(1, 1), (2, 2)], False, "a leads so far"),
+        ([(1, 1), (1, 2), (2, 2)], True, "a and b lead and cannot be told apart"),
+        ([(1, 1), (1, 1)], True, "Nobody can be told apart yet"),
+        ([(1, 1), (1, 1), (1, 1), (1, 1), (2, 2)], True, "a leads, and 3 others cannot be told from the best"),
+        ([(1, 1)], True, "a played alone"),
+    ],
+)
+def test_the_heading_says_no_more_than_is_known(findings, groups, ended, said):
+    assert headline(_table(findings, groups), ended=ended) == said
+
+
+def test_bars_stand_beside_those_who_share_a_group_and_never_touch_in_a_lane(findings):
+    table = _table(findings, [(1, 1), (1, 2), (2, 2), (3, 3), (4, 4), (4, 4), (4, 4)])
+    assert lanes(table) == [
+        ["begin", ""],
+        ["end", "begin"],
+        ["", "end"],
+        ["", ""],
+        ["begin", ""],
+        ["within", ""],
+        ["end", ""],
+    ]
+    assert lanes(_table(findings, [(1, 1), (2, 2)])) == [[], []]
+
+
+def test_score_bars_have_the_area_of_all_matches(findings):
+    found = distributions(findings)
+    assert [row["line"] for row in found["rows"]] == findings.standings
+    areas = [
+        sum(-float(part.split("v")[1].split("h")[0]) for part in row["path"].split("M")[1:]) for row in found["rows"]
+    ]
+    assert areas == pytest.approx([areas[0]] * len(areas), abs=0.02)  # heights are rounded to the thousandth
+    assert all(row["quartiles"] == sorted(row["quartiles"]) for row in found["rows"])
+
+
+def test_the_seats_of_a_tournament_share_all_wins(findings):
+    found = seats(findings)
+    assert sum(seat.wins.mean for seat in found) == pytest.approx(1.0)
+    assert all(seat.wins.low < 0.25 < seat.wins.high for seat in found)
+
+
+def test_numbers_for_people():
+    assert [number(1234567.0), number(1234.0), number(-0.004, 2), number(-3.5, 1), number(NAN)] == [
+        "1\u202f234\u202f567",
+        "1234",
+        "0.00",
+        "−3.5",
+        "–",
+    ]
+    assert [percent(0.126), percent(NAN)] == ["13 %", "–"]
+    assert interval(Estimate(0.5, -0.02, 0.6), 100) == "−2 to 60"
+    assert interval(Estimate(0.5, NAN, NAN)) == "interval unknown"
+
+
+def _table(findings, groups):
+    line = findings.standings[0]
+    return [
+        dataclasses.replace(line, name=name, groups=belongs) for name, belongs in zip("abcdefgh", groups, strict=False)
+    ]

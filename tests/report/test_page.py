@@ -1,0 +1,153 @@
+"""The page itself, as text."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+from report.synthetic import tournament
+
+from catch_arena.errors import ReplayError, StoreError
+from catch_arena.report import REPORT, write_report
+from catch_arena.report.chosen import chosen
+from catch_arena.report.findings import Findings
+from catch_arena.tournament.fairness.audit import FILE as AUDIT
+
+WICKED = ['<script>alert("x")</script>', '"><img src=x onerror=alert(1)>', "{{ 7 * 7 }}", "O'Brien & sons"]
+
+VOID = {"meta", "link", "br", "input", "path", "circle"}
+
+
+class Outline(HTMLParser):
+    """The elements of a page; fails where they are not nested."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.elements = [], []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag not in VOID:
+            assert self.open.pop() == tag
+
+
+def report_of(folder):
+    return write_report(folder).read_text(encoding="utf-8")
+
+
+def test_a_report_tells_of_every_agent_and_asks_nothing_of_any_other_place(tmp_path):
+    tournament(tmp_path, 1)
+    text = report_of(tmp_path)
+    for tag, attributes in Outline(text).elements:
+        assert tag != "iframe"
+        for name in ("src", "href"):
+            assert attributes.get(name, "#").startswith(("#", "data:,"))
+    assert not re.search(r"@import|url\(|https?:", text)
+    for name in ("contested", "patrol", "nearest", "first", "idle", "random"):
+        assert f'<th scope="row">{name}</th>' in text
+
+
+def test_names_are_escaped_wherever_they_stand(tmp_path):
+    tournament(tmp_path, 1, WICKED, forfeits=True)
+    text = report_of(tmp_path)
+    scripts = [attributes for tag, attributes in Outline(text).elements if tag == "script"]
+    assert len(scripts) == 4
+    assert not any(tag == "img" for tag, _ in Outline(text).elements)
+    assert "<script>alert" not in text
+    assert ">{{ 7 * 7 }}<" in text
+    assert "<b>no</b>" not in text  # what an agent raised
+
+
+def test_the_same_matches_make_the_same_bytes(tmp_path):
+    tournament(tmp_path, 1)
+    assert report_of(tmp_path) == report_of(tmp_path)
+
+
+def test_forfeits_are_told_with_code_reason_and_place(tmp_path):
+    tournament(tmp_path, 3, forfeits=True)
+    text = report_of(tmp_path)
+    count = sum(any(one.result.forfeits) for one in Findings.of(tmp_path).played)
+    assert count > 3
+    line = re.search(r"<li><strong>random</strong>.*?</li>", text).group()
+    assert f"{count} ×, first in match r0000" in line
+    assert "step 7" in line
+    assert "act raised ValueError: &lt;b&gt;no&lt;/b&gt;" in line
+
+
+def test_a_tournament_under_way_says_so(tmp_path):
+    tournament(tmp_path, 1, most=24)
+    text = report_of(tmp_path)
+    assert "24 <small>of 60</small>" in text
+    assert "comes first" not in text
+
+
+@pytest.mark.parametrize("passed", [True, False])
+def test_an_audit_stands_in_the_report(tmp_path, passed):
+    tournament(tmp_path, 1)
+    digest = Findings.of(tmp_path).tournament.config.digest
+    share = {"mean": 0.25, "low": 0.24, "high": 0.26}
+    check = {"question": "Does a <seat> win?", "passed": passed, "finding": "from 24.1 to 26.2 %", "p": 0.412}
+    found = {
+        "config_digest": digest if passed else "another",
+        "passed": passed,
+        "agent": "nearest",
+        "matches": 2000,
+        "seats": [{"wins": share, "score": 16.2}] * 4,
+        "twin_matches": 500,
+        "twin_difference": {"mean": -3.0, "low": -20.0, "high": 14.0},
+        "checks": [check],
+    }
+    (tmp_path / AUDIT).write_text(json.dumps(found))
+    text = report_of(tmp_path)
+    verdict = re.search(r'<p class="verdict">(.*?)<small>', text).group(1)
+    assert verdict == ("Fair" if passed else "Not fair")
+    assert "Does a &lt;seat&gt; win?" in text
+    assert "p = 0.412" in text
+    assert ("with other settings" in text) is not passed
+
+
+@pytest.mark.parametrize("content", ["[]", "{", "{}", '{"agent": 1}', "\xff"])
+def test_an_audit_that_is_none_is_refused_in_one_line(tmp_path, content):
+    tournament(tmp_path, 1, most=4)
+    (tmp_path / AUDIT).write_text(content)
+    with pytest.raises(StoreError, match=rf"{AUDIT}: must be as `catch-arena audit` writes it"):
+        write_report(tmp_path)
+
+
+def test_a_tournament_without_matches_has_no_report(tmp_path):
+    with pytest.raises(StoreError, match="holds no tournament"):
+        write_report(tmp_path)
+    tournament(tmp_path, 1, most=0)
+    with pytest.raises(StoreError, match="no match has been played yet"):
+        write_report(tmp_path)
+
+
+def test_recorded_matches_play_in_the_page_within_the_budget(played):
+    findings = Findings.of(played)
+    every = chosen(findings, 10**6)
+    assert set(every) == findings.recorded == {one.match.id for one in findings.played}
+    size = max(len(film.film) for film in every.values())
+    some = chosen(findings, 2 * size)
+    assert 1 <= len(some) < len(every)
+    assert sum(len(film.film) for film in some.values()) <= 2 * size
+    assert chosen(findings, 0) == {}
+
+
+def test_a_match_that_is_asked_for_is_there_whatever_the_budget(played):
+    findings = Findings.of(played)
+    last = max(findings.recorded)
+    assert list(chosen(findings, 0, [last])) == [last]
+    with pytest.raises(ReplayError, match="match nothing: must be one that was played and recorded"):
+        chosen(findings, 0, ["nothing"])
+
+
+def test_a_tournament_leaves_its_report(played):
+    text = (played / REPORT).read_text(encoding="utf-8")
+    films = json.loads(re.search(r'id="films">(.*?)</script>', text).group(1))
+    assert set(films) == Findings.of(played).recorded

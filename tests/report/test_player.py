@@ -1,0 +1,33 @@
+"""A replay as a piece of a page."""
+
+import re
+
+import pytest
+
+import catch_arena
+from catch_arena.player import player_html
+from catch_arena.player.element import script_json
+
+
+@pytest.fixture(scope="module")
+def html():
+    env = catch_arena.parallel_env("duel", time_limit_s=1.0)
+    env.record(["</script><script>alert(1)</script>", "<img src=x onerror=alert(2)>"], "<h1>title</h1>")
+    env.reset(seed=1)
+    while env.agents:
+        env.step(dict.fromkeys(env.agents, 1))
+    return player_html(env.replay())
+
+
+def test_names_and_titles_never_stand_in_the_markup(html):
+    for word in ("alert", "onerror", "<h1>"):
+        assert word not in html
+    assert html.count("<script>") == html.count("</script>") == 1
+
+
+def test_it_asks_nothing_of_any_other_place(html):
+    assert not re.search(r"https?:|//[a-z]+\.|@import|url\(|src=|href=", html)
+
+
+def test_json_in_a_script_cannot_end_the_script():
+    assert script_json(["</script>", "<!--"]) == '["\\u003c/script>","\\u003c!--"]'

@@ -1,0 +1,126 @@
+"""The report while a tournament runs: a real server, on this machine alone."""
+
+import socket
+import threading
+import time
+import urllib.error
+import urllib.request
+from http.client import HTTPConnection
+from urllib.parse import urlsplit
+
+import pytest
+from report.synthetic import tournament
+
+from catch_arena.errors import OutputError
+from catch_arena.player import film_text
+from catch_arena.report import watch
+from catch_arena.report.findings import Findings
+from catch_arena.report.watch import Watched, serving
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch):
+    monkeypatch.setattr(watch, "_PAUSE_S", 0.0)
+    monkeypatch.setattr(watch, "_PAUSE_FACTOR", 0.0)
+
+
+def fetched(address):
+    with urllib.request.urlopen(address, timeout=30) as answer:  # noqa: S310 - ours
+        return answer.read().decode()
+
+
+def refused(address):
+    with pytest.raises(urllib.error.HTTPError) as caught:
+        fetched(address)
+    with caught.value as answer:
+        return answer.code, answer.read().decode()
+
+
+def test_the_page_follows_the_tournament(tmp_path):
+    tournament(tmp_path, 1, most=0)
+    with serving(Watched(tmp_path), 0) as address:
+        assert "No match has been played yet" in fetched(address)
+        tournament(tmp_path, 1, most=8)
+        assert fetched(f"{address}state") == "8"
+        assert "8 <small>of 60</small>" in fetched(address)
+        tournament(tmp_path, 1)
+        assert fetched(f"{address}state") == "60"
+        assert "data-watched" in fetched(address)
+
+
+def test_any_recorded_match_can_be_fetched_and_nothing_else(played):
+    with serving(Watched(played), 0) as address:
+        findings = Findings.of(played)
+        match = min(findings.recorded)
+        fetched(address)
+        assert fetched(f"{address}films/{match}") == film_text(findings.replay(match))
+        assert refused(f"{address}films/..%2F..%2Fsecret")[0] == 404
+        assert refused(f"{address}tournament.sqlite") == (404, "there is nothing here")
+
+
+def test_only_this_machine_is_answered_under_its_own_name(tmp_path):
+    tournament(tmp_path, 1, most=4)
+    with serving(Watched(tmp_path), 0) as address:
+        port = urlsplit(address).port
+        connection = HTTPConnection("127.0.0.1", port, timeout=30)
+        connection.request("GET", "/", headers={"Host": f"evil.example:{port}"})
+        assert connection.getresponse().status == 403
+        connection.close()
+        others = {one[4][0] for one in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)} - {"127.0.0.1"}
+        for host in (*others, "127.0.0.2"):
+            with pytest.raises(OSError, match=r"refused|unreachable|timed out"):
+                socket.create_connection((host, port), timeout=5).close()
+
+
+def test_a_reader_that_says_nothing_keeps_nobody_waiting(tmp_path):
+    tournament(tmp_path, 1, most=4)
+    with serving(Watched(tmp_path), 0) as address, socket.create_connection(("127.0.0.1", urlsplit(address).port)):
+        assert fetched(f"{address}state") == "4"
+
+
+def test_a_port_that_is_taken_gives_way_to_the_next_or_is_named(tmp_path, monkeypatch):
+    tournament(tmp_path, 1, most=4)
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        monkeypatch.setattr(watch, "PORT", port)
+        with serving(Watched(tmp_path)) as address:
+            assert port < urlsplit(address).port < port + 20
+        with (
+            pytest.raises(OutputError, match=f"port {port} of 127.0.0.1: cannot be used"),
+            serving(Watched(tmp_path), port),
+        ):
+            pass
+
+
+def test_the_server_ends_with_its_context(tmp_path):
+    tournament(tmp_path, 1, most=4)
+    before = threading.active_count()
+    with serving(Watched(tmp_path), 0) as address:
+        fetched(address)
+    assert threading.active_count() <= before
+    with pytest.raises(urllib.error.URLError):
+        fetched(address)
+
+
+def test_a_page_that_is_open_sees_the_end(tmp_path, monkeypatch):
+    """Though it would not be made again for long: the tournament ends, and the page asks once more."""
+    monkeypatch.setattr(watch, "_PAUSE_S", 3600.0)
+    monkeypatch.setattr(watch, "_LINGER_S", 2.0)
+    tournament(tmp_path, 1, most=4)
+    watched = Watched(tmp_path)
+    with serving(watched, 0) as address:
+        assert fetched(f"{address}state") == "4"
+        tournament(tmp_path, 1)
+        assert fetched(f"{address}state") == "4"
+        seen = []
+        page = threading.Timer(0.5, lambda: seen.append(fetched(f"{address}state")))
+        page.start()
+        watched.let_see_the_end()
+        page.join()
+        assert seen == ["60"]
+
+
+def test_nobody_waits_where_no_page_is_open(tmp_path):
+    begin = time.monotonic()
+    Watched(tmp_path).let_see_the_end()
+    assert time.monotonic() - begin < 1.0

@@ -1,0 +1,5 @@
+"""Never gets as far as a class."""
+
+import time
+
+time.sleep(3600)

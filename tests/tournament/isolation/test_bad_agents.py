@@ -1,0 +1,206 @@
+"""Every way to fail is a real agent in bad/: it forfeits with its code, the others play on, and nothing is left."""
+
+import os
+import re
+import time
+from pathlib import Path
+
+import pytest
+
+from catch_arena import Replay, scenario
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.seating import inspector, seated
+from catch_arena.tournament.match import play
+
+BAD = Path(__file__).parent / "bad"
+SHORT = scenario("duel", time_limit_s=4)
+LIMITS = AgentLimits(init_s=2, step_ms=1000, bank_s=0.5)
+
+
+@pytest.fixture(scope="module")
+def sandbox():
+    with Sandbox(LIMITS) as made:
+        yield made
+
+
+def entered(sandbox, name, *others):
+    path = BAD / name
+    first = f"cmd:sh {path}" if path.suffix == ".sh" else f"{path}.py"
+    return enter([first, *(others or ["nearest"])], inspector(sandbox))
+
+
+def played(sandbox, name, *others, record=None):
+    entrants = entered(sandbox, name, *others)
+    config = SHORT.replace(hunters=len(entrants))
+    with seated(entrants, sandbox) as players:
+        return play(config, 3, players, [one.name for one in entrants], record=record)
+
+
+def gone(pid):
+    patience = time.monotonic() + 10
+    while time.monotonic() < patience:
+        try:
+            os.kill(pid, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.02)
+    return False
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "step", "reason"),
+    [
+        ("crashes", "FORFEIT_CRASH", 5, "act raised ZeroDivisionError: integer division or modulo by zero"),
+        ("exits", "FORFEIT_CRASH", 5, "act: its process exited with code 3"),
+        ("ends_its_host", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
+        ("closes_its_answers", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
+        ("hangs", "FORFEIT_TIMEOUT", 5, "act took longer than 1.5 s"),
+        ("never_reads.sh", "FORFEIT_INIT", 0, "reset took longer than"),
+        ("hangs_at_import", "FORFEIT_INIT", 0, "init took longer than 2 s"),
+        (
+            "speaks_garbage",
+            "FORFEIT_ILLEGAL",
+            1,
+            "said more than one line: 'no JSON|its line is no JSON object: 'no JSON'",
+        ),
+        ("floods_the_answers", "FORFEIT_ILLEGAL", 1, "its line is longer than 65536 bytes"),
+        ("answers_twice.sh", "FORFEIT_ILLEGAL", 1, "said more than one line"),
+        ("is_illegal", "FORFEIT_ILLEGAL", 1, "an action must be a whole number from 0 to 8, got 99"),
+        ("hoards", "FORFEIT_CRASH", 5, "act raised MemoryError"),
+        ("maps", "FORFEIT_CRASH", 5, "act raised OSError: .*Cannot allocate memory"),
+        ("opens_files", "FORFEIT_CRASH", 5, "act raised OSError: .*Too many open files"),
+        ("writes_much", "FORFEIT_CRASH", 5, "act raised OSError: .*File too large"),
+    ],
+)
+def test_it_forfeits_with_its_code_comes_last_and_the_other_plays_on(sandbox, tmp_path, name, code, step, reason):
+    result = played(sandbox, name, record=tmp_path / "m.replay")
+    assert result.forfeits == (code, None)
+    assert result.details[0].step == step
+    assert re.match(reason, result.details[0].reason), result.details[0].reason
+    assert "\n" not in result.details[0].reason
+    assert result.ranks == (2, 1)
+    assert result.steps == 40
+    assert result.thinking[1].moves == 40
+    replay = Replay.load(tmp_path / "m.replay")
+    assert replay.withdrawals == [(max(0, step - 1), 0)]
+    *_, last = replay.worlds()
+    assert last.hunters[0].withdrawn
+    assert last.hunters[1].score == result.scores[1] > 0
+
+
+def test_a_traceback_goes_to_the_agents_own_log(sandbox):
+    result = played(sandbox, "crashes")
+    assert "bad/crashes.py" in result.logs[0]
+    assert result.logs[0].endswith("ZeroDivisionError: integer division or modulo by zero\n")
+    assert result.logs[1] == ""
+
+
+def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_nothing_else(sandbox):
+    result = played(sandbox, "prints_without_end")
+    assert result.forfeits == (None, None)
+    assert len(result.logs[0]) < 66_000
+    assert result.logs[0].startswith("the first line\nxxx")
+    assert result.logs[0].endswith("xxxthe end of step 3\n")
+    assert re.search(r"\n\[\d+ bytes left out\]\n", result.logs[0])
+
+
+def test_what_it_takes_over_a_step_comes_out_of_its_bank():
+    """50 ms a step, of which 10 are allowed: a bank of 0.2 s lasts for 5 steps at most."""
+    with Sandbox(AgentLimits(step_ms=10, bank_s=0.2)) as sandbox:
+        result = played(sandbox, "is_slow")
+    assert result.forfeits[0] == "FORFEIT_TIMEOUT"
+    assert 2 <= result.details[0].step <= 6
+    assert result.thinking[0].longest_s >= 0.05
+
+
+def test_cpu_time_is_limited_too():
+    with Sandbox(AgentLimits(step_ms=600_000, cpu_s=1)) as sandbox:
+        result = played(sandbox, "hangs")
+    assert result.forfeits == ("FORFEIT_CRASH", None)
+    assert result.details[0].reason == "act: its process used up its CPU time (cpu_s)"
+
+
+def test_a_child_that_would_outlive_its_parent_does_not(sandbox):
+    result = played(sandbox, "leaves_a_child")
+    assert result.forfeits == (None, None)
+    (pid,) = re.findall(r"child (\d+)", result.logs[0])
+    assert gone(int(pid))
+
+
+def test_what_it_writes_goes_to_a_folder_of_its_own_that_is_removed(sandbox, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = played(sandbox, "writes_here")
+    assert result.forfeits == (None, None)
+    (folder,) = re.findall(r"folder (.*)", result.logs[0])
+    assert not Path(folder).exists()
+    assert Path(folder).parent.exists()
+    assert not list(tmp_path.iterdir())
+
+
+def test_it_finds_nothing_of_the_match_or_its_rival_in_its_memory(sandbox):
+    result = played(sandbox, "spies")
+    assert result.forfeits == (None, None)
+    assert "found [] open 5 " in result.logs[0]
+    assert "'PYTEST_CURRENT_TEST'" not in result.logs[0]
+
+
+def test_the_same_agent_finds_all_of_it_where_it_is_trusted(capsys):
+    result = played(None, "spies")
+    assert result.forfeits == ("FORFEIT_ILLEGAL", None)
+    assert re.search(r"found \[.*'CatchArenaEnv', 'Engine'.*'the rival'\]", capsys.readouterr().out)
+
+
+def test_nothing_is_carried_from_one_match_to_the_next(sandbox):
+    entrants = entered(sandbox, "remembers")
+    for _ in range(2):
+        with seated(entrants, sandbox) as players:
+            assert play(SHORT, 1, players, ["a", "b"]).logs[0] == "made 1 1 1\n"
+
+
+def test_those_who_forfeit_come_behind_all_others_and_the_longer_they_lasted_the_better(sandbox):
+    result = played(sandbox, "crashes", str(BAD / "is_illegal.py"), "idle", str(BAD / "hoards.py"))
+    assert result.forfeits == ("FORFEIT_CRASH", "FORFEIT_ILLEGAL", None, "FORFEIT_CRASH")
+    assert result.ranks == (2, 4, 1, 2)
+
+
+def test_a_match_ends_when_all_have_forfeited(sandbox):
+    result = played(sandbox, "crashes", str(BAD / "is_illegal.py"))
+    assert result.forfeits == ("FORFEIT_CRASH", "FORFEIT_ILLEGAL")
+    assert result.steps == 5
+    assert result.ranks == (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("source", "reason"),
+    [
+        ("class Agent\n", "importing it raised SyntaxError"),
+        ("import os\nos._exit(1)\n", "init: its process"),
+        ("class Agnet: pass\n", "has no class Agent; did you mean Agnet"),
+        (
+            "class Agent:\n    def reset(self, seed): pass\n    def act(self): pass\n",
+            r"must take one argument: def act",
+        ),
+        ("class Agent:\n    def __init__(self): 1 / 0\n", r"Agent\(\) raised ZeroDivisionError"),
+        ("class Agent:\n    control = 'fly'\n", "must have a method reset"),
+    ],
+)
+def test_one_that_cannot_begin_is_entered_and_forfeits_every_match(sandbox, tmp_path, source, reason):
+    path = tmp_path / "mine.py"
+    path.write_text(source)
+    entrants = enter([str(path), "nearest"], inspector(sandbox))
+    assert re.search(reason, entrants[0].fault)
+    with seated(entrants, sandbox) as players:
+        result = play(SHORT, 1, players, ["mine", "nearest"])
+    assert result.forfeits == ("FORFEIT_INIT", None)
+    assert result.details[0].reason == entrants[0].fault
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["mine.py"]
+
+
+@pytest.mark.parametrize("name", ["crashes", "is_illegal"])
+def test_a_trusted_agent_that_fails_forfeits_too(name):
+    result = played(None, name)
+    assert result.forfeits[0] in {"FORFEIT_CRASH", "FORFEIT_ILLEGAL"}
+    assert result.ranks == (2, 1)
+    assert result.steps == 40

@@ -1,0 +1,330 @@
+"""Isolated play: equal to trusted play in every bit, open to any language; where we fail, no agent is blamed."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import catch_arena.agents
+from catch_arena import scenario
+from catch_arena.errors import AgentError, ConfigError, NoContest
+from catch_arena.policy import Limits
+from catch_arena.tournament.entrants import enter, shipped
+from catch_arena.tournament.isolation import protocol
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.lines import Log
+from catch_arena.tournament.isolation.processes import family, missing_protections
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.seating import inspector, play_entrants, seated
+from catch_arena.tournament.match import agent_seed, play
+
+HERE = Path(__file__).parent
+SHORT = scenario("duel", time_limit_s=10)
+
+
+@pytest.fixture(scope="module")
+def sandbox():
+    with Sandbox() as made:
+        yield made
+
+
+def alone(name):
+    """A shipped agent, as a file: it would be trusted under its name."""
+    return str(Path(catch_arena.agents.__path__[0]) / f"{name}.py")
+
+
+def played(config, entrants, sandbox, **options):
+    with seated(entrants, sandbox) as players:
+        return play(config, 7, players, [one.name for one in entrants], **options)
+
+
+def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):
+    names = [*shipped(), "random"]
+    config = scenario("standard", hunters=len(names), time_limit_s=15)
+    isolated = played(config, enter([alone(name) for name in names], inspector(sandbox)), sandbox)
+    mixed = played(config, enter([alone(name) for name in names[:3]] + names[3:], inspector(sandbox)), sandbox)
+    trusted = played(config, enter(names), None)
+    assert isolated == mixed == trusted
+    assert isolated.forfeits == (None,) * len(names)
+
+
+def test_agents_that_come_with_the_package_need_no_process(sandbox):
+    sandbox.close()
+    before = family(os.getpid())  # Python's own helpers may have been started by other tests
+    played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], inspector(sandbox)), sandbox)
+    assert family(os.getpid()) == before
+    played(SHORT, enter(["nearest", alone("idle")], inspector(sandbox)), sandbox)
+    assert len(family(os.getpid()) - before) == 2  # the keeper and a host
+
+
+def test_an_entrant_is_the_same_however_it_was_looked_at(sandbox):
+    words = ["patrol", "catch_arena.agents.first:Agent", str(HERE / "bad" / "is_slow.py")]
+    assert enter(words, inspector(sandbox)) == enter(words)
+
+
+@pytest.mark.parametrize(
+    ("command", "control", "least"), [("sh nearest.sh", "target", 3), ("sh straight.sh", "velocity", 1)]
+)
+def test_any_language_plays(sandbox, monkeypatch, command, control, least):
+    """The files are named from the folder that the tournament is started in; agents work in another one."""
+    monkeypatch.chdir(HERE)
+    entrants = enter([f"cmd:{command}", "idle"], inspector(sandbox))
+    monkeypatch.chdir("/")
+    assert (entrants[0].control, entrants[0].fault) == (control, None)
+    result = played(scenario("duel", time_limit_s=20), entrants, sandbox)
+    assert result.forfeits == (None, None)
+    assert result.scores[0] >= least
+    assert result.ranks == (1, 2)
+
+
+def test_the_shells_nearest_is_pythons_nearest(sandbox):
+    shell = enter([f"cmd:sh {HERE / 'nearest.sh'}", "idle"], inspector(sandbox))
+    python = enter([alone("nearest"), alone("idle")], inspector(sandbox))
+    assert played(SHORT, shell, sandbox) == played(SHORT, python, sandbox)
+
+
+def test_a_commands_name_and_digest_come_from_its_file(sandbox, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    source = (HERE / "nearest.sh").read_text()
+    Path("mine.sh").write_text(source)
+    Path("other").mkdir()
+    Path("other/mine.sh").write_text(source)
+    look = inspector(sandbox)
+    (mine,) = enter(["cmd:sh mine.sh"], look)
+    (same,) = enter([f"cmd:sh {tmp_path}/other/mine.sh"], look)
+    (with_option,) = enter(["cmd:sh mine.sh --fast"], look)
+    Path("mine.sh").write_text(source + "# changed\n")
+    (changed,) = enter(["cmd:sh mine.sh"], look)
+    assert mine.name == same.name == changed.name == "mine"
+    assert mine.digest == same.digest
+    assert len({mine.digest, with_option.digest, changed.digest}) == 3
+
+
+@pytest.mark.parametrize(
+    ("word", "message"),
+    [
+        ("cmd:", "must name a command"),
+        ("cmd:'open", "No closing quotation"),
+        ("cmd:no_such_program --x", "no_such_program is no program that can be run"),
+    ],
+)
+def test_a_command_that_cannot_be_is_refused(sandbox, word, message):
+    with pytest.raises(AgentError, match=message):
+        enter([word], inspector(sandbox))
+
+
+def test_a_command_is_never_trusted():
+    with pytest.raises(AgentError, match="a command plays in a process of its own only"):
+        enter([f"cmd:sh {HERE / 'nearest.sh'}"])
+
+
+def test_a_file_that_no_system_can_start_is_a_fault(sandbox, tmp_path):
+    program = tmp_path / "bot"
+    program.write_text("no program\n")
+    program.chmod(0o755)
+    (entrant,) = enter([f"cmd:{program}"], inspector(sandbox))
+    assert "bot: cannot be started: Exec format error" in entrant.fault
+
+
+def test_an_agent_is_told_its_own_seed_and_the_arenas_limits(sandbox, tmp_path):
+    path = tmp_path / "tells.py"
+    path.write_text(
+        "class Agent:\n    def reset(self, seed): print('seed', seed)\n"
+        "    def act(self, view):\n        print(view.limits, view.observation[:2])\n        return 0\n"
+    )
+    entrants = enter([str(path), "idle"], inspector(sandbox))
+    result = played(SHORT, entrants, sandbox, places=(3, 1))
+    assert result.logs[0].startswith(f"seed {agent_seed(7, 3)}\n{Limits.of(SHORT)} [")
+
+
+def test_numpys_numbers_are_actions(sandbox, tmp_path):
+    path = tmp_path / "numbers.py"
+    path.write_text(
+        "import numpy as np\nclass Agent:\n    control = 'full'\n    def reset(self, seed): pass\n"
+        "    def act(self, view):\n        seen = np.asarray(view.observation, dtype=np.float32)\n"
+        "        return {'cmd_vel': np.tanh(seen[10:12]), 'catch': np.int64(view.mask[1])}\n"
+    )
+    words = [str(path), "nearest"]
+    isolated = played(SHORT, enter(words, inspector(sandbox)), sandbox)
+    assert isolated == played(SHORT, enter(words), None)
+    assert isolated.forfeits == (None, None)
+
+
+def test_the_docs_have_every_limit():
+    page = (HERE.parents[2] / "docs" / "isolation.md").read_text()
+    for limit in fields(AgentLimits):
+        assert f"| `{limit.name}` | {limit.default:g} |" in page
+
+
+def test_all_are_asked_at_once(sandbox):
+    """Four that take 50 ms each take little more together than one."""
+    config = scenario("standard", time_limit_s=2)
+    slow = str(HERE / "bad" / "is_slow.py")
+
+    def seconds(*names):
+        entrants = enter(names, inspector(sandbox))
+        with seated(entrants, sandbox) as players:
+            begin = []
+            play(config, 1, players, [one.name for one in entrants], watch=lambda _: begin.append(time.monotonic()))
+        return begin[-1] - begin[0]
+
+    assert seconds(slow, slow, slow, slow) < 1.6 * seconds(slow, *[alone("idle")] * 3)
+
+
+def test_the_keepers_end_is_no_contest_and_the_next_match_starts_anew(sandbox):
+    entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
+    whole = played(SHORT, entrants, sandbox)
+    keeper, folder = sandbox._keeper._process.pid, sandbox._keeper.folder
+
+    def end_the_keeper(env):
+        if env.world().step == 10:
+            os.kill(keeper, signal.SIGKILL)
+
+    with pytest.raises(NoContest, match="the keeper of the agents' processes has ended"):
+        played(SHORT, entrants, sandbox, watch=end_the_keeper)
+    assert not folder.exists()
+    assert played(SHORT, entrants, sandbox) == whole
+
+
+def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox):
+    entrants = enter([str(HERE / "bad" / "is_slow.py"), "idle"], inspector(sandbox))
+    former = signal.signal(signal.SIGALRM, lambda *_: time.sleep(1.5))
+    try:
+        with (
+            pytest.raises(NoContest, match="this process stood still for"),
+            seated(entrants, sandbox) as players,
+        ):
+            # the alarm comes 20 ms after a step's begin: while the slow one is waited for
+            play(SHORT, 1, players, ["a", "b"], watch=lambda _: signal.setitimer(signal.ITIMER_REAL, 0.02))
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, former)
+
+
+def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
+    """Not even a grandchild in a session of its own, nor the folders."""
+    agent = HERE / "bad" / "leaves_a_child.py"
+    code = (
+        "from catch_arena import scenario\n"
+        "from catch_arena.tournament.entrants import enter\n"
+        "from catch_arena.tournament.isolation.seating import inspector, play_entrants, seated\n"
+        "from catch_arena.tournament.match import play\n"
+        "from catch_arena.tournament.isolation.sandbox import Sandbox\n"
+        "sandbox = Sandbox()\n"
+        f"entrants = enter([{str(agent)!r}, {alone('idle')!r}], inspector(sandbox))\n"
+        "with seated(entrants, sandbox) as players:\n"
+        "    def tell(env):\n"
+        "        if env.world().step == 3:\n"
+        "            print(players.logs()[0].strip(), sandbox._keeper.folder, flush=True)\n"
+        "            input()\n"
+        "    play(scenario('duel'), 1, players, ['a', 'b'], watch=tell)\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=tmp_path
+    )
+    with process:
+        _, child, folder = process.stdout.readline().split()
+        folder, relatives = Path(folder), family(process.pid)
+        assert int(child) in relatives
+        assert len(relatives) >= 6  # the keeper, two hosts, two agents, the child
+        assert folder.is_dir()
+        process.kill()
+    patience = time.monotonic() + 10
+    while (folder.exists() or any(Path(f"/proc/{pid}").exists() for pid in relatives)) and time.monotonic() < patience:
+        time.sleep(0.02)
+    assert not [pid for pid in relatives if Path(f"/proc/{pid}").exists()]
+    assert not folder.exists()
+
+
+def test_without_linux_a_match_is_held_with_process_groups(monkeypatch):
+    """As on macOS: the families of processes cannot be listed, and what is missing is said."""
+    start = (
+        "import sys; sys.path[:] = sys.argv[1:]; from catch_arena.tournament.isolation import keeper, processes; "
+        "keeper.LINUX = processes.LINUX = False; keeper.main()"
+    )
+    monkeypatch.setattr("catch_arena.tournament.isolation.sandbox._START", start)
+    before = family(os.getpid())
+    with Sandbox() as sandbox:
+        entrants = enter([str(HERE / "bad" / "crashes.py"), "nearest"], inspector(sandbox))
+        results = [played(SHORT, entrants, sandbox) for _ in range(2)]
+        assert results[0] == results[1]
+        assert results[0].forfeits == ("FORFEIT_CRASH", None)
+        assert family(os.getpid()) > before
+    assert family(os.getpid()) == before
+    assert missing_protections() == ()
+    monkeypatch.setattr("catch_arena.tournament.isolation.processes.LINUX", False)
+    assert len(missing_protections()) == 3
+
+
+def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
+    sandbox.close()
+    before = family(os.getpid())
+    entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
+
+    def interrupt(env):
+        if env.world().step == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        played(SHORT, entrants, sandbox, watch=interrupt)
+    assert family(os.getpid()) == before
+    assert played(SHORT, entrants, sandbox).forfeits == (None, None)
+
+
+def test_a_match_that_could_not_be_held_is_played_again(sandbox):
+    entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
+    whole = play_entrants(SHORT, 7, entrants, sandbox)
+    ended = []
+
+    def end_the_keeper_once(env):
+        if env.world().step == 10 and len(ended) < 1:
+            ended.append(sandbox._keeper._process.pid)
+            os.kill(ended[0], signal.SIGKILL)
+
+    assert play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_keeper_once) == whole
+    assert ended
+
+    def end_the_keeper(env):
+        if env.world().step == 10:
+            os.kill(sandbox._keeper._process.pid, signal.SIGKILL)
+
+    with pytest.raises(NoContest):
+        play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_keeper)
+
+
+def test_a_line_gives_every_float32_back():
+    bits = np.random.default_rng(1).integers(0, 2**32, 20_000, dtype=np.uint32)
+    floats = bits.view(np.float32)
+    numbers = [float(number) for number in floats[np.isfinite(floats)]]
+    said = json.loads(protocol.view_line(numbers, [1, 0]))
+    assert protocol.float32(said["view"]) == numbers
+    assert said["mask"] == [1, 0]
+
+
+def test_a_log_keeps_both_ends():
+    log = Log(10)
+    log.add(b"abcdefg")
+    assert log.text() == "abcdefg"
+    log.add(b"hijklmnopq")
+    assert log.text() == "abcde\n[7 bytes left out]\nmnopq"
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"step_ms": 0}, "step_ms must be a number from 1 to 1000000, got 0"),
+        ({"memory_mib": 1.5}, "memory_mib must be a whole number from 32 to 1000000, got 1.5"),
+        ({"init_s": True}, "init_s must be a number"),
+        ({"step": 3}, "unknown limit 'step': did you mean step_ms"),
+    ],
+)
+def test_limits_that_cannot_be_are_named(values, message):
+    with pytest.raises(ConfigError, match=message):
+        AgentLimits.of(**values)

@@ -1,0 +1,156 @@
+"""The sequential test, and the command that plays for it."""
+
+import math
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena import scenario
+from catch_arena.cli import main
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.match import MatchResult
+from catch_arena.tournament.plans.schedule import Match, Played, round_robin
+from catch_arena.tournament.sequential.compare import Seats, compare
+from catch_arena.tournament.sequential.sprt import Sprt, elo_of_share, share_of_elo
+
+MEASURE = runpy.run_path(str(Path(__file__).parents[3] / "scripts" / "measure_ratings.py"))
+QUICK = ["--set", "time_limit_s=5", "--jobs", "1"]
+
+
+def test_with_two_outcomes_it_is_walds_test():
+    """Wins and defeats only: the ratio is that of two binomials."""
+    test = Sprt(0.5, 0.6)
+    for outcome in [1.0] * 30 + [0.0] * 20:
+        test.add(outcome)
+    assert test.log_likelihood_ratio == pytest.approx(30 * math.log(0.6 / 0.5) + 20 * math.log(0.4 / 0.5), abs=1e-3)
+    assert test.bounds == pytest.approx((-math.log(19), math.log(19)))
+    assert test.answer is None
+
+
+def test_with_many_close_outcomes_it_is_the_normal_approximation():
+    """N (s1 - s0) (2 mean - s0 - s1) / (2 variance), as engines' testers first used it."""
+    test = Sprt(0.50, 0.52)
+    for outcome, count in ((0.25, 100), (0.5, 220), (0.75, 120)):
+        for _ in range(count):
+            test.add(outcome)
+    mean = (0.25 * 100 + 0.5 * 220 + 0.75 * 120) / 440
+    variance = (100 * (0.25 - mean) ** 2 + 220 * (0.5 - mean) ** 2 + 120 * (0.75 - mean) ** 2) / 440
+    assert test.log_likelihood_ratio == pytest.approx(440 * 0.02 * (2 * mean - 1.02) / (2 * variance), rel=0.03)
+
+
+def test_a_few_outcomes_all_alike_decide_nothing():
+    test = Sprt(0.5, 0.53)
+    for _ in range(5):
+        test.add(1.0)
+    assert test.answer is None
+
+
+@pytest.mark.parametrize(("truth", "wrong"), [(0, "H1"), (100, "H0")])
+def test_it_errs_as_seldom_as_is_said(truth, wrong):
+    """5 % of 150 trials, but for three standard errors; scripts/measure_ratings.py has the long run."""
+    first, second, _ = MEASURE["sprt_answers"](truth, 100, 2, 150, 11)
+    assert {"H0": first, "H1": second}[wrong] <= 0.05 + 3 * math.sqrt(0.05 * 0.95 / 150)
+
+
+def test_points_and_shares_are_one_scale():
+    assert share_of_elo(0) == 0.5
+    assert share_of_elo(400) == pytest.approx(10 / 11)
+    assert elo_of_share(share_of_elo(-123.0)) == pytest.approx(-123.0)
+    assert (elo_of_share(1.0), elo_of_share(0.0)) == (math.inf, -math.inf)
+
+
+@pytest.mark.parametrize("seats", [2, 4])
+def test_against_each_other_both_sit_in_every_seat_equally_often(seats):
+    block = Seats(seats, 0).block(round_robin(seats, seats, 1, 0))
+    sat = [(place, seat) for match in block for seat, place in enumerate(match.seating)]
+    assert all(sat.count((place, seat)) == seats // 2 for place in (0, 1) for seat in range(seats))
+
+
+def test_against_a_full_field_they_take_turns_in_the_same_seats_on_the_same_targets():
+    block = Seats(4, 3).block(round_robin(4, 4, 1, 0))
+    assert len(block) == 8
+    for mine, theirs in zip(block[::2], block[1::2], strict=True):
+        assert mine.seed == theirs.seed
+        assert [place or 1 for place in mine.seating] == list(theirs.seating)
+        assert sorted(mine.seating) == [0, 2, 3, 4]
+
+
+def test_beside_a_field_they_sit_together():
+    for match in Seats(4, 2).block(round_robin(4, 4, 1, 0)):
+        assert sorted(match.seating) == [0, 1, 2, 3]
+
+
+def test_a_blocks_outcome_by_hand():
+    def block(*matches):
+        return [
+            Played(Match(str(number), 0, 0, seating), MatchResult((), ranks, (), (), 1, "", (), ()))
+            for number, (seating, ranks) in enumerate(matches)
+        ]
+
+    together = block(((0, 1, 2), (1, 2, 3)), ((2, 0, 1), (1, 2, 2)), ((1, 2, 0), (1, 2, 3)))
+    assert Seats(3, 1).outcome(together) == (1 + 0.5 + 0) / 3
+    in_turn = block(((0, 2, 3), (1, 2, 3)), ((1, 2, 3), (2, 1, 3)), ((2, 0, 3), (1, 2, 3)), ((2, 1, 3), (1, 2, 3)))
+    assert Seats(3, 2).outcome(in_turn) == (1 + 0.5) / 2
+
+
+def test_the_answer_does_not_depend_on_the_number_of_processes():
+    config = scenario("duel", time_limit_s=5)
+
+    def found(jobs):
+        return compare(config, enter(["nearest", "idle"]), Sprt(0.5, 0.7), max_blocks=40, jobs=jobs)
+
+    assert found(1) == found(2)
+    assert found(1).answer == "H1"
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "verdict"),
+    [
+        (["nearest", "idle", "--elo1", "100"], 0, "nearest is stronger than idle \\(H1\\)"),
+        (["idle", "nearest", "--elo1", "100"], 1, "idle is not stronger than nearest \\(H0\\)"),
+        (["nearest", "contested", "--max-blocks", "2"], 3, "undecided after 2 blocks"),
+        (
+            ["idle", "nearest", "-s", "standard", "--share0", "0.4", "--share1", "0.6", *["--against", "patrol"] * 3],
+            1,
+            "H0",
+        ),
+    ],
+)
+def test_the_command_says_what_it_found_and_its_exit_code_does_too(words, code, verdict):
+    result = CliRunner().invoke(main, ["compare", *words, *QUICK])
+    assert result.exit_code == code, result.output
+    assert re.search(f"verdict: .*{verdict}", result.output)
+    assert max(map(len, result.output.splitlines())) <= 120
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["nearest"], "agents must be two, A and B, got 1"),
+        (["nearest", "idle", "first"], "the field is named by --against"),
+        (["nearest", "idle", "--elo0", "30"], "share0 < share1"),
+        (["nearest", "idle", "--share0", "0.5"], "--share0 and --share1 must be given together"),
+        (["nearest", "idle", "--share0", "0.5", "--share1", "1.5"], "got 0.5 and 1.5"),
+        (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),
+        (["nearest", "idle", "--alpha", "0"], "alpha must lie in"),
+        (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
+        (["nearest", "idle", "--jobs", "0"], "jobs must be at least 1"),
+        (["nearest", "idle", "-s", "standard", "--against", "first"], "the field must be of 0 or 2 or 3 agents"),
+        (["nearest", "idle", "-s", "capstone"], "at least 2 hunters"),
+        (["nearest", "idel"], "did you mean idle"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused_in_one_line(words, message):
+    result = CliRunner().invoke(main, ["compare", *words])
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_a_field_that_does_not_fit_is_refused():
+    with pytest.raises(ConfigError, match="of 1 or 2 agents where 3 hunters play, got 0"):
+        Seats(3, 0)

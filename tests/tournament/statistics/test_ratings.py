@@ -1,0 +1,139 @@
+"""The fit against hand-computed cases, against another implementation, and against agents of known strength."""
+
+import math
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+from catch_arena.tournament.statistics.intervals import ratios
+from catch_arena.tournament.statistics.outcomes import Outcomes, Pairs
+from catch_arena.tournament.statistics.ratings import ELO, fit, rate
+
+MEASURE = runpy.run_path(str(Path(__file__).parents[3] / "scripts" / "measure_ratings.py"))
+
+TABLES = st.integers(2, 5).flatmap(
+    lambda size: st.tuples(
+        *(
+            st.lists(st.lists(st.integers(0, 30), min_size=size, max_size=size), min_size=size, max_size=size)
+            for _ in range(2)
+        )
+    )
+)
+
+
+def outcomes(entrants, *matches):
+    """Each match: its block, its seating, its ranks."""
+    block, seating, ranks = (np.array(part) for part in zip(*matches, strict=True))
+    return Outcomes(entrants, block, seating, 10 - ranks, ranks)
+
+
+def test_davidsons_estimate_for_two_by_hand():
+    """60 wins, 30 ties, 10 defeats: strengths as 6 to 1, and v = 30 / sqrt(60 * 10). Against so many matches the
+    imagined games count for nothing.
+    """
+    wins, ties = np.array([[0, 60], [10, 0]]) * 1e9, np.array([[0, 30], [30, 0]]) * 1e9
+    strengths, log_tie, _ = fit(wins, ties)
+    assert strengths[0] - strengths[1] == pytest.approx(math.log(6))
+    assert math.exp(log_tie) == pytest.approx(30 / math.sqrt(600))
+
+
+def test_a_match_counts_as_all_its_pairs():
+    """One first, two tied second; and an entrant in two seats does not meet itself."""
+    pairs = Pairs.of(outcomes(4, (0, (2, 0, 1), (2, 1, 2)), (1, (3, 3, 0), (1, 2, 2))))
+    assert pairs.table(1)[0].tolist() == [0, 1, 1, 0]
+    assert pairs.table(1)[3].tolist() == [1, 0, 0, 0]
+    assert pairs.table(0).tolist() == [[0, 0, 0, 1], [0, 0, 1, 0], [0, 1, 0, 0], [1, 0, 0, 0]]
+    assert pairs.block.tolist() == [0, 0, 0, 1, 1]
+
+
+@given(TABLES)
+@settings(max_examples=30, deadline=None)
+def test_the_fit_is_where_another_optimiser_finds_the_most_likely(tables):
+    """Written from the formulas of docs/ratings.md, pair by pair."""
+    wins, ties = (np.array(table, dtype=float) for table in tables)
+    np.fill_diagonal(wins, 0.0)
+    ties = np.triu(ties, 1) + np.triu(ties, 1).T
+    size = len(wins)
+
+    def unlikeliness(place):
+        *strengths, log_tie = place
+        total = 0.0
+        for i in range(size):
+            total -= 0.5 * (strengths[i] - 2 * np.logaddexp(0, strengths[i]))
+            for j in range(i):
+                half = (strengths[i] - strengths[j]) / 2
+                normal = np.logaddexp(np.logaddexp(half, -half), log_tie)
+                total -= wins[i, j] * (half - normal) + wins[j, i] * (-half - normal) + ties[i, j] * (log_tie - normal)
+        return total - 0.5 * (log_tie - 2 * np.logaddexp(math.log(2), log_tie))
+
+    strengths, log_tie, _ = fit(wins, ties)
+    found = minimize(unlikeliness, np.zeros(size + 1), tol=1e-9)
+    np.testing.assert_allclose([*strengths, log_tie], found.x, atol=2e-3)
+
+
+def test_an_entrant_that_never_lost_has_a_finite_rating_and_a_wide_interval():
+    ratings = rate(outcomes(2, *((block, (0, 1), (1, 2)) for block in range(20))))
+    first, second = ratings.estimates()
+    assert 200 < first.mean < 600
+    assert first.mean == pytest.approx(-second.mean)
+    assert 150 < first.margin < 1000
+
+
+def test_ratings_have_mean_zero_over_those_who_played():
+    ratings = rate(outcomes(4, (0, (0, 1, 3), (1, 2, 3)), (1, (1, 0, 3), (1, 1, 3))))
+    assert math.isnan(ratings.points[2])
+    assert np.nansum(ratings.points) == pytest.approx(0.0)
+    assert ratings.points[0] > ratings.points[1] > ratings.points[3]
+    assert math.isnan(ratings.estimates()[2].low)
+
+
+def test_an_entrant_of_one_block_has_no_interval_however_many_there_are():
+    matches = [(block, (0, 1), (1 + block % 2, 2 - block % 2)) for block in range(40)]
+    first, _, third = rate(outcomes(3, *matches, (40, (0, 2), (1, 2)))).estimates()
+    assert math.isnan(third.low)
+    assert first.margin < 400
+
+
+def test_names_mean_nothing():
+    """Entrants in another order have the same ratings, in that order."""
+    world, random = MEASURE["catches"](4, 8.0, 14.0), np.random.default_rng(3)
+    one = MEASURE["simulated"](world, MEASURE["Design"](4, 3, 2), random)
+    labels = np.array([2, 0, 3, 1])
+    other = Outcomes(4, one.block, labels[one.seating], one.scores, one.ranks)
+    np.testing.assert_allclose(rate(other).points[labels], rate(one).points, atol=1e-6)
+
+
+def test_many_matches_find_the_true_strengths():
+    world = MEASURE["plackett_luce"](5, 1.5)
+    ratings = rate(MEASURE["simulated"](world, MEASURE["Design"](5, 4, 2000), np.random.default_rng(1)))
+    np.testing.assert_allclose(ratings.points, np.linspace(-1.5, 1.5, 5) * ELO, atol=6)
+
+
+@pytest.mark.parametrize("world", ["plackett_luce", "davidson", "catches"])
+def test_the_intervals_hold_the_truth_as_often_as_they_say(world):
+    """150 tournaments of five agents; scripts/measure_ratings.py measures 500 and more designs."""
+    truth, seats = {
+        "plackett_luce": (MEASURE["plackett_luce"](5, 1.0), 4),
+        "davidson": (MEASURE["davidson"](5, 1.0, 1.0), 2),
+        "catches": (MEASURE["catches"](5, 8.0, 16.0), 3),
+    }[world]
+    found = MEASURE["coverage"](truth, MEASURE["Design"](5, seats, 4), 150, 7)
+    assert 0.925 <= np.mean(found.ratings) <= 0.98
+    assert not found.scores or 0.92 <= np.mean(found.scores) <= 0.98
+
+
+def test_very_many_blocks_are_drawn_by_the_bag_and_give_the_same_interval():
+    random = np.random.default_rng(0)
+    sums = random.normal(size=(9000, 1))
+    (found,) = ratios(sums, np.ones_like(sums))
+    assert found.margin == pytest.approx(1.96 * sums.std() / math.sqrt(9000), rel=0.03)
+
+
+def test_ten_thousand_matches_take_seconds():
+    """1.4 s of CPU time where docs/ratings.md was measured; a loop over resamples would take minutes."""
+    assert MEASURE["seconds_for_many"]() < 20

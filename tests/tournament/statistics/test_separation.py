@@ -1,0 +1,96 @@
+"""Groups, and when an order is clear."""
+
+import math
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import MatchResult, ranks_of
+from catch_arena.tournament.plans.schedule import Match, Played
+from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.ratings import rate
+from catch_arena.tournament.statistics.separation import groups, holm, level_of_look, next_look, p_values, separation
+
+MEASURE = runpy.run_path(str(Path(__file__).parents[3] / "scripts" / "measure_ratings.py"))
+THREE = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in "abc"]
+
+
+def played(blocks, rates, seed=0):
+    random = np.random.default_rng(seed)
+    found = []
+    for block in range(blocks):
+        scores = tuple(random.poisson(rates).tolist())
+        result = MatchResult(scores, ranks_of(scores), ({},) * 3, (0,) * 3, 600, "", (None,) * 3, ())
+        found.append(Played(Match(f"{block:06d}", block, block, (0, 1, 2)), result))
+    return found
+
+
+def test_holms_correction_by_hand():
+    assert holm(np.array([0.01, 0.04, 0.03, 0.005])).tolist() == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    assert holm(np.array([0.9, 0.8])).tolist() == [1.0, 1.0]
+
+
+def test_those_who_can_be_told_apart_share_no_group_and_others_do():
+    world = MEASURE["plackett_luce"](6, 1.0)
+    ratings = rate(MEASURE["simulated"](world, MEASURE["Design"](6, 4, 3), np.random.default_rng(2)))
+    order = ratings.points.argsort()[::-1].tolist()
+    found = groups(ratings, order)
+    assert found[0] == (1, 1)
+    assert found[0][1] < found[-1][0]
+    firsts, lasts = zip(*found, strict=True)
+    assert list(firsts) == sorted(firsts)
+    assert list(lasts) == sorted(lasts)
+    assert min(number for both in found for number in both) == 1
+
+
+def test_equals_are_told_apart_as_seldom_as_is_said():
+    """At most 5 % of 100 tournaments, but for three standard errors."""
+    assert MEASURE["equals_told_apart"](MEASURE["Design"](5, 3, 2), 100, 4) <= 0.115
+
+
+def test_the_order_is_clear_once_there_is_enough_and_the_hardest_pair_is_named():
+    rates = (20.0, 10.0, 12.0)
+    early, late = (separation(THREE, played(blocks, rates)) for blocks in (12, 400))
+    assert not early.clear
+    assert early.p > late.p
+    assert (late.clear, late.pair) == (True, ("c", "b"))
+    assert late.p < late.level < 0.05
+
+
+def test_one_that_never_wins_is_certainly_worse():
+    """Though its rating could be anything far below."""
+    found = played(40, (30.0, 10.0, 0.0))
+    ratings = rate(Outcomes.of(3, found))
+    assert ratings.blocks_above.tolist() == [[0, 40, 40], [0, 0, 40], [0, 0, 0]]
+    assert p_values(ratings)[0, 2] <= 2 * 2 / 2**40
+    assert separation(THREE, found).clear
+
+
+def test_nothing_is_clear_before_the_first_look():
+    assert not separation(THREE, played(next_look(0) - 1, (90.0, 1.0, 30.0))).clear
+    assert not separation(THREE, []).clear
+
+
+def test_the_looks_together_spend_what_there_is():
+    blocks, spent, looks = next_look(0), 0.0, 0
+    while blocks < 10**9:
+        level = level_of_look(blocks, 0.95)
+        assert level == level_of_look(next_look(blocks) - 1, 0.95)
+        spent, blocks, looks = spent + level, next_look(blocks), looks + 1
+    assert spent == pytest.approx(0.05 * (1 - 1 / (looks + 1)))
+
+
+def test_an_order_of_equals_is_not_called_clear_however_often_one_looks():
+    """Two equals are the hardest; 100 tournaments, each looked at eight times."""
+    clear, wrong = MEASURE["called_clear"](MEASURE["catches"](2, 14.0, 14.0), 2, 150, 100, 5)
+    assert clear == wrong <= 0.05 + 3 * math.sqrt(0.05 * 0.95 / 100)
+
+
+@pytest.mark.parametrize(("confidence", "entrants"), [(1.0, 3), (0.2, 3), (math.nan, 3), (0.95, 1)])
+def test_what_cannot_be_asked_is_refused(confidence, entrants):
+    with pytest.raises(ConfigError, match=r"must (lie in \[0\.5, 1\)|be at least 2)"):
+        separation(THREE[:entrants], [], confidence)

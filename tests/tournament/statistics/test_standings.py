@@ -1,0 +1,136 @@
+"""The standings against numbers worked out by hand."""
+
+import csv
+import io
+import json
+import math
+
+import pytest
+
+from catch_arena import scenario
+from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.match import MatchResult, play, ranks_of
+from catch_arena.tournament.plans.schedule import Match, Played
+from catch_arena.tournament.records.results import summary_text, table_text
+from catch_arena.tournament.records.store import Tournament
+from catch_arena.tournament.statistics.standings import standings
+
+A, B = (Entrant(name, f"{name}.py", "target", "0" * 16) for name in "ab")
+DUEL = Tournament(scenario("duel"), (A, B), {"format": "round-robin", "rounds": 2, "seed": 3})
+
+
+def played(
+    block: int, turn: int, seating: tuple[int, int], scores: tuple[int, int], lost: int = 0, code: str | None = None
+) -> Played:
+    verdicts = tuple(
+        {"GRANTED": score} | ({"LOST_CONTEST": lost, "OUT_OF_REACH": 1} if seat == 0 and lost else {})
+        for seat, score in enumerate(scores)
+    )
+    return Played(
+        Match(f"r00001-g{block + 1:06d}-s{turn:02d}", block, 7 + block, seating),
+        MatchResult(scores, ranks_of(scores), verdicts, (1, lost), 600, "ab", (code, None), ()),
+    )
+
+
+FOUR = [
+    played(0, 0, (0, 1), (10, 4), lost=3),
+    played(0, 1, (1, 0), (6, 6)),
+    played(1, 0, (0, 1), (8, 9)),
+    played(1, 1, (1, 0), (5, 12)),
+]
+
+
+def test_means_by_hand():
+    first, second = standings([A, B], FOUR)
+    assert (first.place, first.name, first.matches) == (1, "a", 4)
+    assert first.score.mean == (10 + 6 + 8 + 12) / 4
+    assert second.score.mean == (4 + 6 + 9 + 5) / 4
+    # a wins two, shares one
+    assert (first.win_share.mean, second.win_share.mean) == (2.5 / 4, 1.5 / 4)
+    assert (first.mean_rank, second.mean_rank) == (5 / 4, 6 / 4)
+    assert (first.contests_lost, first.refused) == (3 / 4, 1 / 4)
+
+
+def test_contests_refusals_and_forfeits_by_hand():
+    first, second = standings([A, B], [*FOUR, played(2, 0, (0, 1), (1, 2), code="FORFEIT_CRASH")])
+    assert (first.name, second.name) == ("a", "b")
+    # a sat in seat 0 in three of the five, where it won one contest each, and elsewhere as many as the other lost
+    assert first.contest_wins == (1 + 0 + 1 + 0 + 1) / (3 + 3)
+    assert second.contest_wins == (3 + 1 + 0 + 1 + 0) / (5 + 0)
+    assert (first.refusals, second.refusals) == ({"OUT_OF_REACH": 1 / 5}, {})
+    assert (first.forfeits, second.forfeits) == ({"FORFEIT_CRASH": 1}, {})
+
+
+def test_a_match_counts_who_won_its_contests():
+    """Of two hunters the one wins what the other loses."""
+    policies = [one.create() for one in enter(["nearest", "contested"])]
+    result = play(scenario("duel", time_limit_s=30), 4, policies, ["a", "b"])
+    lost = [verdicts.get("LOST_CONTEST", 0) for verdicts in result.verdicts]
+    assert list(result.contests_won) == lost[::-1]
+    assert sum(lost) > 0
+
+
+def test_the_middle_half_of_the_matches_by_hand():
+    """Of eight scores the two least and the two greatest are cut off."""
+    scores = (0, 1, 4, 5, 6, 7, 20, 90)
+    first, _ = standings([A, B], [played(block, 0, (0, 1), (score, 0)) for block, score in enumerate(scores)])
+    assert first.iqm.mean == (4 + 5 + 6 + 7) / 4
+    assert first.iqm.low < first.iqm.mean < first.iqm.high < first.score.high
+
+
+def test_nobody_wins_a_match_that_all_have_forfeited():
+    """The one that lasted longer is above the other all the same."""
+    both = ("FORFEIT_CRASH", "FORFEIT_CRASH")
+    result = MatchResult((3, 0), (1, 2), ({}, {}), (0, 0), 9, "", both, ())
+    lost = [Played(Match(f"{number}", number, 7, (0, 1)), result) for number in range(4)]
+    first, second = standings([A, B], lost)
+    assert (first.name, first.win_share.mean, second.win_share.mean) == ("a", 0.0, 0.0)
+    assert first.rating.mean > second.rating.mean
+
+
+def test_the_order_of_the_matches_changes_nothing():
+    shuffled = [FOUR[2], FOUR[0], FOUR[3], FOUR[1]]
+    assert table_text(standings([A, B], shuffled)) == table_text(standings([A, B], FOUR))
+
+
+def test_too_few_blocks_give_no_interval():
+    """Of three blocks one draw in nine is one block thrice, which says nothing of the others."""
+    for blocks in (1, 3):
+        first, _ = standings([A, B], [played(block, 0, (0, 1), (10 + block, 1)) for block in range(blocks)])
+        assert math.isnan(first.score.low)
+    table = standings([A, B], FOUR[:2])
+    assert "null" in summary_text(DUEL, 2, table)
+
+
+def test_the_interval_shrinks_with_the_root_of_the_blocks():
+    def width(blocks: int) -> float:
+        many = [played(block, 0, (0, 1), (10 + (-1) ** block * 2, 1)) for block in range(blocks)]
+        first, _ = standings([A, B], many)
+        return first.score.high - first.score.low
+
+    # each block's mean is 8 or 12: a standard error of 2 / sqrt(n)
+    assert width(100) == pytest.approx(2 * 1.96 * 0.2, rel=0.05)
+    assert width(400) == pytest.approx(width(100) / 2, rel=0.05)
+
+
+def test_equal_scores_share_a_place():
+    assert [line.place for line in standings([A, B], [played(0, 0, (0, 1), (3, 3))])] == [1, 1]
+
+
+def test_an_entrant_that_did_not_play_is_not_in_the_table():
+    lines = standings([A, B, Entrant("c", "c.py", "target", "1" * 16)], FOUR)
+    assert [line.name for line in lines] == ["a", "b"]
+
+
+def test_the_files_hold_what_the_standings_say():
+    table = standings([A, B], FOUR)
+    rows = list(csv.DictReader(io.StringIO(table_text(table))))
+    assert [(row["agent"], float(row["score"])) for row in rows] == [("a", 9.0), ("b", 6.0)]
+    summary = json.loads(summary_text(DUEL, 4, table))
+    assert (summary["plan"]["seed"], summary["matches"], summary["config"]["hunters"]) == (3, 4, 2)
+    first = summary["standings"][0]
+    assert (first["group"], first["score"], first["score_low"]) == ("1", 9.0, None)
+    assert first["rating"] == pytest.approx(-summary["standings"][1]["rating"])
+    assert first["rating"] > 0
+    assert first["rating_high"] is None
+    assert (first["refusals"], first["forfeits"]) == ({"OUT_OF_REACH": 0.25}, {})
