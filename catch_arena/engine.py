@@ -128,6 +128,7 @@ class Engine:
         blocks = -(-num_arenas // LANES)
         self.memory: NDArray[np.float64] = np.zeros((blocks, block * LANES))
         """core/state.py's blocks."""
+        self._shares = blocks * LANES * hunters // _HUNTERS_A_PART
         self._workspaces = [np.zeros((workspace_rows(hunters) + block) * LANES) for _ in range(num_threads)]
         self._dockets = [np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64) for _ in range(num_threads)]
         self.observations = np.zeros((num_arenas, hunters, width(config)), dtype=np.float32)
@@ -198,11 +199,10 @@ class Engine:
         none; `commands` (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a
         seat's control does not read is ignored.
         """
-        blocks = len(self.memory)
-        parts = blocks * LANES * self.config.hunters // _HUNTERS_A_PART
-        if self.threads.size == 1 or parts < 2:
+        if self.threads.size == 1 or self._shares < 2:
             tick.run(self.memory, *self._inputs, _NO_RESETS, True, choices, commands, *self._outputs)
             return
+        blocks, parts = len(self.memory), self._shares
 
         def play(thread: int, part: int) -> None:
             shared = slice(part * blocks // parts, (part + 1) * blocks // parts)
@@ -502,7 +502,7 @@ def _without_garbage_collection() -> Iterator[None]:
 
 @contextmanager
 def _notice_if_slow() -> Iterator[None]:
-    line = "catch_arena: compiling the rules for this machine (once, about 15 s)\n"
+    line = "catch_arena: compiling the rules for this machine (once; 10 to 30 s)\n"
     notice = threading.Timer(1.0, sys.stderr.write, (line,))
     notice.daemon = True
     if not is_cached():  # loading from the cache is quick, unless the machine is busy

@@ -5,6 +5,7 @@ are all made from it.
 """
 
 import math
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 from catch_arena.config import ArenaConfig
@@ -52,6 +53,7 @@ def width(config: ArenaConfig) -> int:
     return len(SELF_COLUMNS) + len(TARGET_COLUMNS) * config.targets_seen + len(RIVAL_COLUMNS) * config.hunters_seen
 
 
+@lru_cache(maxsize=16)  # a tournament makes an env for each match
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """The observation's columns in order; bounds hold after rounding to float32."""
     side = config.side_m
@@ -118,6 +120,7 @@ STATE_TARGET_COLUMNS: Final = ("present", "x", "y", "age")
 """What it says of each target, in spawning order, up to max_targets."""
 
 
+@lru_cache(maxsize=16)
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R7.3: the columns of the global view, in the world frame."""
     own = {column.name: column for column in columns(config)}
