@@ -273,6 +273,24 @@ def break_ties(block: Block, seat: int, lane: int, s: Settings, keys: Block) -> 
 
 
 @phase
+def settle_ties(block: Block, seat: int, lane: int, ranks: int, keys: Block) -> None:
+    """R7.1: one lane's sorted rivals, of whom those equally far are put in order among themselves, by insertion."""
+    me = seat_of(block, seat)
+    for rank in range(1, ranks + 1):
+        at = rank
+        while at > 0:
+            before = keys[(at - 1) * LANES + lane]
+            key = keys[at * LANES + lane]
+            if not equally_far(before, key):
+                break
+            if not stands_before(rival_row(block, me, item_of(key), lane), rival_row(block, me, item_of(before), lane)):
+                break
+            keys[(at - 1) * LANES + lane] = key
+            keys[at * LANES + lane] = before
+            at -= 1
+
+
+@phase
 def mend_ties(block: Block, seat: int, lanes: int, s: Settings, keys: Block) -> None:
     """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far."""
     ranks = min(s.hunters_seen, s.hunters - 2)
@@ -284,11 +302,11 @@ def mend_ties(block: Block, seat: int, lanes: int, s: Settings, keys: Block) -> 
             ties += 1 if equally_far(nearer[lane], farther[lane]) else 0
     if ties == 0:
         return
+    all_sorted = ranks + 1 >= s.hunters - 1
     for lane in range(lanes):
-        tied = False
-        for rank in range(ranks):
-            tied = tied or equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane])
-        if tied:
+        if all_sorted or not equally_far(keys[(ranks - 1) * LANES + lane], keys[ranks * LANES + lane]):
+            settle_ties(block, seat, lane, ranks, keys)
+        else:
             break_ties(block, seat, lane, s, keys)
 
 
