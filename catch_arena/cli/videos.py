@@ -112,7 +112,7 @@ def mosaic(
             _tell_skipped(error)
     _require_some(folder, len(found), len(paths))
     prepare_folder(output.parent)
-    with progress_bar("rendering", after_s=_BAR_AFTER_S) as show:
+    with progress_bar("rendering") as show:
         report = render_mosaic(found, output, size=within, fps=fps, speed=speed, progress=show)
     typer.echo(f"matches: {len(found)} of {len(paths)}")
     _tell(report)
@@ -157,7 +157,7 @@ def highlights(
     if listing:
         return
     prepare_folder(output.parent)
-    with progress_bar("rendering", after_s=_BAR_AFTER_S) as show:
+    with progress_bar("rendering") as show:
         clips = [Clip(Path(path), moment) for path, moment in chosen]
         report = render_highlights(clips, output, size=within, fps=fps, progress=show)
     _tell(report)
@@ -200,7 +200,7 @@ def sheet(
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
     prepare_folder(output.parent)
     regular_file(output)
-    with progress_bar("drawing", after_s=_BAR_AFTER_S) as show:
+    with progress_bar("drawing") as show:
         picture = contact_sheet(recorded, instants, size=within, progress=show)
     write_whole(output, picture)
     typer.echo(f"sheet: {output} ({len(instants)} pictures)")

@@ -270,7 +270,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._replay
 
     def render(self) -> NDArray[np.uint8] | None:
-        """A fresh (height, width, 3) uint8 frame under "rgb_array"; under "human" the window shows it."""
+        """A fresh (height, width, 3) uint8 frame under "rgb_array"; under "human" the window shows the last step."""
         if self.render_mode is None:
             return None
         self._require_episode("render")
@@ -278,14 +278,15 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
         if self._painter is None:
             self._painter = ArenaPainter(self.config, size=RENDER_SIZE)
-        frame: NDArray[np.uint8] = self._painter.paint(self._engine.world())
         if self.render_mode == "rgb_array":
+            frame: NDArray[np.uint8] = self._painter.paint(self._engine.world())
             return frame
         from catch_arena.render.window import Window
 
         if self._window is None:
-            self._window = Window("Catch Arena", RENDER_SIZE, self.config.control_period_ms)
-        self._window.show(frame)
+            self._window = Window("Catch Arena", RENDER_SIZE)
+        lasts_ms = self._painter.enter(self._engine.world())
+        self._window.play(self._painter.draw, lasts_ms)
         return None
 
     def _repr_html_(self) -> str:

@@ -60,7 +60,7 @@ class Show:
     ) -> None:
         self._look, self._seed = look, seed
         self._hands, self._seat, self._save = hands, seat, save
-        self._screen = Screen(f"Catch Arena: {look.title}", size)
+        self._screen = Screen(f"Catch Arena: {look.title}", size, for_hands=True)
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(place) for place in range(pygame.joystick.get_count())]
         self._clock = pygame.time.Clock()

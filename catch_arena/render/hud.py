@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import Final, Literal, NamedTuple
 
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, mix
+from catch_arena.render.text import printable, text_width
 from catch_arena.render.view import Look
 
 Layout = Literal["broadcast", "arena"]
@@ -195,18 +196,28 @@ def chip(x: float, middle: float, look: Look, seat: int, size: float, *, faded: 
 
 
 def chip_shapes(area: Rect, look: Look, standings: Sequence[Standing]) -> list[Shape]:
-    """Every hunter's chip and its score: by seat, or the best as far as there is room."""
+    """Every hunter's chip, name and score: by seat, without names or only the best where there is no room for all."""
     size = fitting(0.58 * area.height, 12)
     middle = area.top + area.height / 2.0
-    step = chip_width(look, size) + (0.9 + 0.66 * max(len(str(one.score)) for one in standings)) * size
-    fits = max(1, int((area.width - 0.5 * size) // step))
+    digits = max(len(str(one.score)) for one in standings)
+    step = chip_width(look, size) + (0.9 + 0.66 * digits) * size
+    room = area.width - 0.5 * size
+    small = fitting(0.8 * size, 10)
+    names = [0.3 * size + text_width(printable(name), small, 600) for name in look.names]
+    coming = 0.66 * max(0, 2 - digits) * size  # names do not vanish with the tenth catch
+    if sum(names) + len(names) * (step + coming) > room:
+        names = [0.0] * len(names)
+    fits = max(1, int(room // step))
     shown = sorted(standings) if fits >= len(standings) else ranked(standings)[:fits]
     shapes: list[Shape] = []
     x = area.left + 0.5 * size
     for one in shown:
         shapes += chip(x, middle, look, one.seat, size, faded=one.withdrawn)
-        shapes.append(Label(x + chip_width(look, size) + 0.25 * size, middle, str(one.score), size, BRIGHT, 700))
-        x += step
+        beside = x + chip_width(look, size) + 0.3 * size
+        if names[one.seat]:
+            shapes.append(Label(beside, middle, look.names[one.seat], small, DIM, 600))
+        shapes.append(Label(beside + names[one.seat], middle, str(one.score), size, BRIGHT, 700))
+        x += step + names[one.seat]
     return shapes
 
 

@@ -164,13 +164,15 @@ def _thread(view: Viewport, mark: Mark, color: Color, pose: Pose, much: float, p
     return Stroke(*view.place(pose[0], pose[1]), *view.place(mark.x, mark.y), width, mix(color, GROUND, 0.8 * part))
 
 
-_ROUNDS: Final = 4
+_ROUNDS: Final = 8
+_FURTHEST: Final = 2.0
+"""From where it belongs [rooms]."""
 
 
 def apart(places: Sequence[tuple[float, float]], room: float) -> list[tuple[float, float]]:
     """The places, those that are nearer to each other than `room` moved apart; as they move, so do the results.
 
-    A few rounds: in a dense crowd some stay a little too near, and nobody goes far from where it belongs.
+    Some rounds: in a dense crowd a few stay a little too near, and nobody goes further than two rooms.
     """
     around = 2.4 * np.arange(len(places))  # so that those in one very place part too
     moved = np.array(places) + 1e-3 * np.stack([np.cos(around), np.sin(around)], axis=1)
@@ -184,7 +186,7 @@ def apart(places: Sequence[tuple[float, float]], room: float) -> list[tuple[floa
         moved += (0.5 * (short / distances)[..., None] * ways).sum(axis=1)
     drift = moved - np.array(places)
     far = np.hypot(drift[:, 0], drift[:, 1])[:, None]
-    kept = np.array(places) + drift * np.minimum(1.0, room / np.maximum(far, 1e-9))
+    kept = np.array(places) + drift * np.minimum(1.0, _FURTHEST * room / np.maximum(far, 1e-9))
     return [(x, y) for x, y in kept.tolist()]
 
 

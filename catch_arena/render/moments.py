@@ -252,9 +252,7 @@ def _upset(told: Story, rates: Mapping[str, float]) -> Iterable[Moment]:
     if theirs <= mine:
         return
     taken = [catch for catch in told.catches if _leads_from(told, catch, winner)]
-    what = (
-        f"Upset: {told.names[winner]} beats {told.names[favourite]}, {told.scores[winner]} : {told.scores[favourite]}"
-    )
+    what = f"{told.names[winner]} beats {told.names[favourite]}, {told.scores[winner]} : {told.scores[favourite]}"
     why = (
         f"Of its other matches it won {100 * mine:.0f} %, {told.names[favourite]} {100 * theirs:.0f} %; "
         "from here on it leads (R6.1)"

@@ -73,15 +73,18 @@ def news_shapes(area: Rect, look: Look, items: Sequence[Item], unit: float) -> l
     height = NEWS_ROW * unit
     size = fitting(14 * unit, 10)
     shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
+    left = area.left + 2.0 * pad
+    # in a narrow card by how much a contest was won says more than when
+    timed = left + 4.0 * size + _longest(look, size) <= area.left + area.width - 2.0 * pad
     if not items:
-        place = (area.left + 2.0 * pad, area.top + pad + 0.5 * height)
+        place = (left, area.top + pad + 0.5 * height)
         shapes.append(Label(*place, "Contests and refusals", size, DIM, 500, max_width=area.width - 4.0 * pad))
-    for row, item in enumerate(items[: max(1, int((area.height - 2.0 * pad) // height))]):
+    for row, item in enumerate(items[: max(1, round((area.height - 2.0 * pad) / height))]):
         middle = area.top + pad + (row + 0.5) * height
-        x = area.left + 2.0 * pad
-        at = clock(item.time_ms)
-        shapes.append(Label(x + 3.2 * size, middle, at, size, DIM, 500, "right"))
-        x += 4.0 * size
+        x = left
+        if timed:
+            shapes.append(Label(x + 3.2 * size, middle, clock(item.time_ms), size, DIM, 500, "right"))
+            x += 4.0 * size
         words = item.text if item.times == 1 else f"{item.text}  × {item.times}"
         color, weight = (BRIGHT, 700) if item.contest else (DIM, 500)
         parts: tuple[int | str, ...] = (item.seat, words)
@@ -96,3 +99,9 @@ def news_shapes(area: Rect, look: Look, items: Sequence[Item], unit: float) -> l
                 shapes.append(Label(x, middle, part, size, color, weight, max_width=room))
                 x += text_width(part, size, weight) + 0.6 * size
     return shapes
+
+
+def _longest(look: Look, size: int) -> float:
+    """Of a line about two hunters, without its time [pixels]."""
+    words = text_width("ahead of", size, 500) + text_width("by 99 mm", size, 500)
+    return words + 2.0 * chip_width(look, size) + 1.8 * size

@@ -14,7 +14,7 @@ from catch_arena.render.shots import Stills
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.stage import Stage, checked_size
 from catch_arena.render.still import png
-from catch_arena.render.text import text_width
+from catch_arena.render.text import printable, text_width
 from catch_arena.render.video import duration_ms, filmed
 from catch_arena.render.view import Look
 from catch_arena.replay import Replay
@@ -106,7 +106,11 @@ def _stamp(area: hud.Rect, time_ms: float, word: str) -> list[Shape]:
     middle = area.top + 0.52 * area.height
     at = f"{hud.clock(time_ms)} s"
     beside = text_width(at, size, 700) + 0.8 * size
+    room = area.width - 4 - beside
+    word_size = size
+    while word_size > 9 and text_width(printable(word), word_size, 500) > room:  # its end says by how much
+        word_size -= 1
     return [
         Label(area.left + 2, middle, at, size, hud.BRIGHT, 700),
-        Label(area.left + 2 + beside, middle, word, size, hud.DIM, 500, max_width=area.width - 4 - beside),
+        Label(area.left + 2 + beside, middle, word, word_size, hud.DIM, 500, max_width=room),
     ]

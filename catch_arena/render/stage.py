@@ -211,22 +211,35 @@ class ArenaPainter:
 
     def paint(self, world: World) -> Pixels:
         """A fresh (height, width, 3) uint8 frame of the world as it is now."""
+        self.enter(world)
+        return np.asarray(cv2.cvtColor(self.draw(1.0), cv2.COLOR_RGBA2RGB), dtype=np.uint8)
+
+    def enter(self, world: World) -> float:
+        """The world that is drawn from now on. Returns: the time that its way from the last one took [ms], or 0."""
         stage, last = self._stage, self._last
+        self._last = world
         if last is None or world.step == 0 or world.step < last.step or not self._led_to(last, world):
             stage.reset(float(world.time_ms))
-            now = leg(world, world)
-            stage.enter(now)
+            self._leg = leg(world, world)
+            stage.enter(self._leg)
         elif world.step == last.step:
-            now = leg(world, world)
-        elif world.step == last.step + 1:
-            now = leg(last, world)
-            stage.enter(now)
-        else:  # steps were left out: their rulings are not known, and the way is a straight line
-            now = Leg(last, world, (tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters),))
-            stage.enter(now)
-        self._last = world
-        pixels = stage.draw(float(world.time_ms), now.poses[-1])
-        return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB), dtype=np.uint8)
+            self._leg = leg(world, world)
+        else:
+            if world.step == last.step + 1:
+                self._leg = leg(last, world)
+            else:  # steps were left out: their rulings are not known, and the way is a straight line
+                poses = tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters)
+                self._leg = Leg(last, world, (poses,))
+            stage.enter(self._leg)
+        return float(world.time_ms - self._leg.before.time_ms)
+
+    def draw(self, part: float) -> Pixels:
+        """That part of the way, up to 1, into a (height, width, 4) buffer, which the next call overwrites."""
+        now = self._leg
+        if part == 1.0:
+            return self._stage.draw(float(now.after.time_ms), now.poses[-1])
+        time_ms = now.before.time_ms + part * (now.after.time_ms - now.before.time_ms)
+        return self._stage.draw(time_ms, now.at(time_ms))
 
     def _led_to(self, last: World, world: World) -> bool:
         """Nobody can have driven further."""

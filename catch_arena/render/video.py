@@ -139,7 +139,7 @@ def cut_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s:
         raise ConfigError(f"the start must lie in the match, [0, {whole_s:g}] s, got {start_s!r}")
     if not start_s < until_s and whole_s > 0.0:
         raise ConfigError(f"the end must lie after the start, {start_s:g} s, got {until_s!r}")
-    end_ms = min(duration_ms(replay), round(1000.0 * until_s))
+    end_ms = round(1000.0 * min(whole_s, until_s))
     return Cut(round(1000.0 * start_s), end_ms, fps, pace)
 
 

@@ -3,6 +3,7 @@
 import os
 import sys
 import time
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -12,6 +13,7 @@ from catch_arena.errors import OutputError
 from catch_arena.render.hud import PANEL
 from catch_arena.render.sdl import pygame
 
+_FPS: Final = 60
 _NAP_S: Final = 0.02
 """The window answers its user at least so often."""
 
@@ -19,19 +21,21 @@ _NAP_S: Final = 0.02
 class Screen:
     """A window. Only one can be open.
 
-    Args: `title`; `size`, (width, height) [pixels] to begin with. Raises: OutputError without a display.
+    Args: `title`; `size`, (width, height) [pixels] to begin with; `for_hands`, whether it waits for its user's.
+    Raises: OutputError without a display.
     """
 
-    def __init__(self, title: str, size: tuple[int, int]) -> None:
+    def __init__(self, title: str, size: tuple[int, int], *, for_hands: bool = False) -> None:
         try:
             pygame.display.init()
             pygame.display.set_mode(size, pygame.RESIZABLE)
         except pygame.error as error:
-            raise OutputError(
-                f'a window needs a display to open on: {error}; render_mode "rgb_array" and videos do not'
-            ) from None
+            raise _no_display(str(error)) from None
         if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
             # SDL's last resort where there is no display, which nobody asked for
+            if for_hands:
+                self.close()
+                raise _no_display("there is none")
             sys.stderr.write(
                 'catch_arena: there is no display, so that nobody sees the window; "rgb_array" needs none\n'
             )
@@ -66,26 +70,34 @@ class Screen:
         pygame.display.quit()
 
 
+def _no_display(reason: str) -> OutputError:
+    return OutputError(f'a window needs a display to open on: {reason}; render_mode "rgb_array" and videos do not')
+
+
 class Window:
-    """Frames on the screen, at the pace of the match.
+    """An env's match on the screen as it is stepped, in motion and at the match's own pace.
 
-    It opens with its first frame. When its user closes it, it stays closed: further frames are dropped and the match
-    goes on, no longer held to real time.
+    It opens with its first picture. When its user closes it, it stays closed: further steps are not shown and the
+    match goes on, no longer held to real time.
 
-    Args: `title`; `size`, (width, height) [pixels]; `period_ms`, how long each frame stays.
+    Args: `title`; `size`, (width, height) [pixels].
     """
 
-    def __init__(self, title: str, size: tuple[int, int], period_ms: float) -> None:
+    def __init__(self, title: str, size: tuple[int, int]) -> None:
         self._title = title
         self._size = size
-        self._period_s = period_ms / 1000.0
         self._screen: Screen | None = None
         self._due_s = 0.0
         self.closed = False
         """Its user, or `close`, has closed it."""
 
-    def show(self, frame: NDArray[np.uint8]) -> None:
-        """Show a (height, width, 3) frame once the last one has had its time. Raises: OutputError without a display."""
+    def play(self, picture: Callable[[float], NDArray[np.uint8]], lasts_ms: float) -> None:
+        """Show a step from its beginning to its end, which is when it returns; a late one in what is left of its time.
+
+        Args: `picture`, which draws (height, width, 3 or 4) at a part of the step in (0, 1]; `lasts_ms`, the step's
+        time, 0 for a picture that follows upon nothing.
+        Raises: OutputError without a display.
+        """
         if self.closed:
             return
         if self._screen is None:
@@ -94,10 +106,20 @@ class Window:
             except OutputError:
                 self.closed = True
                 raise
-            self._due_s = time.perf_counter()
-        self._wait_until_due()
-        if not self.closed:
-            self._screen.show(frame)
+        began_s = time.perf_counter()
+        self._due_s += lasts_ms / 1000.0
+        if not lasts_ms or began_s - self._due_s > lasts_ms / 1000.0:
+            self._due_s = began_s  # a match that was held up does not hurry afterwards
+        left_s = max(0.0, self._due_s - began_s)
+        frames = max(1, round(_FPS * left_s))
+        for frame in range(1, frames + 1):
+            part = frame / frames
+            self._wait_until(began_s + part * left_s)
+            if self.closed:
+                return
+            # a frame whose successor is due already is left out: drawing must not hold up the match
+            if frame == frames or time.perf_counter() < began_s + (frame + 1) / frames * left_s:
+                self._screen.show(picture(part))
 
     def close(self) -> None:
         """Close the window, if it is open."""
@@ -106,16 +128,12 @@ class Window:
             self._screen.close()
             self._screen = None
 
-    def _wait_until_due(self) -> None:
+    def _wait_until(self, due_s: float) -> None:
         while True:
             if any(event.type == pygame.QUIT for event in pygame.event.get()):
                 self.close()
                 return
-            wait_s = self._due_s - time.perf_counter()
+            wait_s = due_s - time.perf_counter()
             if wait_s <= 0.0:
-                break
+                return
             time.sleep(min(wait_s, _NAP_S))
-        now = time.perf_counter()
-        late = now - self._due_s > self._period_s
-        # a match that runs a little late makes up for it; one that was held up does not hurry afterwards
-        self._due_s = (now if late else self._due_s) + self._period_s

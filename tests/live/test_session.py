@@ -145,3 +145,12 @@ def test_without_a_display_it_says_so(session, monkeypatch):
     result = session(["watch", "nearest"])
     assert result.exit_code == 2
     assert "needs a display" in result.output
+
+
+def test_a_window_that_nobody_can_see_does_not_wait_for_hands(session, monkeypatch):
+    """SDL's last resort draws into memory, where no key will ever come from."""
+    monkeypatch.setattr(pygame.display, "get_driver", lambda: "offscreen")
+    result = session(["play"])
+    assert result.exit_code == 2
+    assert "needs a display" in result.output
+    assert not pygame.display.get_init()

@@ -5,7 +5,10 @@ import itertools
 import pytest
 from render.pictured import SIZES, a_look, assert_inside, assert_texts_apart
 
+from catch_arena.config import ArenaConfig
 from catch_arena.render import hud
+from catch_arena.render.shapes import Label
+from catch_arena.render.view import Look
 
 
 def overlap(a: hud.Rect, b: hud.Rect) -> bool:
@@ -72,3 +75,14 @@ def test_a_usual_video_has_room_for_the_news(hunters):
 def test_every_hunters_colour_is_lightened_until_it_can_be_read_on_a_card(seat):
     color = hud.legible(a_look(24).color(seat))
     assert 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2] > 100
+
+
+@pytest.mark.parametrize(("width", "named"), [(1920, True), (720, True), (400, False)])
+def test_the_line_over_the_arena_has_all_names_or_none(width, named):
+    look = Look.of(ArenaConfig(hunters=4), ["nearest", "patrol", "contested", "first"])
+    shapes = hud.chip_shapes(hud.Rect(0, 0, width, 40), look, [hud.Standing(seat, 10 + seat) for seat in range(4)])
+    shown = [shape.text for shape in shapes if isinstance(shape, Label)]
+    assert [name in shown for name in look.names] == [named] * 4
+    assert all(str(10 + seat) in shown for seat in range(4))
+    assert_inside(shapes, hud.Rect(0, 0, width, 40))
+    assert_texts_apart(shapes)

@@ -135,8 +135,14 @@ def test_numbers_that_are_apart_stay_where_they_are():
 
 def test_numbers_in_one_place_part_and_stay_near_it():
     moved = apart([(30.0, 30.0)] * 5, 12.0)
-    assert min(math.dist(a, b) for a, b in itertools.combinations(moved, 2)) > 6.0
-    assert max(math.dist(place, (30.0, 30.0)) for place in moved) <= 12.1
+    assert min(math.dist(a, b) for a, b in itertools.combinations(moved, 2)) > 11.0
+    assert max(math.dist(place, (30.0, 30.0)) for place in moved) <= 24.1
+
+
+def test_the_numbers_of_a_dozen_bunched_hunters_can_all_be_read():
+    places = [(30.0 + 7.0 * (seat % 4), 30.0 + 7.0 * (seat // 4)) for seat in range(12)]
+    moved = apart(places, 16.0)
+    assert min(math.dist(a, b) for a, b in itertools.combinations(moved, 2)) > 12.0
 
 
 def test_numbers_do_not_jump_when_hunters_pass_each_other():

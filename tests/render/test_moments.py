@@ -100,7 +100,7 @@ def test_an_upset_is_a_win_over_who_won_more_of_the_other_matches():
     upset = told([(1000, 1), (2000, 0), (3000, 0)])
     rates = {"ann": 0.1, "bob": 0.8, "cy": 0.3}
     (one,) = of_kind("upset", upset, rates)
-    assert one.what == "Upset: ann beats bob, 2 : 1"
+    assert one.what == "ann beats bob, 2 : 1"
     assert "10 %" in one.why
     assert "80 %" in one.why
     assert one.score == pytest.approx(0.7)

@@ -7,6 +7,7 @@ from catch_arena.render import hud
 from catch_arena.render.marks import Mark, Rival
 from catch_arena.render.news import KEPT, News, news_shapes
 from catch_arena.render.shapes import Label
+from catch_arena.render.text import fitted
 
 CONTEST = Mark("catch", 18_800, 0, 1.0, 1.0, "+1", (Rival(2, 155_000, asked=True),), 143_000)
 NEAR_MISS = Mark("catch", 19_000, 1, 1.0, 1.0, "+1", (Rival(0, 455_000, asked=False),), 143_000)
@@ -63,4 +64,19 @@ def test_the_news_fit_their_card(size, hunters):
     shapes = news_shapes(plan.news, look, news.items, plan.unit)
     assert_inside(shapes, plan.news)
     assert_texts_apart(shapes)
-    assert kinds(shapes, Label)
+    rows = {round(label.y) for label in kinds(shapes, Label)}
+    assert len(rows) == min(len(news.items), round((plan.news.height - 16 * plan.unit) / (hud.NEWS_ROW * plan.unit)))
+    assert len(rows) >= 2
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_a_line_about_two_hunters_says_by_how_much_in_full(size):
+    plan, look = hud.arrange(size, "broadcast", 4), a_look(4)
+    if not plan.news.width:
+        return
+    news = News()
+    news.tell([NEAR_MISS])
+    (how,) = (
+        label for label in kinds(news_shapes(plan.news, look, news.items, plan.unit), Label) if "by" in label.text
+    )
+    assert fitted(how.text, how.size, how.weight, how.max_width) == "by 31 cm"

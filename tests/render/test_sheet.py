@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from catch_arena.errors import ConfigError
+from catch_arena.render import hud
 from catch_arena.render.moments import Moment
-from catch_arena.render.sheet import contact_sheet, even_instants, instants_of
+from catch_arena.render.sheet import _stamp, contact_sheet, even_instants, instants_of
+from catch_arena.render.text import fitted
 from catch_arena.render.view import GROUND
 
 
@@ -47,3 +49,10 @@ def test_without_a_size_it_is_as_large_as_its_pictures_need(match):
 def test_pictures_that_would_be_too_small_are_refused(match):
     with pytest.raises(ConfigError, match="72 pixels"):
         contact_sheet(match, even_instants(match, 100), size=(320, 320))
+
+
+def test_what_is_said_about_a_picture_is_made_smaller_before_it_is_cut_off():
+    area = hud.Rect(0, 0, 500, 42)
+    *_, word = _stamp(area, 3700.0, "patrol beats contested_by_time by 17 mm")
+    assert fitted(word.text, word.size, word.weight, word.max_width) == word.text
+    assert word.size < _stamp(area, 3700.0, "a tie")[-1].size

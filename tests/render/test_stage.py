@@ -85,3 +85,16 @@ def test_rgb_array_and_the_painter_agree():
     env = catch_arena.parallel_env("duel", render_mode="rgb_array")
     env.reset(seed=1)
     assert np.array_equal(env.render(), ArenaPainter(env.config).paint(env.world()))
+
+
+def test_a_painter_draws_the_way_to_a_world_and_ends_with_the_picture_of_it(match, worlds):
+    at_once, on_the_way = ArenaPainter(match.config), ArenaPainter(match.config)
+    assert on_the_way.enter(worlds[0]) == 0.0
+    first = on_the_way.draw(1.0).copy()
+    at_once.paint(worlds[0])
+    assert on_the_way.enter(worlds[1]) == match.config.control_period_ms
+    halfway = on_the_way.draw(0.5).copy()
+    assert not np.array_equal(halfway, first)
+    assert not np.array_equal(halfway, on_the_way.draw(1.0))
+    drawn = on_the_way.draw(1.0)[..., :3].astype(int)
+    assert np.abs(drawn - at_once.paint(worlds[1])).mean() < 0.1  # all but where a trail's pieces meet

@@ -10,7 +10,9 @@ import pytest
 from render.films import ENDINGS, SMALL, decoded, drawn, psnr
 
 from catch_arena.errors import ConfigError
-from catch_arena.render.video import render_replay
+from catch_arena.render.encoders import FORMATS
+from catch_arena.render.motion import Cut
+from catch_arena.render.video import cut_of, render_replay
 
 
 def boxes(path: Path) -> list[str]:
@@ -131,6 +133,11 @@ def test_progress_is_told_frame_by_frame(match, tmp_path):
     told = []
     render_replay(match, tmp_path / "match.mp4", progress=lambda done, total: told.append((done, total)), **SMALL)
     assert told == [(frame, 90) for frame in range(1, 91)]
+
+
+def test_an_end_after_the_end_is_the_end(match):
+    for end_s in (4.0, float("inf")):
+        assert cut_of(match, FORMATS[".mp4"], 60, 1.0, end_s, 1.0) == Cut(1000, 3000, 60)
 
 
 @pytest.mark.parametrize(

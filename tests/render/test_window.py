@@ -1,15 +1,41 @@
 """The plain window of render_mode="human", on SDL's driver for machines without a screen."""
 
-import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
+import catch_arena
 from catch_arena.errors import OutputError
 from catch_arena.render.sdl import pygame
 from catch_arena.render.window import Window
 
 FRAME = np.full((320, 400, 3), 77, dtype=np.uint8)
+
+
+class Clock:
+    """Stands still but for those who sleep."""
+
+    now_s = 100.0
+
+    def perf_counter(self) -> float:
+        return self.now_s
+
+    def sleep(self, seconds: float) -> None:
+        self.now_s += seconds
+
+
+class Pictures:
+    """A step's pictures, each of one grey, and each takes a while; the parts that were asked for."""
+
+    def __init__(self, clock: Clock, takes_s: float = 0.0) -> None:
+        self.clock, self.takes_s = clock, takes_s
+        self.parts: list[float] = []
+
+    def __call__(self, part: float) -> np.ndarray:
+        self.clock.sleep(self.takes_s)
+        self.parts.append(part)
+        return FRAME
 
 
 @pytest.fixture
@@ -19,56 +45,122 @@ def driver(monkeypatch):
     pygame.display.quit()
 
 
-def test_it_opens_with_its_first_frame_and_shows_it(driver):
+@pytest.fixture
+def clock(monkeypatch):
+    """The window's."""
+    ticking = Clock()
+    monkeypatch.setattr("catch_arena.render.window.time", ticking)
+    return ticking
+
+
+@pytest.fixture
+def window(driver, clock):
+    """A window that shows a match's beginning."""
     driver("dummy")
-    window = Window("Catch Arena", (400, 320), 0.0)
+    opened = Window("Catch Arena", (400, 320))
+    opened.play(Pictures(clock), 0.0)
+    yield opened
+    opened.close()
+
+
+def test_it_opens_with_its_first_picture_and_shows_it(driver, clock):
+    driver("dummy")
+    window = Window("Catch Arena", (400, 320))
     assert not pygame.display.get_init()
-    window.show(FRAME)
+    pictures = Pictures(clock)
+    window.play(pictures, 0.0)
+    assert pictures.parts == [1.0]
     assert pygame.display.get_surface().get_at((5, 5))[:3] == (77, 77, 77)
     assert pygame.display.get_caption()[0] == "Catch Arena"
     window.close()
     assert not pygame.display.get_init()
 
 
-def test_frames_keep_the_pace_of_the_match(driver):
-    driver("dummy")
-    window = Window("Catch Arena", (400, 320), 40.0)
-    window.show(FRAME)
-    began = time.perf_counter()
-    for _ in range(5):
-        window.show(FRAME)
-    assert 0.19 <= time.perf_counter() - began < 0.6
-    window.close()
-
-
-def test_a_late_match_does_not_hurry_afterwards(driver):
-    driver("dummy")
-    window = Window("Catch Arena", (400, 320), 40.0)
-    window.show(FRAME)
-    time.sleep(0.3)
-    window.show(FRAME)
-    began = time.perf_counter()
-    window.show(FRAME)
-    assert time.perf_counter() - began >= 0.03
-    window.close()
-
-
-def test_when_its_user_closes_it_the_match_goes_on_without_it(driver):
-    driver("dummy")
-    window = Window("Catch Arena", (400, 320), 10_000.0)
-    window.show(FRAME)
-    pygame.event.post(pygame.event.Event(pygame.QUIT))
-    began = time.perf_counter()
+def test_a_step_moves_evenly_to_its_end_sixty_times_a_second_and_takes_its_time(window, clock):
+    pictures = Pictures(clock, takes_s=0.003)
     for _ in range(3):
-        window.show(FRAME)
+        window.play(pictures, 100.0)
+    assert pictures.parts == pytest.approx([1 / 6, 2 / 6, 3 / 6, 4 / 6, 5 / 6, 1.0] * 3)
+    assert clock.now_s == pytest.approx(100.303)  # each step's last picture begins when its time is over
+
+
+def test_what_the_agents_take_is_taken_from_the_step_that_follows(window, clock):
+    pictures = Pictures(clock)
+    for _ in range(3):
+        clock.sleep(0.05)
+        window.play(pictures, 100.0)
+    assert pictures.parts == pytest.approx([1 / 3, 2 / 3, 1.0] * 3)
+    assert clock.now_s == pytest.approx(100.3)
+
+
+def test_slow_drawing_leaves_pictures_out_and_does_not_hold_up_the_match(window, clock):
+    pictures = Pictures(clock, takes_s=0.04)
+    for _ in range(10):
+        window.play(pictures, 100.0)
+    assert 100.99 < clock.now_s < 101.1
+    assert pictures.parts.count(1.0) == 10
+    assert len(pictures.parts) >= 20
+
+
+def test_an_agent_that_thinks_for_longer_than_a_step_waits_for_no_window(window, clock):
+    pictures = Pictures(clock)
+    for _ in range(10):
+        clock.sleep(0.15)
+        window.play(pictures, 100.0)
+    assert clock.now_s < 101.61
+
+
+def test_a_match_that_was_held_up_does_not_hurry_afterwards(window, clock):
+    clock.sleep(5.0)
+    window.play(Pictures(clock), 40.0)
+    for _ in range(3):
+        window.play(Pictures(clock), 40.0)
+    assert clock.now_s == pytest.approx(105.12)
+
+
+def test_a_picture_that_is_asked_for_again_takes_no_time(window, clock):
+    pictures = Pictures(clock)
+    window.play(pictures, 0.0)
+    assert pictures.parts == [1.0]
+    assert clock.now_s == pytest.approx(100.0)
+
+
+def test_when_its_user_closes_it_the_match_goes_on_without_it(window, clock):
+    pictures = Pictures(clock)
+    pygame.event.post(pygame.event.Event(pygame.QUIT))
+    for _ in range(3):
+        window.play(pictures, 10_000.0)
     assert window.closed
     assert not pygame.display.get_init()
-    assert time.perf_counter() - began < 5.0
+    assert not pictures.parts
+    assert clock.now_s < 101.0
+
+
+def test_without_a_display_it_says_so(driver, clock):
+    driver("no_such_driver")
+    window = Window("Catch Arena", (400, 320))
+    with pytest.raises(OutputError, match="needs a display"):
+        window.play(Pictures(clock), 0.0)
+
+
+def test_a_window_that_nobody_can_see_says_so_and_the_match_goes_on(driver, clock, monkeypatch, capsys):
+    driver("dummy")
+    monkeypatch.setattr(pygame.display, "get_driver", lambda: "offscreen")
+    window = Window("Catch Arena", (400, 320))
+    window.play(Pictures(clock), 0.0)
+    assert "nobody sees the window" in capsys.readouterr().err
     window.close()
 
 
-def test_without_a_display_it_says_so(driver):
-    driver("no_such_driver")
-    window = Window("Catch Arena", (400, 320), 10.0)
-    with pytest.raises(OutputError, match="needs a display"):
-        window.show(FRAME)
+def test_an_env_shows_the_way_between_its_steps(driver, clock, monkeypatch):
+    driver("dummy")
+    shown = []
+    monkeypatch.setattr("catch_arena.render.window.Screen.show", lambda _, pixels: shown.append(pixels.copy()))
+    env = catch_arena.parallel_env("duel", render_mode="human")
+    env.reset(seed=3)
+    for _ in range(3):
+        env.step(dict.fromkeys(env.agents, 1))
+    assert len(shown) == 1 + 3 * 6
+    assert all(not np.array_equal(one, other) for one, other in pairwise(shown))
+    assert clock.now_s == pytest.approx(100.3)
+    env.close()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 WIDTH, HEIGHT = 1400, 900
-_WAIT_S = 90.0
+_WAIT_S = 180.0
 
 
 class Desk:

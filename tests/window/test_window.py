@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from catch_arena.render.hud import PANEL
+from catch_arena.render.hud import CARD, PANEL
 from catch_arena.render.view import GROUND, HUNTER_COLORS
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import faults
@@ -41,26 +41,35 @@ def test_a_person_drives_pauses_steps_saves_and_ends(desk, started, keep, tmp_pa
         "--record",
         "mine.replay",
         "--set",
-        "time_limit_s=20",
+        "time_limit_s=60",
     ]
     process = started(COMMAND, *words)
+    record = tmp_path / "mine.replay"
+
+    def played() -> int:
+        """Steps, by the replay that Ctrl-S saves: sleeping says nothing on a machine with other things to do."""
+        desk.keys("key", "ctrl+s")
+        time.sleep(0.1)
+        return Replay.load(record).steps if record.is_file() else 0
+
     desk.wait(lambda: share(desk.seen(), PANEL) > 0.3)
     assert desk.window()[1][2:] == (1280, 720)
-    assert still(desk)  # it waits, with the keys on show
+    desk.wait(lambda: still(desk))  # it waits, with the keys on show
     keep("1_keys", desk.picture())
     card = share(desk.seen()[:, :700], PANEL)
 
     desk.keys("keydown", "Up")
     desk.wait(lambda: share(desk.seen()[:, :700], PANEL) < 0.5 * card)  # the card is gone
-    time.sleep(1.0)
+    desk.wait(lambda: played() >= 8)
     desk.keys("keydown", "Left")
-    time.sleep(0.5)
+    turning = played()
+    desk.wait(lambda: played() >= turning + 6)
     desk.keys("keyup", "Left")
     desk.keys("keyup", "Up")
     keep("2_driving", desk.picture())
     seen = desk.seen()[:, :720]
     assert share(seen, GROUND) > 0.4
-    assert share(seen, HUNTER_COLORS[0]) > 0.0002  # one's turtle and the newest of its trail
+    assert share(seen, HUNTER_COLORS[0]) > 0.00005  # one's turtle; the trail may have faded by now
 
     desk.keys("key", "space")
     desk.wait(lambda: still(desk))
@@ -69,20 +78,18 @@ def test_a_person_drives_pauses_steps_saves_and_ends(desk, started, keep, tmp_pa
     desk.keys("key", "period")
     desk.wait(lambda: not np.array_equal(before, desk.seen()))
     desk.wait(lambda: still(desk))
-    desk.keys("key", "ctrl+s")
-    desk.wait((tmp_path / "mine.replay").is_file)
-    saved = Replay.load(tmp_path / "mine.replay")
-    assert 10 < saved.steps < 200
+    saved = played()
+    assert 14 <= saved < 600
 
     desk.keys("key", "p")
     desk.wait(lambda: not still(desk))
     desk.keys("key", "Escape")
-    output = process.communicate(timeout=30)[0]
+    output = process.communicate(timeout=120)[0]
     assert process.returncode == 0, output
     assert "replay: mine.replay" in output
-    mine = Replay.load(tmp_path / "mine.replay")
+    mine = Replay.load(record)
     assert mine.names == ("you", "nearest")
-    assert mine.steps >= saved.steps
+    assert mine.steps >= saved
     assert list(faults(mine)) == []
     linear, angular = np.array(mine.commands)[:, 0].T
     assert linear[:8].tolist() == [1.0] * 8
@@ -96,9 +103,8 @@ def test_the_window_can_be_resized(desk, started, keep):
     window, _ = desk.window()
     desk.keys("windowsize", "--sync", window, "700", "800")
     desk.wait(lambda: desk.seen().shape[:2] == (800, 700) and share(desk.seen()[100:500], GROUND) > 0.3)
-    time.sleep(1.0)
+    desk.wait(lambda: share(desk.seen()[-60:], CARD) > 0.3)  # drawn for this size, to its edges
     keep("4_resized", desk.picture())
-    assert share(desk.seen()[-100:], (0, 0, 0)) < 0.1  # drawn for this size, to its edges
     desk.keys("key", "q")
 
 
@@ -106,6 +112,6 @@ def test_render_mode_human_shows_the_match_in_motion(desk, started, keep):
     process = started(HUMAN)
     desk.wait(lambda: share(desk.seen(), GROUND) > 0.4)
     assert desk.window()[1][2:] == (500, 500)
-    assert not still(desk)
+    desk.wait(lambda: not still(desk))
     keep("5_human", desk.picture())
     assert process.poll() is None
