@@ -1,6 +1,7 @@
 """How many examples hypothesis tries, and how much the engine was held against the oracle."""
 
 import os
+import signal
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -15,6 +16,9 @@ _COMMON = settings(
 settings.register_profile("test", _COMMON, max_examples=200)
 settings.register_profile("nightly", _COMMON, max_examples=5000)
 settings.load_profile("nightly" if LONG else "test")
+
+# A shell starts what runs in its background with interrupts ignored; commands that tests start would inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

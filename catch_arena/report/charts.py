@@ -76,6 +76,12 @@ def headline(table: Sequence[Standing], *, ended: bool) -> str:
     return f"{', '.join(leaders[:-1])} and {leaders[-1]} lead and cannot be told apart"
 
 
+def rating_axis(table: Sequence[Standing]) -> Axis:
+    """For the ratings of those who played: one that forfeited everything has one far below, that says no more."""
+    played = [line for line in table if sum(line.forfeits.values()) < line.matches] or table
+    return Axis.over(end for line in played for end in (line.rating.low, line.rating.mean, line.rating.high))
+
+
 def lanes(table: Sequence[Standing]) -> list[list[str]]:
     """Bars beside those that share a group: for each line of the table, what stands in each lane.
 

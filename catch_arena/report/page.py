@@ -45,7 +45,7 @@ def page(findings: Findings, films: dict[str, Chosen], *, watched: bool = False)
         findings=findings,
         table=findings.standings,
         headline=charts.headline(findings.standings, ended=len(findings.played) >= findings.planned),
-        ratings=Axis.over(_ends(line.rating for line in findings.standings)),
+        ratings=charts.rating_axis(findings.standings),
         lanes=charts.lanes(findings.standings),
         distributions=charts.distributions(findings),
         encounters=charts.encounters(findings),

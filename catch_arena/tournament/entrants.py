@@ -30,7 +30,9 @@ class Entrant:
     """One agent in a tournament; it can be sent to another process, which makes its own instances."""
 
     name: str
-    """Unique in its tournament: `nearest`, and `nearest#2` where it plays against itself."""
+    """Unique in its tournament: `nearest`, and `nearest#2` where it plays against itself; `ann/agent` and `bob/agent`
+    where two files have one name.
+    """
     spec: str
     """What `agent_class` or `command_of` finds it by, from any folder."""
     control: Control
@@ -74,23 +76,24 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspected
     """The entrants that these words stand for, in their order.
 
     Args: `specs`: shipped names, `package.module:Class`, paths of .py files with a class `Agent`, or `cmd:` and a
-    command; `inspect`: looks at an agent, in this process or (`Sandbox.inspect`) in one of its own.
+    command; `inspect`: looks at an agent, in this process or (`isolation.seating.inspector`) in one of its own.
     Raises: AgentError, one line, that names the word and what is wrong with it.
     """
     seen: Counter[str] = Counter()
     inspections: dict[str, Inspection] = {}
     entrants = []
-    for spec in specs:
-        name, whole, content = _meant(spec)
-        if whole not in inspections:
-            inspections[whole] = inspect(whole)
-        found = inspections[whole]
+    words = [_meant(spec) for spec in specs]
+    for one, name in zip(words, _told_apart(words), strict=True):
+        if one.spec not in inspections:
+            inspections[one.spec] = inspect(one.spec)
+        found = inspections[one.spec]
+        content = one.content
         if content is None:
-            content = Path(found.source).read_bytes() if found.source else whole.encode()
+            content = Path(found.source).read_bytes() if found.source else one.spec.encode()
         seen[name] += 1
         unique = name if seen[name] == 1 else f"{name}#{seen[name]}"
         digest = hashlib.blake2b(content, digest_size=8).hexdigest()
-        entrants.append(Entrant(unique, whole, found.control, digest, found.fault))
+        entrants.append(Entrant(unique, one.spec, found.control, digest, found.fault))
     return tuple(entrants)
 
 
@@ -158,8 +161,9 @@ def module_at(place: str) -> ModuleType:
 class _Meant(NamedTuple):
     """What a word stands for."""
 
-    name: str
     spec: str
+    path: tuple[str, ...]
+    """Its name comes last, what holds it before that."""
     content: bytes | None = None
     """What the digest is of, where that is known without a look at the agent."""
 
@@ -171,16 +175,34 @@ def _meant(spec: str) -> _Meant:
         path = Path(spec).expanduser().resolve()
         if not path.is_file():
             raise AgentError(f"{spec}: no such file")
-        return _Meant(path.stem, str(path), path.read_bytes())
+        return _Meant(str(path), _path_of(path), path.read_bytes())
     if ":" in spec:
-        return _Meant(spec.rpartition(":")[2], spec)
+        return _Meant(spec, tuple(spec.replace(":", ".").split(".")))
     known = shipped()
     if spec not in known:
         raise AgentError(
             f"unknown agent {spec!r}: {suggest(spec, known)} "
             f"(or give package.module:Class, the path of a .py file, or {COMMAND}COMMAND)"
         )
-    return _Meant(spec, f"{_SHIPPED}.{spec}:Agent")
+    return _Meant(f"{_SHIPPED}.{spec}:Agent", (spec,))
+
+
+def _path_of(file: Path) -> tuple[str, ...]:
+    return *file.parts[1:-1], file.stem
+
+
+def _told_apart(words: Sequence[_Meant]) -> list[str]:
+    """A name for each: the last part of its path, and as many before that as tell it from other paths."""
+    depths = dict.fromkeys((one.path for one in words), 1)
+
+    def name(path: tuple[str, ...]) -> str:
+        return "/".join(path[-depths[path] :])
+
+    for _ in range(max(map(len, depths), default=0)):
+        often = Counter(map(name, depths))
+        for path in [path for path in depths if often[name(path)] > 1]:
+            depths[path] += 1
+    return [name(one.path) for one in words]
 
 
 def _command(spec: str) -> _Meant:
@@ -197,8 +219,8 @@ def _command(spec: str) -> _Meant:
     if found is None:
         raise AgentError(f"{spec}: {words[0]} is no program that can be run")
     content = b"\0".join(files[word].read_bytes() if word in files else word.encode() for word in words)
-    name = next(iter(files.values()), Path(program)).stem
-    return _Meant(name, COMMAND + shlex.join([found, *arguments]), content)
+    parts = _path_of(next(iter(files.values()), Path(Path(program).name)))
+    return _Meant(COMMAND + shlex.join([found, *arguments]), parts, content)
 
 
 def _takes_one(method: Callable[..., object]) -> bool:

@@ -8,7 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from report.synthetic import tournament
 
-from catch_arena.report.charts import Axis, distributions, headline, interval, lanes, number, percent, seats
+from catch_arena.report.charts import (
+    Axis,
+    distributions,
+    headline,
+    interval,
+    lanes,
+    number,
+    percent,
+    rating_axis,
+    seats,
+)
 from catch_arena.report.findings import Findings
 from catch_arena.tournament.statistics.intervals import Estimate
 
@@ -36,6 +46,17 @@ def test_an_interval_that_is_not_known_is_a_point():
     assert axis.whisker(Estimate(5.0, NAN, NAN)) == {"left": 50.0, "width": 0.0, "mean": 50.0}
     assert axis.whisker(Estimate(5.0, 2.0, 8.0)) == {"left": 20.0, "width": 60.0, "mean": 50.0}
     assert axis.whisker(Estimate(NAN, NAN, NAN)) is None
+
+
+def test_one_that_forfeited_everything_does_not_squeeze_the_others_together(findings):
+    first, second, third = (
+        dataclasses.replace(line, rating=Estimate(mean, mean - 50, mean + 50), forfeits={"FORFEIT_CRASH": lost})
+        for line, mean, lost in zip(
+            findings.standings, (200.0, 0.0, -2000.0), (0, 1, findings.standings[2].matches), strict=False
+        )
+    )
+    assert rating_axis([first, second, third]).low == rating_axis([first, second]).low > -200
+    assert rating_axis([third]).low < -2000  # but where there is nobody else
 
 
 @pytest.mark.parametrize(

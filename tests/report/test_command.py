@@ -54,4 +54,7 @@ def test_a_watched_report_is_served_until_ctrl_c(tmp_path):
         with urllib.request.urlopen(f"{address}state", timeout=30) as answer:  # noqa: S310 - ours
             assert answer.read() == b"60"
         process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=30) == 0
+        try:
+            assert process.wait(timeout=60) == 0
+        finally:
+            process.kill()

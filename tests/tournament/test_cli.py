@@ -219,18 +219,11 @@ def test_help_loads_nothing_heavy():
     assert done.stdout.strip() == "[]"
 
 
-def test_the_script_is_the_command(tmp_path):
-    words = ["nearest", "idle", *QUICK, "--jobs", "1"]
-    outputs = [
-        subprocess.run(
-            [*command, *words, "--out", name], cwd=tmp_path, check=True, capture_output=True, text=True
-        ).stdout
-        for name, command in {
-            "a": [sys.executable, str(ROOT / "scripts" / "tournament.py")],
-            "b": [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament"],
-        }.items()
-    ]
-    assert outputs[0].replace(": a", ": b") == outputs[1]
+def test_the_script_is_the_command(catch_arena, tmp_path):
+    words = ["nearest", "idle", *QUICK, "--jobs", "1", "--out"]
+    script = [sys.executable, str(ROOT / "scripts" / "tournament.py"), *words, "a"]
+    done = subprocess.run(script, cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert done.stdout.replace(": a", ": b") == catch_arena("tournament", *words, "b").output
     assert (tmp_path / "a" / "standings.json").read_bytes() == (tmp_path / "b" / "standings.json").read_bytes()
 
 
@@ -296,7 +289,10 @@ def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
     while not (tmp_path / "began").exists() and time.monotonic() < patience:
         time.sleep(0.05)
     os.kill(process.pid, signal.SIGINT)
-    _, errors = process.communicate(timeout=30)
+    try:
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
     assert process.returncode == 130
     assert errors.strip().splitlines()[-2:] == [
         "0 of 2 matches are kept in o; the same command with --resume goes on",

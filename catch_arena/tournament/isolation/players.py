@@ -46,6 +46,12 @@ class IsolatedPlayers:
         self._entrants = entrants
         self._limits = sandbox.limits
         self._bank_s = dict.fromkeys(entrants, sandbox.limits.bank_s)
+        self._granted = {
+            "init": f"{self._limits.init_s:g} s",
+            "reset": f"what was left of {self._limits.init_s:g} s",
+            "act": f"{self._limits.step_ms:g} ms and what was left of its bank of {self._limits.bank_s:g} s",
+        }
+        """What each takes longer than who is late, in words that every match repeats: reports count by them."""
         self._lines: dict[int, Lines] = {}
 
     def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
@@ -157,7 +163,7 @@ class IsolatedPlayers:
             for seat in waiting:
                 seconds = now - sent_at[seat]
                 if seconds > allowed_s[seat] and (seat not in replies or replies[seat].fault is None):
-                    late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {allowed_s[seat]:.3g} s, all its time")
+                    late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._granted[doing]}")
                     replies[seat] = _Reply({}, seconds, late)
         for seat, reply in replies.items():
             if reply.fault is not None and not reply.fault.reason:

@@ -44,11 +44,12 @@ def check(word: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sand
         return
     yield Finding("ok", f"control {entrant.control}, digest {entrant.digest}")
     first: list[bytes] = []
+    told: set[tuple[str, str]] = set()
     for name, config in arenas.items():
         digests: list[bytes] = []
         copies = enter([word] * config.hunters, look)
         result = play_entrants(config, seed, copies, sandbox, watch=lambda env, told=digests: told.append(env.digest()))
-        yield from _findings(name, config, result, sandbox.limits.step_ms)
+        yield from _findings(name, config, result, sandbox.limits.step_ms, told)
         first = first or digests
     name, config = next(iter(arenas.items()))
     again: list[bytes] = []
@@ -65,14 +66,20 @@ def check(word: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sand
         )
 
 
-def _findings(name: str, config: ArenaConfig, result: MatchResult, step_ms: float) -> Iterator[Finding]:
-    failed = [seat for seat, forfeit in enumerate(result.details) if forfeit is not None]
-    told: set[tuple[str, str]] = set()
-    for seat in failed:
-        forfeit = result.details[seat]
-        if forfeit is not None and (forfeit.code, forfeit.reason) not in told:
-            told.add((forfeit.code, forfeit.reason))
-            yield Finding("error", f"{name}: {_in_words(forfeit, config, seat)}{_tail(result.logs[seat])}")
+def _findings(
+    name: str, config: ArenaConfig, result: MatchResult, step_ms: float, told: set[tuple[str, str]]
+) -> Iterator[Finding]:
+    """What one match shows. Args: `told`, the failures that were shown at length before, to which it adds."""
+    failed = [(seat, forfeit) for seat, forfeit in enumerate(result.details) if forfeit is not None]
+    here: set[tuple[str, str]] = set()
+    for seat, forfeit in failed:
+        kind = (forfeit.code, forfeit.reason)
+        if kind in here:
+            continue
+        here.add(kind)
+        shown = "" if kind in told else f"{_shown_to(forfeit, config, seat)}{_tail(result.logs[seat])}"
+        yield Finding("error", f"{name}: {forfeit}{shown}")
+    told |= here
     moves = sum(times.moves for times in result.thinking)
     mean_ms = 1000.0 * sum(times.total_s for times in result.thinking) / max(1, moves)
     longest_ms = 1000.0 * max(times.longest_s for times in result.thinking)
@@ -91,14 +98,14 @@ def _findings(name: str, config: ArenaConfig, result: MatchResult, step_ms: floa
             yield Finding("warning", f"{name}: {count} requests were {verdict.name}: {REASONS[verdict]}")
 
 
-def _in_words(forfeit: Forfeit, config: ArenaConfig, seat: int) -> str:
+def _shown_to(forfeit: Forfeit, config: ArenaConfig, seat: int) -> str:
+    """The view that it failed on, on a line of its own."""
     if forfeit.sight is None:
-        return f"{forfeit.code}, before the first step: {forfeit.reason}"
+        return ""
     view = _seen(forfeit.sight, config, seat)
     targets = ", ".join(f"{target.rank}: {target.distance:.2f} m" for target in view.targets)
     return (
-        f"{forfeit.code} in step {forfeit.step}: {forfeit.reason}\n"
-        f"it saw: targets {targets or 'none (view.targets is empty)'}; {len(view.rivals)} rivals; "
+        f"\nit saw: targets {targets or 'none (view.targets is empty)'}; rivals {len(view.rivals)}; "
         f"mask {list(view.mask)}; score {view.score:g}; {view.time_left:.1f} s left"
     )
 

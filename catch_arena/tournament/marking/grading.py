@@ -30,6 +30,8 @@ _KINDS: Final = {"str": "text", "list": "a list", "dict": "a table"}
 _HINTS: Final[Mapping[str, str]] = {
     "OUT_OF_REACH": "R5.3: a catch needs less than reach_m between the centres, as they stood when the agent saw them: "
     "ask when target.distance < view.limits.reach_m",
+    "GRANTED": "R6.1: only granted catches count: it got what it asked for, and asked too seldom: look for the targets "
+    "that it reaches soonest, turning included, and before any rival",
     "LOST_CONTEST": "R5.4: of several hunters in reach the nearest is granted the target: look at view.rivals too",
     "MALFORMED": "R5.2: it named a rank that has no target: view.mask and len(view.targets) say which have",
     "SERVICE_DOWN": "R5.7: the kill service fails at times in this arena: ask again in the next step",
@@ -124,7 +126,7 @@ def read_spec(path: Path) -> Spec:
         else:
             seeds = _seeds("seeds", table.get("seeds", []))
         tests = tuple(
-            _test(f"test[{number}]", test, seeds)
+            _test(f"test[{number}]", test, seeds, path.parent)
             for number, test in enumerate(_checked("test", table.get("test", []), list), 1)
         )
         if not tests:
@@ -159,7 +161,7 @@ def _mark(test: Test, played: Sequence[tuple[int, MatchResult]]) -> Mark:
         if forfeit is None:
             wins += (result.ranks[seat] == 1) / result.ranks.count(1)
         elif forfeit.code not in reasons:
-            reasons[forfeit.code] = f"{forfeit.code} in step {forfeit.step}: {forfeit.reason}"
+            reasons[forfeit.code] = str(forfeit)
             log = log or result.logs[seat][-_LOG_SHOWN:]
     count = len(played)
     refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
@@ -173,8 +175,9 @@ def _mark(test: Test, played: Sequence[tuple[int, MatchResult]]) -> Mark:
             failures.append(f"{name} must be at most {most:g}, got {value:.4g}")
     causes = [*reasons]
     if failures:
-        causes += [name for name, times in verdicts.items() if times > _OFTEN * verdicts.total()]
-        causes += [] if causes else ["no request"]
+        often = [name for name, times in verdicts.items() if times > _OFTEN * verdicts.total()]
+        causes += [name for name in often if name != "GRANTED"]
+        causes += [] if causes else often or ["no request"]
     return Mark(
         test=test.name,
         points=0.0 if failures else test.points,
@@ -226,7 +229,7 @@ def _printable(text: str) -> str:
     return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)
 
 
-def _test(place: str, table: Any, seeds: tuple[int, ...]) -> Test:
+def _test(place: str, table: Any, seeds: tuple[int, ...], folder: Path) -> Test:
     _checked(place, table, dict)
     _require_known(place, table, [one.name for one in fields(Test)])
     for name in ("name", "scenario"):
@@ -246,7 +249,9 @@ def _test(place: str, table: Any, seeds: tuple[int, ...]) -> Test:
     settings = _checked(f"{place}.settings", table.get("settings", {}), dict)
     if "control" in settings:
         raise ConfigError(f"{place}.settings.control must be left to the agents: each states its own control")
-    test = Test(**{**table, "opponents": tuple(opponents), "seeds": own_seeds, "points": float(table.get("points", 1))})
+    # files stand beside the spec, as its seed_file does
+    words = tuple(str(folder / Path(word).expanduser()) if word.endswith(".py") else word for word in opponents)
+    test = Test(**{**table, "opponents": words, "seeds": own_seeds, "points": float(table.get("points", 1))})
     try:
         config = test.config
     except ConfigError as error:

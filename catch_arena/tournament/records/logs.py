@@ -30,7 +30,7 @@ class Logs:
     def _append(self, name: str, text: str) -> None:
         path = self._folder / f"{name}.log"
         try:
-            self._folder.mkdir(exist_ok=True)
+            path.parent.mkdir(parents=True, exist_ok=True)  # a name may have parts, as ann/agent has
             with path.open("ab") as file:
                 if file.tell() < MOST_BYTES:
                     file.write(text.encode() + (b"" if text.endswith("\n") else b"\n"))

@@ -60,13 +60,28 @@ class Ratings:
         )
         return found
 
-    def errors_of_differences(self) -> Floats:
-        """(entrants, entrants): the standard error of each difference of two ratings."""
-        count = max(len(self.influence), 2)
-        covariance = self.influence.T @ self.influence * (count / (count - 1))
-        covariance += self.pseudo_influence.T @ self.pseudo_influence
+    def distances(self) -> Floats:
+        """(entrants, entrants): the difference of each two over its standard error, 0 or more; NaN where one of them
+        did not play.
+
+        Between the shares of the field that they are expected to beat, not between their ratings: these run off to
+        infinity where one never wins, and their errors faster still (Hauck and Donner 1977).
+        """
+        played = np.isfinite(self.points)
+        field = max(int(played.sum()), 1)
+        with np.errstate(invalid="ignore"):
+            beats = _logistic(np.subtract.outer(self.points, self.points) / ELO)
+        slopes = np.where(played & played[:, None], beats * (1.0 - beats), 0.0) / field
+        to_shares = (np.diag(slopes.sum(axis=1)) - slopes) / ELO
+        shares = np.where(played, beats, 0.0).sum(axis=1) / field
+        moves, imagined = self.influence @ to_shares.T, self.pseudo_influence @ to_shares.T
+        count = max(len(moves), 2)
+        covariance = moves.T @ moves * (count / (count - 1)) + imagined.T @ imagined
         own = np.diag(covariance)
-        return np.sqrt(np.maximum(own[:, None] + own[None, :] - 2.0 * covariance, 0.0))
+        errors = np.sqrt(np.maximum(own[:, None] + own[None, :] - 2.0 * covariance, 0.0))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            distances: Floats = np.abs(np.subtract.outer(shares, shares)) / errors
+        return distances
 
 
 def rate(outcomes: Outcomes) -> Ratings:

@@ -52,10 +52,9 @@ def p_values(ratings: Ratings) -> Floats:
     most, least = np.maximum(np.maximum(above, below), 1.0), np.minimum(above, below)
     by_sign = np.where(agree, 2.0 * betainc(most, least + 1.0, 0.5), 1.0)  # so often or more, of all with a fair coin
     freedom = np.minimum.outer(ratings.blocks, ratings.blocks) - 1.0
-    with np.errstate(invalid="ignore", divide="ignore"):
-        distance = np.abs(np.subtract.outer(ratings.points, ratings.points)) / ratings.errors_of_differences()
-        known = (freedom > 0) & np.isfinite(distance)
-        by_distance = np.where(known, 2.0 * stdtr(np.maximum(freedom, 1.0), -distance), 1.0)
+    distance = ratings.distances()
+    known = (freedom > 0) & np.isfinite(distance)
+    by_distance = np.where(known, 2.0 * stdtr(np.maximum(freedom, 1.0), -distance), 1.0)
     return np.minimum(2.0 * np.minimum(by_sign, by_distance), 1.0)
 
 

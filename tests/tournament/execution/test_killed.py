@@ -138,6 +138,7 @@ def test_the_processes_of_a_killed_tournament_end_too(tmp_path):
     process.kill()
     process.wait(timeout=30)
     assert len(told()) >= 2
+    patience = time.monotonic() + 60
     while any(one.exists() for one in told()) and time.monotonic() < patience:
         time.sleep(0.05)
     assert not [one for one in told() if one.exists()]

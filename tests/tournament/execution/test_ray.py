@@ -5,8 +5,10 @@ import sys
 
 import pytest
 from tournament.agents import dies_once
+from typer.testing import CliRunner
 
 from catch_arena import scenario
+from catch_arena.cli import main
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.on_ray import require_same
@@ -31,13 +33,14 @@ def exported(folder) -> bytes:
     return (folder / "matches.jsonl").read_bytes()
 
 
-def test_two_workers_of_which_one_is_killed_play_as_this_process_does(tmp_path):
+def test_two_workers_of_which_one_is_killed_play_as_this_process_does(tmp_path, monkeypatch):
     dies_once(tmp_path)
     on_ray = played(tmp_path, "ray", "--executor", "ray", "--jobs", "2")
     assert on_ray.returncode == 0, on_ray.stderr
     assert (tmp_path / "died").exists()
-    here = played(tmp_path, "here", "--jobs", "1")
-    assert here.returncode == 0, here.stderr
+    monkeypatch.chdir(tmp_path)
+    here = CliRunner().invoke(main, ["tournament", "dies_once.py", *WORDS, "--out", "here", "--jobs", "1"])
+    assert here.exit_code == 0, here.output
     assert exported(tmp_path / "ray") == exported(tmp_path / "here")
     replays = [
         {path.name: path.read_bytes() for path in (tmp_path / name / "replays").iterdir()} for name in ("ray", "here")

@@ -32,6 +32,12 @@ class Agent(Nearest):
 """
 
 
+@pytest.fixture(autouse=True)
+def fewer_steps(monkeypatch):
+    """Made-up ones: what is unfair here shows in the first few."""
+    monkeypatch.setattr("catch_arena.tournament.fairness.audit._STEPS", 300)
+
+
 def run(*words):
     return CliRunner().invoke(main, ["audit", *words, "--jobs", "1", "--set", "time_limit_s=10"])
 

@@ -163,19 +163,21 @@ def test_the_docs_have_every_limit():
         assert f"| `{limit.name}` | {limit.default:g} |" in page
 
 
-def test_all_are_asked_at_once(sandbox):
-    """Four that take 50 ms each take little more together than one."""
-    config = scenario("standard", time_limit_s=2)
-    slow = str(HERE / "bad" / "is_slow.py")
-
-    def seconds(*names):
-        entrants = enter(names, inspector(sandbox))
-        with seated(entrants, sandbox) as players:
-            begin = []
-            play(config, 1, players, [one.name for one in entrants], watch=lambda _: begin.append(time.monotonic()))
-        return begin[-1] - begin[0]
-
-    assert seconds(slow, slow, slow, slow) < 1.6 * seconds(slow, *[alone("idle")] * 3)
+def test_all_are_asked_at_once(tmp_path):
+    """Each answers when all four have seen their views: asked one after the other, the first would be late."""
+    path = tmp_path / "waits.py"
+    path.write_text(
+        "import os, time\nfrom pathlib import Path\nHERE = Path(__file__).parent\nclass Agent:\n"
+        "    def reset(self, seed): self.step = 0\n"
+        "    def act(self, view):\n        self.step += 1\n"
+        "        (HERE / f'{self.step}-{os.getpid()}').touch()\n"
+        "        while len(list(HERE.glob(f'{self.step}-*'))) < 4: time.sleep(0.005)\n        return 0\n"
+    )
+    config = scenario("standard", time_limit_s=0.3)
+    with Sandbox(AgentLimits(step_ms=20_000)) as patient:
+        result = played(config, enter([str(path)] * 4, inspector(patient)), patient)
+    assert result.forfeits == (None,) * 4
+    assert len(list(tmp_path.glob("3-*"))) == 4
 
 
 def test_the_keepers_end_is_no_contest_and_the_next_match_starts_anew(sandbox):
@@ -236,7 +238,7 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
         assert len(relatives) >= 6  # the keeper, two hosts, two agents, the child
         assert folder.is_dir()
         process.kill()
-    patience = time.monotonic() + 10
+    patience = time.monotonic() + 60
     while (folder.exists() or any(Path(f"/proc/{pid}").exists() for pid in relatives)) and time.monotonic() < patience:
         time.sleep(0.02)
     assert not [pid for pid in relatives if Path(f"/proc/{pid}").exists()]
@@ -278,7 +280,8 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
     assert played(SHORT, entrants, sandbox).forfeits == (None, None)
 
 
-def test_a_match_that_could_not_be_held_is_played_again(sandbox):
+def test_a_match_that_could_not_be_held_is_played_again(sandbox, monkeypatch):
+    monkeypatch.setattr("catch_arena.tournament.isolation.seating._PAUSES_S", (0.0, 0.0, 0.0))
     entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
     whole = play_entrants(SHORT, 7, entrants, sandbox)
     ended = []

@@ -26,7 +26,7 @@ def check(tmp_path):
 
 
 def test_a_good_agent_is_fit_in_every_scenario(check):
-    result = check("patrol", "--set", "time_limit_s=3")
+    result = check("patrol", "--set", "time_limit_s=3", "--limit", "step_ms=60000")  # however busy the machine is
     assert result.exit_code == 0, result.output
     for scenario in ("standard", "duel", "crowd", "scarce", "faulty", "capstone"):
         assert re.search(rf"^ok: +{scenario}: 30 steps, scores [\d ]+, [\d.]+ ms a step", result.output, re.MULTILINE)
@@ -56,14 +56,20 @@ def test_what_would_forfeit_is_explained_and_the_exit_code_is_1(check, source, w
 def test_one_that_fails_without_a_target_is_shown_that_it_saw_none(check):
     result = check(HEAD + "return view.targets[0].rank\n", "--scenario", "scarce", "--set", "time_limit_s=3")
     assert result.exit_code == 1
-    assert "it saw: targets none (view.targets is empty); 3 rivals" in result.output
+    assert "it saw: targets none (view.targets is empty); rivals 3; mask " in result.output
+
+
+def test_the_same_failure_in_another_scenario_is_told_in_one_line(check):
+    result = check(HEAD + "return 99\n", "-s", "standard", "-s", "duel", "--set", "time_limit_s=3")
+    assert len(re.findall(r"^error: +\w+: FORFEIT_ILLEGAL in step 1: ", result.output, re.MULTILINE)) == 2
+    assert result.output.count("it saw: ") == 1
 
 
 @pytest.mark.parametrize(
     ("source", "words"),
     [
         (HEAD + "print('look', view.score)\n        return 0\n", "prints, which goes to its log: 'look 0.0'"),
-        (f"import time\n{HEAD}time.sleep(0.03)\n        return 0\n", "is too slow: 3"),
+        (f"import time\n{HEAD}time.sleep(0.03)\n        return 0\n", "is too slow: "),
         (f"import os\n{HEAD}return os.urandom(1)[0] % 2\n", "plays another match from step "),
         (HEAD + "return 8\n", "requests were MALFORMED: the request names no target that could be (R5.2)"),
     ],

@@ -87,7 +87,7 @@ def test_one_that_cannot_begin_fails_every_test(grade, tmp_path):
     (tmp_path / "mine.py").write_text("class Agent\n")
     result = grade("mine.py")
     assert result.exit_code == 1
-    assert result.output.count("FORFEIT_INIT in step 0: ") == 2
+    assert result.output.count("FORFEIT_INIT before the first step: ") == 2
 
 
 def test_what_is_missed_is_measured_and_hinted_at(grade, tmp_path):
@@ -104,6 +104,21 @@ def test_what_is_missed_is_measured_and_hinted_at(grade, tmp_path):
 
 def test_one_that_never_asks_is_told_so(grade):
     assert "hint: R4.1, R4.4: it never asked" in grade("idle").output
+
+
+def test_one_that_is_granted_all_and_is_too_slow_is_told_so(grade):
+    result = grade("first", spec=SPEC.replace("min_mean_score = 2", "min_mean_score = 100"))
+    assert "hint: R6.1: only granted catches count" in result.output
+
+
+def test_an_opponents_file_stands_beside_the_spec(grade, tmp_path):
+    (tmp_path / "course").mkdir()
+    (tmp_path / "course" / "rival.py").write_text(
+        "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
+    )
+    (tmp_path / "course" / "spec.toml").write_text(SPEC.replace('"idle"', '"rival.py"'))
+    result = grade("nearest", "--spec", "course/spec.toml")
+    assert result.exit_code == 0, result.output
 
 
 def test_the_example_in_the_docs_runs(grade):

@@ -35,7 +35,7 @@ def plans(draw):
     return plan_of(draw(st.sampled_from(FORMATS)), entrants, seats, rounds, draw(st.integers(0, 2**70)))
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=80)
 @given(plans())
 def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan):
     blocks = list(plan.stage(0, ()))

@@ -34,6 +34,12 @@ def test_each_agent_has_a_file_which_says_in_which_match_and_seat(tmp_path):
     ]
 
 
+def test_an_agent_whose_name_has_parts_has_a_file_too(tmp_path):
+    logs = Logs(tmp_path / "logs", [ENTRANTS[0], Entrant("ann/agent", "ann/agent", "target", "")])
+    logs.add(played(1, "hello"))
+    assert (tmp_path / "logs" / "ann" / "agent.log").read_text() == "== match m1, seat 1\nhello\n"
+
+
 def test_a_file_does_not_grow_for_ever(tmp_path):
     logs = Logs(tmp_path, ENTRANTS)
     for number in range(12):

@@ -10,7 +10,7 @@ import pytest
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import MatchResult, ranks_of
-from catch_arena.tournament.plans.schedule import Match, Played
+from catch_arena.tournament.plans.schedule import Match, Played, balanced
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups, holm, level_of_look, next_look, p_values, separation
@@ -68,6 +68,17 @@ def test_one_that_never_wins_is_certainly_worse():
     assert ratings.blocks_above.tolist() == [[0, 40, 40], [0, 0, 40], [0, 0, 0]]
     assert p_values(ratings)[0, 2] <= 2 * 2 / 2**40
     assert separation(THREE, found).clear
+
+
+def test_agents_that_always_come_last_do_not_hide_the_order_of_the_others():
+    """As a class has some that forfeit every match: 16 play, two of them not really."""
+    plan, random = balanced(16, 4, 8, seed=1), np.random.default_rng(1)
+    seating, block = (np.array([getattr(match, name) for match in plan]) for name in ("seating", "block"))
+    scores = np.where(seating < 2, -seating, random.poisson(np.linspace(2, 30, 16)[seating]))
+    ranks = 1 + (scores[:, None, :] > scores[:, :, None]).sum(axis=2)
+    found = groups(rate(Outcomes(16, block, seating, scores, ranks)), list(range(15, -1, -1)))
+    assert found[0][1] < found[8][0]
+    assert all(last < found[14][0] for _, last in found[:8])
 
 
 def test_nothing_is_clear_before_the_first_look():
