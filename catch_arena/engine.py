@@ -11,7 +11,7 @@ import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 from typing import Any, Final
 
 import numpy as np
@@ -43,6 +43,8 @@ _HUNTERS_A_PART: Final = 4096
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 _NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 _NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
+_network: Final = cache(selection_network)
+"""For engines that copy it."""
 _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
@@ -111,14 +113,13 @@ class Engine:
         self.num_arenas = num_arenas
         self.parts_wanted = parts_wanted
         self.auto_reset = auto_reset
-        self.threads = Threads(num_threads)
         hunters, seen = config.hunters, config.targets_seen
         settings = settings_of(config, progress_wanted=parts_wanted)
         self._constants = np.array((*settings, *itertools.chain(*(config.hunter_poses or ()))), dtype=np.float64)
         networks = (
-            selection_network(config.max_targets, seen),
+            _network(config.max_targets, seen),
             # one rank more than is seen: a tie at the edge of the view has to be noticed
-            selection_network(hunters, min(hunters, config.hunters_seen + 1)),
+            _network(hunters, min(hunters, config.hunters_seen + 1)),
         )
         controls = [_CONTROLS[control] for control in config.controls]
         self._numbers = np.concatenate(
@@ -129,8 +130,10 @@ class Engine:
         self.memory: NDArray[np.float64] = np.zeros((blocks, block * LANES))
         """core/state.py's blocks."""
         self._shares = blocks * LANES * hunters // _HUNTERS_A_PART
-        self._workspaces = [np.zeros((workspace_rows(hunters) + block) * LANES) for _ in range(num_threads)]
-        self._dockets = [np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64) for _ in range(num_threads)]
+        self.threads = Threads(max(1, min(num_threads, self._shares)))
+        threads = range(self.threads.size)
+        self._workspaces = [np.zeros((workspace_rows(hunters) + block) * LANES) for _ in threads]
+        self._dockets = [np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64) for _ in threads]
         self.observations = np.zeros((num_arenas, hunters, width(config)), dtype=np.float32)
         """R7.1: (B, H, D)."""
         self.masks = np.zeros((num_arenas, hunters, seen + 1), dtype=np.int8)
@@ -187,10 +190,14 @@ class Engine:
         if arenas is None:
             tick.run(self.memory, *self._inputs, resets, False, _NO_CHOICES, _NO_COMMANDS, *self._outputs)
             return
-        blocks = chosen // LANES
-        for block in np.unique(blocks).tolist():  # the others keep what they observe
-            rows_of_block = resets[blocks == block] - np.array([block * LANES, 0], dtype=np.uint64)
-            self._run_blocks(slice(block, block + 1), rows_of_block, False, _NO_CHOICES, _NO_COMMANDS)
+        if not len(chosen):
+            return
+        resets = resets[np.argsort(chosen)]
+        gaps = np.flatnonzero(np.diff(resets[:, 0] // LANES) > 1) + 1
+        for some in np.split(resets, gaps):  # one call for blocks that adjoin; the others keep what they observe
+            first, last = (some[[0, -1], 0] // LANES).tolist()
+            some[:, 0] -= np.uint64(first * LANES)
+            self._run_blocks(slice(first, last + 1), some, False, _NO_CHOICES, _NO_COMMANDS)
 
     def step(self, choices: NDArray[np.int64], commands: NDArray[np.float32]) -> None:
         """R1.4: one step of every arena.
@@ -199,7 +206,7 @@ class Engine:
         none; `commands` (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a
         seat's control does not read is ignored.
         """
-        if self.threads.size == 1 or self._shares < 2:
+        if self.threads.size == 1:
             tick.run(self.memory, *self._inputs, _NO_RESETS, True, choices, commands, *self._outputs)
             return
         blocks, parts = len(self.memory), self._shares

@@ -13,7 +13,7 @@ def checked_seed(seed: object) -> int:
     """The seed as an int. Raises: ConfigError unless it is a whole number in [0, 2^64)."""
     try:
         number = seed.__index__()  # type: ignore[attr-defined]
-    except AttributeError:
+    except (AttributeError, TypeError):  # an array has the method, but not always an index
         number = -1
     if isinstance(seed, bool) or not 0 <= number < SEED_LIMIT:
         raise ConfigError(f"seed must be a whole number from 0 to 2^64 - 1, got {seed!r}")

@@ -43,6 +43,12 @@ class Threads:
         for other in others:
             other.result()
 
+    def close(self) -> None:
+        """End the threads that were started; the next `run` would start them again."""
+        if self._pool is not None and self._process == os.getpid():
+            self._pool.shutdown()
+        self._pool = None
+
     def __reduce__(self) -> tuple[type["Threads"], tuple[int]]:
         """Copied and pickled without what runs."""
         return Threads, (self.size,)

@@ -5,25 +5,32 @@ from functools import wraps
 from typing import Any
 
 
-class Infos(dict[str, Any]):
-    """A dict of infos by agent that is filled when it is used for the first time, and then an ordinary dict.
-
-    It is born with its keys: what is written in C looks at a dict's size before it asks for more.
-    """
+class ToldInfos(dict[str, Any]):
+    """Infos by agent, an ordinary dict; copied and pickled as one."""
 
     __slots__ = ("make",)
 
-    make: Callable[[], dict[str, dict[str, Any]]] | None
-    """What it will hold; to be set before it is used. It must not read what later steps change."""
-
-    def _fill(self) -> None:
-        if self.make is not None:
-            made, self.make = self.make(), None
-            super().update(made)
+    make: Callable[[], dict[str, dict[str, Any]]]
+    """What it will hold, while it is not filled yet. It must not read what later steps change."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copied and pickled as the dict that it stands for."""
         return dict, (dict(self),)
+
+
+class Infos(ToldInfos):
+    """A dict of infos by agent that is filled when it is used for the first time, and then a ToldInfos, read as fast
+    as any dict.
+
+    It is born with its keys, for what is written in C looks at a dict's size before it asks for more; `make` is to be
+    set before it is used.
+    """
+
+    __slots__ = ()
+
+    def _fill(self) -> None:
+        super().update(self.make())
+        del self.make  # with the arrays that it holds
+        self.__class__ = ToldInfos  # type: ignore[assignment]  # of the same layout
 
 
 def _filling(name: str) -> Callable[..., Any]:

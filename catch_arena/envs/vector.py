@@ -21,6 +21,8 @@ from catch_arena.world import World
 
 _TERMINATED: Final = np.int8(rows.TERMINATED)  # of the same type as `Engine.ends`, so that NumPy converts nothing
 _TRUNCATED: Final = np.int8(rows.TRUNCATED)
+_MOST_ENVS: Final = 10**9  # of which a machine's memory holds fewer
+_MOST_THREADS: Final = 4096
 
 T = TypeVar("T")
 
@@ -32,6 +34,8 @@ class SavedState(NamedTuple):
 
     config: str
     """The digest of the arena's config."""
+    num_envs: int | None
+    """Of the batch; None for a single row."""
     memory: NDArray[np.float64]
 
 
@@ -43,7 +47,7 @@ class VectorArena:
     - target: (B, H) whole numbers: 0 to hold, or a target's rank in view;
     - velocity: (B, H, 2) numbers in [-1, 1]: linear and angular velocity as fractions of the limits;
     - full, or controls that differ by seat: {"cmd_vel": (B, H, 2), "catch": (B, H)}; what a seat's control does not
-      read is ignored.
+      read must be legal too, and is ignored.
 
     Episodes that end begin anew at once (Gymnasium's SAME_STEP autoreset): the observations are then those of the new
     episode, and `infos` keeps those of the old one. With `auto_reset=False` (Gymnasium's DISABLED) an arena that has
@@ -76,21 +80,27 @@ class VectorArena:
         copy: bool = False,
         **overrides: object,
     ) -> None:
-        num_envs, num_threads = _positive("num_envs", num_envs), _positive("num_threads", num_threads)
+        num_envs = _positive("num_envs", num_envs, _MOST_ENVS)
+        num_threads = _positive("num_threads", num_threads, _MOST_THREADS)
         for name, value in (("auto_reset", auto_reset), ("copy", copy)):
             if not isinstance(value, bool):
                 raise ConfigError(f"{name} must be True or False, got {value!r}")
         self.config: Final = arena_config(scenario, **overrides)
         self.num_envs: Final = num_envs
         self.num_hunters: Final = self.config.hunters
-        self._engine = Engine(self.config, num_envs, parts_wanted=False, auto_reset=auto_reset, num_threads=num_threads)
         self._copy = copy
         self._begun = False
         shape = (num_envs, self.config.hunters)
-        self._choices = np.zeros(shape, dtype=np.int64)
-        self._commands = np.zeros((*shape, 2), dtype=np.float32)
-        self._rewards = np.zeros(shape, dtype=np.float32)
-        self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
+        try:
+            self._engine = Engine(
+                self.config, num_envs, parts_wanted=False, auto_reset=auto_reset, num_threads=num_threads
+            )
+            self._choices = np.zeros(shape, dtype=np.int64)
+            self._commands = np.zeros((*shape, 2), dtype=np.float32)
+            self._rewards = np.zeros(shape, dtype=np.float32)
+            self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
+        except MemoryError as error:
+            raise ConfigError(f"num_envs must fit into this machine's memory, got {num_envs}: {error}") from None
         self._infos = self._make_infos()
 
     def _make_infos(self) -> dict[str, Any]:
@@ -113,6 +123,15 @@ class VectorArena:
                 "verdicts": tallies,
             }
         return infos
+
+    def __repr__(self) -> str:
+        return (
+            f"<VectorArena: {self.num_envs} arenas, {self.num_hunters} hunters in each, {self.config.control} control>"
+        )
+
+    def close(self) -> None:
+        """End the threads that were started. The arena is as it was, and can be played on."""
+        self._engine.threads.close()
 
     def observation_space(self, seat: int = 0) -> spaces.Space[Any]:
         """R7.1: what one hunter sees; the mask is in `infos`."""
@@ -138,7 +157,7 @@ class VectorArena:
         without it each arena goes on to the episode after its own, and the first seed is the operating system's;
         `arenas`, the rows to begin anew, as numbers or as a (B,) mask; all without it.
         Returns: observations and infos, see above.
-        Raises: ConfigError; EpisodeError for single rows before all have begun.
+        Raises: ConfigError, also for a row that is named twice; EpisodeError for single rows before all have begun.
         """
         chosen = self._rows(arenas)
         if not self._begun and len(chosen) < self.num_envs:
@@ -149,7 +168,9 @@ class VectorArena:
                 if not self._begun
                 else next_seeds(self._engine.seeds()[chosen])
             )
-        elif isinstance(seed, Iterable) and not isinstance(seed, str):
+        elif isinstance(seed, np.ndarray) and seed.ndim == 1 and seed.dtype == np.uint64:
+            seeds = seed  # as `seeds()` gives them
+        elif isinstance(seed, Iterable) and not isinstance(seed, str | bytes) and getattr(seed, "ndim", 1) > 0:
             seeds = np.array([checked_seed(one) for one in seed], dtype=np.uint64)
         else:
             seeds = batch_seeds(checked_seed(seed), self.num_envs)[chosen]
@@ -242,6 +263,9 @@ class VectorArena:
                 f"arenas must be row numbers from 0 to {self.num_envs - 1} or a mask of {self.num_envs}, "
                 f"got {_named(chosen)}"
             )
+        numbers, counts = np.unique(chosen, return_counts=True)
+        if len(numbers) < len(chosen):  # which of two seeds is meant?
+            raise ConfigError(f"arenas must be different rows, got {numbers[counts > 1][0]} more than once")
         return chosen.astype(np.int64)
 
     # keeping
@@ -252,30 +276,33 @@ class VectorArena:
         Raises: EpisodeError before the first reset.
         """
         self._require_begun()
-        return SavedState(self.config.digest, self._engine.save())
+        return SavedState(self.config.digest, self.num_envs, self._engine.save())
 
-    def restore(self, saved: SavedState) -> NDArray[np.float32]:
-        """Go on from a saved state, bit for bit. Returns: the observations, (B, H, D). Raises: ConfigError."""
-        self._engine.restore(self._state_of(saved, self._engine.memory.shape))
+    def restore(self, saved: SavedState) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Go on from a saved state, bit for bit. Returns: observations and infos, as `reset`. Raises: ConfigError."""
+        self._engine.restore(self._memory_of(saved, self.num_envs, self._engine.memory.shape))
         self._begun = True
         self._ended[:] = False
-        return self._handed_out(self._engine.observations)
+        return self._handed_out((self._engine.observations, dict(self._infos)))
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: the state of one arena, which any row of an arena of equal config can take."""
-        return SavedState(self.config.digest, self._engine.save_row(self._row(arena)))
+        return SavedState(self.config.digest, None, self._engine.save_row(self._row(arena)))
 
-    def restore_row(self, arena: int, saved: SavedState) -> NDArray[np.float32]:
-        """Go on, in one arena, from a saved state. Returns: its observations, (H, D). Raises: ConfigError."""
+    def restore_row(self, arena: int, saved: SavedState) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Go on, in one arena, from a saved row. Returns: observations and infos, as `reset`. Raises: ConfigError."""
         arena = self._row(arena)
-        self._engine.restore_row(arena, self._state_of(saved, self._engine.save_row(arena).shape))
+        self._engine.restore_row(arena, self._memory_of(saved, None, self._engine.save_row(arena).shape))
         self._ended[arena] = False
-        return self._handed_out(self._engine.observations[arena])
+        return self._handed_out((self._engine.observations, dict(self._infos)))
 
-    def _state_of(self, saved: SavedState, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    def _memory_of(self, saved: SavedState, num_envs: int | None, shape: tuple[int, ...]) -> NDArray[np.float64]:
         if not isinstance(saved, SavedState) or saved.config != self.config.digest:
             raise ConfigError("a saved state must come from an arena of equal config, got another's")
-        if np.shape(saved.memory) != shape:
+        if saved.num_envs != num_envs:
+            wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
+            raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
+        if np.shape(saved.memory) != shape:  # kept by another version of this package
             raise ConfigError(f"a saved state must have the shape {shape}, got {np.shape(saved.memory)}")
         return saved.memory
 
@@ -320,9 +347,9 @@ class VectorArena:
         return int(arena)
 
 
-def _positive(name: str, value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
-        raise ConfigError(f"{name} must be a whole number from 1 up, got {value!r}")
+def _positive(name: str, value: object, most: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 1 <= value <= most:
+        raise ConfigError(f"{name} must be a whole number from 1 to {most}, got {value!r}")
     return int(value)
 
 

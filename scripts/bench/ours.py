@@ -23,8 +23,10 @@ def _work(config: catch_arena.ArenaConfig) -> Work:
     return Work(width(config), f"{ticks:g}", arbiter=True)
 
 
-def one_arena(control: str) -> Subject:
-    """The PettingZoo parallel env: 4 hunters who all chase the nearest target, or drive with fixed velocities."""
+def one_arena(control: str, *, masks_read: bool = False) -> Subject:
+    """The PettingZoo parallel env: 4 hunters who all chase the nearest target, or drive with fixed velocities; infos
+    are made only where somebody reads them.
+    """
     env = catch_arena.parallel_env("standard", control=control)
     env.reset(seed=1)
     velocity = np.array((0.8, 0.3), dtype=np.float32)
@@ -32,11 +34,15 @@ def one_arena(control: str) -> Subject:
     actions = dict.fromkeys(env.possible_agents, action)
 
     def step() -> None:
-        env.step(actions)
+        infos = env.step(actions)[4]
+        if masks_read:
+            for agent in actions:
+                infos[agent]["action_mask"]
         if not env.agents:
             env.reset()
 
-    return Subject(ENV, f"Catch Arena, one arena, {control} control", step, env.config.hunters, _work(env.config))
+    name = f"Catch Arena, one arena, {control} control{', masks read' if masks_read else ''}"
+    return Subject(ENV, name, step, env.config.hunters, _work(env.config))
 
 
 def _played(
@@ -95,6 +101,7 @@ def all_others(*, quick: bool) -> list[Subject]:
     usual = sizes[-2]
     at_once = 64 if quick else 65536
     return [
+        one_arena("target", masks_read=True),
         *(one_arena(control) for control in ("velocity", "full")),
         *(batch(envs) for envs in sizes if envs not in sizes[-3:-1]),
         *(batch(envs, threads=2) for envs in sizes),

@@ -32,40 +32,47 @@ def written(figures: Mapping[str, Any], subjects: Sequence[Subject]) -> str:
 
 
 def _beside_others(subjects: Sequence[Subject]) -> str:
-    """Each of ours that has peers, as often as fast as each peer; single environments stand beside single ones only."""
-    references = subjects[: ours.REFERENCES]
-    rows = [
+    """What each does in a step and how fast, and then how many times as fast ours are as each peer."""
+    references, peers = subjects[: ours.REFERENCES], [s for s in subjects if s.group == PEERS]
+    work = [
         (
-            subject.name,
-            f"{subject.envs:,}",
+            _titled(subject),
             subject.agents,
             subject.work.observation_floats,
             subject.work.physics_ticks,
             "yes" if subject.work.arbiter else "no",
             _rate(statistics.median(subject.env_steps)),
             _rate(subject.agent_steps),
-            *(_beside(reference, subject) for reference in references),
         )
-        for subject in (*references, *(s for s in subjects if s.group == PEERS))
+        for subject in (*references, *peers)
     ]
     head = (
         "environment",
-        "at once",
         "agents",
         "floats seen",
         "physics ticks",
         "arbiter",
         "env-steps per CPU-s",
         "agent-steps per CPU-s",
-        "our one arena is, in env-steps",
-        *(f"our batch of {one.envs:,} is, in agent-steps" for one in references[1:]),
     )
-    return _table(head, rows)
+    if not peers:
+        return _table(head, work)
+    ratios = [(_titled(peer), *(_beside(reference, peer) for reference in references)) for peer in peers]
+    ratios_head = (
+        "beside",
+        "our one arena, in env-steps",
+        *(f"our batch of {one.envs:,}, in agent-steps" for one in references[1:]),
+    )
+    return f"{_table(head, work)}\n\nHow many times as fast ours are:\n\n{_table(ratios_head, ratios)}"
+
+
+def _titled(subject: Subject) -> str:
+    return subject.name if subject.envs == 1 else f"{subject.name}, {subject.envs:,} at once"
 
 
 def _beside(reference: Subject, peer: Subject) -> str:
     """A single environment is compared by its env-steps and with single ones only, a batch by its agent-steps."""
-    if reference is peer or (reference.envs == 1 and peer.envs > 1):
+    if reference.envs == 1 and peer.envs > 1:
         return ""
     agents = 1.0 if reference.envs == 1 else reference.agents / peer.agents
     return _times(ratio(reference.env_steps, peer.env_steps) * agents)
@@ -130,8 +137,7 @@ def _growth(subjects: Sequence[Subject]) -> str:
 
 def _reset_and_memory(subjects: Sequence[Subject], bytes_per_arena: Mapping[int, float]) -> str:
     rows: list[tuple[object, ...]] = [
-        (f"{subject.name}, {subject.envs:,} at once", f"{1e6 / statistics.median(subject.env_steps):.2f} us an arena")
-        for subject in subjects
+        (_titled(subject), f"{1e6 / statistics.median(subject.env_steps):.2f} us an arena") for subject in subjects
     ]
     rows += [
         (f"memory of a batch of {envs:,}", f"{held:,.0f} bytes an arena") for envs, held in bytes_per_arena.items()
@@ -175,10 +181,16 @@ def _times(value: float) -> str:
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Columns of even width, so that it reads on a screen too."""
+    """Columns of even width, so that it reads on a screen too; all but the first are set to the right."""
     lines = [[str(cell) for cell in row] for row in (head, *rows)]
     widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
-    lines.insert(1, ["-" * width for width in widths])
-    return "\n".join(
-        "| " + " | ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) + " |" for line in lines
+    text = [
+        "| "
+        + " | ".join((cell.rjust if column else cell.ljust)(widths[column]) for column, cell in enumerate(line))
+        + " |"
+        for line in lines
+    ]
+    text.insert(
+        1, "| " + " | ".join("-" * (width - 1) + (":" if column else "-") for column, width in enumerate(widths)) + " |"
     )
+    return "\n".join(text)

@@ -7,6 +7,7 @@ import pickle
 import pytest
 
 from catch_arena import parallel_env
+from catch_arena.core.state import PART_NAMES
 from catch_arena.envs.infos import Infos
 
 CONTENT = {"hunter_0": {"verdict": None}, "hunter_1": {"verdict": 3}}
@@ -63,6 +64,27 @@ def test_what_is_changed_before_the_first_look_stays_changed():
     del infos["hunter_1"]
     infos.update(a={})
     assert infos == {"hunter_0": {}, "a": {}}
+
+
+@pytest.mark.parametrize("first", ["one", "dict", "copy"])
+@pytest.mark.parametrize("reader", READERS)
+def test_infos_can_be_read_again_as_any_dict(first, reader):
+    """What comes after the first look is not slowed down by it, and keeps nothing of the step."""
+    infos = untold()
+    READERS[first](infos)
+
+    assert READERS[reader](infos)
+    assert type(infos).__getitem__ is dict.__getitem__
+    assert not hasattr(infos, "make")
+
+
+def test_parts_stand_in_the_order_of_the_rulebook():
+    """They are named one by one."""
+    env = parallel_env("standard")
+    env.reset(seed=5)
+    env._parts[0] = range(6)
+
+    assert list(env._infos()["hunter_0"]["reward_parts"].items()) == list(zip(PART_NAMES, range(6), strict=True))
 
 
 def test_infos_tell_of_their_own_step():

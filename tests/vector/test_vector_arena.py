@@ -4,6 +4,7 @@ import copy
 import multiprocessing
 import pickle
 import re
+import threading
 import tracemalloc
 
 import numpy as np
@@ -141,6 +142,23 @@ def test_threads_do_not_change_anything(threads):
     assert (one.save().memory == many.save().memory).all()
 
 
+def test_more_threads_than_there_is_work_for_cost_nothing():
+    """Each has memory of its own, so that those which never play have none; and threads end when they are told to."""
+    arena = VectorArena(BUSY, 2000, 4096)
+    arena.reset(seed=SEED)
+    before = threading.active_count()
+    arena.step(np.zeros((2000, 5), dtype=int))
+
+    assert len(arena._engine._workspaces) == 2
+    assert threading.active_count() == before + 1
+    for _ in range(2):
+        arena.close()
+        assert threading.active_count() == before
+    arena.step(np.zeros((2000, 5), dtype=int))
+    assert repr(arena) == "<VectorArena: 2000 arenas, 5 hunters in each, target control>"
+    arena.close()
+
+
 def step_in_a_child(arena, actions, answers):
     arena.step(actions)
     answers.put(arena.digest(4999))
@@ -214,6 +232,62 @@ def test_arenas_that_have_ended_wait_for_their_reset_without_auto_reset():
     assert arena.digest(32) == env.digest()
     assert arena.digest(0) != arena.digest(8)
     assert arena.world(8).step == 0
+
+
+def test_a_batch_of_other_size_is_refused_even_in_as_many_blocks():
+    """Rows beyond the saved ones would not have begun."""
+    arena, larger = VectorArena("duel", 33), VectorArena("duel", 40)
+    arena.reset(seed=SEED)
+    with pytest.raises(ConfigError, match="a saved state must be one of 40 arenas here, got one of 33 arenas"):
+        larger.restore(arena.save())
+    with pytest.raises(ConfigError, match="arenas must be different rows"):
+        larger.reset(seed=SEED, arenas=[0] * 40)
+    with pytest.raises(EpisodeError, match="step must follow a reset"):
+        larger.step(np.zeros((40, 2), dtype=int))
+
+
+@pytest.mark.parametrize(
+    "rows", [[], [0], [299], [31, 32], [200, 3, 64, 130, 129, 2, 299], range(300), range(299, -1, -1)]
+)
+def test_rows_that_are_reset_begin_with_their_own_seeds_and_the_others_go_on(rows):
+    """In any order, in blocks side by side and far apart."""
+    arena, other = VectorArena(BUSY, 300), VectorArena(BUSY, 300)
+    arena.reset(seed=SEED)
+    other.reset(seed=range(1000, 1300))
+    for _ in range(3):
+        arena.step(np.ones((300, 5), dtype=int))
+    before, seen = arena.clone(), arena._engine.observations.copy()
+    observations, _ = arena.reset(seed=[1000 + row for row in rows], arenas=rows)
+    for row in range(300):
+        expected = other if row in rows else before
+        assert arena.digest(row) == expected.digest(row)
+        assert (observations[row] == expected._engine.observations[row]).all()
+    assert (before._engine.observations == seen).all()
+
+
+@pytest.mark.parametrize("seed", [np.array(5), np.uint8(5), 5])
+def test_any_whole_number_is_a_seed(seed):
+    """NumPy's too, and an array without axes is one."""
+    arena = VectorArena("duel", 3)
+    arena.reset(seed=seed)
+
+    assert arena.seeds().tolist() == batch_seeds(5, 3).tolist()
+
+
+def test_what_restores_returns_what_a_reset_returns():
+    """With copies there is no other way to the masks of what was restored."""
+    arena = VectorArena("standard", 3, copy=True)
+    first, infos = arena.reset(seed=SEED)
+    saved, row = arena.save(), arena.save_row(2)
+    for _ in range(30):
+        last, *_ = arena.step(np.ones((3, 4), dtype=int))
+    observations, notes = arena.restore_row(2, row)
+
+    assert (observations == np.stack((*last[:2], first[2]))).all()
+    assert (notes["action_mask"][2] == infos["action_mask"][2]).all()
+    observations, notes = arena.restore(saved)
+    assert (observations == first).all()
+    assert (notes["action_mask"] == infos["action_mask"]).all()
 
 
 def test_episodes_without_a_seed_follow_one_another():
@@ -353,9 +427,10 @@ def test_an_illegal_action_moves_nothing(control, actions, error, message):
 
 def test_what_else_is_wrong_is_told_in_one_line():
     """Sizes, rows, states of other shapes, and play before the first reset."""
-    with pytest.raises(ConfigError, match="num_envs must be a whole number from 1 up, got 0"):
-        VectorArena("duel", 0)
-    with pytest.raises(ConfigError, match="num_threads must be a whole number from 1 up, got True"):
+    for size in (0, 2.0, 10**30):
+        with pytest.raises(ConfigError, match="num_envs must be a whole number from 1 to 1000000000, got"):
+            VectorArena("duel", size)
+    with pytest.raises(ConfigError, match="num_threads must be a whole number from 1 to 4096, got True"):
         VectorArena("duel", 1, num_threads=True)
     with pytest.raises(ConfigError, match="unknown scenario"):
         VectorArena("dual", 1)
@@ -364,6 +439,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
         lambda: arena.step([[0, 0]] * 3),
         lambda: arena.digest(0),
         lambda: arena.reset(arenas=[1]),
+        lambda: arena.restore_row(1, None),
         arena.save,
     ):
         with pytest.raises(EpisodeError, match="must follow a reset"):
@@ -373,6 +449,8 @@ def test_what_else_is_wrong_is_told_in_one_line():
         arena.digest(3)
     with pytest.raises(ConfigError, match="arenas must be row numbers from 0 to 2 or a mask of 3"):
         arena.reset(arenas=[3])
+    with pytest.raises(ConfigError, match="arenas must be different rows, got 1 more than once"):
+        arena.reset(seed=5, arenas=[2, 1, 1])
     with pytest.raises(ConfigError, match="seeds must be one for each of 3 arenas, got 2"):
         arena.reset(seed=[1, 2])
     with pytest.raises(ConfigError, match="seed must be a whole number"):
@@ -383,17 +461,37 @@ def test_what_else_is_wrong_is_told_in_one_line():
     for saved in (other.save(), arena.save().memory, None):
         with pytest.raises(ConfigError, match="a saved state must come from an arena of equal config"):
             arena.restore(saved)
-    with pytest.raises(ConfigError, match="a saved state must have the shape"):
+    with pytest.raises(ConfigError, match="a saved state must be one of 3 arenas here, got one of 40 arenas"):
         arena.restore(larger.save())
-    with pytest.raises(ConfigError, match="a saved state must have the shape"):
+    with pytest.raises(ConfigError, match="a saved state must be one of a single row here, got one of 40 arenas"):
         arena.restore_row(0, larger.save())
+    with pytest.raises(ConfigError, match="a saved state must be one of 3 arenas here, got one of a single row"):
+        arena.restore(arena.save_row(0))
+    with pytest.raises(ConfigError, match=re.escape("a saved state must have the shape (1, 3712), got (2, 3712)")):
+        arena.restore(arena.save()._replace(memory=larger.save().memory))
     with pytest.raises(ConfigError, match="seat must be a whole number from 0 to 1, got 2"):
         arena.action_space(2)
-    for seed in (5.0, [1.5] * 3, "123", True, [None] * 3, [[1]] * 3):
+    for seed in (5.0, [1.5] * 3, "123", b"123", True, [None] * 3, [[1]] * 3, np.array(1.5), np.ones((3, 1), np.uint64)):
         with pytest.raises(ConfigError, match="seed must be a whole number"):
             arena.reset(seed=seed)
     with pytest.raises(ConfigError, match="auto_reset must be True or False, got 'no'"):
         VectorArena("duel", 1, auto_reset="no")
+
+
+def test_a_batch_that_memory_does_not_hold_is_told_in_one_line(monkeypatch):
+    """Some systems promise any amount, so that NumPy's refusal is made here."""
+    zeros = np.zeros
+
+    def refusing(shape, dtype=float):
+        if np.prod(shape) > 10**9:
+            raise MemoryError("Unable to allocate 3 TiB")
+        return zeros(shape, dtype)
+
+    monkeypatch.setattr(np, "zeros", refusing)
+    with pytest.raises(
+        ConfigError, match="num_envs must fit into this machine's memory, got 1000000000: Unable to all"
+    ):
+        VectorArena("duel", 10**9)
 
 
 def test_the_spaces_are_those_of_the_one_arena_env():
