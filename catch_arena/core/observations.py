@@ -332,8 +332,12 @@ def write_targets(
     """R7.1: the nearest targets, `there` of them."""
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
     at = np.uint64(SELF_WIDTH)
+    slots = np.uint64(0)  # as `item_at` reads them, but each word once, from its first rank on
     for rank in range(there):
-        place = np.uint64(item_at(view, rank, lane) * LANES + lane)
+        if rank % RANKS_A_WORD == 0:
+            slots = np.uint64(int(view[rank // RANKS_A_WORD * LANES + lane]))
+        place = (slots & np.uint64(63)) * np.uint64(LANES) + np.uint64(lane)
+        slots >>= np.uint64(6)
         dx, dy = targets.x[place] - x, targets.y[place] - y
         # all are made first and then written: what lies side by side is then stored at once
         forward = np.float32(cosine * dx + sine * dy)
@@ -354,8 +358,13 @@ def write_targets(
 def write_rivals(block: Block, me: Block, order: Block, lane: int, there: int, s: Settings, row: Row) -> None:
     """R7.1: the nearest rivals, `there` of them."""
     at = np.uint64(SELF_WIDTH + s.targets_seen * TARGET_WIDTH)
+    seats = np.uint64(0)
     for rank in range(there):
-        forward, left, cosine, sine, velocity, difference = rival_row(block, me, item_at(order, rank, lane), lane)
+        if rank % RANKS_A_WORD == 0:
+            seats = np.uint64(int(order[rank // RANKS_A_WORD * LANES + lane]))
+        other = int(seats & np.uint64(63))
+        seats >>= np.uint64(6)
+        forward, left, cosine, sine, velocity, difference = rival_row(block, me, other, lane)
         row[at] = forward
         row[at + _1] = left
         row[at + _2] = np.float32(1.0)
