@@ -29,7 +29,6 @@ from catch_arena.core.state import (
     Targets,
     X,
     Y,
-    item_at,
     seat_of,
     targets_of,
     view_of,
