@@ -23,6 +23,10 @@ Video = Annotated[
     Path,
     typer.Option("--output", "-o", help="The file to write, which ends in .mp4, .webm, .gif or .webp."),
 ]
+FilmSize = Annotated[
+    str | None,
+    typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"),
+]
 Fps = Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")]
 
 
@@ -39,12 +43,7 @@ def render(
             show_default="an MP4 file beside the replay",
         ),
     ] = None,
-    size: Annotated[
-        str | None,
-        typer.Option(
-            metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"
-        ),
-    ] = None,
+    size: FilmSize = None,
     fps: Fps = None,
     layout: Annotated[Layout, typer.Option(help="With the scores, or the arena alone.")] = "broadcast",
     start: Annotated[float, typer.Option("--from", metavar="SECONDS", help="Where to begin in the match.")] = 0.0,
@@ -127,12 +126,7 @@ def highlights(
     listing: Annotated[
         bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
     ] = False,
-    size: Annotated[
-        str | None,
-        typer.Option(
-            metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"
-        ),
-    ] = None,
+    size: FilmSize = None,
     fps: Fps = None,
 ) -> None:
     """Find the moments of a folder's matches that are worth seeing, and film them.
