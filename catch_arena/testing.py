@@ -3,9 +3,11 @@ cases of the conformance suite. docs/conformance.md shows how.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
+from math import inf
 
-from catch_arena.conformance.answers import DiffersError
+from catch_arena.conformance.answers import Difference, DiffersError, patience
 from catch_arena.conformance.arbiters import Arbiter, Court
 from catch_arena.conformance.arenas import ArenaUnderTest, Stage, can_be_staged
 from catch_arena.conformance.cases import ArbiterCase, WorldCase
@@ -24,19 +26,23 @@ def run_conformance(
     only: Sequence[str] = (),
     evidence: bool = True,
     exact_lots: bool = False,
+    limit_s: float | None = None,
 ) -> Report:
     """Try an arbiter, an arena or both with the cases of the suite.
 
     Args: `adapter` takes `arbitrate`'s keyword arguments and returns its rulings; `arena` plays the cases that need
     one, and those of arbiters that can be staged; `only`, ids or beginnings of ids; `evidence` false compares verdicts
-    alone; `exact_lots` requires of lots what the rulebook's appendix draws, where any one of the tied would do.
+    alone; `exact_lots` requires of lots what the rulebook's appendix draws, where any one of the tied would do;
+    `limit_s`, how long a case may take before it is given up: without a limit, code that loops for ever is waited for.
     Returns: a report with `passed` and `failures`. Whatever the adapter does wrong stands in it.
     Raises: ConfigError where there is nothing to try, or no such case.
     """
     if adapter is None and arena is None:
         raise ConfigError("an arbiter or an arena must be given")
+    if limit_s is not None and not 0 < limit_s < inf:
+        raise ConfigError(f"limit_s must be a positive number of seconds, got {limit_s!r}")
     strictness = Strictness(evidence=evidence, exact_lots=exact_lots)
-    return Report(tuple(_try(case, adapter, arena, strictness) for case in chosen(only)))
+    return Report(tuple(_try(case, adapter, arena, strictness, limit_s) for case in chosen(only)))
 
 
 def chosen(only: Sequence[str] = ()) -> tuple[ArbiterCase | WorldCase, ...]:
@@ -56,22 +62,29 @@ def chosen(only: Sequence[str] = ()) -> tuple[ArbiterCase | WorldCase, ...]:
 
 
 def _try(
-    case: ArbiterCase | WorldCase, adapter: Arbiter | None, arena: ArenaUnderTest | None, strictness: Strictness
+    case: ArbiterCase | WorldCase,
+    adapter: Arbiter | None,
+    arena: ArenaUnderTest | None,
+    strictness: Strictness,
+    limit_s: float | None,
 ) -> Result:
     start = time.perf_counter()
-    played, failure = False, None
+    trials: list[tuple[Court | Stage, Callable[[], None]]] = []
     if adapter is not None and isinstance(case, ArbiterCase):
         court = Court(adapter, strictness)
-        played = True
-        try:
-            court.try_case(case)
-        except DiffersError as error:
-            failure = Failure(case, court.how, error.differences)
-    if arena is not None and failure is None and (isinstance(case, WorldCase) or can_be_staged(case)):
+        trials.append((court, partial(court.try_case, case)))
+    if arena is not None and (isinstance(case, WorldCase) or can_be_staged(case)):
         stage = Stage(arena, strictness)
-        played = True
+        trials.append((stage, partial(stage.play, case)))
+    failure = None
+    for trial, play in trials:
         try:
-            stage.play(case)
+            with patience(limit_s):
+                play()
         except DiffersError as error:
-            failure = Failure(case, stage.how, error.differences)
-    return Result(case, failure, time.perf_counter() - start, played)
+            failure = Failure(case, trial.how, error.differences)
+            break
+        except TimeoutError as error:  # between two calls
+            failure = Failure(case, trial.how, (Difference("the case", "an answer", str(error)),))
+            break
+    return Result(case, failure, time.perf_counter() - start, played=bool(trials))

@@ -37,9 +37,10 @@ MODULES = ("arbiter", "controllers", "physics", "spawner")
 EQUIVALENT = ROOT / "tests" / "mutation" / "equivalent.toml"
 
 MATCHES = "tests/properties/test_engine_equals_oracle.py::test_engine_and_oracle_play_the_same_matches"
-MATCHES = "tests/properties/test_engine_equals_oracle.py::test_engine_and_oracle_play_the_same_matches"
 KILLERS = (
     "tests/unit/test_arbiter.py",
+    "tests/unit/test_controllers.py",
+    "tests/unit/test_physics.py",
     f"{MATCHES}[0]",
     "tests/rulebook/test_ch4_control.py",
     "tests/rulebook/test_ch5_arbiter.py",

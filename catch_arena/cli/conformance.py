@@ -30,6 +30,10 @@ def conformance(
     exact_lots: Annotated[
         bool, typer.Option("--exact-lots", help="Lots must draw what the rulebook's appendix says.")
     ] = False,
+    limit_s: Annotated[
+        float,
+        typer.Option("--limit-s", metavar="S", help="A case that takes longer has failed [s].", show_default=True),
+    ] = 60.0,
     listing: Annotated[bool, typer.Option("--list", help="List the cases and play none.")] = False,
 ) -> None:
     """Try an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
@@ -55,6 +59,7 @@ def conformance(
         only=only or (),
         evidence=not verdicts_only,
         exact_lots=exact_lots,
+        limit_s=limit_s,
     )
     typer.echo(str(report))
     if junit is not None:

@@ -2,10 +2,14 @@
 
 import operator
 import reprlib
+import signal
 import traceback
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
+from threading import current_thread, main_thread
 from typing import Any, Final
 
 from catch_arena.conformance.cases import Asked
@@ -14,6 +18,8 @@ from catch_arena.verdicts import Verdict
 
 _EVIDENCE: Final = ("distance_um", "winner")
 _FIELDS: Final = ("verdict", "hunter", "target", *_EVIDENCE)
+_AGAIN_S: Final = 1.0
+"""Code that swallows the interruption is interrupted again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +57,28 @@ def answered(what: str, call: Callable[..., object], *arguments: object) -> Any:
         raise DiffersError(Difference(what, "an answer", raised)) from error
 
 
+@contextmanager
+def patience(seconds: float | None) -> Iterator[None]:
+    """A stranger's code that takes longer is interrupted where it stands, by a TimeoutError.
+
+    Only the main thread can be interrupted, and not on Windows: elsewhere it may take as long as it likes.
+    """
+    if seconds is None or not hasattr(signal, "setitimer") or current_thread() is not main_thread():
+        yield
+        return
+
+    def interrupt(*_: object) -> None:
+        raise TimeoutError(f"no answer within {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
 def read_rulings(given: object, asked: Sequence[Asked]) -> list[Asked]:
     """What an adjudicator answers to these requests, in the form of what is expected of it.
 
@@ -59,21 +87,20 @@ def read_rulings(given: object, asked: Sequence[Asked]) -> list[Asked]:
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
         count = shown(given)
     else:
-        given = list(given)
+        given = list(islice(given, len(asked) + 1))  # no more: it may never end
         if len(given) == len(asked):
             return [
                 _ruling(place, one, ruling)
                 for place, (one, ruling) in enumerate(zip(asked, given, strict=True), start=1)
             ]
-        count = f"{len(given)} of them"
+        count = f"{'at least ' if len(given) > len(asked) else ''}{len(given)} of them"
     expected = f"{len(asked)} rulings, one for each request, in their order"
     raise DiffersError(Difference("the answer", expected, count))
 
 
 def request(place: int, asked: Asked) -> str:
     """Who asks for what, in words."""
-    kind = "" if isinstance(asked.name, str) else f" ({type(asked.name).__name__})"
-    return f"request {place}, hunter {asked.hunter} asks for {shown(asked.name)}{kind}"
+    return f"request {place}, hunter {asked.hunter} asks for {shown(asked.name)}"
 
 
 def shown(value: object) -> str:
@@ -87,10 +114,12 @@ def printable(text: str) -> str:
 
 
 def _where(error: BaseException) -> str:
-    """The file and line in which a stranger's code raised an error, if it was reached at all."""
-    frame = traceback.extract_tb(error.__traceback__)[-1]
-    own = Path(frame.filename).parent == Path(__file__).parent
-    return "" if own else printable(f" ({Path(frame.filename).name}, line {frame.lineno})")
+    """The file and line in which a stranger's code raised an error or was interrupted, if it was reached at all."""
+    own = Path(__file__).parent
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        if Path(frame.filename).parent != own:
+            return printable(f" ({Path(frame.filename).name}, line {frame.lineno})")
+    return ""
 
 
 def _ruling(place: int, asked: Asked, given: object) -> Asked:

@@ -8,7 +8,7 @@ from typing import Final
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from catch_arena.conformance.answers import Difference, shown
-from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, WorldCase
+from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, Asked, Beat, WorldCase
 
 _WIDTH: Final = 100
 _MOST_DIFFERENCES: Final = 6
@@ -29,7 +29,11 @@ class Failure:
         lines = [f"FAILED {case.id} ({', '.join(case.clauses)})", *_paragraph(case.situation)]
         if isinstance(case, ArbiterCase):
             lines += _paragraph(f"Position: {_position(case)}")
-            lines += _paragraph(f"Requests: {_requests(case)}")
+            lines += _paragraph(f"Requests: {_requests(case.asked)}")
+        else:
+            lines += _paragraph(f"Settings: {_settings(case)}")
+            for part, beat in enumerate(case.play, start=1):
+                lines += _paragraph(f"Part {part}: {_beat(beat)}")
         if self.how:
             lines += _paragraph(f"It was played {self.how}.")
         for difference in self.differences[:_MOST_DIFFERENCES]:
@@ -136,9 +140,28 @@ def _position(case: ArbiterCase) -> str:
     return "; ".join([*hunters, *targets, *unusual]) or "nobody and nothing"
 
 
-def _requests(case: ArbiterCase) -> str:
-    asked = [f"hunter {one.hunter} asks for {shown(one.name)}" for one in case.asked]
-    return "; ".join(asked) or "none"
+def _settings(case: WorldCase) -> str:
+    return "; ".join(f"{key} = {value!r}" for key, value in case.settings.items())
+
+
+def _beat(beat: Beat) -> str:
+    """What happens in one part of a play, in the order in which it does."""
+    told = ["reset"] if beat.reset else []
+    if beat.hunters is not None:
+        told += [f"hunter {seat} put at {pose}" for seat, pose in enumerate(beat.hunters)]
+        told += [f"a target put at {place}" for place in beat.targets]
+    if beat.withdraw is not None:
+        told.append(f"hunter {beat.withdraw} withdrawn")
+    if beat.steps:
+        told.append("a step without requests" if beat.steps == 1 else f"{beat.steps} steps without requests")
+    if beat.asked is not None:
+        told += [f"hunter {seat} driven by {velocities}" for seat, velocities in beat.drive.items()]
+        told.append(f"a step in which {_requests(beat.asked)}" if beat.asked else "a step without requests")
+    return "; ".join(told) or "only looked at"
+
+
+def _requests(asked: Sequence[Asked]) -> str:
+    return "; ".join(f"hunter {one.hunter} asks for {shown(one.name)}" for one in asked) or "none"
 
 
 def _paragraph(text: str) -> list[str]:

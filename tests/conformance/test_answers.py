@@ -1,6 +1,8 @@
 """What a stranger's arbiter or arena may answer: several forms are read, and whatever is wrong is told in words."""
 
+import contextlib
 import dataclasses
+import itertools
 import re
 from collections import namedtuple
 from types import SimpleNamespace
@@ -96,7 +98,8 @@ GRANTED = ("GRANTED", 0, "a", 100_000, 0)
         (lambda **_: "GRANTED", "the answer", "'GRANTED'"),
         (lambda **_: {"a": GRANTED}, "the answer", "{'a'"),
         (lambda **_: [], "the answer", "0 of them"),
-        (lambda **_: [GRANTED] * 2, "the answer", "2 of them"),
+        (lambda **_: [GRANTED] * 2, "the answer", "at least 2 of them"),
+        (lambda **_: itertools.repeat(GRANTED), "the answer", "at least 2 of them"),
         (lambda **_: [None], "the ruling", "None"),
         (lambda **_: ["GRANTED"], "the ruling", "'GRANTED'"),
         (lambda **_: [()], "the ruling", "()"),
@@ -213,3 +216,52 @@ def test_an_arbiter_alone_does_not_pass_by_playing_nothing():
     report = run_conformance(arbitrate, only=["spawning"])
     assert not report.passed
     assert report.summary == "cases: 0 passed, 0 failed, 22 need an arena"
+
+
+def test_an_arbiter_that_never_answers_is_interrupted_where_it_stands():
+    """The case fails and the next one is played; one that swallows the interruption does not get away with it."""
+
+    def loops(**case: Any) -> Any:
+        with contextlib.suppress(TimeoutError):
+            while case["hunters"]:
+                pass
+        while case["hunters"]:
+            pass
+        return []
+
+    report = run_conformance(loops, only=["basics.in-reach", "basics.nobody-is-there"], limit_s=0.05)
+    (failure,) = report.failures
+    (difference,) = failure.differences
+    assert failure.case.id == "basics.in-reach"
+    assert re.fullmatch(r"raised TimeoutError: no answer within 0.05 s \(test_answers.py, line \d+\)", difference.got)
+
+
+@pytest.mark.parametrize("limit_s", [0, -1.0, float("nan"), float("inf")])
+def test_a_limit_that_is_no_time_is_refused(limit_s: float):
+    with pytest.raises(ConfigError, match="limit_s must be a positive number of seconds, got"):
+        run_conformance(arbitrate, limit_s=limit_s)
+
+
+def test_a_play_that_went_otherwise_is_told_whole():
+    """Its settings and every part, so that it can be played again by hand."""
+
+    class Mute(Staged):
+        def read(self) -> dict[str, object]:
+            return {}
+
+    report = run_conformance(
+        arena=Mute("oracle"), only=["time.driving-nearer", "inactive.for-good", "identity.", "time.clock"]
+    )
+    told = {failure.case.id: str(failure) for failure in report.failures}
+    assert (
+        "  Settings: hunters = 2\n"
+        "  Part 1: hunter 0 put at (4.75, 5.0, 0.0); hunter 1 put at (5.2, 5.0, 0.0); a target put at (5.0,\n"
+        "  5.0)\n"
+        "  Part 2: hunter 0 driven by (2.0, 0.0); a step in which hunter 0 asks for 1; hunter 1 asks for 1\n"
+        "  It was played in an arena, part 2 of 2.\n"
+    ) in told["time.driving-nearer-than-the-winner"]
+    assert (
+        "  Part 1: only looked at\n  Part 2: a step without requests\n  Part 3: 9 steps without" in told["time.clock"]
+    )
+    assert "hunter 0 withdrawn" in told["inactive.for-good"]
+    assert "  Part 2: reset\n" in told["identity.new-episode"]

@@ -135,6 +135,16 @@ def test_r2_4_the_watchdog_stops_the_hunter_at_the_first_tick_more_than_1_s_afte
 
 
 @pytest.mark.rule("R2.4")
+def test_r2_4_the_watchdog_ends_a_turn_too(arena: ArenaFactory) -> None:
+    """At the same tick, for a hunter that turns where it stands."""
+    match = arena(control="velocity", control_period_ms=1500, max_turn_rate_radps=1.0)
+    match.place(hunters=[(2.0, 5.0, 0.0)])
+    match.step((0.0, 1.0))
+    assert match.hunter().theta == pytest.approx(62 * 0.016, abs=1e-12)
+    assert match.hunter().w == 0.0
+
+
+@pytest.mark.rule("R2.4")
 def test_r2_4_a_tick_exactly_1_s_after_the_command_still_moves(arena: ArenaFactory) -> None:
     """The third step of 1500 ms begins at 3000 ms and has a tick at 4000 ms."""
     match = arena(control="velocity", control_period_ms=1500, max_speed_mps=1.0)
