@@ -32,6 +32,7 @@ from catch_arena.core.state import (
     seat_of,
     targets_of,
     view_of,
+    word_at,
 )
 from catch_arena.core.workspace import Scratch, Tables, order_of
 from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
@@ -334,7 +335,7 @@ def write_targets(
     slots = np.uint64(0)  # as `item_at` reads them, but each word once, from its first rank on
     for rank in range(there):
         if rank % RANKS_A_WORD == 0:
-            slots = np.uint64(int(view[rank // RANKS_A_WORD * LANES + lane]))
+            slots = np.uint64(word_at(view, rank, lane))
         place = (slots & np.uint64(63)) * np.uint64(LANES) + np.uint64(lane)
         slots >>= np.uint64(6)
         dx, dy = targets.x[place] - x, targets.y[place] - y
@@ -360,7 +361,7 @@ def write_rivals(block: Block, me: Block, order: Block, lane: int, there: int, s
     seats = np.uint64(0)
     for rank in range(there):
         if rank % RANKS_A_WORD == 0:
-            seats = np.uint64(int(order[rank // RANKS_A_WORD * LANES + lane]))
+            seats = np.uint64(word_at(order, rank, lane))
         other = int(seats & np.uint64(63))
         seats >>= np.uint64(6)
         forward, left, cosine, sine, velocity, difference = rival_row(block, me, other, lane)

@@ -216,7 +216,12 @@ def view_of(block: Block, seat: int, s: Settings) -> Block:
 
 
 @rule
+def word_at(words: Block, rank: int, lane: int) -> int:
+    """The word that holds a rank: RANKS_A_WORD slots or seats of six bits each, the lowest rank in the lowest ones."""
+    return int(words[rank // RANKS_A_WORD * LANES + lane])
+
+
+@rule
 def item_at(words: Block, rank: int, lane: int) -> int:
     """The slot or seat at a rank, counted from 0, in a view or another order that is kept in this way."""
-    word = int(words[rank // RANKS_A_WORD * LANES + lane])
-    return (word >> (6 * (rank % RANKS_A_WORD))) & 63
+    return (word_at(words, rank, lane) >> (6 * (rank % RANKS_A_WORD))) & 63
