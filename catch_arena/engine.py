@@ -38,6 +38,8 @@ from catch_arena.world import HunterState, TargetState, World
 _CONTROLS: Final = {"target": tick.TARGET_CONTROL, "velocity": tick.VELOCITY_CONTROL, "full": tick.FULL_CONTROL}
 _AT_REST: Final = (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE)
 """The rows of a hunter that are zero while nothing drives it."""
+_CACHE_LINE: Final = 64
+"""[bytes] A block's rows are a whole number of lines long."""
 _HUNTERS_A_PART: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
@@ -91,6 +93,15 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
     )
 
 
+def _zeros(*shape: int) -> NDArray[np.float64]:
+    """Zeros that begin with a cache line: NumPy's begin anywhere, and every second SIMD access would straddle two."""
+    size = math.prod(shape)
+    spare = _CACHE_LINE // 8
+    memory = np.zeros(size + spare)
+    first = -memory.ctypes.data % _CACHE_LINE // 8
+    return memory[first : first + size].reshape(shape)
+
+
 class Engine:
     """A batch of arenas of one config, played in lockstep.
 
@@ -127,12 +138,12 @@ class Engine:
         ).astype(np.int64)
         block = block_rows(hunters, config.max_targets, seen)
         blocks = -(-num_arenas // LANES)
-        self.memory: NDArray[np.float64] = np.zeros((blocks, block * LANES))
+        self.memory: NDArray[np.float64] = _zeros(blocks, block * LANES)
         """core/state.py's blocks."""
         self._shares = blocks * LANES * hunters // _HUNTERS_A_PART
         self.threads = Threads(max(1, min(num_threads, self._shares)))
         threads = range(self.threads.size)
-        self._workspaces = [np.zeros((workspace_rows(hunters) + block) * LANES) for _ in threads]
+        self._workspaces = [_zeros((workspace_rows(hunters) + block) * LANES) for _ in threads]
         self._dockets = [np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64) for _ in threads]
         self.observations = np.zeros((num_arenas, hunters, width(config)), dtype=np.float32)
         """R7.1: (B, H, D)."""

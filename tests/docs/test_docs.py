@@ -18,6 +18,7 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
 
 
+@pytest.mark.large
 @pytest.mark.parametrize("code", blocks("python"))
 def test_the_readmes_python_runs(code, tmp_path):
     """As it stands, in a process of its own."""

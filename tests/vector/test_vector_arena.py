@@ -87,7 +87,7 @@ def test_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(contr
     assert episodes == 3
 
 
-@pytest.mark.parametrize("size", [1, 7, 33, 100_000])
+@pytest.mark.parametrize("size", [1, 7, 33, pytest.param(100_000, marks=pytest.mark.large)])
 def test_any_number_of_arenas_plays_alike(size):
     """The rows of a small batch and of a large one, and the last row, which may stand alone in its block."""
     config = BUSY.replace(hunters=2, max_targets=4)
@@ -305,6 +305,7 @@ def test_episodes_without_a_seed_follow_one_another():
     assert VectorArena("duel", 2).reset()[0].shape == (2, 2, *VectorArena("duel").observation_space().shape)
 
 
+@pytest.mark.large
 @pytest.mark.parametrize("again", [copy.deepcopy, lambda arena: pickle.loads(pickle.dumps(arena))])  # noqa: S301
 def test_copies_and_pickles_play_on_by_themselves(again):
     """Both doors, threads and figures of episodes included; the original does not move."""
