@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from catch_arena.core.jit import CACHE_DIRECTORY, INTERPRETED
+from catch_arena.core.state import RUNNING, TRUNCATED
 from catch_arena.engine import Engine, batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
@@ -39,6 +40,25 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     alone.reset([77])
 
     assert engine.digest(row) == alone.digest()
+
+
+def test_the_next_episode_begins_where_one_has_ended_and_nowhere_else():
+    """A.5: the arena beside it, which was reset two steps later, plays its own episode to the end."""
+    config = scenario("duel", time_limit_s=2)
+    engine, late = Engine(config, 2, auto_reset=True), Engine(config)
+    engine.reset([1, 2])
+    for _ in range(2):
+        engine.step(*actions(engine))
+    engine.reset([3], arenas=[1])
+    late.reset([3])
+    for _ in range(config.max_steps - 2):
+        engine.step(*actions(engine))
+        late.step(*actions(late))
+
+    assert engine.ends.tolist() == [TRUNCATED, RUNNING]
+    assert engine.digest(1) == late.digest()
+    late.reset(next_seeds(np.array([1], dtype=np.uint64)))
+    assert engine.digest(0) == late.digest()
 
 
 def test_a_row_can_be_moved_to_another_engine():

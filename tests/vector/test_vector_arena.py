@@ -344,6 +344,7 @@ def test_actions_that_may_not_be_written_to_are_taken_without_another_compilatio
     assert len(getattr(tick.run, "signatures", ())) == compiled
 
 
+@pytest.mark.large
 def test_a_step_allocates_nothing():
     """But a few small objects of Python's and NumPy's buffer for a conversion: less than one flag for each arena."""
     arena = VectorArena("standard", 20_000)
