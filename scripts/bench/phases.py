@@ -4,42 +4,75 @@ The phases are compiled into one function, so a phase's time is measured as what
 without that phase. Every call starts from the same saved state, in the middle of an episode.
 """
 
-import itertools
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from types import ModuleType
 from typing import Any
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 import catch_arena
-from catch_arena.core import tick
+from catch_arena.core import observations, tick
+from catch_arena.core.jit import Block, phase
+from catch_arena.core.state import LANES, Settings, Targets
 
-_PHASES = {
-    "intake and hosted controllers": ("take_in",),
-    "arbiter and commit": ("arbitrate", "commit"),
-    "motion": ("move",),
-    "spawning": ("spawn_through",),
-    "rewards": ("reward",),
-    "observations and masks": ("observe",),
-}
 WHOLE = "the whole step"
-_CALLER = "run"
-"""What the engine calls; all that is between it and the phases is inlined before it is compiled."""
+_LARGE = 16384
 
 
-@numba.njit(nogil=True, error_model="numpy", _nrt=False)
+@phase
 def _nothing(*_: object) -> None:
     """A phase that does nothing."""
 
 
-def _compiled_without(phases: tuple[str, ...]) -> Any:
-    """The step without those phases. Numba reads the names in a module when it compiles, at the first call."""
-    for name in phases:
-        setattr(tick, name, _nothing)
-    caller = getattr(tick, _CALLER)
-    setattr(tick, _CALLER, numba.jit(**caller.targetoptions)(caller.py_func))
+@phase
+def _targets_as_they_lie(
+    _arena: Block, _me: Block, _targets: Targets, lanes: int, slots: int, _network: NDArray[np.int64], keys: Block
+) -> None:
+    """In the place of `rank_targets`: in the order of their slots."""
+    for slot in range(slots):
+        for lane in range(lanes):
+            keys[slot * LANES + lane] = slot
+
+
+@phase
+def _rivals_as_they_sit(
+    _block: Block, _seat: int, lanes: int, _network: NDArray[np.int64], s: Settings, keys: Block
+) -> None:
+    """In the place of `rank_rivals`: in the order of their seats."""
+    for other in range(s.hunters):
+        for lane in range(lanes):
+            keys[other * LANES + lane] = other
+
+
+_PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
+    "intake and hosted controllers": (tick, {"take_in": _nothing}),
+    "arbiter and commit": (tick, {"arbitrate": _nothing, "commit": _nothing}),
+    "motion": (tick, {"move": _nothing}),
+    "spawning": (tick, {"spawn_through": _nothing}),
+    "rewards": (tick, {"reward": _nothing}),
+    "targets in order": (observations, {"rank_targets": _targets_as_they_lie}),
+    "rivals in order": (observations, {"rank_rivals": _rivals_as_they_sit, "mend_ties": _nothing}),
+    "observations and masks written": (observations, {"write": _nothing}),
+}
+"""What stands in each phase's place."""
+_CALLER = "run"
+"""What the engine calls."""
+_OBSERVING = "observe"
+"""What it has written out in itself, and the phases of `observations` in that."""
+
+
+def _compiled_without(title: str) -> Any:
+    """The step without that phase. Numba reads the names in a module when it compiles, at the first call."""
+    module, stand_ins = _PHASES[title]
+    for name, stand_in in stand_ins.items():
+        setattr(module, name, stand_in)
+    for name in (_OBSERVING, _CALLER):
+        function = getattr(tick, name)
+        setattr(tick, name, numba.jit(**function.targetoptions)(function.py_func))
     return getattr(tick, _CALLER)
 
 
@@ -49,23 +82,41 @@ def _time(run: Callable[[], object]) -> float:
     return time.process_time() - begin
 
 
+def _undisturbed(spent: Sequence[float]) -> float:
+    """The lowest tenth's bound: what other guests of the machine add would hide the small phases."""
+    return statistics.quantiles(spent, n=10)[0]
+
+
+def _time_from(saved: NDArray[np.float64], engine: catch_arena.Engine, step: Callable[[], None]) -> float:
+    """CPU-seconds of one step from that state: the mean of as many as make a large batch, after one that fills the
+    caches.
+    """
+    spent = []
+    for _ in range(1 + max(1, _LARGE // engine.num_arenas)):
+        engine.memory[:] = saved
+        spent.append(_time(step))
+    return statistics.mean(spent[1:])
+
+
 def phases(*, quick: bool) -> list[dict[str, Any]]:
     """For batches that fit the caches and that do not: CPU-nanoseconds an agent and step by phase, and for plain memory
     traffic of the same size.
     """
     titles = list(_PHASES)[:1] if quick else list(_PHASES)
-    originals = {name: getattr(tick, name) for name in (*itertools.chain(*_PHASES.values()), _CALLER)}
-    variants = {"": originals[_CALLER]}
+    changed = [(tick, _OBSERVING), (tick, _CALLER)]
+    changed += [(module, name) for module, stand_ins in _PHASES.values() for name in stand_ins]
+    originals = [(module, name, getattr(module, name)) for module, name in changed]
+    variants = {"": getattr(tick, _CALLER)}
     try:
         for title in titles:
-            variants[title] = _compiled_without(_PHASES[title])
+            variants[title] = _compiled_without(title)
             _at_play(33)  # compiles
-            for name, original in originals.items():
-                setattr(tick, name, original)
-        return [_measured(envs, variants, rounds=3 if quick else 41) for envs in ((1, 33) if quick else (1024, 16384))]
+            for module, name, original in originals:
+                setattr(module, name, original)
+        return [_measured(envs, variants, rounds=3 if quick else 61) for envs in ((1, 33) if quick else (1024, _LARGE))]
     finally:
-        for name, original in originals.items():
-            setattr(tick, name, original)
+        for module, name, original in originals:
+            setattr(module, name, original)
 
 
 def _at_play(envs: int) -> tuple[catch_arena.Engine, Callable[[], None]]:
@@ -90,31 +141,28 @@ def _measured(envs: int, variants: Mapping[str, Any], rounds: int) -> dict[str, 
     output = np.empty(sum(array.nbytes for array in (engine.observations, engine.masks, engine.rewards)), np.uint8)
     state = saved.copy()
     spent: dict[str, list[float]] = {name: [] for name in (*variants, "fill", "touch")}
+    names = list(variants)
     for _ in range(rounds):
-        for name, variant in variants.items():
-            engine.memory[:] = saved
-            setattr(tick, _CALLER, variant)
-            spent[name].append(_time(step))
+        names.append(names.pop(0))  # nobody always comes after the same one
+        for name in names:
+            setattr(tick, _CALLER, variants[name])
+            spent[name].append(_time_from(saved, engine, step))
         spent["fill"].append(_time(lambda: output.fill(1)))
         spent["touch"].append(spent["fill"][-1] + _time(lambda: np.negative(state, out=state)))
 
     agents = envs * engine.config.hunters
-    whole = spent[""]
-    gains = {
-        title: statistics.median(one - other for one, other in zip(whole, spent[title], strict=True))
-        for title in variants
-        if title
-    }
-    gains["the rest"] = statistics.median(whole) - sum(gains.values())
+    ns = {name: 1e9 * _undisturbed(seconds) / agents for name, seconds in spent.items()}
+    gains = {title: ns[""] - ns[title] for title in variants if title}
     return {
         "envs": envs,
         "bytes_written_per_agent_step": output.nbytes / agents,
         "state_bytes_per_agent": state.nbytes / agents,
-        "fill_gigabytes_per_s": output.nbytes / statistics.median(spent["fill"]) / 1e9,
+        "fill_gigabytes_per_s": output.nbytes / agents / ns["fill"],
         "ns_per_agent_step": {
-            **{title: 1e9 * gain / agents for title, gain in gains.items()},
-            WHOLE: 1e9 * statistics.median(whole) / agents,
-            "writing what a step writes, no more": 1e9 * statistics.median(spent["fill"]) / agents,
-            "and reading and writing the state": 1e9 * statistics.median(spent["touch"]) / agents,
+            **gains,
+            "the rest": ns[""] - sum(gains.values()),
+            WHOLE: ns[""],
+            "writing what a step writes, no more": ns["fill"],
+            "and reading and writing the state": ns["touch"],
         },
     }
