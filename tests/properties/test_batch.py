@@ -10,7 +10,7 @@ import pytest
 from oracle.arithmetic import ROW_SEED, draw, key
 from properties.matches import EFFORT, seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
 
-from catch_arena.config import ArenaConfig
+from catch_arena.config import ArenaConfig, FaultRates
 from catch_arena.engine import Engine, batch_seeds
 
 FIRST_SEED = 70
@@ -52,6 +52,23 @@ def test_a_row_of_a_batch_equals_an_arena_alone(arenas: int) -> None:
             for row, engine in enumerate(alone):
                 engine.step(choices[row : row + 1], commands[row : row + 1])
                 assert_rows_same(batch, row, engine, 0, f"row {row}, {where}")
+
+
+def test_every_row_has_its_own_outages() -> None:
+    """R3.6, R8.3: the timer of each skips and is refused by the row's own seed, firing and number, and counts it."""
+    faults = FaultRates(spawn_down=0.4, spawn_refused=0.4)
+    config = ArenaConfig(hunters=2, max_targets=9, initial_targets=1, spawn_frequency_hz=7.0, faults=faults)
+    batch = Engine(config, 7)
+    batch.reset(range(7))
+    alone = [Engine(config) for _ in range(7)]
+    for seed, engine in enumerate(alone):
+        engine.reset([seed])
+    hold, rest = np.zeros((7, 2), dtype=np.int64), np.zeros((7, 2, 2), dtype=np.float32)
+    for step in range(STEPS):
+        batch.step(hold, rest)
+        for row, engine in enumerate(alone):
+            engine.step(hold[:1], rest[:1])
+            assert_rows_same(batch, row, engine, 0, f"row {row}, step {step}")
 
 
 @pytest.mark.parametrize("arenas", [1, 7, 33, 70])
