@@ -15,6 +15,7 @@ from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.fairness.permutations import Step, lots, names_matter, order_matters, with_labels
 from catch_arena.tournament.plans.schedule import Match, round_robin
+from catch_arena.tournament.statistics.distributions import chi_squared_tail
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
 from catch_arena.tournament.statistics.ratings import rate
@@ -226,13 +227,11 @@ def p_of_no_bias(rows: Floats) -> float:
     Args: `rows` (N, seats), independent of each other (the score test: chi-squared over the mean, in the metric of the
     second moments).
     """
-    from scipy.special import chdtrc
-
     count = len(rows)
     moments = rows.T @ rows / count
     mean = rows.mean(axis=0)
     rank = int(np.linalg.matrix_rank(moments, hermitian=True))
-    return float(chdtrc(rank, count * (mean @ np.linalg.pinv(moments, hermitian=True) @ mean))) if rank else 1.0
+    return chi_squared_tail(rank, count * float(mean @ np.linalg.pinv(moments, hermitian=True) @ mean)) if rank else 1.0
 
 
 def corrected(checks: Sequence[Check]) -> list[Check]:

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from catch_arena.tournament.statistics.distributions import student_critical
 from catch_arena.tournament.statistics.outcomes import Floats, sums_by
 
 RESAMPLES: Final = 2000
@@ -46,7 +47,9 @@ def estimates(
     with np.errstate(invalid="ignore", divide="ignore"):
         correction = blocks / np.maximum(blocks - 1.0, 0.0)  # a variance among n is too small by as much
         variances = correction * (residuals**2).sum(axis=0) / counts.sum(axis=0) ** 2 + pseudo_variance
-        critical = np.maximum(_critical(residuals, counts, correction, pseudo_variance), _students(blocks))
+        # Student's t is exceeded by what so many blocks give where they vary normally
+        students = student_critical(np.maximum(blocks - 1.0, 1.0), (1.0 - _CONFIDENCE) / 2.0)
+        critical = np.maximum(_critical(residuals, counts, correction, pseudo_variance), students)
         margins = critical * np.sqrt(variances)
     margins[~np.isfinite(margins)] = math.nan
     return [
@@ -74,14 +77,6 @@ def shares(sums: Floats, counts: Floats) -> list[Estimate]:
         Estimate(one.mean, max(one.low, 0.0), min(one.high, 1.0)) if not math.isnan(one.low) else one
         for one in ratios(sums, counts, pseudo)
     ]
-
-
-def _students(blocks: Floats) -> Floats:
-    """(figures,): what is exceeded by Student's t, which is what so many blocks give where they vary normally."""
-    from scipy.special import stdtrit
-
-    critical: Floats = stdtrit(np.maximum(blocks - 1.0, 1.0), (1.0 + _CONFIDENCE) / 2.0)
-    return critical
 
 
 def _critical(residuals: Floats, counts: Floats, correction: Floats, pseudo_variance: Floats | float) -> Floats:

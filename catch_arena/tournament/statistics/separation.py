@@ -9,6 +9,7 @@ import numpy as np
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.statistics.distributions import fair_coin_tail, student_tail
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
 from catch_arena.tournament.statistics.ratings import Ratings, rate
 
@@ -44,17 +45,15 @@ def p_values(ratings: Ratings) -> Floats:
     And where the two met, there is the sign test over those blocks: one that never wins has a rating of hardly any
     certainty, and is certainly worse.
     """
-    from scipy.special import betainc, stdtr
-
     above, below = ratings.blocks_above, ratings.blocks_above.T
     higher = np.greater.outer(ratings.points, ratings.points)
     agree = (higher & (above > below)) | (higher.T & (above < below))
     most, least = np.maximum(np.maximum(above, below), 1.0), np.minimum(above, below)
-    by_sign = np.where(agree, 2.0 * betainc(most, least + 1.0, 0.5), 1.0)  # so often or more, of all with a fair coin
+    by_sign = np.where(agree, 2.0 * fair_coin_tail(most, least), 1.0)
     freedom = np.minimum.outer(ratings.blocks, ratings.blocks) - 1.0
     distance = ratings.distances()
     known = (freedom > 0) & np.isfinite(distance)
-    by_distance = np.where(known, 2.0 * stdtr(np.maximum(freedom, 1.0), -distance), 1.0)
+    by_distance = np.where(known, 2.0 * student_tail(np.maximum(freedom, 1.0), distance), 1.0)
     return np.minimum(2.0 * np.minimum(by_sign, by_distance), 1.0)
 
 

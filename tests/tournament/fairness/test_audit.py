@@ -159,7 +159,7 @@ def test_identical_agents_play_each_match_on_targets_of_its_own():
         (["--matches", "99"], "matches must be at least 100 for an audit, got 99"),
         (["-s", "capstone"], "hunters must be at least 2 for an audit, got 1"),
         (["neerest"], "did you mean nearest"),
-        (["--out", __file__], "cannot be written to"),
+        (["--out", __file__], "cannot be written"),
     ],
 )
 def test_what_cannot_be_audited_is_refused_in_one_line(words, message, tmp_path, monkeypatch):
