@@ -23,12 +23,12 @@ import numpy as np
 from catch_arena import Replay, parallel_env
 from catch_arena.render import scene, shapes
 from catch_arena.render.encoders import FORMATS, video_file
+from catch_arena.render.libraries import pygame
 from catch_arena.render.marks import Mark, marks_of, still_seen
 from catch_arena.render.motion import Cut, leg, passages
 from catch_arena.render.raster import Pixels
-from catch_arena.render.sdl import pygame
-from catch_arena.render.sprites import TURTLE_PARTS
 from catch_arena.render.stage import ArenaPainter
+from catch_arena.render.turtle import TURTLE_PARTS
 from catch_arena.render.video import cut_of, filmed, render_replay, stage_of
 from catch_arena.render.view import OUTSIDE, Look, Pose, Viewport
 

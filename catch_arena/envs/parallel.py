@@ -76,6 +76,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 f"render_mode must be None, rgb_array or human, got {render_mode!r}; "
                 f"{suggest(render_mode, RENDER_MODES)}"
             )
+        if render_mode is not None:
+            import catch_arena.render.libraries  # noqa: F401 - where they are missing, it is said now
         self.config = config
         self.render_mode = render_mode
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1000 / config.control_period_ms))}
@@ -307,8 +309,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             return self._replay._repr_html_()
         if self._seed is None:
             return f"<p>{escape(str(self))}: no episode has begun</p>"
-        from catch_arena.render.still import png_html
-
+        try:
+            from catch_arena.render.still import png_html
+        except ConfigError as error:  # without the libraries that draw
+            return f"<p>{escape(str(self))}: {escape(str(error))}</p>"
         return png_html(self.config, self._engine.world())
 
     def close(self) -> None:

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from catch_arena.player.film import css, film_text
 from catch_arena.render import scene, shapes, view
-from catch_arena.render.sprites import TURTLE_PARTS
+from catch_arena.render.turtle import TURTLE_PARTS
 from catch_arena.replay import Replay
 
 _SCRIPTS: Final = ("film.js", "arena.js", "player.js")

@@ -11,13 +11,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import IO, Any, Final, Protocol
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.errors import ConfigError, OutputError
+from catch_arena.render.libraries import cv2
 from catch_arena.render.palette import Census
-from catch_arena.replay import regular_file
+from catch_arena.replay import regular_file, room, unwritable
 
 Pixels = NDArray[np.uint8]
 Progress = Callable[[int, int], None]
@@ -94,6 +94,16 @@ def format_of(path: Path) -> Format:
     return found
 
 
+def written_as(path: Path) -> Path:
+    """The name that a video of this name gets: where its encoder is missing, .mp4 is added to another ending.
+
+    Raises: ConfigError.
+    """
+    if path.suffix.lower() == ".mp4" or _pyav_with(format_of(path).encoder) is not None:
+        return path
+    return path.with_name(f"{path.name}.mp4")  # the full name: another MP4 file may stand beside it
+
+
 class Encoder(Protocol):
     """A file that takes frames."""
 
@@ -142,13 +152,11 @@ def video_file(
     Args: `path`, whose ending is one of FORMATS; `size`, (width, height), even where the format asks for it;
     `progress`, told of work that is left when the last frame has come. Raises: ConfigError, OutputError.
     """
-    path = Path(path)
-    kind = format_of(path)
+    kind = format_of(Path(path))
+    path = written_as(Path(path))
     av = _pyav_with(kind.encoder)
     notice = ""
     if av is None:
-        if path.suffix.lower() != ".mp4":  # the full name: another MP4 file may stand beside it
-            path = path.with_name(f"{path.name}.mp4")
         notice = (
             f"{path} is MPEG-4 Part 2, which no browser plays: {kind.name} needs PyAV with {kind.encoder} "
             "(pip install 'catch-arena[video]')"
@@ -157,7 +165,7 @@ def video_file(
     try:
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{path.stem}.", suffix=f".part{path.suffix}")
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
+        raise unwritable(path, error) from None
     os.close(handle)
     unfinished = Path(name)
     encoder: Encoder | None = None
@@ -173,7 +181,7 @@ def video_file(
             encoder.abandon()
         unfinished.unlink(missing_ok=True)
         if isinstance(error, (OSError,) if encoder is None else encoder.failures):
-            raise OutputError(f"{path}: cannot be written: {getattr(error, 'strerror', None) or error}") from None
+            raise unwritable(path, error) from None
         raise
 
 
@@ -194,7 +202,8 @@ def _encoder(av: Any, kind: Format, path: Path, size: tuple[int, int], fps: int)
 def _require_frames(path: Path, counted: int, frames: int) -> None:
     if counted != frames:
         raise OutputError(
-            f"{path}: cannot be written: {counted} of {frames} frames could be read back; is the disk full?"
+            f"{path}: cannot be written: {counted} of {frames} frames could be read back; is the disk full? "
+            f"{room(path.parent)}"
         )
 
 
@@ -298,7 +307,8 @@ class _GifEncoder(_AvEncoder):
         super().finish(progress)
 
     def abandon(self) -> None:
-        self._waiting.close()
+        with suppress(*self.failures):
+            self._waiting.close()
         super().abandon()
 
 

@@ -6,12 +6,12 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Final, NamedTuple
 
-import cv2
 import numpy as np
 
 from catch_arena.errors import ConfigError
 from catch_arena.render import hud
 from catch_arena.render.encoders import Pixels, Progress, format_of
+from catch_arena.render.libraries import cv2
 from catch_arena.render.moments import Kind, Moment
 from catch_arena.render.motion import Cut
 from catch_arena.render.raster import Canvas

@@ -145,10 +145,14 @@ def _shares(told: Story) -> list[float]:
     return [(score == most) / told.scores.count(most) for score in told.scores]
 
 
-def best(found: Mapping[str, Sequence[Moment]], count: int) -> list[tuple[str, Moment]]:
-    """The most worth seeing, with where they are from, the best one last.
+def best(
+    found: Mapping[str, Sequence[Moment]],
+    count: int,
+    clash: Callable[[Moment, Moment], bool] = Moment.overlaps,
+) -> list[tuple[str, Moment]]:
+    """The most worth seeing, with where they are from, the best one last; fewer where there are no more.
 
-    No two of one match overlap, and a kind that was chosen k times already counts TWICE ** k.
+    No two of one match `clash`, and a kind that was chosen k times already counts TWICE ** k.
     """
     left = [(place, one) for place in sorted(found) for one in found[place]]
     chosen: list[tuple[str, Moment]] = []
@@ -157,7 +161,7 @@ def best(found: Mapping[str, Sequence[Moment]], count: int) -> list[tuple[str, M
         place, one = max(left, key=lambda item: item[1].score * TWICE ** shown[item[1].kind])
         chosen.append((place, one))
         shown[one.kind] += 1
-        left = [item for item in left if item[0] != place or not item[1].overlaps(one)]
+        left = [item for item in left if item[0] != place or not clash(item[1], one)]
     return chosen[::-1]
 
 

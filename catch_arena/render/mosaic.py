@@ -7,12 +7,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Final
 
-import cv2
-
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.render import hud
 from catch_arena.render.encoders import Pixels, Progress, format_of
 from catch_arena.render.grid import Grid, fitted_grid
+from catch_arena.render.libraries import cv2
 from catch_arena.render.motion import Cut
 from catch_arena.render.raster import Canvas
 from catch_arena.render.shapes import Label, Shape

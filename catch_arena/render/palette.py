@@ -1,8 +1,9 @@
 """The 256 colours that stand for all those of a film."""
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from catch_arena.render.libraries import cv2
 
 Pixels = NDArray[np.uint8]
 Codes = NDArray[np.uint16]

@@ -4,13 +4,12 @@ from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any, Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.render import scene, shapes
 from catch_arena.render.hud import Rect
-from catch_arena.render.sdl import pygame
+from catch_arena.render.libraries import cv2, pygame
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.view import OUTSIDE, Pose, Viewport
 

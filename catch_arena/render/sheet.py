@@ -27,6 +27,8 @@ _STRIP: Final = 0.07
 _LINES: Final = 0.085
 _LATER_MS: Final = 150
 """So long after a decisive instant its ring is seen well."""
+_SAME_MS: Final = 500
+"""Pictures that are nearer to each other show the same."""
 
 
 def even_instants(replay: Replay, count: int) -> list[tuple[float, str]]:
@@ -35,6 +37,11 @@ def even_instants(replay: Replay, count: int) -> list[tuple[float, str]]:
         raise ConfigError(f"count must be from 1 to {MOST}, got {count}")
     whole = duration_ms(replay)
     return [(whole * place / max(1, count - 1), "") for place in range(count)]
+
+
+def same_picture(one: Moment, other: Moment) -> bool:
+    """Two moments whose pictures would hardly differ; of a film they may be two scenes only if they do not overlap."""
+    return abs(one.decisive_ms - other.decisive_ms) < _SAME_MS
 
 
 def instants_of(moments: Sequence[Moment]) -> list[tuple[float, str]]:

@@ -6,13 +6,13 @@ from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.render import text
-from catch_arena.render.sdl import pygame
+from catch_arena.render.libraries import cv2, pygame
 from catch_arena.render.shapes import INK, Label, Ring, Turtle, mix
+from catch_arena.render.turtle import TURTLE_PARTS, Points, ellipse
 
 PHASES: Final = 2
 """A sprite is drawn at every 1 / PHASES of a pixel."""
@@ -129,42 +129,11 @@ def _surface_of(pixels: NDArray[np.uint8], origin_x: int, origin_y: int) -> Spri
     return Sprite(pygame.image.frombuffer(whole.data, (width, height), "RGBA").copy(), origin_x, origin_y)
 
 
-Points = NDArray[np.float64]
-
-
-def _ellipse(x: float, y: float, a: float, b: float, degrees: float = 0.0) -> Points:
-    """Centre, half length, half width, and how it is turned."""
-    around = np.linspace(0.0, 2.0 * math.pi, 40, endpoint=False)
-    along, across = a * np.cos(around), b * np.sin(around)
-    cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    return np.stack([x + cosine * along - sine * across, y + sine * along + cosine * across], axis=1)
-
-
-def _turtle_parts() -> list[tuple[Points, float, float]]:
-    """A turtle facing right, one unit long, y up, lowest part first: outline, its own colour's part, white's part."""
-    limbs = [
-        (x, side * y, a, b, side * turn)
-        for x, y, a, b, turn in ((0.17, 0.27, 0.18, 0.075, 52.0), (-0.29, 0.21, 0.13, 0.065, 140.0))
-        for side in (1.0, -1.0)
-    ]
-    limbs.append((0.40, 0.0, 0.125, 0.095, 0.0))  # the head
-    rim = (0.42, 0.0)
-    parts = [(_ellipse(x, y, a + 0.022, b + 0.022, turn), *rim) for x, y, a, b, turn in limbs]
-    parts.append((np.array([(-0.33, 0.05), (-0.5, 0.0), (-0.33, -0.05)]), *rim))
-    parts += [(_ellipse(x, y, a - 0.004, b - 0.004, turn), 0.80, 0.05) for x, y, a, b, turn in limbs]
-    parts += [(_ellipse(0.445, side * 0.052, 0.026, 0.026), 0.0, 0.04) for side in (1.0, -1.0)]
-    parts.append((_ellipse(-0.03, 0.0, 0.335, 0.275), *rim))
-    parts.append((_ellipse(-0.03, 0.0, 0.285, 0.228), 0.96, 0.02))
-    return parts
-
-
-TURTLE_PARTS: Final = _turtle_parts()
-"""Outline, the part of its own colour, the part of white; the lowest first."""
 _CORNERS: Final = np.linspace(0.0, 2.0 * math.pi, 6, endpoint=False)
 _SCUTE: Final = np.stack([-0.03 + 0.135 * np.cos(_CORNERS), 0.125 * np.sin(_CORNERS)], axis=1)
 """The hexagon in the middle of the shell; lines lead from its corners to the edge."""
 _EDGE: Final = np.stack([-0.03 + 0.285 * np.cos(_CORNERS), 0.228 * np.sin(_CORNERS)], axis=1)
-_SHEEN: Final = _ellipse(0.0, 0.0, 0.185, 0.14)
+_SHEEN: Final = ellipse(0.0, 0.0, 0.185, 0.14)
 
 
 def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> NDArray[np.uint8]:

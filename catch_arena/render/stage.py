@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Sequence
 from typing import Final, get_args
 
-import cv2
 import numpy as np
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.render import hud, scene, timeline
+from catch_arena.render.libraries import cv2
 from catch_arena.render.marks import Mark, marks_of, still_seen
 from catch_arena.render.motion import TICK_MS, Leg, leg
 from catch_arena.render.news import News, news_shapes

@@ -3,9 +3,8 @@
 import base64
 from typing import Final
 
-import cv2
-
 from catch_arena.config import ArenaConfig
+from catch_arena.render.libraries import cv2
 from catch_arena.render.raster import Pixels
 from catch_arena.render.stage import ArenaPainter
 from catch_arena.world import World

@@ -6,11 +6,10 @@ import unicodedata
 from functools import lru_cache
 from typing import Any, Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.render.sdl import pygame
+from catch_arena.render.libraries import cv2, pygame
 
 Coverage = NDArray[np.uint8]
 """(height, width), 0 to 255."""

@@ -1,12 +1,18 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, and what is said of those that cannot be written."""
 
+import errno
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, Final
+
+from rich.filesize import decimal
 
 from catch_arena.errors import OutputError
+
+_FULL: Final = {errno.ENOSPC, errno.EDQUOT}
 
 
 def regular_file(path: Path) -> Path:
@@ -19,13 +25,16 @@ def regular_file(path: Path) -> Path:
 
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file of this content: whoever looks finds it whole or not at all. Raises: OutputError."""
-    with whole_file(path) as file:
+    with whole_file(path, len(content)) as file:
         file.write(content)
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[IO[bytes]]:
-    """A file under a temporary name, which is renamed when all has been written. Raises: OutputError."""
+def whole_file(path: Path, size: int | None = None) -> Iterator[IO[bytes]]:
+    """A file under a temporary name, which is renamed when all has been written.
+
+    Args: `size`, how many bytes will be, where that is known. Raises: OutputError.
+    """
     target = regular_file(path)
     try:
         with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as file:
@@ -38,4 +47,23 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
                 Path(file.name).unlink(missing_ok=True)
                 raise
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
+        raise unwritable(path, error, size) from None
+
+
+def unwritable(path: Path, error: Exception, size: int | None = None) -> OutputError:
+    """What is said of a file that cannot be written; where the disk is full, with the room that there is.
+
+    Args: `size`, how many bytes it was to have, where that is known.
+    """
+    full = getattr(error, "errno", None) in _FULL
+    why = f"the disk is full: {room(path.parent, size)}" if full else getattr(error, "strerror", None) or error
+    return OutputError(f"{path}: cannot be written: {why}")
+
+
+def room(folder: Path, size: int | None = None) -> str:
+    """How much is free in a folder, and of what `size` there must be room for, in words."""
+    try:
+        free = decimal(shutil.disk_usage(folder).free)
+    except OSError:
+        return f"nobody knows what is free in {folder}"
+    return f"{free} are free in {folder}" + ("" if size is None else f", and {decimal(size)} are needed")

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from html import escape
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -103,8 +104,8 @@ class Replay:
         except ReplayError as error:
             return f"<p>{escape(str(error))}</p>"
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the replay; under its name appears a whole file or none. Raises: OutputError."""
+    def save(self, file: str | os.PathLike[str] | BytesIO) -> None:
+        """Write the replay, to memory too; under a file's name appears a whole one or none. Raises: OutputError."""
         hunters = self.config.hunters
         try:
             content = encoded(
@@ -121,8 +122,11 @@ class Replay:
                 )
             )
         except ReplayError as error:
-            raise OutputError(f"{path}: {error}") from None
-        write_whole(Path(path), content)
+            raise OutputError(f"{'the replay' if isinstance(file, BytesIO) else file}: {error}") from None
+        if isinstance(file, BytesIO):
+            file.write(content)
+        else:
+            write_whole(Path(file), content)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Replay":

@@ -1,0 +1,24 @@
+"""cv2 and pygame, which draw: every module takes them from this one, since both are extras. pygame comes without its
+banner; nothing opens a display but window.py.
+"""
+
+import os
+
+from catch_arena.errors import ConfigError
+
+__all__ = ["cv2", "pygame"]
+
+_HUSH = "PYGAME_HIDE_SUPPORT_PROMPT"
+
+_was_set = _HUSH in os.environ
+os.environ.setdefault(_HUSH, "1")
+try:
+    import cv2
+    import pygame
+except ImportError as error:
+    if error.name not in ("cv2", "pygame"):  # one is there, and broken
+        raise
+    raise ConfigError("pictures need OpenCV and pygame: pip install 'catch-arena[render]'") from None
+finally:
+    if not _was_set:  # child processes find the environment as it was
+        del os.environ[_HUSH]
