@@ -11,8 +11,8 @@ import time
 from pathlib import Path
 
 from catch_arena import agents, scenario
+from catch_arena.descendants import family
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.isolation.processes import family
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.seating import inspector, seated
 from catch_arena.tournament.match import play

@@ -2,7 +2,7 @@
 
 import sys
 
-from catch_arena.cli import main
+from catch_arena.__main__ import main
 
 if __name__ == "__main__":
-    main(["play", *sys.argv[1:]], prog_name="scripts/play.py")
+    main(["play", *sys.argv[1:]], "scripts/play.py")

@@ -2,7 +2,7 @@
 
 import sys
 
-from catch_arena.cli import main
+from catch_arena.__main__ import main
 
 if __name__ == "__main__":
-    main(["render", *sys.argv[1:]], prog_name="scripts/render.py")
+    main(["render", *sys.argv[1:]], "scripts/render.py")

@@ -14,11 +14,12 @@ import socket
 import tempfile
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
+from catch_arena.descendants import LINUX, family, kill_all
 from catch_arena.tournament.isolation import host
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.processes import LINUX, adopt_orphans, die_with, family, kill_all
+from catch_arena.tournament.isolation.processes import adopt_orphans, die_with
 from catch_arena.tournament.isolation.protocol import receive, send
 
 _GLANCE_S: Final = 1.0
@@ -30,6 +31,7 @@ def main() -> None:
     control, parent = socket.socket(fileno=0), os.getppid()
     adopt_orphans()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # the dead need no burial
+    signal.signal(signal.SIGTERM, _leave)
     folder = Path(tempfile.mkdtemp(prefix="catch-arena-agents-"))
     hosts: set[int] = set()
     try:
@@ -56,6 +58,12 @@ def main() -> None:
         folder.rmdir()
 
 
+def _leave(number: int, _: object) -> NoReturn:
+    """End in order, and not a second time."""
+    signal.signal(number, signal.SIG_IGN)
+    raise SystemExit
+
+
 def _next_request(control: socket.socket, parent: int) -> tuple[dict[str, Any], list[int]] | None:
     while not select.select([control], [], [], _GLANCE_S)[0]:
         if os.getppid() != parent:
@@ -71,7 +79,8 @@ def _start_host(control: socket.socket, channel: int, spec: str, limits: dict[st
         return pid
     try:
         die_with(keeper)
-        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        for usual in (signal.SIGCHLD, signal.SIGTERM):
+            signal.signal(usual, signal.SIG_DFL)
         os.setsid()
         control.detach()  # descriptor 0, which is replaced
         null = os.open(os.devnull, os.O_RDWR)

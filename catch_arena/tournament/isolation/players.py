@@ -47,17 +47,17 @@ class IsolatedPlayers:
         self._limits = sandbox.limits
         self._bank_s = dict.fromkeys(entrants, sandbox.limits.bank_s)
         self._granted = {
-            "init": f"{self._limits.init_s:g} s",
-            "reset": f"what was left of {self._limits.init_s:g} s",
-            "act": f"{self._limits.step_ms:g} ms and what was left of its bank of {self._limits.bank_s:g} s",
+            "init": f"init_s ({self._limits.init_s:g} s)",
+            "reset": f"what was left of init_s ({self._limits.init_s:g} s)",
+            "act": f"step_ms ({self._limits.step_ms:g} ms) and what was left of bank_s ({self._limits.bank_s:g} s)",
         }
         """What each takes longer than who is late, in words that every match repeats: reports count by them."""
         self._lines: dict[int, Lines] = {}
 
     def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
         """Begin a match; all that comes before the first view counts as init."""
-        faults = {seat: entrant.fault for seat, entrant in self._entrants.items() if entrant.fault is not None}
-        greeted = self._greet([seat for seat in self._entrants if seat not in faults])
+        faults: dict[int, str] = {}
+        greeted = self._greet(self._entrants)
         for seat, reply in greeted.items():
             if reply.fault is not None:
                 faults[seat] = reply.fault.reason

@@ -5,21 +5,17 @@ import os
 import resource
 import signal
 import sys
-import time
-from collections.abc import Callable, Iterable
 from contextlib import suppress
-from pathlib import Path
 from typing import Final
 
+from catch_arena.descendants import LINUX
 from catch_arena.tournament.isolation.limits import AgentLimits
 
-LINUX: Final = sys.platform == "linux"
 # <linux/prctl.h>
 _SET_PDEATHSIG: Final = 1
 _SET_CHILD_SUBREAPER: Final = 36
 _SET_NO_NEW_PRIVS: Final = 38
 
-_PATIENCE_S: Final = 10.0
 _MIB: Final = 1 << 20
 _ADDRESSES: Final = 4
 """Addresses that a process may use for each byte of its private memory: libraries map much that they never touch."""
@@ -61,36 +57,6 @@ def confine(limits: AgentLimits) -> None:
 def limit_cpu(seconds: int) -> None:
     """A limit on this process's CPU time, from its start."""
     _limit(resource.RLIMIT_CPU, seconds, spare=1)  # SIGXCPU comes before SIGKILL, and says why
-
-
-def family(root: int) -> set[int]:
-    """The living descendants of a process, itself left out; empty where the system does not say."""
-    children: dict[int, list[int]] = {}
-    for entry in os.scandir("/proc") if LINUX else ():
-        if entry.name.isdigit():
-            with suppress(OSError):  # it has just ended
-                state, parent = Path(entry.path, "stat").read_bytes().rpartition(b")")[2].split()[:2]
-                if state not in {b"Z", b"X"}:
-                    children.setdefault(int(parent), []).append(int(entry.name))
-    found: set[int] = set()
-    generation = [root]
-    while generation:
-        generation = [child for parent in generation for child in children.get(parent, ()) if child not in found]
-        found.update(generation)
-    return found
-
-
-def kill_all(doomed: Callable[[], Iterable[int]]) -> bool:
-    """Kill until none is left, as they may start others meanwhile; false where some would not go."""
-    patience = time.monotonic() + _PATIENCE_S
-    while pids := list(doomed()):
-        for pid in pids:
-            with suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-        if time.monotonic() > patience:
-            return False
-        time.sleep(0.0005)
-    return True
 
 
 def how_it_ended(code: int) -> str:

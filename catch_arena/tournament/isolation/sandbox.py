@@ -9,7 +9,6 @@ import select
 import shutil
 import socket
 import subprocess
-import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -17,6 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
 
+from catch_arena.descendants import start
 from catch_arena.errors import NoContest
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
@@ -25,14 +25,12 @@ from catch_arena.tournament.isolation.processes import how_it_ended
 
 _HOSTS_KEPT: Final = 16
 """Entrants whose hosts wait for their next match; each holds its agent's modules in memory."""
+_KEEPER: Final = "catch_arena.tournament.isolation.keeper"
 _KEEPER_S: Final = 30.0
 """How long the keeper may take over anything that is asked of it."""
 _HOST_S: Final = 1.0
 """How long a host may take to bury its agent."""
 _MESSAGE: Final = 100
-_START: Final = (
-    "import sys; sys.path[:] = sys.argv[1:]; from catch_arena.tournament.isolation.keeper import main; main()"
-)
 _PASSED_ON: Final = ("PATH", "LANG", "LC_ALL", "TZ")
 _SETTINGS: Final = {
     "PYTHONDONTWRITEBYTECODE": "1",  # nothing is left beside an agent's file
@@ -50,16 +48,14 @@ class _Keeper:
 
     def __init__(self) -> None:
         self._control, theirs = socket.socketpair()
-        path = [str(Path(entry).absolute()) for entry in (*sys.path, "")]
         with theirs:
-            self._process = subprocess.Popen(  # noqa: S603 - our own module
-                [sys.executable, "-c", _START, *path],
-                stdin=theirs.fileno(),
+            self._process = start(
+                _KEEPER,
+                theirs.fileno(),
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 cwd="/",
                 env={name: os.environ[name] for name in _PASSED_ON if name in os.environ} | _SETTINGS,
-                start_new_session=True,
             )
         self._control.settimeout(_KEEPER_S)
         try:

@@ -2,7 +2,8 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from types import MappingProxyType
 from typing import Any, Final
 
 from catch_arena.config import ArenaConfig
@@ -12,26 +13,35 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.players import IsolatedPlayers
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult, play
-from catch_arena.tournament.players import Players, Together, TrustedPlayers
+from catch_arena.tournament.players import Absent, Fault, Players, Together, TrustedPlayers
 
 _PAUSES_S: Final = (0.0, 1.0, 5.0)
 """How long we wait before a match that we failed to hold is begun again; then it is given up."""
 
 
 @contextmanager
-def seated(entrants: Sequence[Entrant], sandbox: Sandbox | None) -> Iterator[Players]:
+def seated(
+    entrants: Sequence[Entrant], sandbox: Sandbox | None, out: Mapping[int, str] = MappingProxyType({})
+) -> Iterator[Players]:
     """These entrants, by seat, for one match: isolated in a sandbox, but for those that come with the package; all in
-    this process without one.
+    this process without one. Who cannot begin is not started, nor who is `out`: seats, and why.
 
     All that isolated agents started is ended afterwards. Raises: NoContest where they could not be held.
     """
-    isolated = {seat: one for seat, one in enumerate(entrants) if sandbox is not None and not is_shipped(one.spec)}
-    trusted = {seat: one for seat, one in enumerate(entrants) if seat not in isolated}
-    if sandbox is None or not isolated:
-        yield TrustedPlayers.of(trusted)
-        return
-    with _isolated(isolated, sandbox) as players:
-        yield Together((TrustedPlayers.of(trusted), players)) if trusted else players
+    faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in enumerate(entrants) if one.fault is not None}
+    faults |= {seat: Fault("FORFEIT_OUT", why) for seat, why in out.items()}
+    started = {seat: one for seat, one in enumerate(entrants) if seat not in faults}
+    isolated = {seat: one for seat, one in started.items() if sandbox is not None and not is_shipped(one.spec)}
+    trusted = {seat: one for seat, one in started.items() if seat not in isolated}
+    with ExitStack() as stack:
+        parts: list[Players] = []
+        if trusted:
+            parts.append(TrustedPlayers.of(trusted))
+        if sandbox is not None and isolated:
+            parts.append(stack.enter_context(_isolated(isolated, sandbox)))
+        if faults:
+            parts.append(Absent({seat: entrants[seat].control for seat in faults}, faults))
+        yield parts[0] if len(parts) == 1 else Together(parts)
 
 
 def sandboxed(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | None]:
@@ -40,17 +50,23 @@ def sandboxed(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | No
 
 
 def play_entrants(
-    config: ArenaConfig, seed: int, entrants: Sequence[Entrant], sandbox: Sandbox | None, **options: Any
+    config: ArenaConfig,
+    seed: int,
+    entrants: Sequence[Entrant],
+    sandbox: Sandbox | None,
+    *,
+    out: Mapping[int, str] = MappingProxyType({}),
+    **options: Any,
 ) -> MatchResult:
     """One match of these entrants, by seat; one that we failed to hold is played again, and at last given up.
 
-    Args: `options`, those of `play`. Raises: OutputError; NoContest.
+    Args: `out`, as of `seated`; `options`, those of `play`. Raises: OutputError; NoContest.
     """
     names = [entrant.name for entrant in entrants]
     pauses = iter(_PAUSES_S)
     while True:
         try:
-            with seated(entrants, sandbox) as players:
+            with seated(entrants, sandbox, out) as players:
                 return play(config, seed, players, names, **options)
         except NoContest:
             pause = next(pauses, None)

@@ -63,9 +63,14 @@ def gone(pid):
         ("exits", "FORFEIT_CRASH", 5, "act: its process exited with code 3"),
         ("ends_its_host", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
         ("closes_its_answers", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
-        ("hangs", "FORFEIT_TIMEOUT", 5, "act took longer than 1000 ms and what was left of its bank of 0.5 s"),
-        ("never_reads.sh", "FORFEIT_INIT", 0, "reset took longer than what was left of 1 s"),
-        ("hangs_at_import", "FORFEIT_INIT", 0, "init took longer than 1 s"),
+        (
+            "hangs",
+            "FORFEIT_TIMEOUT",
+            5,
+            r"act took longer than step_ms \(1000 ms\) and what was left of bank_s \(0.5 s\)",
+        ),
+        ("never_reads.sh", "FORFEIT_INIT", 0, r"reset took longer than what was left of init_s \(1 s\)"),
+        ("hangs_at_import", "FORFEIT_INIT", 0, r"init took longer than init_s \(1 s\)"),
         (
             "speaks_garbage",
             "FORFEIT_ILLEGAL",

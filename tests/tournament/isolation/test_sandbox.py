@@ -14,13 +14,14 @@ import pytest
 
 import catch_arena.agents
 from catch_arena import scenario
+from catch_arena.descendants import family
 from catch_arena.errors import AgentError, ConfigError, NoContest
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import enter, shipped
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.lines import Log
-from catch_arena.tournament.isolation.processes import family, missing_protections
+from catch_arena.tournament.isolation.processes import missing_protections
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.seating import inspector, play_entrants, seated
 from catch_arena.tournament.match import agent_seed, play
@@ -247,11 +248,7 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
 
 def test_without_linux_a_match_is_held_with_process_groups(monkeypatch):
     """As on macOS: the families of processes cannot be listed, and what is missing is said."""
-    start = (
-        "import sys; sys.path[:] = sys.argv[1:]; from catch_arena.tournament.isolation import keeper, processes; "
-        "keeper.LINUX = processes.LINUX = False; keeper.main()"
-    )
-    monkeypatch.setattr("catch_arena.tournament.isolation.sandbox._START", start)
+    monkeypatch.setattr("catch_arena.tournament.isolation.sandbox._KEEPER", "tournament.isolation.without_linux")
     before = family(os.getpid())
     with Sandbox() as sandbox:
         entrants = enter([str(HERE / "bad" / "crashes.py"), "nearest"], inspector(sandbox))

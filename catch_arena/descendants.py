@@ -1,0 +1,95 @@
+"""The processes that descend from this one: their start, who they are, and their end.
+
+Only Linux says who descends from whom.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Collection, Iterable
+from pathlib import Path
+from typing import Any, Final
+
+LINUX: Final = sys.platform == "linux"
+_PATIENCE_S: Final = 10.0
+_GRACE_S: Final = 0.5
+_PAUSE_S: Final = 0.002
+
+
+def start(module: str, channel: int, **options: Any) -> subprocess.Popen[bytes]:
+    """A process that runs the `main` of a module of ours, with the same modules to import as this one.
+
+    It has a session of its own, so that Ctrl-C is for this process alone. Args: `channel`, a socket, which is its
+    standard input; `options`, more of those of Popen. Raises: OSError.
+    """
+    code = f"import sys; sys.path[:] = sys.argv[1:]; from {module} import main; main()"
+    path = [str(Path(entry).absolute()) for entry in (*sys.path, "")]
+    return subprocess.Popen(  # noqa: S603 - our own module
+        [sys.executable, "-c", code, *path], stdin=channel, start_new_session=True, **options
+    )
+
+
+def family(*roots: int) -> set[int]:
+    """The living descendants of these processes, themselves left out; empty where the system does not say."""
+    children: dict[int, list[int]] = {}
+    for entry in os.scandir("/proc") if LINUX else ():
+        if entry.name.isdigit() and (parent := _parent(int(entry.name))) is not None:
+            children.setdefault(parent, []).append(int(entry.name))
+    found: set[int] = set()
+    generation = list(roots)
+    while generation:
+        generation = [child for parent in generation for child in children.get(parent, ()) if child not in found]
+        found.update(generation)
+    return found
+
+
+def kill_all(doomed: Callable[[], Iterable[int]], patience_s: float = _PATIENCE_S) -> bool:
+    """Kill until none is left, as they may start others meanwhile; false where some would not go."""
+    patience = time.monotonic() + patience_s
+    while pids := list(doomed()):
+        for pid in pids:
+            _send(pid, signal.SIGKILL)
+        if time.monotonic() > patience:
+            return False
+        time.sleep(0.0005)
+    return True
+
+
+def end(roots: Collection[int]) -> None:
+    """End these processes and all that descend from them: they are asked to, and killed a moment later."""
+    doomed = {*roots, *family(*roots)}
+    for pid in doomed:
+        _send(pid, signal.SIGTERM)
+    patience = time.monotonic() + _GRACE_S
+    while (left := set(filter(_lives, doomed))) and time.monotonic() < patience:
+        time.sleep(_PAUSE_S)
+    kill_all(lambda: filter(_lives, {*left, *family(*left)}), _GRACE_S)
+
+
+def end_all() -> None:
+    """End all that descend from this process."""
+    end(family(os.getpid()))
+
+
+def _lives(pid: int) -> bool:
+    return _parent(pid) is not None if LINUX else _send(pid, 0)
+
+
+def _parent(pid: int) -> int | None:
+    """None where the process has ended, though it may not be buried."""
+    try:
+        state, parent = Path("/proc", str(pid), "stat").read_bytes().rpartition(b")")[2].split()[:2]
+    except OSError:  # it has just ended
+        return None
+    return None if state in {b"Z", b"X"} else int(parent)
+
+
+def _send(pid: int, number: int) -> bool:
+    """Whether there was a process of ours to take that signal."""
+    try:
+        os.kill(pid, number)
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,84 @@
+"""Commands that are interrupted as a terminal does it: a signal goes to the whole process group."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+PATIENCE_S = 60.0
+"""What takes longer hangs."""
+LINE = re.compile(
+    r"catch-arena: interrupted(: (?P<kept>\d+) of \d+ matches are kept in o; the same command with --resume goes on)?\n"
+)
+_CATCH_ARENA = (sys.executable, "-m", "catch_arena")
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended."""
+
+    status: int
+    said: str
+    errors: str
+    left: list[str]
+    """The processes that it left behind, by their commands."""
+
+
+class Command:
+    """`catch-arena` with these words, or another program, in a process group of its own."""
+
+    def __init__(self, folder: Path, words: Sequence[str], program: Sequence[str] = _CATCH_ARENA):
+        self._mark = f"/marked-{uuid.uuid4().hex}"
+        self.process = subprocess.Popen(
+            [*program, *words],
+            cwd=folder,
+            env={**os.environ, "PATH": f"{os.environ['PATH']}{os.pathsep}{self._mark}"},  # agents inherit it too
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+
+    def wait_until_it_listens(self):
+        """Before that it is Python which starts; SIGTERM has a handler once we are asked."""
+        patience = time.monotonic() + PATIENCE_S
+        while self.process.poll() is None and time.monotonic() < patience:
+            status = Path(f"/proc/{self.process.pid}/status").read_text()
+            if int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16) >> (signal.SIGTERM - 1) & 1:
+                return
+            time.sleep(0.001)
+
+    def interrupt(self, pauses: Sequence[float] = (), number: int = signal.SIGINT):
+        """One signal, and one more after each of these pauses [s]."""
+        for pause in (0.0, *pauses):
+            time.sleep(pause)
+            if self.process.poll() is None:
+                os.killpg(self.process.pid, number)
+
+    def ended(self) -> Ended:
+        """How it ends."""
+        try:
+            self.process.wait(PATIENCE_S)
+            left = self._left()
+            return Ended(self.process.returncode, self.process.stdout.read(), self.process.stderr.read(), left)
+        finally:
+            if self.process.poll() is None:
+                os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.stdout.close()
+            self.process.stderr.close()
+
+    def _left(self) -> list[str]:
+        found = []
+        for place in Path("/proc").glob("[0-9]*"):
+            try:
+                if self._mark.encode() in (place / "environ").read_bytes():
+                    found.append((place / "cmdline").read_text().replace("\0", " "))
+            except OSError:  # it has ended, or is another user's
+                continue
+        return found

@@ -1,0 +1,176 @@
+"""What a command may be doing when an interrupt comes, one by one: small programs in place of the command."""
+
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from interrupts.commands import PATIENCE_S, Command
+
+from catch_arena.descendants import family
+
+ROOT = Path(__file__).parents[2]
+BEGIN = "import os, signal, subprocess, sys, threading, time\nfrom catch_arena import interrupts\ninterrupts.listen()\n"
+LOOP = "while True: time.sleep(0.01)"
+LINE = "catch-arena: interrupted\n"
+
+
+def started(folder, code: str) -> Command:
+    """A program that runs this code's `command`, and has got to where that prints."""
+    command = Command(folder, (), (sys.executable, "-c", f"{BEGIN}{code}\ninterrupts.run(command)"))
+    assert command.process.stdout.readline() == "begun\n"
+    return command
+
+
+def ended(folder, code: str, pauses=(0.01, 0.05), number=signal.SIGINT) -> tuple[int, str]:
+    """The status and the last words of a command that is interrupted there, three times unless told."""
+    command = started(folder, code)
+    time.sleep(0.2)
+    command.interrupt(pauses, number)
+    end = command.ended()
+    assert end.left == []
+    return end.status, end.errors
+
+
+def command(*lines: str) -> str:
+    """A command that says that it has begun, and does this."""
+    return "\n    ".join(["def command():", "print('begun', flush=True)", *lines])
+
+
+UNWINDS = command("try:", f"    {LOOP}", "finally:", "    print('tidied up', flush=True)")
+
+
+def test_an_interrupt_unwinds_what_is_under_way(tmp_path):
+    program = started(tmp_path, UNWINDS)
+    program.interrupt()
+    end = program.ended()
+    assert (end.status, end.said, end.errors) == (130, "tidied up\n", LINE)
+
+
+def test_a_request_to_end_is_answered_like_an_interrupt(tmp_path):
+    assert ended(tmp_path, UNWINDS, number=signal.SIGTERM) == (143, "catch-arena: terminated\n")
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("while True:", "    try:", f"        {LOOP}", "    except BaseException: pass"),
+        ("try:", f"    {LOOP}", "finally:", f"    {LOOP}"),
+        ("try:", f"    {LOOP}", "except BaseException:", "    raise ImportError('half imported') from None"),
+        ("class Held:", "    def __del__(self):", f"        {LOOP}", "held = Held()", "del held", LOOP),
+        ("lock = threading.Lock()", "lock.acquire()", "lock.acquire()"),
+        ("import hashlib", "hashlib.pbkdf2_hmac('sha256', b'compiled', b'code', 10**9)"),
+        ("threading.Thread(target=threading.Event().wait).start()",),
+        ("import atexit", "atexit.register(threading.Event().wait)"),
+    ],
+    ids=["swallows", "hangs_at_the_end", "another_error", "a_destructor", "a_lock", "compiled", "a_thread", "at_exit"],
+)
+def test_whatever_becomes_of_the_interrupt_the_command_ends_with_one_line(tmp_path, lines):
+    assert ended(tmp_path, command(*lines)) == (130, LINE)
+
+
+def test_threads_that_the_end_breaks_say_nothing(tmp_path):
+    breaks = (
+        "ends = threading.Event()",
+        "threading.Thread(target=lambda: ends.wait() and 1 / 0).start()",
+        "try:",
+        f"    {LOOP}",
+        "finally:",
+        "    ends.set()",
+        "    time.sleep(0.2)",
+    )
+    assert ended(tmp_path, command(*breaks)) == (130, LINE)
+
+
+def test_all_that_descend_from_it_end_with_it(tmp_path):
+    """One ends when it is asked to, and one is deaf to that; each has a child of its own."""
+    lines = (
+        "for deaf in ('', 'trap \"\" TERM;'):",
+        "    shell = ['sh', '-c', f'{deaf} sleep 1000 & echo; wait; sleep 1000']",
+        "    subprocess.Popen(shell, stdout=-1, start_new_session=True).stdout.readline()",
+        "print('all', flush=True)",
+        LOOP,
+    )
+    program = started(tmp_path, command(*lines))
+    assert program.process.stdout.readline() == "all\n"
+    assert len(family(program.process.pid)) == 4
+    program.interrupt()
+    end = program.ended()
+    assert (end.status, end.errors, end.left) == (130, LINE, [])
+
+
+def test_the_line_says_more_where_there_is_more_to_say(tmp_path):
+    assert ended(tmp_path, command("interrupts.also_say(lambda: 'not all is lost')", LOOP)) == (
+        130,
+        "catch-arena: interrupted: not all is lost\n",
+    )
+    assert ended(tmp_path, command("interrupts.also_say(lambda: 1 / 0)", LOOP)) == (130, LINE)
+
+
+def test_what_waits_for_an_interrupt_has_ended_well(tmp_path):
+    assert ended(tmp_path, command("interrupts.wait()")) == (0, "")
+    assert ended(tmp_path, command("interrupts.wait()", "threading.Event().wait()")) == (0, "")
+
+
+@pytest.mark.parametrize(("ends", "status"), [("", 0), ("sys.exit(3)", 3), ("return 2", 2), ("1 / 0", 1)])
+def test_without_an_interrupt_it_ends_as_any_program(tmp_path, ends, status):
+    program = started(tmp_path, command("import atexit", "atexit.register(print, 'last')", ends))
+    end = program.ended()
+    assert (end.status, end.said) == (status, "last\n")
+    assert ("ZeroDivisionError" in end.errors) == (status == 1)
+
+
+def test_what_was_started_deaf_to_interrupts_stays_so(tmp_path):
+    """As a shell starts what runs in its background."""
+    former = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        program = started(tmp_path, command("time.sleep(0.5)"))
+    finally:
+        signal.signal(signal.SIGINT, former)
+    program.interrupt()
+    assert program.ended().status == 0
+
+
+def test_a_hidden_cursor_comes_back(tmp_path):
+    """On a terminal, whatever was drawn in the last line gives way to ours."""
+    ours, theirs = pty.openpty()
+    code = f"{BEGIN}{command(LOOP)}\ninterrupts.run(command)"
+    with subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=theirs) as process:
+        os.close(theirs)
+        process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE_S) == 130
+    assert os.read(ours, 1000) == b"\r\x1b[K\x1b[?25hcatch-arena: interrupted\r\n"
+    os.close(ours)
+
+
+def test_nothing_is_imported_before_signals_are_heard():
+    """But what Python itself has loaded before: a signal during an import would be a traceback."""
+    code = (
+        f"import sys; sys.path.insert(0, {str(ROOT)!r}); import atexit, os; before = set(sys.modules)\n"
+        "import catch_arena.__main__; print(sorted(set(sys.modules) - before))"
+    )
+    done = subprocess.run([sys.executable, "-S", "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "['catch_arena', 'catch_arena.__main__', 'catch_arena.interrupts']"
+
+
+def test_an_interrupt_while_the_commands_are_imported(tmp_path):
+    command = Command(tmp_path, ["--help"])
+    command.wait_until_it_listens()
+    command.interrupt([0.01])
+    end = command.ended()
+    assert (end.status, end.errors, end.said) == (130, LINE, "")
+
+
+def test_the_demo_ends_in_the_same_way(tmp_path):
+    command = Command(tmp_path, ["--out", "o"], (sys.executable, str(ROOT / "scripts" / "demo.py")))
+    command.wait_until_it_listens()
+    assert "$ catch-arena tournament patrol" in command.process.stdout.readline() + command.process.stdout.readline()
+    time.sleep(0.3)
+    command.interrupt([0.1, 0.1])
+    end = command.ended()
+    assert (end.status, end.errors.splitlines()[-1:], end.left) == (130, [LINE.strip()], [])

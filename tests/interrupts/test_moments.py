@@ -1,0 +1,154 @@
+"""Interrupts at random moments of a command's whole life: one line, status 130, nothing left behind, nothing lost.
+
+The moments follow from their numbers: a failure is repeated by its number, as far as the machine repeats itself.
+"""
+
+import os
+import random
+import re
+import time
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+
+import pytest
+from interrupts.commands import LINE, Command
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+
+LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
+ROOT = Path(__file__).parents[2]
+TOURNAMENT = ("tournament", "mine.py", "nearest", "-s", "duel", "--set", "time_limit_s=20", "--rounds", "6")
+WAYS = {
+    "isolated, two jobs": ("--jobs", "2"),
+    "trusted, watched": ("--trusted", "--jobs", "1", "--watch"),
+    "trusted": ("--trusted", "--jobs", "1"),
+    "isolated": ("--jobs", "1"),
+    "trusted, two jobs": ("--trusted", "--jobs", "2"),
+    "isolated, two jobs, watched": ("--jobs", "2", "--watch"),
+}
+COMMANDS = {
+    "help": ("play", "--help"),
+    "match": ("match", "mine.py", "nearest", "-s", "duel"),
+    "render": ("render", "m.replay", "--size", "320x320", "--fps", "20"),
+    "sheet": ("sheet", "m.replay"),
+    "verify": ("verify", "m.replay"),
+    "grade": ("grade", "mine.py", "--spec", "spec.toml", "--junit", "marks.xml"),
+    "check-agent": ("check-agent", "mine.py", "--scenario", "duel"),
+    "conformance": ("conformance", "catch_arena:arbitrate"),
+    "compare": ("compare", "mine.py", "nearest", "--max-blocks", "4"),
+    "audit": ("audit", "nearest", "-s", "duel", "--matches", "100", "--set", "time_limit_s=3"),
+}
+UNDISTURBED = {0, 1, 3}
+"""How they end: 1 and 3 are what `compare` and `audit` say of few matches."""
+SPEC = """
+title = "An exercise"
+seeds = [1, 2, 3]
+[[test]]
+name = "catches"
+scenario = "duel"
+opponents = ["idle"]
+min_mean_score = 1
+"""
+
+
+def moment(number: int) -> tuple[float, list[float]]:
+    """When the first signal comes, as a share of the command's life, and the pauses [s] before each further one."""
+    draw = random.Random(number)
+    signals = draw.choice([1, 2, 12])
+    return draw.uniform(0.0, 1.05), [draw.uniform(0.0, 0.3 if signals == 2 else 0.1) for _ in range(signals - 1)]
+
+
+def those(kinds: dict[str, tuple[str, ...]], long: int, short: int) -> list[tuple[int, str]]:
+    """Which moments are tried, of each kind in turn."""
+    names = list(kinds)
+    return [(number, names[number % len(names)]) for number in range(long if LONG else short)]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A folder with what the commands read; and the tournament's matches, had it not been disturbed."""
+    folder = tmp_path_factory.mktemp("made")
+    (folder / "mine.py").write_text((ROOT / "agents" / "contested.py").read_text())
+    (folder / "spec.toml").write_text(SPEC)
+    with pytest.MonkeyPatch.context() as here:
+        here.chdir(folder)
+        called("match", "mine.py", "nearest", "-s", "duel", "--trusted", "-o", "m.replay")
+        called(*TOURNAMENT, "--out", "o", "--trusted", "--jobs", "1")
+        called("export", "o", "--no-timing", "-o", "matches.jsonl")
+    return folder
+
+
+def called(*words: str) -> str:
+    done = CliRunner().invoke(main, list(words))
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+def copied(made: Path, folder: Path) -> Path:
+    """A folder with the same to read."""
+    for name in ("mine.py", "spec.toml", "m.replay"):
+        (folder / name).write_bytes((made / name).read_bytes())
+    return folder
+
+
+@pytest.fixture
+def folder(made, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return copied(made, tmp_path)
+
+
+@cache
+def life_s(words: tuple[str, ...], made: Path) -> float:
+    """How long a command takes undisturbed, from when it listens."""
+    command = Command(copied(made, Path(mkdtemp(dir=made))), words)
+    command.wait_until_it_listens()
+    begin = time.monotonic()
+    assert command.ended().status in UNDISTURBED
+    return time.monotonic() - begin
+
+
+def interrupted(number: int, words: tuple[str, ...], folder: Path, made: Path) -> re.Match[str] | None:
+    """The line of a command that was interrupted at that moment; None where it had ended."""
+    undisturbed = tuple(word for word in words if word != "--watch")
+    share, pauses = moment(number)
+    wait_s = share * life_s(undisturbed, made)
+    command = Command(folder, words)
+    command.wait_until_it_listens()
+    time.sleep(wait_s)
+    command.interrupt(pauses)
+    ended = command.ended()
+    assert not ended.left
+    assert "Traceback" not in ended.said
+    if ended.status == 130:
+        line = LINE.fullmatch(ended.errors)
+        assert line, ended.errors
+        return line
+    assert ended.errors == ""
+    assert ended.status in UNDISTURBED
+    return None
+
+
+@pytest.mark.parametrize(("number", "way"), those(WAYS, 50, 2))
+def test_a_tournament_is_interrupted_at_any_moment_and_goes_on_from_there(number, way, folder, made):
+    words = (*TOURNAMENT, "--out", "o", *WAYS[way])
+    line = interrupted(number, words, folder, made)
+    if line is not None and line["kept"] is not None:
+        again = called(*(word for word in words if word != "--watch"), "--resume")
+        assert "results: o" in again
+    elif line is not None:
+        assert not list(folder.glob("o/*.csv"))
+        return
+    called("export", "o", "--no-timing", "-o", "matches.jsonl")
+    assert (folder / "matches.jsonl").read_bytes() == (made / "matches.jsonl").read_bytes()
+
+
+@pytest.mark.parametrize(("number", "name"), those(COMMANDS, 50, 2))
+def test_any_command_is_interrupted_at_any_moment_and_leaves_nothing_half_done(number, name, folder, made):
+    before = {path.name for path in folder.iterdir()}
+    line = interrupted(number, COMMANDS[name], folder, made)
+    if line is not None:
+        assert line["kept"] is None
+    left = {path.name for path in folder.iterdir()} - before
+    assert left <= {"match.replay", "m.mp4", "sheet.png", "marks.xml", "out"}  # those that are whole
