@@ -22,6 +22,8 @@ from catch_arena.policy import Policy, control_of
 
 COMMAND: Final = "cmd:"
 """What the word for a command begins with."""
+NOT_INSTALLED: Final = "which is not installed here"
+"""What is said of a module that an agent imports, and that is not there."""
 _SHIPPED: Final = "catch_arena.agents"
 
 
@@ -84,6 +86,13 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspected
     entrants = []
     words = [_meant(spec) for spec in specs]
     for one, name in zip(words, _told_apart(words), strict=True):
+        if any("\ud800" <= character <= "\udfff" for character in one.spec):  # how Python reads bytes that are no text
+            raise AgentError(
+                f"{one.spec!a}: must be text in this system's encoding, {sys.getfilesystemencoding()}: "
+                "give the file or its folder another name, or try LANG=C.UTF-8"
+            )
+        if not name.isprintable():
+            raise AgentError(f"{one.spec!a}: its name must be of characters that can be printed, got {name!a}")
         if one.spec not in inspections:
             inspections[one.spec] = inspect(one.spec)
         found = inspections[one.spec]
@@ -244,7 +253,7 @@ def _from_file(path: Path) -> ModuleType:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         del sys.modules[name]
-        raise AgentError(f"{path}: importing it raised {reason(error)}") from error
+        raise AgentError(f"{path}: {_why_not_imported(error, path.stem, path.parent)}") from error
     return module
 
 
@@ -252,7 +261,18 @@ def _imported(name: str) -> ModuleType:
     try:
         return importlib.import_module(name)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-        raise AgentError(f"{name}: importing it raised {reason(error)}") from error
+        raise AgentError(f"{name}: {_why_not_imported(error, name)}") from error
+
+
+def _why_not_imported(error: BaseException, module: str, folder: Path | None = None) -> str:
+    """In words. Args: `module`, that was to be imported, and its `folder`, where it is a file that plays alone."""
+    missing = error.name if isinstance(error, ModuleNotFoundError) else None
+    if missing is None or module == missing or module.startswith(f"{missing}."):
+        return f"importing it raised {reason(error)}"
+    top = missing.partition(".")[0]
+    if folder is not None and ((folder / f"{top}.py").is_file() or (folder / top).is_dir()):
+        return f"it imports {missing}, which is beside it: an agent of several files must be a package (docs/agents.md)"
+    return f"it imports {missing}, {NOT_INSTALLED}"
 
 
 def reason(error: BaseException) -> str:

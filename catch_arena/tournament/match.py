@@ -5,6 +5,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
 
@@ -63,7 +64,7 @@ class MatchResult:
     digest: str
     """The final state's (A.8): matches that agree in it ended alike."""
     forfeits: tuple[str | None, ...]
-    """FORFEIT_CRASH, FORFEIT_TIMEOUT, FORFEIT_ILLEGAL or FORFEIT_INIT where a seat failed."""
+    """FORFEIT_CRASH, FORFEIT_TIMEOUT, FORFEIT_ILLEGAL, FORFEIT_INIT or FORFEIT_OUT where a seat failed."""
     thinking: tuple[Thinking, ...] = field(compare=False)
     """Like all that follows, no part of what another run of the same match repeats."""
     details: tuple[Forfeit | None, ...] = field(default=(), compare=False)
@@ -80,7 +81,7 @@ def play(
     *,
     places: Sequence[int] | None = None,
     title: str = "",
-    record: Path | None = None,
+    record: Path | BytesIO | None = None,
     watch: Callable[[CatchArenaEnv], None] | None = None,
 ) -> MatchResult:
     """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6); the others play on.
@@ -88,7 +89,7 @@ def play(
     Args: `config`, whose `control` gives way to what the players ask for; `seed`, the match's; `players`, fresh for
     this match (policies are trusted, and play in this process), and their `names`, by seat; `places`, each one's place
     among the entrants (else its seat), from which its own seed is made; `title` and `record`, the heading and the file
-    of a replay; `watch`, called after the reset and after every step.
+    of a replay, or the memory that it is written to; `watch`, called after the reset and after every step.
     Raises: OutputError for a replay that cannot be written; NoContest where isolated players could not be held.
     """
     if isinstance(players, Sequence):

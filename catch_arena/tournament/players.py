@@ -10,8 +10,10 @@ from catch_arena.errors import AgentError
 from catch_arena.policy import Limits, Policy, View, control_of
 from catch_arena.tournament.entrants import Entrant, reason
 
-ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT"]
-"""How an agent fails: it raises or dies; it takes too long; what it answers is no legal action; it cannot begin."""
+ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_OUT"]
+"""How an agent fails: it raises or dies; it takes too long; what it answers is no legal action; it cannot begin; it has
+failed in too many matches in a row, and is not started any more.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +106,31 @@ class TrustedPlayers:
 
     def logs(self) -> dict[int, str]:
         """What agents print here goes where this process prints."""
+        return {}
+
+
+class Absent:
+    """Agents that are not started, each with its fault."""
+
+    def __init__(self, controls: Mapping[int, Control], faults: Mapping[int, Fault]) -> None:
+        self.controls = controls
+        self._faults = faults
+
+    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+        """Begin a match, without them."""
+        del seeds, limits
+        return dict(self._faults)
+
+    def act(self, sights: Mapping[int, Sight]) -> dict[int, Answer]:
+        """Nobody asks them."""
+        del sights
+        return {}
+
+    def drop(self, seat: int) -> None:
+        """Nothing of it runs."""
+
+    def logs(self) -> dict[int, str]:
+        """They print nothing."""
         return {}
 
 

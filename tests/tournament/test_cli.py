@@ -54,6 +54,9 @@ def test_no_line_of_the_table_is_longer_than_80_columns(catch_arena):
     assert "contested_by_time#2" in result.output
 
 
+SPOKEN = (
+    "class Agent:\n    def reset(self, seed): print('los, 亀')\n    def act(self, view): raise ValueError('zu spät')\n"
+)
 BAD = Path(__file__).parent / "isolation" / "bad"
 
 
@@ -102,6 +105,15 @@ def test_a_match_says_who_forfeited_and_what_they_printed(catch_arena):
     assert result.stderr.startswith("crashes printed:\nTraceback")
 
 
+def test_a_match_that_cannot_be_held_is_told_in_one_line_with_what_is_kept(catch_arena, tmp_path):
+    (tmp_path / "ends.py").write_text(
+        "import os\nclass Agent:\n    def reset(self, seed): os._exit(1)\n    def act(self, view): return 0\n"
+    )
+    result = catch_arena("tournament", "ends.py", "idle", *QUICK, "--trusted", "--jobs", "2", "--out", "o")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert re.match(r"catch-arena: a worker process died, 3 times, .*; 0 of 2 matches are kept in o; ", result.stderr)
+
+
 def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
     words = ["tournament", "nearest", "idle", "-s", "duel", "--set", "time_limit_s=15", "--jobs", "1"]
     clear = catch_arena(*words, "--until-separated", "0.95", "--out", "a")
@@ -141,7 +153,7 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         (["tournament", "nearest", "idle", *QUICK, "--set", "control=full"], "left to the agents"),
         (["tournament", "nearest", "idle", *QUICK, "--jobs", "0"], "jobs must be at least 1"),
         (["tournament", "nearest", "idle", *QUICK, "--rounds", "0"], "rounds must be at least 1"),
-        (["tournament", "nearest", "idle", *QUICK, "--out", "file/o"], "file/o: cannot be written to"),
+        (["tournament", "nearest", "idle", *QUICK, "--out", "file/o"], "file/o: cannot be written"),
         (["tournament", "nearest", "idle", *QUICK, "--address", "auto"], "--address must come with --executor ray"),
         (
             ["tournament", "nearest", "idle", *QUICK, "--executor", "ray", "--address", "auto", "-j", "2"],
@@ -166,7 +178,7 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         (["export", "missing", "-o", "e"], "missing: holds no tournament"),
         (["match", "nearest", *QUICK], "agents must be at least 2"),
         (["match", "nearest", "idle", "first", *QUICK], "agents must be 2"),
-        (["match", "nearest", "idle", *QUICK, "-o", "file/m.replay"], "file: cannot be written to"),
+        (["match", "nearest", "idle", *QUICK, "-o", "file/m.replay"], "file: cannot be written"),
         (["match", "nearest", "idle", *QUICK, "--seed", "-1"], "seed must be"),
         (["verify", "file"], "is not a Catch Arena replay"),
         (["verify", "missing"], "missing: cannot be read"),
@@ -243,6 +255,49 @@ def test_a_plan_is_printed_with_its_cost_and_nothing_is_played(catch_arena, tmp_
     assert not list(tmp_path.iterdir())
 
 
+def test_a_plan_says_what_an_agent_that_hangs_could_cost(catch_arena, tmp_path):
+    """0.5 s to begin, a step of 20 ms and a bank of 0.1 s; 30 steps where it is only slow."""
+    (tmp_path / "mine.py").write_text(SPOKEN)
+    words = ["tournament", "mine.py", "mine.py", "nearest", *QUICK, "--plan", "--rounds", "5", "--jobs", "1"]
+    words += ["--limit", "init_s=0.5", "--limit", "step_ms=20", "--limit", "bank_s=0.1"]
+    for most, lines in (
+        ("3", [r"hangs +may take 0\.6 s a match: 2\.5 s for 4, then it is out", r"all 2 that could +5\.0 s with one"]),
+        ("0", [r"hangs +may take 0\.6 s a match: 12\.4 s for 20 *$", r"all 2 that could +24\.8 s with one process"]),
+    ):
+        told = catch_arena(*words, "--max-forfeits", most).output
+        for line in (
+            *lines,
+            r"a slow agent +may take 1\.2 s a match: 24\.0 s for 20, no forfeit",
+            "mine forfeited there: ",
+        ):
+            assert re.search(line, told, re.MULTILINE), told
+    assert "hangs" not in catch_arena(*words[:1], "nearest", "idle", *QUICK, "--plan").output
+
+
+def test_who_was_out_is_told(catch_arena):
+    words = [
+        str(BAD / "crashes.py"),
+        "idle",
+        *QUICK,
+        "--rounds",
+        "4",
+        "--max-forfeits",
+        "3",
+        "--jobs",
+        "1",
+        "--out",
+        "o",
+    ]
+    result = catch_arena("tournament", *words, "--trusted")
+    assert "crashes was out after 3 forfeits in a row: 4 of its 8 matches were played without it" in result.output
+    assert catch_arena("report", "o").exit_code == 0
+    assert "FORFEIT_OUT" in Path("o/report.html").read_text()
+    assert json.loads(Path("o/standings.json").read_text())["standings"][1]["forfeits"] == {
+        "FORFEIT_CRASH": 4,
+        "FORFEIT_OUT": 4,
+    }
+
+
 def test_a_tournament_is_not_overwritten_and_is_continued_by_the_same_words_alone(catch_arena, tmp_path):
     first = ["tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--out", "o"]
     begun = catch_arena(*first, "--resume")  # nothing to go on with: it begins
@@ -255,6 +310,7 @@ def test_a_tournament_is_not_overwritten_and_is_continued_by_the_same_words_alon
         (["--rounds", "2"], "rounds is 1 there, and 2 here"),
         (["--set", "reach_m=0.5"], "reach_m is 0.3 there, and 0.5 here"),
         (["--record"], "recorded is false there, and true here"),
+        (["--max-forfeits", "3"], "max_forfeits is 10 there, and 3 here"),
         (["first"], "its agents are nearest idle, and here nearest idle first"),
     ):
         other = catch_arena(*first, "--resume", *more)
@@ -282,7 +338,7 @@ def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
         "    def reset(self, seed): Path(__file__).with_name('began').touch()\n"
         "    def act(self, view):\n        while True: pass\n"
     )
-    command = [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament", "hang.py", "idle"]
+    command = [sys.executable, "-m", "catch_arena", "tournament", "hang.py", "idle"]
     words = [*command, "--scenario", "duel", "--jobs", "2", "--out", "o", *how]
     process = subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
     patience = time.monotonic() + 60
@@ -294,8 +350,48 @@ def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
     finally:
         process.kill()
     assert process.returncode == 130
-    assert errors.strip().splitlines()[-2:] == [
-        "0 of 2 matches are kept in o; the same command with --resume goes on",
-        "catch-arena: interrupted",
-    ]
+    assert errors == (
+        "catch-arena: interrupted: 0 of 2 matches are kept in o; the same command with --resume goes on\n"
+    )
     assert [path.name for path in (tmp_path / "o").iterdir()] == ["tournament.sqlite"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "shown"),
+    [({"LC_ALL": "C"}, "jäger_亀"), ({"LANG": "C"}, "jäger_亀"), ({"PYTHONIOENCODING": "ascii"}, "j?ger_?")],
+)
+def test_names_of_any_script_play_and_are_written_whatever_the_terminal_can_show(tmp_path, settings, shown):
+    folder = tmp_path / "Zoë Müller"
+    folder.mkdir()
+    (folder / "jäger_亀.py").write_text(SPOKEN, encoding="utf-8")
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith(("LANG", "LC_", "PYTHONIO"))
+    }
+    command = [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament", "Zoë Müller/jäger_亀.py"]
+    words = [*command, "nearest", *QUICK, "--jobs", "2", "--record", "--out", "größe"]
+    done = subprocess.run(
+        words, cwd=tmp_path, env={**environment, **settings}, capture_output=True, encoding="utf-8", check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.search(rf"2 *\|? *{re.escape(shown)} ", done.stdout), done.stdout
+    assert "act raised ValueError: zu spät" in (tmp_path / "größe" / "logs" / "jäger_亀.log").read_text(
+        encoding="utf-8"
+    )
+    assert "los, 亀" in (tmp_path / "größe" / "logs" / "jäger_亀.log").read_text(encoding="utf-8")
+    assert "jäger_亀" in (tmp_path / "größe" / "report.html").read_text(encoding="utf-8")
+    assert "jäger_亀,1," in (tmp_path / "größe" / "standings.csv").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (b"caf\xe9.py", r"must be text in this system's encoding, utf-8: "),
+        (b"a\nb.py", r"its name must be of characters"),
+    ],
+)
+def test_a_name_that_is_no_text_is_one_line(catch_arena, tmp_path, name, message):
+    (tmp_path / os.fsdecode(name)).write_text(SPOKEN, encoding="utf-8")
+    for words in (["tournament", "{}", "nearest"], ["match", "{}", "nearest"], ["check-agent", "{}"]):
+        refused = catch_arena(*(os.fsdecode(name) if word == "{}" else word for word in words), *QUICK)
+        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
+        assert message in refused.stderr

@@ -81,7 +81,7 @@ def test_a_dataclass_in_a_file_works(agent_file):
 @pytest.mark.parametrize(
     ("source", "reason"),
     [
-        ("import nothing_of_this_name\n", "importing it raised ModuleNotFoundError"),
+        ("import nothing_of_this_name\n", "it imports nothing_of_this_name, which is not installed here"),
         ("class Agent\n", "importing it raised SyntaxError"),
         ("raise SystemExit(0)\n", "importing it raised SystemExit"),
         ("class Agnet: pass\n", "has no class Agent; did you mean Agnet"),
@@ -97,6 +97,14 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
     with pytest.raises(AgentError, match=reason) as raised:
         enter([path])
     assert "mine.py" in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_file_that_imports_its_neighbour_is_told_how_agents_of_several_files_play(agent_file):
+    path = agent_file("from helpers import chase\n")
+    Path(path).with_name("helpers.py").write_text("def chase(): pass\n")
+    with pytest.raises(AgentError, match=r"it imports helpers, which is beside it: .* must be a package") as raised:
+        enter([path])
     assert "\n" not in str(raised.value)
 
 

@@ -9,7 +9,7 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.progress import Progress
 
-from catch_arena.tournament.display.tables import bar_columns, standings_table
+from catch_arena.tournament.display.tables import bar_columns, progress_lines, standings_table
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.plans.schedule import Played
 from catch_arena.tournament.statistics.standings import standings
@@ -20,15 +20,16 @@ _PAUSE_FACTOR: Final = 20.0
 
 
 class LiveStandings:
-    """A context that shows the same table as there will be in the end, over a bar, on stderr; nothing to a file.
+    """A context that shows the same table as there will be in the end, below a bar, on stderr; what a low terminal has
+    no room for is the end of the table. Where it is no terminal, a line now and then says how far it is.
 
-    Args: `entrants`; `total`, the matches to be played, where that is known.
+    Args: `entrants`; `total`, the matches to be played, at most.
     """
 
     def __init__(
         self,
         entrants: Sequence[Entrant],
-        total: int | None = None,
+        total: int,
         *,
         console: Console | None = None,
         clock: Callable[[], float] = time.monotonic,
@@ -37,6 +38,8 @@ class LiveStandings:
         self._console = console or Console(stderr=True)
         self._clock = clock
         self._played: list[Played] = []
+        self._total = total
+        self._say = progress_lines("playing", self._console, clock)
         self._next = clock() + _PAUSE_S
         self._bar = Progress(*bar_columns())
         self._task = self._bar.add_task("playing", total=total)
@@ -44,14 +47,15 @@ class LiveStandings:
 
     def update(self, played: Sequence[Played]) -> None:
         """More matches have been played, in whatever order."""
-        if not self._console.is_terminal:
-            return
         self._played += played
+        if not self._console.is_terminal:
+            self._say(len(self._played), self._total)
+            return
         self._bar.update(self._task, completed=len(self._played))
         begin = self._clock()
         if begin < self._next:
             return
-        self._live.update(Group(standings_table(standings(self._entrants, self._played)), self._bar))
+        self._live.update(Group(self._bar, standings_table(standings(self._entrants, self._played))))
         end = self._clock()
         self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
 

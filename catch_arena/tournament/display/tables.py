@@ -1,4 +1,4 @@
-"""How a tournament looks on a terminal, 80 columns wide, or in a file that its output is sent to."""
+"""How a tournament looks on a terminal, usually 80 columns wide, or in a file that its output is sent to."""
 
 import math
 import time
@@ -7,14 +7,14 @@ from contextlib import contextmanager
 from datetime import timedelta
 from typing import Final
 
-from rich import box
 from rich.console import Console
 from rich.filesize import decimal
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.execution.cost import Cost, shares
+from catch_arena.tournament.display.fitted import FittedTable
+from catch_arena.tournament.execution.cost import Cost, delay, shares
+from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
 from catch_arena.tournament.sequential.until_separated import UntilSeparated
 from catch_arena.tournament.statistics.intervals import Estimate
@@ -24,15 +24,22 @@ _KEY: Final = """grp: who shares a group cannot be told apart
 rating: points, 0 is the mean; score: catches a match
 wins: ties shared; cont.: of its contests, those it won"""
 
+_LINE_EVERY_S: Final = 10.0
+
 
 @contextmanager
 def progress_bar(what: str, total: int | None = None, *, after_s: float = 0.0) -> Iterator[Callable[[int, int], None]]:
-    """A bar on stderr, to be called with (done, total); it appears after `after_s` seconds, goes away in the end, and
-    is not shown to a file.
+    """How far it is, on stderr, to be called with (done, total).
+
+    On a terminal it is a bar, which appears after `after_s` seconds and goes away in the end; elsewhere it is a line
+    now and then.
     """
     console = Console(stderr=True)
+    if not console.is_terminal:
+        yield progress_lines(what, console)
+        return
     begin = time.monotonic()
-    bar = Progress(*bar_columns(), console=console, transient=True, disable=not console.is_terminal)
+    bar = Progress(*bar_columns(), console=console, transient=True)
     task = bar.add_task(what, total=total)
 
     def show(done: int, total: int) -> None:
@@ -48,6 +55,23 @@ def progress_bar(what: str, total: int | None = None, *, after_s: float = 0.0) -
         bar.stop()
 
 
+def progress_lines(
+    what: str, console: Console, clock: Callable[[], float] = time.monotonic
+) -> Callable[[int, int], None]:
+    """For logs and pipes: says how far it is, to be called with (done, total), in a line every ten seconds."""
+    began = clock()
+    said = began
+
+    def show(done: int, total: int) -> None:
+        nonlocal said
+        now = clock()
+        if now - said >= _LINE_EVERY_S:
+            said = now
+            console.print(f"{what}: {done} of {total}, {now - began:.0f} s", highlight=False, soft_wrap=True)
+
+    return show
+
+
 def bar_columns() -> tuple[ProgressColumn, ...]:
     """What stands beside and in a bar."""
     return TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
@@ -56,18 +80,16 @@ def bar_columns() -> tuple[ProgressColumn, ...]:
 def standings_table(table: Sequence[Standing]) -> Table:
     """The standings; margins are those of 95 % confidence."""
     forfeited = any(line.forfeits for line in table)
-    shown = Table(
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
+    shown = FittedTable(
+        *("#", "agent", "grp", "played", "rating", "score", "wins", "cont."),
+        *["forf."] * forfeited,
+        folded="agent",
+        named_by=2,
         padding=(0, 1, 0, 0),
-        caption=_KEY + ("\nout: matches forfeited" if forfeited else ""),
-        caption_justify="left",
+        caption=_KEY + ("\nforf.: matches forfeited" if forfeited else ""),
     )
-    shown.add_column("#", justify="right")
-    shown.add_column("agent", overflow="fold")
-    headings = ["grp", "played", "rating", "score", "wins", "cont."] + ["out"] * forfeited
-    for heading in headings:
-        shown.add_column(heading, justify="right", no_wrap=True)
+    for column in shown.columns:
+        column.justify = "left" if column.header == "agent" else "right"
     for line in table:
         cells = [
             str(line.place),
@@ -85,14 +107,16 @@ def standings_table(table: Sequence[Standing]) -> Table:
     return shown
 
 
-def plan_table(plan: Plan, entrants: Sequence[Entrant], cost: Cost, jobs: int) -> Table:
+def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: int) -> Table:
     """What would be played, and what it costs."""
     shown = Table(box=None, show_header=False, pad_edge=False)
     alone_s = plan.size * cost.seconds
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.words.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
+    most = plan.size
     if isinstance(plan, FixedPlan):
-        played, met = shares(plan, len(entrants))
+        played, met = shares(plan, len(worker.entrants))
+        most = played[1]
         shown.add_row("an agent plays", f"{_span(*played)} matches")
         shown.add_row("a pair meets in", f"{_span(*met)} matches")
     shared = f"{_duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
@@ -101,6 +125,17 @@ def plan_table(plan: Plan, entrants: Sequence[Entrant], cost: Cost, jobs: int) -
     if cost.replay:
         shown.add_row("replays", f"about {decimal(plan.size * cost.replay)}")
     shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
+    for name, forfeit in cost.forfeits.items():
+        shown.add_row("", f"{name} forfeited there: {forfeit}")
+    worst = delay(worker, most, max_forfeits)
+    if worst is not None:
+        once, all_s = _duration(worst.hanging_s), worst.matches * worst.hanging_s
+        then = ", then it is out" if worst.matches < most else ""
+        shown.add_row("an agent that hangs", f"may take {once} a match: {_duration(all_s)} for {worst.matches}{then}")
+        if worst.agents > 1:
+            shown.add_row(f"all {worst.agents} that could", f"{_duration(worst.agents * all_s)} with one process")
+        once, all_s = _duration(worst.slow_s), most * worst.slow_s
+        shown.add_row("a slow agent", f"may take {once} a match: {_duration(all_s)} for {most}, no forfeit")
     return shown
 
 

@@ -2,12 +2,15 @@
 
 import time
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
+from catch_arena.tournament.entrants import is_shipped
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
+from catch_arena.tournament.records.store import store_bytes
 
 _SAMPLE_S: Final = 2.0
 """How long matches are tried for, at least one."""
@@ -25,30 +28,63 @@ class Cost:
     """Bytes of its replay, 0 where none is made."""
     tried: int
     """How many matches were played for this, and not kept."""
+    forfeits: Mapping[str, str]
+    """How entrants failed in them, by name: the time of these matches is theirs too."""
 
 
-def store_bytes(seats: int) -> int:
-    """What a match takes in the store, about: scripts/measure_store.py."""
-    return 120 + 62 * seats
+@dataclass(frozen=True, slots=True)
+class Delay:
+    """The most time that agents in processes of their own may take, each by itself."""
+
+    agents: int
+    """How many could."""
+    hanging_s: float
+    """In a match of one that hangs: for its start, and for the step that it is given up in."""
+    slow_s: float
+    """In a match of one that is only just in time, always, and so does not forfeit."""
+    matches: int
+    """Of one that hangs in each, before it is out; all of its matches where it never is."""
+
+
+def delay(worker: Worker, matches: int, max_forfeits: int) -> Delay | None:
+    """What slow agents could cost at worst; None where nobody's time is limited.
+
+    Args: `matches`, the most that an entrant plays; `max_forfeits`, as of `runner.play_out`.
+    """
+    isolated = [entrant for entrant in worker.entrants if not is_shipped(entrant.spec)]
+    if worker.limits is None or not isolated:
+        return None
+    init_s, step_s, bank_s = worker.limits.init_s, worker.limits.step_ms / 1000.0, worker.limits.bank_s
+    in_blocks = -(-max_forfeits // worker.config.hunters) * worker.config.hunters
+    return Delay(
+        agents=len(isolated),
+        hanging_s=init_s + step_s + bank_s,
+        slow_s=init_s + worker.config.max_steps * step_s + bank_s,
+        matches=min(in_blocks, matches) if max_forfeits else matches,
+    )
 
 
 def measured(worker: Worker, plan: Plan) -> Cost:
     """What a match of this plan costs here: its first block is tried, and none of it kept. Raises: NoContest."""
     block = next(iter(plan.stage(0, ())))
     seconds, sizes = 0.0, []
+    forfeits: dict[str, str] = {}
     try:
         worker.play(block[:1])  # the first one loads and compiles
         for match in block:
             begin = time.perf_counter()
-            ((_, replay),) = worker.play([match])
+            ((played, replay),) = worker.play([match])
             seconds += time.perf_counter() - begin
             sizes.append(len(replay))
+            for place, forfeit in zip(match.seating, played.result.details, strict=True):
+                if forfeit is not None:
+                    forfeits.setdefault(worker.entrants[place].name, str(forfeit))
             if seconds > _SAMPLE_S:
                 break
     finally:
         worker.close()
     tried = len(sizes)
-    return Cost(seconds / tried, store_bytes(worker.config.hunters), sum(sizes) // tried, tried)
+    return Cost(seconds / tried, store_bytes(worker.config.hunters), sum(sizes) // tried, tried, forfeits)
 
 
 def shares(plan: FixedPlan, entrants: int) -> tuple[tuple[int, int], tuple[int, int]]:

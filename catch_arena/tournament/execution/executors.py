@@ -1,22 +1,19 @@
 """Where blocks are played: in this process, or in several on this machine. `on_ray` has a third place."""
 
 import os
-import signal
-from collections.abc import Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import active_children, get_context, parent_process
-from threading import Thread
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from queue import Empty, SimpleQueue
+from threading import Lock
 from types import TracebackType
-from typing import Final, Protocol, Self
+from typing import Protocol, Self
 
+from catch_arena.descendants import end
 from catch_arena.engine import Engine
-from catch_arena.errors import ConfigError, WorkerLost
+from catch_arena.errors import ConfigError, NoContest
+from catch_arena.tournament.execution.process import WorkerProcess
 from catch_arena.tournament.execution.worker import Outcome, Worker
 from catch_arena.tournament.plans.schedule import Match
-
-_GRACE_S: Final = 1.0
-"""How long workers may go on when a tournament is broken off, before they are ended."""
 
 
 class Executor(Protocol):
@@ -26,8 +23,8 @@ class Executor(Protocol):
     def ahead(self) -> int:
         """How many blocks it takes before the first must be waited for: enough that no worker is ever idle."""
 
-    def submit(self, matches: Sequence[Match]) -> Future[list[Outcome]]:
-        """Begin to play these matches."""
+    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
+        """Begin to play these matches, without those who are `out`: entrants by place, and why."""
 
     def outcome(self, future: Future[list[Outcome]]) -> list[Outcome]:
         """What came of it. Raises: WorkerLost where it should be played again."""
@@ -47,10 +44,10 @@ class InThisProcess:
     def __init__(self, worker: Worker) -> None:
         self._worker = worker
 
-    def submit(self, matches: Sequence[Match]) -> Future[list[Outcome]]:
+    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
         """Play them before it returns."""
         future: Future[list[Outcome]] = Future()
-        future.set_result(self._worker.play(matches))
+        future.set_result(self._worker.play(matches, out))
         return future
 
     def outcome(self, future: Future[list[Outcome]]) -> list[Outcome]:
@@ -67,39 +64,26 @@ class InThisProcess:
 
 
 class Processes:
-    """Several processes on this machine."""
+    """Several processes on this machine; a thread here waits for each."""
 
     def __init__(self, worker: Worker, jobs: int) -> None:
         require_jobs(jobs)
         self.ahead = 4 * jobs
-        self._worker, self._jobs = worker, jobs
-        self._under_way: set[Future[list[Outcome]]] = set()
-        self._others = set(active_children())
+        self._worker = worker
         Engine(worker.config)  # compiled once here, and read from the cache there
-        self._pool = self._new_pool()
+        self._threads = ThreadPoolExecutor(jobs, "catch-arena-worker")
+        self._lock = Lock()
+        self._processes: list[WorkerProcess] | None = []
+        """All that were started; None once no more may be."""
+        self._idle: SimpleQueue[WorkerProcess] = SimpleQueue()
 
-    def _new_pool(self) -> ProcessPoolExecutor:
-        # spawned, not forked: the rules may have started threads here
-        return ProcessPoolExecutor(self._jobs, mp_context=get_context("spawn"), initializer=_follow_the_parent)
-
-    def submit(self, matches: Sequence[Match]) -> Future[list[Outcome]]:
-        """Begin to play these matches, in new processes if one of the old ones has died."""
-        try:
-            future = self._pool.submit(self._worker.play, matches)
-        except BrokenProcessPool:
-            self._pool.shutdown()
-            self._pool = self._new_pool()
-            future = self._pool.submit(self._worker.play, matches)
-        self._under_way.add(future)
-        return future
+    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
+        """Begin to play these matches, when one of the processes is idle or can be started."""
+        return self._threads.submit(self._play, matches, out)
 
     def outcome(self, future: Future[list[Outcome]]) -> list[Outcome]:
         """What came of it."""
-        self._under_way.discard(future)
-        try:
-            return future.result()
-        except BrokenProcessPool:
-            raise WorkerLost("a worker process died") from None
+        return future.result()
 
     def __enter__(self) -> Self:
         return self
@@ -107,11 +91,32 @@ class Processes:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        running = [future for future in self._under_way if not future.cancel()]
-        if wait(running, timeout=_GRACE_S).not_done:
-            for process in set(active_children()) - self._others:
-                process.terminate()  # an agent may never return
-        self._pool.shutdown(cancel_futures=True)
+        with self._lock:
+            processes, self._processes = self._processes or [], None
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        if kind is not None:  # an agent may never return
+            end([process.pid for process in processes if process.lives])
+        self._threads.shutdown()
+        for process in processes:
+            process.let_go()
+        for process in processes:
+            process.wait()
+
+    def _play(self, matches: Sequence[Match], out: Mapping[int, str]) -> list[Outcome]:
+        try:
+            process = self._idle.get_nowait()
+        except Empty:
+            process = self._start()
+        outcomes = process.play(matches, out)
+        self._idle.put(process)
+        return outcomes
+
+    def _start(self) -> WorkerProcess:
+        with self._lock:
+            if self._processes is None:
+                raise NoContest("the matches were broken off")
+            self._processes.append(process := WorkerProcess(self._worker))
+        return process
 
 
 def usable_cores() -> int:
@@ -123,16 +128,3 @@ def require_jobs(jobs: int) -> None:
     """Raises: ConfigError for a number of processes that cannot play."""
     if jobs < 1:
         raise ConfigError(f"jobs must be at least 1, got {jobs}")
-
-
-def _follow_the_parent() -> None:
-    """Leave interrupts to the parent, and end when it has ended, however that was."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_end_with_the_parent, daemon=True).start()
-
-
-def _end_with_the_parent() -> None:
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)

@@ -2,8 +2,10 @@
 
 import os
 import platform
-from collections.abc import Sequence
+import signal
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 from functools import cache
 from types import TracebackType
 from typing import Any, Self
@@ -35,6 +37,7 @@ class OnRay:
             raise ConfigError("executor ray needs Ray: pip install 'catch-arena[ray]'") from None
         if address is None:
             Engine(worker.config)  # compiled once here, and read from the cache there
+        before = signal.getsignal(signal.SIGTERM)
         try:
             ray.init(
                 address=address or "local",
@@ -47,15 +50,18 @@ class OnRay:
             raise ConfigError(
                 f"address must be that of a running Ray cluster, got {address!r}: {reason(error)}"
             ) from None
+        finally:
+            with suppress(ValueError):  # Ray has put a handler of its own there, unless this is not the main thread
+                signal.signal(signal.SIGTERM, before)
         self._ray = ray
         self.ahead = 4 * int(ray.cluster_resources().get("CPU", 1))
         self._worker = ray.put(worker)
         self._versions = tuple(versions().items())
         self._task = ray.remote(max_retries=0)(_play)  # what is lost is counted and played again by the runner
 
-    def submit(self, matches: Sequence[Match]) -> Future[list[Outcome]]:
+    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
         """Begin to play these matches."""
-        future: Future[list[Outcome]] = self._task.remote(self._worker, matches, self._versions).future()
+        future: Future[list[Outcome]] = self._task.remote(self._worker, matches, out, self._versions).future()
         return future
 
     def outcome(self, future: Future[Any]) -> list[Outcome]:
@@ -80,12 +86,12 @@ class OnRay:
 
 
 def _play(
-    worker: Worker, matches: Sequence[Match], expected: tuple[tuple[str, str], ...]
+    worker: Worker, matches: Sequence[Match], out: Mapping[int, str], expected: tuple[tuple[str, str], ...]
 ) -> list[Outcome] | CatchArenaError:
     """The outcomes, or our error as a value: Ray would wrap one that is raised in its own."""
     try:
         require_same(worker, expected)
-        return worker.play(matches)
+        return worker.play(matches, out)
     except CatchArenaError as error:
         return error
 

@@ -1,28 +1,26 @@
 """Plays a plan, and keeps every match as it ends; what comes out does not depend on where it is played."""
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from collections.abc import Callable, Sequence
 from itertools import count
 from pathlib import Path
 from typing import Final
 
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import WorkerLost
 from catch_arena.replay import write_whole
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.executors import Executor, InThisProcess, Processes
+from catch_arena.tournament.execution.stage import play_stage
+from catch_arena.tournament.execution.streaks import Streaks
 from catch_arena.tournament.execution.worker import Outcome, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.plans.schedule import Block, Match, Plan, Played, listed
+from catch_arena.tournament.plans.schedule import Match, Plan, Played, listed
 from catch_arena.tournament.records.logs import Logs
+from catch_arena.tournament.records.results import prepare_folder
 from catch_arena.tournament.records.store import Store, Tournament
 
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
 """In the tournament's folder."""
-_MOST_TRIES: Final = 3
-"""How often a block is played before the loss of its worker is told."""
 
 
 def run(
@@ -32,13 +30,15 @@ def run(
     *,
     jobs: int = 1,
     limits: AgentLimits | None = None,
+    max_forfeits: int = 0,
     record: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Played]:
     """Play every match, without a store on disk; the results come in the order of the plan.
 
     Args: `jobs`, how many processes play, 1 for this one alone; `limits`, those of isolated agents, None where all are
-    trusted; `record`, a tournament's folder, for replays and logs; `progress`, called with (played, in all).
+    trusted; `max_forfeits`, as of `play_out`; `record`, a tournament's folder, for replays and logs; `progress`, called
+    with (played, in all).
     Raises: as `play_out`.
     """
     plan = listed(matches) if isinstance(matches, Sequence) else matches
@@ -55,7 +55,7 @@ def run(
         Store.begin(Tournament(config, tuple(entrants), plan.words)) as store,
         InThisProcess(worker) if jobs == 1 else Processes(worker, jobs) as executor,
     ):
-        play_out(store, plan, executor, folder=record, told=told)
+        play_out(store, plan, executor, max_forfeits=max_forfeits, folder=record, told=told)
         return list(store.played())
 
 
@@ -64,35 +64,37 @@ def play_out(
     plan: Plan,
     executor: Executor,
     *,
+    max_forfeits: int = 0,
     folder: Path | None = None,
     told: Callable[[Sequence[Played]], None] | None = None,
 ) -> None:
     """Play what is not in the store yet, stage by stage, until the plan has no further.
 
-    A stage is written to the store before it is played, and each match when its block has ended. Whatever breaks it
-    off, the same call goes on where it was.
+    A stage is written to the store before it is played, and each block when it and those before it have ended. Whatever
+    breaks it off, the same call goes on where it was.
 
-    Args: `folder`, in which agents' logs are kept, and replays where the executor's worker makes them; `told`, called
-    with what was played before, and then with the matches of each block.
-    Raises: NoContest for a match that could not be held, or whose worker was lost, time and again; AgentError for an
-    agent that another machine has not; OutputError and StoreError for what cannot be written. No process is left
-    behind.
+    Args: `max_forfeits`, after how many forfeits in a row an entrant is out, 0 for never; `folder`, in which agents'
+    logs are kept, and replays where the executor's worker makes them; `told`, called with what was played before, and
+    then with the matches of each block.
+    Raises: ConfigError; NoContest for a match that could not be held, or whose worker was lost, time and again;
+    AgentError for an agent that another machine has not; OutputError and StoreError for what cannot be written. No
+    process is left behind.
     """
     logs = None if folder is None else Logs(folder / LOGS, store.tournament.entrants)
+    streaks = Streaks(max_forfeits)
 
-    def keep(outcomes: Iterable[Outcome]) -> None:
-        played = []
+    def keep(outcomes: Sequence[Outcome]) -> None:
         for one, replay in outcomes:  # files first, so that what is kept has them
             if folder is not None and replay:
-                (folder / REPLAYS).mkdir(exist_ok=True)
-                write_whole(folder / REPLAYS / f"{one.match.id}.replay", replay)
+                write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
             if logs is not None:
                 logs.add(one)
-            store.keep(one)
-            played.append(one)
+        played = [one for one, _ in outcomes]
+        store.keep(played)
         if told is not None:
             told(played)
 
+    streaks.add(store.played())
     if told is not None:
         told(list(store.played()))
     planned = 0
@@ -101,36 +103,4 @@ def play_out(
         if not stage:
             return
         planned += stage
-        _play_stage(store.waiting(), executor, keep)
-
-
-def _play_stage(blocks: Iterable[Block], executor: Executor, keep: Callable[[Iterable[Outcome]], None]) -> None:
-    """Play these blocks, a few ahead of the workers: they are not held in memory all at once."""
-    tries: Counter[Block] = Counter()
-    under_way: dict[Future[list[Outcome]], Block] = {}
-
-    def submit(block: Block) -> None:
-        under_way[executor.submit(block)] = block
-
-    waiting = iter(blocks)
-    while True:
-        while len(under_way) < executor.ahead and (block := next(waiting, None)):
-            submit(block)
-        if not under_way:
-            return
-        done = wait(under_way, return_when=FIRST_COMPLETED).done
-        for future in [future for future in under_way if future in done]:  # in order: the first failure is told
-            block = under_way.pop(future)
-            try:
-                outcomes = executor.outcome(future)
-            except WorkerLost as error:
-                tries[block] += 1
-                if tries[block] == _MOST_TRIES:
-                    raise WorkerLost(
-                        f"{error}, {_MOST_TRIES} times, while the block of match {block[0].id} was played: "
-                        "a trusted agent may have ended it, or the memory ran out; --jobs 1 shows where"
-                    ) from None
-                submit(block)
-            else:
-                tries.pop(block, None)
-                keep(outcomes)
+        play_stage(store.waiting(), executor, streaks, keep)

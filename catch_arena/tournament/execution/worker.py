@@ -1,11 +1,11 @@
 """What plays the matches of a block, in whatever process."""
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from io import BytesIO
+from types import MappingProxyType
 from typing import Final
 
 from catch_arena.config import ArenaConfig
@@ -38,10 +38,15 @@ class Worker:
         """Where its agents are isolated: one for each process, which waits there for the next match."""
         return None if self.limits is None else _sandbox(self.limits)
 
-    def play(self, matches: Iterable[Match]) -> list[Outcome]:
-        """One match after the other. Raises: NoContest for one that could not be held, time and again."""
+    def play(self, matches: Iterable[Match], out: Mapping[int, str] = MappingProxyType({})) -> list[Outcome]:
+        """One match after the other.
+
+        Args: `out`, the places of entrants that are not started, and why.
+        Raises: NoContest for a match that could not be held, time and again.
+        """
         return [
-            self._recorded(match) if self.record else (Played(match, self._result(match)), b"") for match in matches
+            self._recorded(match, out) if self.record else (Played(match, self._result(match, out)), b"")
+            for match in matches
         ]
 
     def close(self) -> None:
@@ -49,20 +54,20 @@ class Worker:
         if self.sandbox is not None:
             self.sandbox.close()
 
-    def _recorded(self, match: Match) -> Outcome:
-        with TemporaryDirectory(prefix="catch-arena-") as folder:
-            path = Path(folder) / "replay"
-            result = self._result(match, path)
-            content = path.read_bytes()
+    def _recorded(self, match: Match, out: Mapping[int, str]) -> Outcome:
+        replay = BytesIO()
+        result = self._result(match, out, replay)
+        content = replay.getvalue()
         return Played(match, result, hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest()), content
 
-    def _result(self, match: Match, record: Path | None = None) -> MatchResult:
+    def _result(self, match: Match, out: Mapping[int, str], record: BytesIO | None = None) -> MatchResult:
         players = [self.entrants[place] for place in match.seating]
         return play_entrants(
             self.config,
             match.seed,
             players,
             self.sandbox,
+            out={seat: out[place] for seat, place in enumerate(match.seating) if place in out},
             places=match.seating,
             title=f"match {match.id}",
             record=record,

@@ -27,7 +27,7 @@ class Finding:
 
 
 def check(word: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox) -> Iterator[Finding]:
-    """Play the agent against itself, in every seat of each arena, and twice in the first.
+    """Play the agent against itself, in every seat of each arena, and twice in the first that nobody forfeits.
 
     Raises: AgentError where the word stands for no agent; NoContest.
     """
@@ -43,15 +43,19 @@ def check(word: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sand
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
         return
     yield Finding("ok", f"control {entrant.control}, digest {entrant.digest}")
-    first: list[bytes] = []
+    whole: dict[str, list[bytes]] = {}
     told: set[tuple[str, str]] = set()
     for name, config in arenas.items():
         digests: list[bytes] = []
         copies = enter([word] * config.hunters, look)
         result = play_entrants(config, seed, copies, sandbox, watch=lambda env, told=digests: told.append(env.digest()))
         yield from _findings(name, config, result, sandbox.limits.step_ms, told)
-        first = first or digests
-    name, config = next(iter(arenas.items()))
+        if not any(result.forfeits):
+            whole[name] = digests
+    if not whole:  # where and why it forfeited is what there is to say
+        return
+    name, first = next(iter(whole.items()))
+    config = arenas[name]
     again: list[bytes] = []
     copies = enter([word] * config.hunters, look)
     play_entrants(config, seed, copies, sandbox, watch=lambda env: again.append(env.digest()))

@@ -18,10 +18,10 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, suggest
 from catch_arena.scenarios import scenario
 from catch_arena.seeding import checked_seed
-from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.entrants import NOT_INSTALLED, Entrant
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.seating import play_entrants
-from catch_arena.tournament.match import MatchResult
+from catch_arena.tournament.match import Forfeit, MatchResult
 
 _OFTEN: Final = 0.1
 """The part of an agent's requests that a verdict must have for its hint."""
@@ -38,10 +38,14 @@ _HINTS: Final[Mapping[str, str]] = {
     "KILL_FAILED": "R5.7: the simulator refuses a kill at times in this arena: ask again in the next step",
     "no request": "R4.1, R4.4: it never asked for a target: drive closer than view.limits.reach_m to one",
     "FORFEIT_CRASH": "R7.2: view.targets and view.rivals may be empty",
-    "FORFEIT_TIMEOUT": "R1.3: the arena waits for no agent: catch-arena check-agent shows how long its steps take",
+    "FORFEIT_TIMEOUT": "docs/isolation.md#limits: an action has step_ms, and all actions of a match together have "
+    "bank_s more: catch-arena check-agent shows how long its steps take",
     "FORFEIT_ILLEGAL": "R4.1, R4.4: docs/agents.md has the actions of each control; catch-arena check-agent shows "
     "the view that it failed on",
-    "FORFEIT_INIT": "docs/agents.md: a class Agent with reset(self, seed) and act(self, view)",
+    "FORFEIT_INIT": "docs/agents.md: a class Agent with reset(self, seed) and act(self, view): catch-arena check-agent "
+    "shows where it fails",
+    "not installed": "docs/agents.md#what-it-may-import: Python's own modules, NumPy, and what else is installed where "
+    "it plays; it needs no ROS",
 }
 """What to read, by what happened."""
 
@@ -82,7 +86,7 @@ class Spec:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """What one test gave."""
+    """What one test gave; all figures are of the matches that were played."""
 
     test: str
     points: float
@@ -136,22 +140,33 @@ def read_spec(path: Path) -> Spec:
     return Spec(title, tests)
 
 
-def mark(test: Test, student: Entrant, opponents: Sequence[Entrant], sandbox: Sandbox | None) -> Mark:
-    """Play a test's matches, the student in each seat in turn. Raises: NoContest."""
+def mark(
+    test: Test, student: Entrant, opponents: Sequence[Entrant], sandbox: Sandbox | None, max_forfeits: int = 0
+) -> Mark:
+    """Play a test's matches, the student in each seat in turn.
+
+    Args: `max_forfeits`, after how many in a row the rest is not played, 0 for never. Raises: NoContest.
+    """
     config = test.config
     others = list(islice(cycle(opponents), config.hunters - 1)) if opponents else []
     others = [Entrant(f"{one.name} {seat}", one.spec, one.control, one.digest) for seat, one in enumerate(others, 1)]
     played: list[tuple[int, MatchResult]] = []
+    forfeited = 0
     for index, seed in enumerate(test.seeds):
         seat = index % config.hunters
         seating = [*others[:seat], student, *others[seat:]]
-        played.append((seat, play_entrants(config, seed, seating, sandbox)))
-    return _mark(test, played)
+        result = play_entrants(config, seed, seating, sandbox)
+        played.append((seat, result))
+        forfeited = 0 if result.forfeits[seat] is None else forfeited + 1
+        if max_forfeits and forfeited == max_forfeits:
+            break
+    return _mark(test, played, max_forfeits)
 
 
-def _mark(test: Test, played: Sequence[tuple[int, MatchResult]]) -> Mark:
+def _mark(test: Test, played: Sequence[tuple[int, MatchResult]], max_forfeits: int) -> Mark:
     verdicts: Counter[str] = Counter()
     reasons: dict[str, str] = {}
+    causes: list[str] = []
     score = wins = 0.0
     log = ""
     for seat, result in played:
@@ -163,17 +178,20 @@ def _mark(test: Test, played: Sequence[tuple[int, MatchResult]]) -> Mark:
         elif forfeit.code not in reasons:
             reasons[forfeit.code] = str(forfeit)
             log = log or result.logs[seat][-_LOG_SHOWN:]
+            causes.append("not installed" if _misses_a_module(forfeit) else forfeit.code)
     count = len(played)
     refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
     measured = {"mean_score": score / count, "win_share": wins / count, "mean_refused": refused / count}
     failures = list(reasons.values())
+    if count < len(test.seeds):
+        left = len(test.seeds) - count
+        failures.append(f"FORFEIT_OUT: it had forfeited {max_forfeits} matches in a row; {left} more were not played")
     for name, value in measured.items():
         least, most = getattr(test, f"min_{name}", None), getattr(test, f"max_{name}", None)
         if least is not None and value < least:
             failures.append(f"{name} must be at least {least:g}, got {value:.4g}")
         if most is not None and value > most:
             failures.append(f"{name} must be at most {most:g}, got {value:.4g}")
-    causes = [*reasons]
     if failures:
         often = [name for name, times in verdicts.items() if times > _OFTEN * verdicts.total()]
         causes += [name for name in often if name != "GRANTED"]
@@ -189,6 +207,10 @@ def _mark(test: Test, played: Sequence[tuple[int, MatchResult]]) -> Mark:
         hints=tuple(_HINTS[cause] for cause in causes if cause in _HINTS),
         log=log,
     )
+
+
+def _misses_a_module(forfeit: Forfeit) -> bool:
+    return NOT_INSTALLED in forfeit.reason or ModuleNotFoundError.__name__ in forfeit.reason
 
 
 def json_text(spec: Spec, student: Entrant, marks: Sequence[Mark]) -> str:
@@ -257,7 +279,9 @@ def _test(place: str, table: Any, seeds: tuple[int, ...], folder: Path) -> Test:
     except ConfigError as error:
         raise ConfigError(f"{place}: {error}") from None
     if config.hunters > 1 and not opponents:
-        raise ConfigError(f"{place}.opponents must name at least one agent for {config.hunters - 1} seats, got none")
+        empty = config.hunters - 1
+        seats = "1 seat is" if empty == 1 else f"{empty} seats are"
+        raise ConfigError(f'{place} needs opponents: {seats} empty; name agents, as in opponents = ["nearest"]')
     return test
 
 

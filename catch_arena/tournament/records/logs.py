@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from catch_arena.errors import OutputError
+from catch_arena.replay import unwritable
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.plans.schedule import Played
 
@@ -35,4 +35,4 @@ class Logs:
                 if file.tell() < MOST_BYTES:
                     file.write(text.encode() + (b"" if text.endswith("\n") else b"\n"))
         except OSError as error:
-            raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
+            raise unwritable(path, error, len(text)) from None

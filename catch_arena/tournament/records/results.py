@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.config import RULESET
-from catch_arena.errors import OutputError
-from catch_arena.replay import write_whole
+from catch_arena.replay import unwritable, write_whole
 from catch_arena.tournament.records.store import Tournament
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
@@ -33,7 +32,7 @@ def prepare_folder(folder: Path) -> Path:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise OutputError(f"{folder}: cannot be written to: {error.strerror or error}") from None
+        raise unwritable(folder, error) from None
     return folder
 
 

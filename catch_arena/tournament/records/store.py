@@ -1,6 +1,6 @@
 """A tournament's matches, planned and played, in one SQLite file: what is in it outlives whatever happens to us.
 
-Each match is a transaction of its own, in write-ahead mode: a process that is killed loses the matches under way, and
+Each block is a transaction of its own, in write-ahead mode: a process that is killed loses the matches under way, and
 none that was kept. Keeping a match twice changes nothing.
 """
 
@@ -8,7 +8,7 @@ import dataclasses
 import json
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
@@ -17,6 +17,7 @@ from typing import Any, Final, Self
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import StoreError
+from catch_arena.replay import room
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Forfeit, MatchResult, Thinking
 from catch_arena.tournament.plans.schedule import Block, Match, Played
@@ -29,6 +30,8 @@ _PAGE: Final = 1000
 """How many matches that wait are read at once."""
 _PATIENCE_S: Final = 60.0
 """How long another process may hold the file."""
+_NO_ROOM: Final = ("SQLITE_FULL", "SQLITE_IOERR")
+"""What SQLite says on a full disk: it has more than one kind of file there."""
 _TABLES: Final = """
 CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE versions (id INTEGER PRIMARY KEY, value TEXT NOT NULL UNIQUE);
@@ -130,17 +133,21 @@ class Store:
                 count += 1
         return count
 
-    def keep(self, one: Played) -> None:
-        """Write a match that was played; one that was kept before must have come out alike."""
+    def keep(self, block: Iterable[Played]) -> None:
+        """Write matches that were played, all or none; one that was kept before must have come out alike."""
+        with self._transaction():
+            for one in block:
+                self._keep(one)
+
+    def _keep(self, one: Played) -> None:
         result = one.result
         parts = {name: getattr(result, name) for name in _RESULTS}
         parts["thinking"] = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in result.thinking]
         parts["details"] = [one and (one.code, one.step, one.reason) for one in result.details]
         row = (one.match.id, self._versions, one.replay, *map(_json, parts.values()))
-        with self._refusals():
-            if self._db.execute(_KEEP, row).rowcount:
-                return
-            kept = _played(self._db.execute(f"{_PLAYED} WHERE id = ?", (one.match.id,)).fetchone())
+        if self._db.execute(_KEEP, row).rowcount:
+            return
+        kept = _played(self._db.execute(f"{_PLAYED} WHERE id = ?", (one.match.id,)).fetchone())
         if kept != one:
             raise StoreError(
                 f"{self._name}: match {one.match.id} came out with scores {kept.result.scores} and digest "
@@ -267,17 +274,40 @@ class Store:
             self._db.execute("BEGIN IMMEDIATE")
             try:
                 yield self._db
+                self._db.execute("COMMIT")
             except BaseException:
-                self._db.execute("ROLLBACK")
+                if self._db.in_transaction:  # on a full disk SQLite may have rolled back itself
+                    self._db.execute("ROLLBACK")
                 raise
-            self._db.execute("COMMIT")
 
     @contextmanager
     def _refusals(self) -> Iterator[None]:
         try:
             yield
         except sqlite3.Error as error:
-            raise StoreError(f"{self._name}: cannot be used: {error}") from None
+            raise StoreError(f"{self._name}: {self._why(error)}") from None
+
+    def _why(self, error: sqlite3.Error) -> str:
+        """What SQLite says; where it cannot write, with the room that there is, and what the rest needs."""
+        name = getattr(error, "sqlite_errorname", "")
+        if self.path is None or not name.startswith(_NO_ROOM):
+            return f"cannot be used: {error}"
+        return f"cannot be written: {error}: {room(self.path.parent, self._still_needed())}"
+
+    def _still_needed(self) -> int | None:
+        """Bytes for the matches that wait, about; None where the plan is not written either."""
+        with suppress(sqlite3.Error):
+            (count,) = self._db.execute(
+                "SELECT count(*) FROM match LEFT JOIN result ON match = id WHERE result.match IS NULL"
+            ).fetchone()
+            for (seating,) in self._db.execute("SELECT seating FROM match LIMIT 1"):
+                return int(count) * store_bytes(len(json.loads(seating)))
+        return None
+
+
+def store_bytes(seats: int) -> int:
+    """What a match takes in the store, about: scripts/measure_store.py."""
+    return 120 + 62 * seats
 
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:

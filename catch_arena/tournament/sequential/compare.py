@@ -1,5 +1,6 @@
 """Is agent A stronger than agent B? Blocks are played until a sequential test knows."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, islice
@@ -85,6 +86,8 @@ class Comparison:
     share: Estimate
     """What A got of B. As the test stops at an extreme, it lies on average somewhat beyond the truth."""
     log_likelihood_ratio: float
+    forfeits: Mapping[str, Mapping[str, int]]
+    """Of those who did: by name, how many matches they forfeited, by code."""
 
 
 class _UntilAnswered:
@@ -129,6 +132,7 @@ def compare(
     seed: int = 0,
     jobs: int = 1,
     limits: AgentLimits | None = None,
+    max_forfeits: int = 0,
     progress: Callable[[int, Sprt], None] | None = None,
 ) -> Comparison:
     """Play until `test` has an answer, or `max_blocks` blocks.
@@ -136,13 +140,18 @@ def compare(
     The blocks are given to the test in the order of the plan, so the answer does not depend on `jobs`.
 
     Args: `entrants`, the two to compare, then their field; `limits`, those of isolated agents, None where all are
-    trusted; `progress`, called with (blocks, test) after each batch.
+    trusted; `max_forfeits`, as of `runner.play_out`; `progress`, called with (blocks, test) after each batch.
     Raises: ConfigError; NoContest.
     """
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
     plan = _UntilAnswered(Seats(config.hunters, len(entrants) - _FIELD), test, max_blocks, seed, progress)
-    run(config, entrants, plan, jobs=jobs, limits=limits)
+    played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits)
+    forfeits: dict[str, Counter[str]] = {}
+    for one in played:
+        for place, code in zip(one.match.seating, one.result.forfeits, strict=True):
+            if code is not None:
+                forfeits.setdefault(entrants[place].name, Counter())[code] += 1
     column = np.array(plan.outcomes)[:, None]
     (share,) = shares(column, np.ones_like(column))
-    return Comparison(test.answer, len(plan.outcomes), plan.matches, share, test.log_likelihood_ratio)
+    return Comparison(test.answer, len(plan.outcomes), plan.matches, share, test.log_likelihood_ratio, forfeits)

@@ -24,8 +24,10 @@ def test_a_terminal_is_shown_the_standings_and_how_far_it_is():
     assert "8/8" in shown.getvalue()
 
 
-def test_a_file_is_shown_nothing():
-    entrants, shown = enter(["nearest", "idle"]), io.StringIO()
-    with LiveStandings(entrants, 2, console=Console(file=shown)) as live:
-        live.update(run(scenario("duel", time_limit_s=3), entrants, round_robin(2, 2, 1, 0)))
-    assert not shown.getvalue()
+def test_a_file_is_told_every_ten_seconds_how_far_it_is():
+    entrants, plan, told, now = enter(["nearest", "idle"]), round_robin(2, 2, 4, 0), io.StringIO(), [0.0]
+    played = run(scenario("duel", time_limit_s=3), entrants, plan)
+    with LiveStandings(entrants, len(plan), console=Console(file=told), clock=lambda: now[0]) as live:
+        for one, now[0] in zip(played, (1.0, 11.0, 12.0, 20.0, 21.0, 30.0, 40.0, 41.0), strict=True):
+            live.update([one])
+    assert told.getvalue().splitlines() == ["playing: 2 of 8, 11 s", "playing: 5 of 8, 21 s", "playing: 7 of 8, 40 s"]

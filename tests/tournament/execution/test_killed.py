@@ -2,6 +2,7 @@
 
 import hashlib
 import random
+import shutil
 import subprocess
 import sys
 import time
@@ -13,8 +14,20 @@ from catch_arena.tournament.records.export import export
 from catch_arena.tournament.records.store import STORE, Store
 
 KILLS = 20
-AGENTS = ["nearest", "random", "contested"]
-WORDS = [*AGENTS, "--scenario", "duel", "--set", "time_limit_s=3", "--rounds", "40", "--record", "--resume"]
+AGENTS = ["nearest", "random", "contested", "crashes.py"]
+"""The last one is out after ten matches, which no resumption may forget."""
+WORDS = [
+    *AGENTS,
+    "--scenario",
+    "duel",
+    "--set",
+    "time_limit_s=3",
+    "--rounds",
+    "20",
+    "--record",
+    "--resume",
+    "--trusted",
+]
 MATCHES = 240
 SERVER = """
 import os, signal, sys, time
@@ -95,10 +108,12 @@ def kept(folder: Path) -> int:
 
 
 def test_killed_at_twenty_random_moments_it_ends_as_if_undisturbed(server, tmp_path):
+    shutil.copy(Path(__file__).parents[1] / "isolation" / "bad" / "crashes.py", tmp_path)
     code, cpu_s = server.play("undisturbed")
     assert code == 0
     expected = exported(tmp_path / "undisturbed")
     assert expected.count(b"\n") == MATCHES
+    assert expected.count(b"FORFEIT_OUT") == MATCHES / 2 - 10
 
     moments = random.Random(20)
     kills, midway, ended = 0, 0, 0
@@ -126,7 +141,7 @@ def test_the_processes_of_a_killed_tournament_end_too(tmp_path):
     def told() -> set[Path]:
         return {Path("/proc", path.stem) for path in tmp_path.glob("*.pid")}
 
-    command = [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament", "tells.py", "idle"]
+    command = [sys.executable, "-m", "catch_arena", "tournament", "tells.py", "idle"]
     process = subprocess.Popen(
         [*command, "--scenario", "duel", "--rounds", "5000", "--jobs", "2", "--out", "o"],
         cwd=tmp_path,

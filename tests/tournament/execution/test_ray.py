@@ -1,7 +1,9 @@
 """Matches played by a Ray of two workers come out as those played here."""
 
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from tournament.agents import dies_once
@@ -17,12 +19,13 @@ from catch_arena.tournament.records.export import export
 from catch_arena.tournament.records.store import Store
 from catch_arena.tournament.records.versions import versions
 
-WORDS = ["nearest", "random", "--scenario", "duel", "--set", "time_limit_s=3", "--rounds", "4", "--record", "--trusted"]
+WORDS = ["nearest", "crashes.py", "--scenario", "duel", "--set", "time_limit_s=3", "--rounds", "4", "--record"]
+WORDS += ["--trusted", "--max-forfeits", "3"]
 
 
 def played(folder, name: str, *words: str):
     """The exit code and the errors of a tournament in a process of its own, as Ray starts threads that stay."""
-    command = [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament", "dies_once.py", *WORDS]
+    command = [sys.executable, "-m", "catch_arena", "tournament", "dies_once.py", *WORDS]
     words = (*command, "--out", name, *words)
     return subprocess.run(words, check=False, cwd=folder, capture_output=True, text=True, timeout=300)
 
@@ -33,8 +36,10 @@ def exported(folder) -> bytes:
     return (folder / "matches.jsonl").read_bytes()
 
 
+@pytest.mark.extras
 def test_two_workers_of_which_one_is_killed_play_as_this_process_does(tmp_path, monkeypatch):
     dies_once(tmp_path)
+    shutil.copy(Path(__file__).parents[1] / "isolation" / "bad" / "crashes.py", tmp_path)
     on_ray = played(tmp_path, "ray", "--executor", "ray", "--jobs", "2")
     assert on_ray.returncode == 0, on_ray.stderr
     assert (tmp_path / "died").exists()
@@ -42,6 +47,7 @@ def test_two_workers_of_which_one_is_killed_play_as_this_process_does(tmp_path, 
     here = CliRunner().invoke(main, ["tournament", "dies_once.py", *WORDS, "--out", "here", "--jobs", "1"])
     assert here.exit_code == 0, here.output
     assert exported(tmp_path / "ray") == exported(tmp_path / "here")
+    assert exported(tmp_path / "here").count(b"FORFEIT_OUT") == 12
     replays = [
         {path.name: path.read_bytes() for path in (tmp_path / name / "replays").iterdir()} for name in ("ray", "here")
     ]

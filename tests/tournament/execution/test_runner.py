@@ -1,13 +1,14 @@
 """Playing a plan: the number of processes changes nothing, and failures leave nothing behind."""
 
 import json
-import multiprocessing
+import os
 from typing import ClassVar
 
 import pytest
 from tournament.agents import dies_once
 
 from catch_arena import Replay, scenario
+from catch_arena.descendants import family
 from catch_arena.errors import ConfigError, NoContest, OutputError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, run
@@ -58,6 +59,7 @@ def test_a_failing_agent_spoils_its_own_matches_only_and_no_process_stays(tmp_pa
     bad = tmp_path / "bad.py"
     bad.write_text("class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return -1\n")
     entrants = enter([str(bad), "nearest", "idle"])
+    before = family(os.getpid())
     played = run(SHORT, entrants, round_robin(3, 2, 2, seed=0), jobs=jobs, record=tmp_path)
     assert len(played) == 12
     for one in played:
@@ -65,15 +67,16 @@ def test_a_failing_agent_spoils_its_own_matches_only_and_no_process_stays(tmp_pa
         assert list(one.result.forfeits) == codes
     assert [path.name for path in (tmp_path / LOGS).iterdir()] == ["bad.log"]
     assert (tmp_path / LOGS / "bad.log").read_text().count("FORFEIT_ILLEGAL in step 1: an action must be") == 8
-    assert not multiprocessing.active_children()
+    assert family(os.getpid()) == before
 
 
 def test_a_worker_that_dies_every_time_is_told_with_its_match(tmp_path):
     bad = tmp_path / "bad.py"
     bad.write_text("import os\nclass Agent:\n    def reset(self, seed): pass\n    def act(self, view): os._exit(1)\n")
+    before = family(os.getpid())
     with pytest.raises(NoContest, match="a worker process died, 3 times, while the block of match r00001-g000001"):
         run(SHORT, enter([str(bad), "nearest"]), round_robin(2, 2, 1, seed=0), jobs=2)
-    assert not multiprocessing.active_children()
+    assert family(os.getpid()) == before
 
 
 def test_a_match_whose_worker_was_killed_is_played_again(tmp_path):
@@ -125,7 +128,7 @@ def test_no_process_is_no_way_to_play():
 
 def test_a_folder_that_cannot_be_is_refused_before_play(tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(OutputError, match="cannot be written to: Not a directory"):
+    with pytest.raises(OutputError, match="cannot be written: Not a directory"):
         prepare_folder(tmp_path / "file" / "results")
 
 

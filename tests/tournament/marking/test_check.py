@@ -39,7 +39,7 @@ def test_a_good_agent_is_fit_in_every_scenario(check):
     ("source", "words"),
     [
         ("class Agnet: pass\n", ["cannot begin: ", "has no class Agent; did you mean Agnet"]),
-        ("import nothing_of_this_name\n", ["importing it raised ModuleNotFoundError", "| ModuleNotFoundError"]),
+        ("import rclpy.node\n", ["it imports rclpy, which is not installed here", "| ModuleNotFoundError"]),
         (HEAD.replace("self, view", "self") + "return 0\n", ["Agent.act must take one argument: def act(self, view)"]),
         (HEAD + "return 99\n", ["FORFEIT_ILLEGAL in step 1: an action must be", "it saw: targets 1: ", "mask [1, 1, "]),
         (HEAD + "return view.targets[40].rank\n", ["FORFEIT_CRASH in step 1: act raised IndexError", "| IndexError:"]),
@@ -51,6 +51,15 @@ def test_what_would_forfeit_is_explained_and_the_exit_code_is_1(check, source, w
     for word in words:
         assert word in result.output, result.output
     assert "fit to play" not in result.output
+    assert "plays the same match again" not in result.output
+
+
+def test_one_that_fails_in_one_scenario_is_played_again_in_another(check):
+    """Where it does not: a match that a crash cut short says little."""
+    words = ["-s", "standard", "-s", "duel", "--set", "time_limit_s=3"]
+    result = check(HEAD + "return 99 if len(view.rivals) > 1 else 0\n", *words)
+    assert "standard: FORFEIT_ILLEGAL" in result.output
+    assert "duel: plays the same match again" in result.output
 
 
 def test_one_that_fails_without_a_target_is_shown_that_it_saw_none(check):

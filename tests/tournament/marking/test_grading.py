@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.marking.grading import read_spec
+from catch_arena.tournament.marking.grading import _HINTS, read_spec
 
 BAD = Path(__file__).parents[1] / "isolation" / "bad"
 DOCS = Path(__file__).parents[3] / "docs" / "grading.md"
@@ -83,6 +83,51 @@ def test_a_bad_agent_has_none_and_is_told_why_and_what_to_read(grade):
     assert {one.get("name"): one.get("value") for one in suite.iter("property")} == {"points": "0", "possible": "3"}
 
 
+def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(grade):
+    spec = SPEC.replace("[90210, 90211]", "[1, 2, 3, 4, 5]")
+    result = grade(BAD / "crashes.py", "--max-forfeits", "3", "--json", "marks.json", spec=spec)
+    assert result.output.count("FORFEIT_OUT: it had forfeited 3 matches in a row; 2 more were not played") == 2
+    assert [test["matches"] for test in json.loads(Path("marks.json").read_text())["tests"]] == [3, 3]
+    assert "FORFEIT_OUT" not in grade(BAD / "crashes.py", "--max-forfeits", "0", spec=spec).output
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (
+            "import rclpy\nclass Agent: pass\n",
+            ["it imports rclpy, which is not installed here", "hint: docs/agents.md#what-it-may-import: "],
+        ),
+        (
+            "class Agent:\n    def reset(self, seed): import rclpy\n    def act(self, view): return 0\n",
+            ["reset raised ModuleNotFoundError: No module named 'rclpy'", "hint: docs/agents.md#what-it-may-import: "],
+        ),
+        (
+            "import time\nclass Agent:\n    def reset(self, seed): pass\n    def act(self, view): time.sleep(60)\n",
+            [
+                "act took longer than step_ms (30 ms) and what was left of bank_s (0.2 s)",
+                "hint: docs/isolation.md#limits: an action has step_ms",
+            ],
+        ),
+    ],
+)
+def test_the_hint_fits_what_went_wrong(grade, tmp_path, source, words):
+    (tmp_path / "mine.py").write_text(source)
+    result = grade("mine.py", "--limit", "step_ms=30", "--limit", "bank_s=0.2")
+    for word in words:
+        assert word in result.output, result.output
+    assert "class Agent" not in result.output
+    assert "R1.3" not in result.output
+
+
+def test_what_hints_point_at_is_there():
+    """Pages, and headings in them."""
+    for page, heading in re.findall(r"docs/(\w+\.md)(?:#([\w-]+))?", " ".join(_HINTS.values())):
+        text = (DOCS.parent / page).read_text()
+        headings = [line.lstrip("# ").lower().replace(" ", "-") for line in text.splitlines() if line.startswith("#")]
+        assert not heading or heading in headings
+
+
 def test_one_that_cannot_begin_fails_every_test(grade, tmp_path):
     (tmp_path / "mine.py").write_text("class Agent\n")
     result = grade("mine.py")
@@ -152,7 +197,14 @@ def read_spec_text(text):
         (("seeds = [90210, 90211]", "seed_file = 'none.txt'"), "seed_file must be a file of whole numbers: .*none.txt"),
         (("'duel'", "'dual'"), r"test\[2\]: unknown scenario 'dual': did you mean duel"),
         (("time_limit_s = 10", "time_limit = 10"), r"test\[1\]: unknown setting 'time_limit': did you mean"),
-        (("opponents = ['idle']", ""), r"test\[2\]\.opponents must name at least one agent for 1 seats, got none"),
+        (
+            ("opponents = ['idle']", ""),
+            r"test\[2\] needs opponents: 1 seat is empty; name agents, as in opponents = \[\"nearest\"\]",
+        ),
+        (
+            ("settings = { time_limit_s = 8 }\nopponents = ['idle']", "settings = { hunters = 3 }"),
+            r"test\[2\] needs opponents: 2 seats are empty",
+        ),
         (("opponents = ['idle']", "opponents = 'idle'"), r"test\[2\]\.opponents must be a list, got 'idle'"),
         (("name = 'alone'", ""), r"test\[1\]\.name must be given"),
     ],
@@ -172,7 +224,7 @@ def test_a_spec_that_cannot_be_is_one_line(tmp_path, monkeypatch, change, messag
     [
         (["nearest", "--spec", "missing.toml"], "missing.toml: cannot be read: No such file or directory"),
         (["nope", "--spec", "spec.toml"], "unknown agent 'nope'"),
-        (["nearest", "--spec", "spec.toml", "--json", "file/marks.json"], "file: cannot be written to"),
+        (["nearest", "--spec", "spec.toml", "--json", "file/marks.json"], "file: cannot be written"),
     ],
 )
 def test_words_that_cannot_be_are_one_line_and_exit_code_2(tmp_path, monkeypatch, words, message):

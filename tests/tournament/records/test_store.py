@@ -8,11 +8,10 @@ import pytest
 from catch_arena import scenario
 from catch_arena.errors import StoreError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.cost import store_bytes
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match import Forfeit, MatchResult, Thinking
 from catch_arena.tournament.plans.schedule import Played, blocks_of, plan_of, round_robin
-from catch_arena.tournament.records.store import STORE, Store, Tournament
+from catch_arena.tournament.records.store import STORE, Store, Tournament, store_bytes
 
 SHORT = scenario("duel", time_limit_s=3)
 ENTRANTS = enter(["nearest", "idle", "random"])
@@ -52,7 +51,7 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
     )
     kept = [Played(played[0].match, strange, "00ff"), *played[1:]]
     for one in kept[::-1]:
-        store.keep(one)
+        store.keep([one])
     store.close()
     with Store.read(tmp_path) as again:
         assert list(again.played()) == kept
@@ -65,22 +64,21 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
 def test_what_waits_is_what_was_not_played_in_the_order_of_the_plan(store, played, monkeypatch):
     monkeypatch.setattr("catch_arena.tournament.records.store._PAGE", 5)
     assert list(store.waiting()) == blocks_of(PLAN)
-    for one in (played[3], played[0]):
-        store.keep(one)
+    store.keep([played[3], played[0]])
     rest = [match for match in PLAN if match not in {played[3].match, played[0].match}]
     assert [match for block in store.waiting() for match in block] == rest
     assert (store.count_played(), store.count_planned()) == (2, 12)
 
 
 def test_keeping_a_match_again_changes_nothing_and_must_say_the_same(store, played):
-    store.keep(played[0])
+    store.keep(played[:1])
     slower = dataclasses.replace(played[0].result, thinking=(Thinking(30, 9.0, 8.0),) * 2)
-    store.keep(Played(played[0].match, slower))
+    store.keep([Played(played[0].match, slower)])
     assert list(store.played()) == played[:1]
     assert next(store.played()).result.thinking[0].total_s < 9.0
     other = dataclasses.replace(played[0].result, scores=(99, 0))
     with pytest.raises(StoreError, match=rf"match {played[0].match.id} came out with scores .* \(99, 0\)"):
-        store.keep(Played(played[0].match, other))
+        store.keep([played[1], Played(played[0].match, other)])
     assert list(store.played()) == played[:1]
 
 
@@ -185,9 +183,9 @@ def test_a_store_of_another_format_is_refused(tmp_path):
 def test_it_is_read_while_it_is_written(store, tmp_path, played):
     """As by `export`, in another process, while a tournament runs."""
     with Store.read(tmp_path) as reader:
-        store.keep(played[0])
+        store.keep(played[:1])
         assert list(reader.played()) == played[:1]
-        store.keep(played[1])
+        store.keep(played[1:2])
         assert list(reader.played()) == played[:2]
 
 
@@ -198,6 +196,6 @@ def test_its_size_is_what_a_plan_says(tmp_path):
     (first, *_) = run(config, entrants, list(plan)[:1])
     with Store.begin(Tournament(config, entrants, plan.words), tmp_path) as store:
         store.plan(plan.stage(0, ()))
-        for match in plan:
-            store.keep(Played(match, first.result))
+        for block in plan.blocks():
+            store.keep(Played(match, first.result) for match in block)
     assert (tmp_path / STORE).stat().st_size / plan.size == pytest.approx(store_bytes(4), rel=1 / 4)

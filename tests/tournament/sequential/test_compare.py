@@ -128,6 +128,17 @@ def test_the_command_says_what_it_found_and_its_exit_code_does_too(words, code, 
     assert max(map(len, result.output.splitlines())) <= 120
 
 
+def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
+    """Else a verdict would hide that there was no play."""
+    (tmp_path / "bad.py").write_text(
+        "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 99\n"
+    )
+    result = CliRunner().invoke(main, ["compare", str(tmp_path / "bad.py"), "nearest", *QUICK, "--max-forfeits", "4"])
+    assert re.search(r"^bad forfeited: 4 times FORFEIT_ILLEGAL, \d+ times FORFEIT_OUT$", result.output, re.MULTILINE)
+    assert result.exit_code == 1
+    assert "verdict: bad is not stronger than nearest (H0)" in result.output
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -1,0 +1,230 @@
+"""Who forfeits too often in a row is out, and who that is does not depend on when and where matches are played."""
+
+import random
+from collections import Counter
+from concurrent.futures import Future
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from catch_arena import scenario
+from catch_arena.errors import ConfigError, WorkerLost
+from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.execution import stage
+from catch_arena.tournament.execution.runner import play_out, run
+from catch_arena.tournament.execution.streaks import Streaks
+from catch_arena.tournament.match import MatchResult, ranks_of
+from catch_arena.tournament.plans.schedule import Played, blocks_of, plan_of, round_robin
+from catch_arena.tournament.records.store import Store, Tournament
+
+SEATS = 3
+CONFIG = scenario("standard", hunters=SEATS)
+
+
+class Field:
+    """Entrants that forfeit by chance, each as often as it likes; who is out changes what happens to all others."""
+
+    def __init__(self, temper, seed):
+        self.temper, self.seed = temper, seed
+        self.entrants = tuple(Entrant(f"e{place}", f"e{place}", "target", "") for place in range(len(temper)))
+
+    def play(self, match, out):
+        draw = random.Random(f"{match.id} {self.seed} {sorted(out)}")
+        forfeits = [
+            "FORFEIT_OUT" if place in out else "FORFEIT_CRASH" if draw.random() < self.temper[place] else None
+            for place in match.seating
+        ]
+        scores = tuple(0 if code else draw.randrange(9) for code in forfeits)
+        ranks = ranks_of(scores, [0 if code else None for code in forfeits])
+        return Played(match, MatchResult(scores, ranks, ({},) * SEATS, (0,) * SEATS, 1, "", tuple(forfeits), ()))
+
+
+class Shuffled:
+    """Ends its blocks in whatever order, loses some, and may be broken off; `wait` stands for the one of `stage`."""
+
+    def __init__(self, field, ahead, seed, breaks_after=None):
+        self.field, self.ahead, self.random, self.breaks_after = field, ahead, random.Random(seed), breaks_after
+        self.begun = {}
+        self.lost = Counter()
+        self.played = 0
+
+    def submit(self, block, out):
+        future = Future()
+        self.begun[future] = block, dict(out)
+        return future
+
+    def wait(self, futures, return_when):
+        del return_when
+        if self.played == self.breaks_after:
+            raise KeyboardInterrupt
+        self.begun = {future: about for future, about in self.begun.items() if not future.cancelled()}
+        for future in self.random.sample(futures, self.random.randint(1, len(futures))):
+            block, out = self.begun.pop(future)
+            if self.random.random() < 0.1 and self.lost[block] < 2:
+                self.lost[block] += 1
+                future.set_exception(WorkerLost("it is gone"))
+            else:
+                future.set_result([(self.field.play(match, out), b"") for match in block])
+                self.played += 1
+        return SimpleNamespace(done={future for future in futures if future.done()})
+
+    def outcome(self, future):
+        return future.result()
+
+
+def one_after_the_other(field, plan, most):
+    """The records as the rule says it, read word by word: all blocks in order, all rows counted anew each time."""
+    played = []
+    for number in range(1000):
+        blocks = list(plan.stage(number, iter(played)))
+        if not blocks:
+            return played
+        for block in blocks:
+            out = [place for place in range(len(field.entrants)) if most and row_of(played, place, most)]
+            played += [field.play(match, set(out) & set(match.seating)) for match in block]
+    raise AssertionError
+
+
+def row_of(played, place, most):
+    """Whether it has ever forfeited so many in a row."""
+    codes = [one.result.forfeits[one.match.seating.index(place)] for one in played if place in one.match.seating]
+    return any(all(codes[end - most : end]) for end in range(most, len(codes) + 1))
+
+
+@given(
+    temper=st.lists(st.sampled_from([0.0, 0.02, 0.5, 0.8, 0.95, 1.0]), min_size=4, max_size=6),
+    form=st.sampled_from(["round-robin", "balanced", "gauntlet", "swiss"]),
+    most=st.sampled_from([0, 1, 2, 5, 10]),
+    ahead=st.sampled_from([1, 2, 7, 28]),
+    seed=st.integers(0, 2**32),
+    data=st.data(),
+)
+def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_after_the_other(
+    temper, form, most, ahead, seed, data
+):
+    field = Field(temper, seed)
+    plan = plan_of(form, len(temper), SEATS, 2, seed)
+    expected = one_after_the_other(field, plan, most)
+    monkeypatch = pytest.MonkeyPatch()
+    with Store.begin(Tournament(CONFIG, field.entrants, plan.words)) as store, monkeypatch.context() as patch:
+        for life in range(100):
+            breaks_after = data.draw(st.integers(0, 40)) if life < 3 else None
+            executor = Shuffled(field, ahead, seed + life, breaks_after)
+            patch.setattr(stage, "wait", executor.wait)
+            before = list(store.played())
+            assert before == expected[: len(before)]
+            try:
+                play_out(store, plan, executor, max_forfeits=most)
+            except KeyboardInterrupt:
+                continue
+            break
+        assert list(store.played()) == expected
+
+
+def test_what_was_begun_too_early_is_played_again():
+    """Else the trial above would prove little. A match in three is forfeited, so that three in a row come late."""
+    field = Field([0.0, 0.0, 0.3, 0.3], 4)
+    plan = round_robin(4, SEATS, 10, seed=3)
+    again = 0
+    for seed in range(5):
+        executor = Shuffled(field, 28, seed)
+        with (
+            Store.begin(Tournament(CONFIG, field.entrants, plan.words)) as store,
+            pytest.MonkeyPatch.context() as patch,
+        ):
+            patch.setattr(stage, "wait", executor.wait)
+            play_out(store, plan, executor, max_forfeits=3)
+            codes = Counter(code for one in store.played() for code in one.result.forfeits)
+        assert codes["FORFEIT_OUT"] > 10
+        again += executor.played - len(blocks_of(plan))
+    assert again > 0
+
+
+def test_of_one_that_has_ended_no_match_no_more_are_begun_than_it_may_forfeit():
+    """However many workers there are: each of its matches may cost all the time that it is allowed."""
+    field = Field([0.0, 0.0, 1.0], 1)
+    plan = round_robin(3, SEATS, 50, seed=1)
+    executor = Shuffled(field, 100, seed=1)
+    begun = []
+
+    def submit(block, out):
+        begun.append((block, dict(out)))
+        return Shuffled.submit(executor, block, out)
+
+    executor.submit = submit
+    with Store.begin(Tournament(CONFIG, field.entrants, plan.words)) as store, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stage, "wait", executor.wait)
+        play_out(store, plan, executor, max_forfeits=10)
+    blocks = {block for block, out in begun if not out}
+    assert sum(map(len, blocks)) == 12  # whole blocks of three
+
+
+def played(codes):
+    """Matches of two, one after the other, in which the first entrant met these codes."""
+    matches = list(round_robin(2, 2, -(-len(codes) // 2), seed=0))
+    return [
+        Played(
+            match,
+            MatchResult(
+                (0, 0),
+                (1, 1),
+                ({}, {}),
+                (0, 0),
+                1,
+                "",
+                tuple(code if place == 0 else None for place in match.seating),
+                (),
+            ),
+        )
+        for match, code in zip(matches, codes, strict=False)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("codes", "most", "out"),
+    [
+        ("CCC", 3, True),
+        ("CC.CC.C", 3, False),
+        ("CC.CCC..", 3, True),
+        ("CT", 2, True),
+        ("." * 9, 1, False),
+        ("C" * 99, 0, False),
+    ],
+)
+def test_a_row_is_of_forfeits_of_any_kind_and_ends_with_a_match_that_was_played(codes, most, out):
+    kinds = {"C": "FORFEIT_CRASH", "T": "FORFEIT_TIMEOUT", ".": None}
+    streaks = Streaks(most)
+    assert streaks.add(played([kinds[code] for code in codes])) is out
+    (block, *_) = blocks_of(round_robin(2, 2, 1, seed=0))
+    assert streaks.out_of(block) == ({0: f"it had forfeited {most} matches in a row"} if out else {})
+
+
+def test_less_than_no_forfeit_is_refused():
+    with pytest.raises(ConfigError, match="max_forfeits must be at least 1, or 0 for no limit, got -1"):
+        Streaks(-1)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_who_is_out_is_not_started_and_the_others_play_on(tmp_path, jobs):
+    """For real: it notes each of its starts."""
+    bad = tmp_path / "bad.py"
+    bad.write_text(
+        "from pathlib import Path\nclass Agent:\n    def reset(self, seed):\n"
+        "        with Path(__file__).with_name('starts').open('a') as file:\n            file.write('x')\n"
+        "    def act(self, view): 1 / 0\n"
+    )
+    entrants = enter([str(bad), "nearest", "idle"])
+    matches = round_robin(3, 2, 4, seed=0)
+    found = run(scenario("duel", time_limit_s=6), entrants, matches, jobs=jobs, max_forfeits=3)
+    theirs = [one for one in found if 0 in one.match.seating]
+    codes = [one.result.forfeits[one.match.seating.index(0)] for one in theirs]
+    assert codes == ["FORFEIT_CRASH"] * 4 + ["FORFEIT_OUT"] * 12
+    assert (tmp_path / "starts").read_text() == "x" * 4
+    out = theirs[-1]
+    seat = out.match.seating.index(0)
+    assert str(out.result.details[seat]) == "FORFEIT_OUT before the first step: it had forfeited 3 matches in a row"
+    assert out.result.ranks[seat] == 2
+    assert (out.result.steps, out.result.thinking[1 - seat].moves) == (60, 60)
+    assert found == run(scenario("duel", time_limit_s=6), entrants, matches, max_forfeits=3)
