@@ -12,11 +12,13 @@ from catch_arena.conformance.arbiters import Arbiter, Court
 from catch_arena.conformance.arenas import ArenaUnderTest, Stage, can_be_staged
 from catch_arena.conformance.cases import ArbiterCase, WorldCase
 from catch_arena.conformance.comparison import Strictness
+from catch_arena.conformance.diagnosis import Diagnosis
 from catch_arena.conformance.files import load_cases
-from catch_arena.conformance.report import Failure, Report, Result
+from catch_arena.conformance.report import Report
+from catch_arena.conformance.results import Failure, Result
 from catch_arena.errors import ConfigError, suggest
 
-__all__ = ["Arbiter", "ArenaUnderTest", "Failure", "Report", "Result", "chosen", "run_conformance"]
+__all__ = ["Arbiter", "ArenaUnderTest", "Diagnosis", "Failure", "Report", "Result", "chosen", "run_conformance"]
 
 
 def run_conformance(
@@ -34,7 +36,8 @@ def run_conformance(
     one, and those of arbiters that can be staged; `only`, ids or beginnings of ids; `evidence` false compares verdicts
     alone; `exact_lots` requires of lots what the rulebook's appendix draws, where any one of the tied would do;
     `limit_s`, how long a case may take before it is given up: without a limit, code that loops for ever is waited for.
-    Returns: a report with `passed` and `failures`. Whatever the adapter does wrong stands in it.
+    Returns: a report with `passed`, `failures` and `diagnoses`, which are the failures by mistake. Whatever the adapter
+    does wrong stands in it.
     Raises: ConfigError where there is nothing to try, or no such case.
     """
     if adapter is None and arena is None:
@@ -42,7 +45,7 @@ def run_conformance(
     if limit_s is not None and not 0 < limit_s < inf:
         raise ConfigError(f"limit_s must be a positive number of seconds, got {limit_s!r}")
     strictness = Strictness(evidence=evidence, exact_lots=exact_lots)
-    return Report(tuple(_try(case, adapter, arena, strictness, limit_s) for case in chosen(only)))
+    return Report(tuple(_try(case, adapter, arena, strictness, limit_s) for case in chosen(only)), strictness)
 
 
 def chosen(only: Sequence[str] = ()) -> tuple[ArbiterCase | WorldCase, ...]:
@@ -76,7 +79,7 @@ def _try(
     if arena is not None and (isinstance(case, WorldCase) or can_be_staged(case)):
         stage = Stage(arena, strictness)
         trials.append((stage, partial(stage.play, case)))
-    failure = None
+    failure: Failure | None = None
     for trial, play in trials:
         try:
             with patience(limit_s):
@@ -87,4 +90,5 @@ def _try(
         except TimeoutError as error:  # between two calls
             failure = Failure(case, trial.how, (Difference("the case", "an answer", str(error)),))
             break
-    return Result(case, failure, time.perf_counter() - start, played=bool(trials))
+    calls = [] if not trials else trial.calls if failure else trials[0][0].calls[:1]
+    return Result(case, failure, time.perf_counter() - start, played=bool(trials), calls=tuple(calls))

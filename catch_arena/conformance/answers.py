@@ -31,6 +31,16 @@ class Difference:
     got: str
 
 
+@dataclass(frozen=True, slots=True)
+class Raised(Difference):
+    """An error in place of an answer."""
+
+    error: str
+    """Its class."""
+    where: str
+    """« (file, line)» of a stranger's code, or nothing."""
+
+
 class DiffersError(Exception):
     """An adjudicator's answer is not what the case expects."""
 
@@ -53,8 +63,9 @@ def answered(what: str, call: Callable[..., object], *arguments: object) -> Any:
     except DiffersError:
         raise
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-        raised = f"raised {printable(reason(error))}{_where(error)}"
-        raise DiffersError(Difference(what, "an answer", raised)) from error
+        where = _where(error)
+        raised = f"raised {printable(reason(error))}{where}"
+        raise DiffersError(Raised(what, "an answer", raised, type(error).__name__, where)) from error
 
 
 @contextmanager

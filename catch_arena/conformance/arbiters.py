@@ -4,9 +4,9 @@ import copy
 from collections.abc import Callable
 
 from catch_arena.conformance import arrangements
-from catch_arena.conformance.answers import Difference, DiffersError, shown
+from catch_arena.conformance.answers import DiffersError, shown
 from catch_arena.conformance.cases import ArbiterCase, Asked
-from catch_arena.conformance.comparison import Strictness, compare
+from catch_arena.conformance.comparison import Call, OtherLot, Strictness, compare, rulings
 
 Arbiter = Callable[..., object]
 """Takes the keyword arguments of `catch_arena.arbitrate`, and returns one ruling for each request, in their order: each
@@ -22,6 +22,8 @@ class Court:
         self._strictness = strictness
         self.how = ""
         """How the requests were arranged that are being judged; "" as the case has them."""
+        self.calls: list[Call] = []
+        """What it has answered so far."""
 
     def try_case(self, case: ArbiterCase) -> None:
         """Raises: DiffersError, at the first arrangement whose answer is wrong."""
@@ -41,8 +43,10 @@ class Court:
     def _judge(self, how: str, case: ArbiterCase) -> tuple[Asked, ...]:
         self.how = how
         arguments = copy.deepcopy(case.arguments())  # a stranger may change what it is given
+        given = rulings(lambda: self._arbiter(**arguments), case.asked)
+        self.calls.append(Call(case.arguments(), given))
         return compare(
-            lambda: self._arbiter(**arguments),
+            given,
             case.asked,
             lots=case.lots,
             refused=case.circumstances["kill_refused"],
@@ -60,7 +64,7 @@ class Court:
         for lot in case.lots:
             if never := [seat for seat in lot.seats if (lot.target, seat) not in won]:
                 raise DiffersError(
-                    Difference(
+                    OtherLot(
                         f"target {shown(lot.target)}",
                         f"each of the hunters {', '.join(map(str, lot.seats))} wins in some of the steps",
                         f"never won by {' or '.join(f'hunter {seat}' for seat in never)}",

@@ -2,13 +2,13 @@
 
 import operator
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.conformance.answers import Difference, DiffersError, answered, shown
 from catch_arena.conformance.cases import ArbiterCase, Asked, Beat, Lot, WorldCase
-from catch_arena.conformance.comparison import Strictness, compare
+from catch_arena.conformance.comparison import Call, Strictness, compare, rulings
 from catch_arena.verdicts import Verdict
 
 
@@ -52,6 +52,14 @@ class ArenaUnderTest(Protocol):
         """
 
 
+@dataclass(frozen=True, slots=True)
+class OtherReading(Difference):
+    """Something else than expected stands in an arena."""
+
+    right: Any
+    found: Any
+
+
 def can_be_staged(case: ArbiterCase) -> bool:
     """Whether hunters in an arena can ask what the case asks: once each, by rank, for targets that they see."""
     seats = [one.hunter for one in case.asked]
@@ -74,6 +82,8 @@ class Stage:
         self._strictness = replace(strictness, exact_lots=False)
         self.how = ""
         """Which part of the case is being played."""
+        self.calls: list[Call] = []
+        """What it has ruled so far."""
 
     def play(self, case: ArbiterCase | WorldCase) -> None:
         """Raises: DiffersError, at the first part of the play that goes otherwise."""
@@ -106,7 +116,7 @@ class Stage:
             answered("withdraw", self._arena.withdraw, seat)
         asked = tuple(replace(one, name=number_of[str(one.name)]) for one in case.asked)
         lots = tuple(replace(lot, target=number_of[str(lot.target)]) for lot in case.lots)
-        decided = self._judge(asked, {}, lots, refused)
+        decided = self._judge(asked, {}, lots, refused, case)
         granted = [one for one in decided if one.verdict is Verdict.GRANTED]
         gone = {one.name for one in granted} - set(refused)
         expected = {
@@ -134,20 +144,27 @@ class Stage:
         drive: Mapping[int, tuple[float, float]],
         lots: Sequence[Lot] = (),
         refused: Sequence[int] = (),
+        case: ArbiterCase | None = None,
     ) -> tuple[Asked, ...]:
         requests = [(one.hunter, operator.index(one.name)) for one in asked]  # type: ignore[arg-type]
-        return compare(
-            lambda: self._arena.step(requests, drive), asked, lots=lots, refused=refused, strictness=self._strictness
-        )
+        given = rulings(lambda: self._arena.step(requests, drive), asked)
+        if case is not None:
+            self.calls.append(Call(case.arguments(), tuple(map(_named, given, asked, case.asked))))
+        return compare(given, asked, lots=lots, refused=refused, strictness=self._strictness)
 
     def _require_readings(self, expected: Mapping[str, Any]) -> None:
         found = self._arena.read() if expected else {}
-        differences = []
+        differences: list[Difference] = []
         for word, value in expected.items():
             got = found.get(word) if isinstance(found, Mapping) else None
             if isinstance(got, Iterable) and not isinstance(got, str):
                 got = list(got)
             if got != value:
-                differences.append(Difference(word, repr(value), shown(got)))
+                differences.append(OtherReading(word, repr(value), shown(got), value, got))
         if differences:
             raise DiffersError(*differences)
+
+
+def _named(ruling: Asked, asked: Asked, named: Asked) -> Asked:
+    """A ruling on a request by number as one on the same request by name."""
+    return replace(ruling, name=named.name) if ruling.name == asked.name else ruling

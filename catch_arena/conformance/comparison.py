@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from catch_arena.conformance.answers import (
     Difference,
@@ -26,8 +27,37 @@ class Strictness:
     """A lot must draw the seat that the appendix's hash draws; else any one of its seats will do."""
 
 
+@dataclass(frozen=True, slots=True)
+class OtherRuling(Difference):
+    """A ruling that is not the expected one."""
+
+    right: Asked
+    """Its lot is decided."""
+    given: Asked
+
+
+@dataclass(frozen=True, slots=True)
+class OtherLot(Difference):
+    """A lot that does not give a target to one of the tied, or never to some of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """What an adjudicator was asked and what it answered, where that could be read."""
+
+    arguments: Mapping[str, Any]
+    """Those of `catch_arena.arbitrate`."""
+    answered: tuple[Asked, ...]
+
+
+def rulings(call: Callable[[], object], asked: Sequence[Asked]) -> tuple[Asked, ...]:
+    """What an adjudicator answers. Raises: DiffersError where that cannot be read."""
+    given = answered("the call", call)
+    return tuple(answered("the answer", read_rulings, given, asked))
+
+
 def compare(
-    call: Callable[[], object],
+    given: Sequence[Asked],
     asked: Sequence[Asked],
     *,
     lots: Sequence[Lot],
@@ -36,18 +66,18 @@ def compare(
 ) -> tuple[Asked, ...]:
     """The expected rulings, with the lots as the adjudicator drew them, where its answer agrees with them.
 
-    Args: `call`, which makes the answer; `asked`, with what is expected; `refused`, the targets whose kill is refused.
+    Args: `given`, its rulings; `asked`, with what is expected; `refused`, the targets whose kill is refused.
     Raises: DiffersError, with every difference that can be told.
     """
-    given = answered("the call", call)
-    rulings: list[Asked] = answered("the answer", read_rulings, given, asked)
     by_lot = {one.name for one in asked if one.verdict == LOT}
-    winners = {lot.target: _winner(lot, asked, rulings, strictness) for lot in lots if lot.target in by_lot}
+    winners = {lot.target: _winner(lot, asked, given, strictness) for lot in lots if lot.target in by_lot}
     expected = _settled(asked, winners, set(refused))
     differences = [
-        Difference(request(place, one), _describe(one, one, strictness), _describe(one, ruling, strictness))
-        for place, (one, ruling) in enumerate(zip(expected, rulings, strict=True), start=1)
-        if _compared(one, one, strictness) != _compared(one, ruling, strictness)
+        OtherRuling(
+            request(place, one), _describe(one, one, strictness), _describe(one, ruling, strictness), one, ruling
+        )
+        for place, (one, ruling) in enumerate(zip(expected, given, strict=True), start=1)
+        if compared(one, one, strictness) != compared(one, ruling, strictness)
     ]
     if differences:
         raise DiffersError(*differences)
@@ -65,7 +95,7 @@ def _winner(lot: Lot, asked: Sequence[Asked], rulings: Sequence[Asked], strictne
     allowed = (lot.drawn,) if strictness.exact_lots and lot.drawn is not None else lot.seats
     if len(won) != 1 or won[0] not in allowed:
         raise DiffersError(
-            Difference(
+            OtherLot(
                 f"target {shown(lot.target)}",
                 f"exactly one winner, drawn by lot: hunter {' or '.join(map(str, allowed))}",
                 f"won by {' and '.join(f'hunter {seat}' for seat in won) or 'nobody'}",
@@ -88,7 +118,7 @@ def _settled(asked: Sequence[Asked], winners: Mapping[object, int], refused: set
     return tuple(settled)
 
 
-def _compared(expected: Asked, one: Asked, strictness: Strictness) -> Asked:
+def compared(expected: Asked, one: Asked, strictness: Strictness) -> Asked:
     """What of a ruling is compared."""
     if not strictness.evidence:
         return replace(one, distance_um=None, winner=None)
@@ -99,7 +129,7 @@ def _compared(expected: Asked, one: Asked, strictness: Strictness) -> Asked:
 
 def _describe(expected: Asked, one: Asked, strictness: Strictness) -> str:
     """What of a ruling is compared, in words; its lot is decided."""
-    one = _compared(expected, one, strictness)
+    one = compared(expected, one, strictness)
     words = [one.verdict.name if isinstance(one.verdict, Verdict) else one.verdict]
     if one.distance_um is not None:
         words.append("some distance away" if one.distance_um == ANY else f"{one.distance_um} um away")

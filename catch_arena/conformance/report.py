@@ -4,73 +4,30 @@ import textwrap
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from catch_arena.conformance.answers import Difference, shown
-from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, Asked, Beat, WorldCase
+from catch_arena.conformance.comparison import Strictness
+from catch_arena.conformance.diagnosis import Diagnosis, diagnose
+from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
 
-_WIDTH: Final = 100
-_MOST_DIFFERENCES: Final = 6
-
-
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """One case that an adjudicator answers otherwise than the rulebook."""
-
-    case: ArbiterCase | WorldCase
-    how: str
-    """How the case was played when it failed; "" as it stands."""
-    differences: tuple[Difference, ...]
-
-    def __str__(self) -> str:
-        """Case, clauses, expected, got, and why it matters."""
-        case = self.case
-        lines = [f"FAILED {case.id} ({', '.join(case.clauses)})", *_paragraph(case.situation)]
-        if isinstance(case, ArbiterCase):
-            lines += _paragraph(f"Position: {_position(case)}")
-            lines += _paragraph(f"Requests: {_requests(case.asked)}")
-        else:
-            lines += _paragraph(f"Settings: {_settings(case)}")
-            for part, beat in enumerate(case.play, start=1):
-                lines += _paragraph(f"Part {part}: {_beat(beat)}")
-        if self.how:
-            lines += _paragraph(f"It was played {self.how}.")
-        for difference in self.differences[:_MOST_DIFFERENCES]:
-            lines += [
-                f"    {difference.about}",
-                f"      expected {difference.expected}",
-                f"      got      {difference.got}",
-            ]
-        if (left := len(self.differences) - _MOST_DIFFERENCES) > 0:
-            lines.append(f"    and {left} more")
-        lines += _paragraph(f"Why it matters: {case.why}")
-        if case.options:
-            lines += _paragraph(f"The rulebook chose «{case.options[0]}», not {_either(case.options[1:])}.")
-        return "\n".join(lines)
+_USUAL: Final = Strictness()
+_MOST_LINES: Final = 50
+"""For all diagnoses. The first failure of the first is always shown in full, those of others where there is room."""
+_MOST_TOLD: Final = 4
+"""Further diagnoses are only named: who has mended these asks again."""
+_FEW_NAMES: Final = 3
+"""So many lines of ids there may always be."""
 
 
-@dataclass(frozen=True, slots=True)
-class Result:
-    """What came of one case."""
-
-    case: ArbiterCase | WorldCase
-    failure: Failure | None
-    seconds: float
-    played: bool = True
-    """False where the case needs an arena, or an arbiter, and there was none."""
-
-    @property
-    def needs(self) -> str:
-        """What the case is played on, for one that was not."""
-        return "an arbiter" if isinstance(self.case, ArbiterCase) else "an arena"
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Report:
     """What came of all cases that were asked for."""
 
     results: tuple[Result, ...]
+    strictness: Strictness = _USUAL
+    """How answers were compared."""
 
     @property
     def failures(self) -> tuple[Failure, ...]:
@@ -81,6 +38,11 @@ class Report:
     def passed(self) -> bool:
         """Whether every case that was played was answered as the rulebook does, and at least one was."""
         return not self.failures and any(result.played for result in self.results)
+
+    @cached_property
+    def diagnoses(self) -> tuple[Diagnosis, ...]:
+        """The failures by what they look like: each is in one of them."""
+        return diagnose(self.results, self.strictness)
 
     @property
     def summary(self) -> str:
@@ -96,11 +58,65 @@ class Report:
         return f"cases: {', '.join(counts)}"
 
     def __str__(self) -> str:
-        """Every failure, how each group fared if any failed, and the summary."""
-        groups = Counter(result.case.group for result in self.results if result.played)
+        """The failures by mistake, how each group of cases fared if any failed, and the summary."""
+        return self.by_mistake(WIDTH)
+
+    def by_mistake(self, width: int) -> str:
+        """The same, in lines of at most so many characters."""
+        shown = self.diagnoses[:_MOST_TOLD]
+        told = [self._told(number, one, width) for number, one in enumerate(shown, start=1)]
+        for place, one in enumerate(shown):
+            room = _MOST_LINES - sum(map(_lines, told[:place] + told[place + 1 :]))
+            full = self._told(place + 1, one, width, room)
+            if not place or _lines(full) <= room:
+                told[place] = full
+        if rest := self.diagnoses[_MOST_TOLD:]:
+            named = ", ".join(f"{one.looks_like} ({len(one.failures)})" for one in rest)
+            told.append(wrapped(f"and {len(rest)} more: {named}", width, "", "  "))
+        return "\n\n".join([*told, *self._fared(width), self.summary])
+
+    def in_full(self, width: int = WIDTH) -> str:
+        """Every failure, how each group of cases fared if any failed, and the summary."""
+        return "\n\n".join([*(failure.told(width) for failure in self.failures), *self._fared(width), self.summary])
+
+    def _told(self, number: int, diagnosis: Diagnosis, width: int, room: int | None = None) -> str:
+        """What failures look like, the first of them, and the names of the others; in full with `room` for so many
+        lines, or in brief.
+        """
+        first, *others = diagnosis.failures
+        if room is None:
+            one = first.main_difference
+            example = f"{first.case.id}: {one.about}: expected {one.expected}, got {one.got}"
+            example = wrapped(example, width, "   ", "     ")
+        else:
+            example = textwrap.indent(first.told(width - 3), "   ")
+        heading = wrapped(f"{number}. {_looks_like(diagnosis)}: {_count(diagnosis)}", width, "", "   ")
+        text = f"{heading}\n{wrapped(diagnosis.rule, width, '   ')}\n{example}"
+        if not others:
+            return text
+        names = wrapped(f"{len(others)} more: {self._names(others)}", width, "   ", "     ").splitlines()
+        most = max(_FEW_NAMES, (room or 0) - _lines(text))
+        return "\n".join([text, *(names if len(names) <= most else [*names[: most - 1], "     ..."])])
+
+    def _names(self, failures: Sequence[Failure]) -> str:
+        """Their ids by group, which is said once; those of a group without a pass are not told one by one."""
+        names: dict[str, list[str]] = {}
+        for failure in failures:
+            names.setdefault(failure.case.group, []).append(failure.case.id.partition(".")[2])
+        return "; ".join(
+            f"{group}: {f'all {len(ids)}' if len(ids) == self._groups[group] else ', '.join(ids)}"
+            for group, ids in sorted(names.items())
+        )
+
+    @cached_property
+    def _groups(self) -> Counter[str]:
+        return Counter(result.case.group for result in self.results if result.played)
+
+    def _fared(self, width: int) -> list[str]:
+        """How many cases of each group were passed, in one paragraph."""
         failed = Counter(failure.case.group for failure in self.failures)
-        fared = [f"{group:<12} {count - failed[group]:>3} of {count} passed" for group, count in groups.items()]
-        return "\n\n".join([*map(str, self.failures), *(["\n".join(fared)] if failed else []), self.summary])
+        fared = ", ".join(f"{group} {count - failed[group]} of {count}" for group, count in self._groups.items())
+        return [wrapped(f"passed: {fared}", width, "", "  ")] if failed else []
 
     def junit(self) -> str:
         """The report as JUnit XML, one test case for each case."""
@@ -131,42 +147,18 @@ class Report:
         return f'<?xml version="1.0" encoding="UTF-8"?>\n{tostring(root, encoding="unicode")}\n'
 
 
-def _position(case: ArbiterCase) -> str:
-    """Where everybody is, and what is not as usual."""
-    hunters = [f"hunter {seat} at ({x}, {y})" for seat, (x, y) in enumerate(case.hunters)]
-    targets = [f"{shown(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
-    given = case.arguments()
-    unusual = [f"{key} = {given[key]!r}" for key, value in case.circumstances.items() if value != DEFAULTS[key]]
-    return "; ".join([*hunters, *targets, *unusual]) or "nobody and nothing"
+def _count(diagnosis: Diagnosis) -> str:
+    """How many failures, and how many of them are not its alone."""
+    count = len(diagnosis.failures)
+    together = "all" if diagnosis.shared == count else f"{diagnosis.shared} of them"
+    shared = f", {together} together with other mistakes" if diagnosis.shared else ""
+    return f"{count} failure{'s' if count > 1 else ''}{shared}"
 
 
-def _settings(case: WorldCase) -> str:
-    return "; ".join(f"{key} = {value!r}" for key, value in case.settings.items())
+def _looks_like(diagnosis: Diagnosis) -> str:
+    return f'looks like "{diagnosis.looks_like}"' if diagnosis.known else diagnosis.looks_like
 
 
-def _beat(beat: Beat) -> str:
-    """What happens in one part of a play, in the order in which it does."""
-    told = ["reset"] if beat.reset else []
-    if beat.hunters is not None:
-        told += [f"hunter {seat} put at {pose}" for seat, pose in enumerate(beat.hunters)]
-        told += [f"a target put at {place}" for place in beat.targets]
-    if beat.withdraw is not None:
-        told.append(f"hunter {beat.withdraw} withdrawn")
-    if beat.steps:
-        told.append("a step without requests" if beat.steps == 1 else f"{beat.steps} steps without requests")
-    if beat.asked is not None:
-        told += [f"hunter {seat} driven by {velocities}" for seat, velocities in beat.drive.items()]
-        told.append(f"a step in which {_requests(beat.asked)}" if beat.asked else "a step without requests")
-    return "; ".join(told) or "only looked at"
-
-
-def _requests(asked: Sequence[Asked]) -> str:
-    return "; ".join(f"hunter {one.hunter} asks for {shown(one.name)}" for one in asked) or "none"
-
-
-def _paragraph(text: str) -> list[str]:
-    return textwrap.wrap(text, _WIDTH, initial_indent="  ", subsequent_indent="  ")
-
-
-def _either(options: Sequence[str]) -> str:
-    return " or ".join(f"«{option}»" for option in options)
+def _lines(text: str) -> int:
+    """With the empty one below."""
+    return text.count("\n") + 2

@@ -18,6 +18,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "conformance.md").read_text(encodin
 @pytest.fixture
 def conformance(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
 
     def call(*words: str):
         return CliRunner().invoke(main, ["conformance", *words])
@@ -41,6 +42,20 @@ def test_the_pages_arbiter_gets_the_report_that_the_page_shows(conformance, tmp_
     result = conformance(*shlex.split(blocks("sh")[1])[2:])
     assert result.exit_code == 1
     assert result.output == blocks("text")[0]
+
+
+def test_all_shows_every_failure_in_full(conformance, tmp_path):
+    """Without it they are told by mistake, and the last line says how to see more."""
+    (tmp_path / "my_arbiter.py").write_text(blocks("python")[0])
+    words = ["my_arbiter.py:arbiter", "--verdicts-only", "--only", "claimants"]
+    by_mistake, everything = conformance(*words), conformance(*words, "--all")
+    assert by_mistake.exit_code == everything.exit_code == 1
+    assert by_mistake.output.count("FAILED") < everything.output.count("FAILED") == 17
+    assert by_mistake.output.count("\n") < everything.output.count("\n") / 3
+    assert by_mistake.output.splitlines()[-1] == (
+        "--all shows every failure in full, --only claimants.two plays one case"
+    )
+    assert everything.output.splitlines()[-1] == "cases: 0 passed, 17 failed"
 
 
 def test_the_pages_python_runs():
@@ -114,7 +129,7 @@ def test_a_report_without_failures_is_whole_xml():
         (["--arena", "broken_arena.py:make"], "broken_arena.py:make: making it raised ZeroDivisionError"),
         (["catch_arena:arbitrate", "--only", "reech"], "no case begins with 'reech': did you mean reach"),
         (["--list", "--only", "reech"], "no case begins with 'reech'"),
-        (["catch_arena:arbitrate", "--junit", "taken/report.xml"], "taken: cannot be written to"),
+        (["catch_arena:arbitrate", "--junit", "taken/report.xml"], "taken: cannot be written"),
         (["catch_arena:arbitrate", "--junit", "folder"], "folder"),
     ],
 )

@@ -1,5 +1,7 @@
 """The suite is tested too: each wrong arbiter is caught by the group of cases that is about its mistake."""
 
+from fnmatch import fnmatchcase
+
 import pytest
 from conformance.wrong_arbiters import WRONG, PlainArbiter
 
@@ -15,16 +17,20 @@ def test_a_right_arbiter_with_lots_of_its_own_passes():
     assert not run_conformance(PlainArbiter(), only=["ties"], exact_lots=True).passed
 
 
-@pytest.mark.parametrize(("wrong", "group"), WRONG, ids=[f"{group}-{wrong.__name__}" for wrong, group in WRONG])
-def test_a_wrong_arbiter_is_caught(wrong: type[PlainArbiter], group: str):
-    """By at least one case of its group, with words that say what is wrong."""
+@pytest.mark.parametrize(
+    ("wrong", "group", "looks_like"), WRONG, ids=[f"{group}-{wrong.__name__}" for wrong, group, _ in WRONG]
+)
+def test_a_wrong_arbiter_is_caught_and_told_its_mistake(wrong: type[PlainArbiter], group: str, looks_like: str):
+    """By at least one case of its group, with words that say what is wrong, and not with many."""
     report = run_conformance(wrong(), only=[f"{group}."])
     assert report.failures
     for failure in report.failures:
         assert failure.case.group == group
         assert all(difference.expected != difference.got for difference in failure.differences)
+    assert fnmatchcase(report.diagnoses[0].looks_like, looks_like)
+    assert str(report).count("\n") < 60
 
 
 def test_every_group_with_cases_for_arbiters_catches_one():
     groups = {case.group for case in load_cases() if isinstance(case, ArbiterCase)}
-    assert groups == {group for _, group in WRONG}
+    assert groups == {group for _, group, _ in WRONG}

@@ -1,0 +1,124 @@
+"""What came of one case, in words where it failed."""
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from catch_arena.conformance.answers import Difference, shown
+from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, Asked, Beat, WorldCase
+from catch_arena.conformance.comparison import Call, OtherRuling
+
+WIDTH: Final = 100
+"""Of a report, in characters, where nobody asks for another one."""
+_MOST_DIFFERENCES: Final = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """One case that an adjudicator answers otherwise than the rulebook."""
+
+    case: ArbiterCase | WorldCase
+    how: str
+    """How the case was played when it failed; "" as it stands."""
+    differences: tuple[Difference, ...]
+
+    @property
+    def main_difference(self) -> Difference:
+        """The one to be told where there is room for one: in a verdict, before those in evidence."""
+        rulings = [one for one in self.differences if isinstance(one, OtherRuling)]
+        return next((one for one in rulings if one.right.verdict is not one.given.verdict), self.differences[0])
+
+    def __str__(self) -> str:
+        """Case, clauses, expected, got, and why it matters."""
+        return self.told(WIDTH)
+
+    def told(self, width: int) -> str:
+        """The same, in lines of at most so many characters."""
+        case = self.case
+        paragraphs = [case.situation]
+        if isinstance(case, ArbiterCase):
+            paragraphs += [f"Position: {_position(case)}", f"Requests: {_requests(case.asked)}"]
+        else:
+            paragraphs.append(f"Settings: {_settings(case)}")
+            paragraphs += [f"Part {part}: {_beat(beat)}" for part, beat in enumerate(case.play, start=1)]
+        if self.how:
+            paragraphs.append(f"It was played {self.how}.")
+        lines = [wrapped(f"FAILED {case.id} ({', '.join(case.clauses)})", width)]
+        lines += [wrapped(text, width, "  ") for text in paragraphs]
+        for difference in self.differences[:_MOST_DIFFERENCES]:
+            lines += [
+                wrapped(difference.about, width, "    "),
+                wrapped(f"expected {difference.expected}", width, "      ", " " * 15),
+                wrapped(f"got      {difference.got}", width, "      ", " " * 15),
+            ]
+        if (left := len(self.differences) - _MOST_DIFFERENCES) > 0:
+            lines.append(f"    and {left} more")
+        lines.append(wrapped(f"Why it matters: {case.why}", width, "  "))
+        if case.options:
+            chosen = f"The rulebook chose «{case.options[0]}», not {_either(case.options[1:])}."
+            lines.append(wrapped(chosen, width, "  "))
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What came of one case."""
+
+    case: ArbiterCase | WorldCase
+    failure: Failure | None
+    seconds: float
+    played: bool = True
+    """False where the case needs an arena, or an arbiter, and there was none."""
+    calls: tuple[Call, ...] = ()
+    """Of a case that failed, all until then; of one that passed, the first."""
+
+    @property
+    def needs(self) -> str:
+        """What the case is played on, for one that was not."""
+        return "an arbiter" if isinstance(self.case, ArbiterCase) else "an arena"
+
+
+def wrapped(text: str, width: int, first: str = "", then: str | None = None) -> str:
+    """A text in lines of at most so many characters, where its words allow that, with what begins the lines."""
+    then = first if then is None else then
+    return textwrap.fill(
+        text, width, initial_indent=first, subsequent_indent=then, break_on_hyphens=False, break_long_words=False
+    )
+
+
+def _position(case: ArbiterCase) -> str:
+    """Where everybody is, and what is not as usual."""
+    hunters = [f"hunter {seat} at ({x}, {y})" for seat, (x, y) in enumerate(case.hunters)]
+    targets = [f"{shown(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
+    given = case.arguments()
+    unusual = [f"{key} = {given[key]!r}" for key, value in case.circumstances.items() if value != DEFAULTS[key]]
+    return "; ".join([*hunters, *targets, *unusual]) or "nobody and nothing"
+
+
+def _settings(case: WorldCase) -> str:
+    return "; ".join(f"{key} = {value!r}" for key, value in case.settings.items())
+
+
+def _beat(beat: Beat) -> str:
+    """What happens in one part of a play, in the order in which it does."""
+    told = ["reset"] if beat.reset else []
+    if beat.hunters is not None:
+        told += [f"hunter {seat} put at {pose}" for seat, pose in enumerate(beat.hunters)]
+        told += [f"a target put at {place}" for place in beat.targets]
+    if beat.withdraw is not None:
+        told.append(f"hunter {beat.withdraw} withdrawn")
+    if beat.steps:
+        told.append("a step without requests" if beat.steps == 1 else f"{beat.steps} steps without requests")
+    if beat.asked is not None:
+        told += [f"hunter {seat} driven by {velocities}" for seat, velocities in beat.drive.items()]
+        told.append(f"a step in which {_requests(beat.asked)}" if beat.asked else "a step without requests")
+    return "; ".join(told) or "only looked at"
+
+
+def _requests(asked: Sequence[Asked]) -> str:
+    return "; ".join(f"hunter {one.hunter} asks for {shown(one.name)}" for one in asked) or "none"
+
+
+def _either(options: Sequence[str]) -> str:
+    return " or ".join(f"«{option}»" for option in options)
