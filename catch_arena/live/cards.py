@@ -12,18 +12,19 @@ _KEY: Final[Color] = (58, 67, 118)
 
 DRIVING: Final = (
     (("↑", "W"), "ahead"),
-    (("←", "→", "A", "D"), "turn"),
+    (("←", "A"), "turn left"),
+    (("→", "D"), "turn right"),
     (("↓", "S"), "back, where hunters may"),
-    (("stick", "A"), "a gamepad drives too"),
+    (("gamepad",), "the stick drives too"),
 )
 WINDOW: Final = (
-    (("space", "P"), "pause"),
-    ((".", "S"), "one step, while it is paused"),
+    (("space", "P"), "pause, and go on"),
+    (("N", "."), "one step, while it is paused"),
     (("+", "-"), "faster, slower"),
     (("R",), "the same match again"),
     (("Ctrl-S",), "save the replay"),
     (("H",), "these keys"),
-    (("Esc", "Q"), "end"),
+    (("Esc",), "end"),
 )
 _ARROWS: Final = {"↑": (0, -1), "↓": (0, 1), "←": (-1, 0), "→": (1, 0)}
 

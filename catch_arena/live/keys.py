@@ -3,7 +3,7 @@
 from enum import Enum, auto
 from typing import Any, Final
 
-from catch_arena.render.sdl import pygame
+from catch_arena.render.libraries import pygame
 
 _AHEAD: Final = {pygame.K_UP, pygame.K_w, pygame.K_KP8}
 _BACK: Final = {pygame.K_DOWN, pygame.K_s, pygame.K_KP2, pygame.K_KP5}
@@ -32,13 +32,13 @@ class Wish(Enum):
     SLOWER = auto()
 
 
+_TYPED: Final = {"+": Wish.FASTER, "-": Wish.SLOWER, ".": Wish.STEP}
+"""Where these lie depends on the keyboard."""
 _WISHES: Final = {
     pygame.K_SPACE: Wish.PAUSE,
     pygame.K_p: Wish.PAUSE,
-    pygame.K_PERIOD: Wish.STEP,
     pygame.K_r: Wish.AGAIN,
     pygame.K_ESCAPE: Wish.END,
-    pygame.K_q: Wish.END,
     pygame.K_h: Wish.HELP,
     pygame.K_F1: Wish.HELP,
     pygame.K_PLUS: Wish.FASTER,
@@ -46,10 +46,13 @@ _WISHES: Final = {
     pygame.K_KP_PLUS: Wish.FASTER,
     pygame.K_MINUS: Wish.SLOWER,
     pygame.K_KP_MINUS: Wish.SLOWER,
+    pygame.K_n: Wish.STEP,
+    pygame.K_PERIOD: Wish.STEP,
 }
+"""None of them drives, and Q asks for nothing: it lies between W and A, where a slip must not end a match."""
 
 
-def wish_of(event: Any, *, paused: bool) -> Wish | None:
+def wish_of(event: Any) -> Wish | None:
     """What an event asks of the window, if it asks anything of it."""
     if event.type == pygame.QUIT:
         return Wish.END
@@ -57,12 +60,9 @@ def wish_of(event: Any, *, paused: bool) -> Wish | None:
         return Wish.PAUSE if event.button in _PAUSE_BUTTONS else None
     if event.type != pygame.KEYDOWN:
         return None
-    if event.key == pygame.K_s:
-        return Wish.SAVE if event.mod & pygame.KMOD_CTRL else Wish.STEP if paused else None
-    typed = getattr(event, "unicode", "")
-    if typed in {"+", "-"}:  # where they lie depends on the keyboard
-        return Wish.FASTER if typed == "+" else Wish.SLOWER
-    return _WISHES.get(event.key)
+    if event.mod & pygame.KMOD_CTRL:
+        return Wish.SAVE if event.key == pygame.K_s else None
+    return _TYPED.get(getattr(event, "unicode", "")) or _WISHES.get(event.key)
 
 
 class Hands:

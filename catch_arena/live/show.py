@@ -9,8 +9,8 @@ from catch_arena.errors import OutputError
 from catch_arena.live import cards
 from catch_arena.live.keys import Hands, Wish, wish_of
 from catch_arena.render import hud
+from catch_arena.render.libraries import pygame
 from catch_arena.render.motion import Leg, leg
-from catch_arena.render.sdl import pygame
 from catch_arena.render.shapes import Shape
 from catch_arena.render.stage import LARGEST, SMALLEST, Stage
 from catch_arena.render.view import Look, Viewport
@@ -165,7 +165,7 @@ class Show:
                 self._hands.take(event)
             if event.type == pygame.JOYDEVICEADDED:
                 self._pads.append(pygame.joystick.Joystick(event.device_index))
-            wish = wish_of(event, paused=self._paused)
+            wish = wish_of(event)
             if wish is not None:
                 self._fulfil(wish)
         self._fit()
@@ -210,7 +210,7 @@ class Show:
         if self._helping:
             return shapes + self._keys("H goes on")
         if self._paused:
-            return shapes + cards.note(self._area, "paused    space: go on    . one step    H: keys")
+            return shapes + cards.note(self._area, "paused    space: go on    N: one step    H: keys")
         return shapes + self._note_shapes()
 
     def _keys(self, below: str) -> list[Shape]:

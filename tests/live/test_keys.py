@@ -3,7 +3,7 @@
 import pytest
 
 from catch_arena.live.keys import Hands, Wish, wish_of
-from catch_arena.render.sdl import pygame
+from catch_arena.render.libraries import pygame
 
 
 def key(code: int, *, down: bool = True, mod: int = 0, typed: str = ""):
@@ -63,15 +63,19 @@ def test_what_was_held_is_let_go_with_the_window():
 
 def test_ctrl_s_saves_and_does_not_drive():
     event = key(pygame.K_s, mod=pygame.KMOD_LCTRL)
-    assert wish_of(event, paused=False) is wish_of(event, paused=True) is Wish.SAVE
+    assert wish_of(event) is Wish.SAVE
     hands = Hands()
     hands.take(event)
     assert hands.command() == (0, 0)
 
 
-def test_s_is_a_step_while_it_is_paused():
-    assert wish_of(key(pygame.K_s), paused=True) is Wish.STEP
-    assert wish_of(key(pygame.K_s), paused=False) is None
+def test_no_key_that_drives_asks_the_window_for_anything():
+    """One key, one meaning, whether the match is paused or not."""
+    codes = {value for name, value in vars(pygame).items() if name.startswith("K_")}
+    driving = [code for code in codes if any(held(code).command())]
+    assert len(driving) == 13  # arrows, WASD, and the keypad's 8 4 6 2 5
+    assert not any(wish_of(key(code, typed=pygame.key.name(code))) for code in driving)
+    assert wish_of(key(pygame.K_q, typed="q")) is None  # between W and A
 
 
 @pytest.mark.parametrize(
@@ -79,9 +83,11 @@ def test_s_is_a_step_while_it_is_paused():
     [
         (key(pygame.K_SPACE), Wish.PAUSE),
         (key(pygame.K_p), Wish.PAUSE),
+        (key(pygame.K_n, typed="n"), Wish.STEP),
         (key(pygame.K_PERIOD), Wish.STEP),
         (key(pygame.K_r), Wish.AGAIN),
-        (key(pygame.K_q), Wish.END),
+        (key(pygame.K_SEMICOLON, typed="."), Wish.STEP),  # a French keyboard
+        (key(pygame.K_r, mod=pygame.KMOD_LCTRL), None),
         (key(pygame.K_ESCAPE), Wish.END),
         (key(pygame.K_h), Wish.HELP),
         (key(pygame.K_EQUALS, typed="+"), Wish.FASTER),
@@ -94,7 +100,7 @@ def test_s_is_a_step_while_it_is_paused():
     ],
 )
 def test_what_the_window_is_asked_for(event, wish):
-    assert wish_of(event, paused=False) is wish
+    assert wish_of(event) is wish
 
 
 def test_a_stick_drives_in_proportion_and_its_dead_zone_is_no_wish():

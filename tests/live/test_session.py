@@ -5,7 +5,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.live import show as live
-from catch_arena.render.sdl import pygame
+from catch_arena.render.libraries import pygame
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import faults
 
@@ -29,10 +29,18 @@ class Script:
         return [press(look)] if isinstance(look, int) else list(look)
 
 
+class SteadyClock:
+    """Pygame's on a machine that is never busy: every frame takes as long as it should, and nobody waits for it."""
+
+    def tick(self, frames_per_s=0):
+        return 1000 // frames_per_s if frames_per_s else 0
+
+
 @pytest.fixture
 def session(monkeypatch, tmp_path):
     """Runs a command with a script of keys."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
     monkeypatch.chdir(tmp_path)
 
     def run(words, *looks):
@@ -73,11 +81,15 @@ def test_pause_holds_the_match_and_a_step_is_one_step(session, tmp_path):
         *nothing(40),
         pygame.K_PERIOD,
         *nothing(15),
-        pygame.K_s,
+        pygame.K_w,  # drives in the next step, and asks for none
+        *nothing(15),
+        pygame.K_PERIOD,
         *nothing(15),
     )
     assert result.exit_code == 0, result.output
-    assert Replay.load(tmp_path / "mine.replay").steps == 3
+    replay = Replay.load(tmp_path / "mine.replay")
+    assert replay.steps == 3
+    assert [float(commands[0][0]) for commands in replay.commands] == [0.0, 0.0, 1.0]
 
 
 def test_ctrl_s_saves_what_was_played_so_far(session, tmp_path):
@@ -86,6 +98,23 @@ def test_ctrl_s_saves_what_was_played_so_far(session, tmp_path):
     assert result.exit_code == 0, result.output
     assert 0 < Replay.load(tmp_path / "match.replay").steps < 10
     assert "replay:" not in result.output  # without --record the end writes nothing
+
+
+def test_ctrl_s_replaces_nothing(session, tmp_path):
+    """A match in a window cannot wait for an answer: the replay takes a name that is free."""
+    (tmp_path / "match.replay").write_text("mine")
+    result = session(["watch", "nearest"], *nothing(20), [press(pygame.K_s, pygame.KMOD_LCTRL)])
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "match.replay").read_text() == "mine"
+    assert Replay.load(tmp_path / "match-2.replay").steps > 0
+
+
+def test_a_record_that_is_there_is_replaced_with_force_only(session, tmp_path):
+    (tmp_path / "r.replay").write_text("mine")
+    refused = session(["watch", "nearest", "--record", "r.replay"])
+    assert (refused.exit_code, (tmp_path / "r.replay").read_text()) == (2, "mine")
+    assert session(["watch", "nearest", "--record", "r.replay", "--force"], *nothing(9)).exit_code == 0
+    assert Replay.load(tmp_path / "r.replay").steps > 0
 
 
 def test_r_begins_the_same_match_again(session, tmp_path):

@@ -9,7 +9,7 @@ from catch_arena.render.view import GROUND, HUNTER_COLORS
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import faults
 
-COMMAND = "from catch_arena.cli import main; main()"
+COMMAND = "from catch_arena.__main__ import main; main()"
 HUMAN = """
 import catch_arena
 env = catch_arena.parallel_env("duel", render_mode="human")
@@ -105,7 +105,7 @@ def test_the_window_can_be_resized(desk, started, keep):
     desk.wait(lambda: desk.seen().shape[:2] == (800, 700) and share(desk.seen()[100:500], GROUND) > 0.3)
     desk.wait(lambda: share(desk.seen()[-60:], CARD) > 0.3)  # drawn for this size, to its edges
     keep("4_resized", desk.picture())
-    desk.keys("key", "q")
+    desk.keys("key", "Escape")
 
 
 def test_render_mode_human_shows_the_match_in_motion(desk, started, keep):
