@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich import box
-from rich.table import Table
 from typer.core import TyperGroup
 
+from catch_arena import interrupts
+from catch_arena.cli.terminal import fit_help, let_all_be_written
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.scenarios import scenario
@@ -20,23 +20,26 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant
 
-INTERRUPTED = 130
 REFUSED = 2
 
 
 class _Commands(TyperGroup):
     """Turns our errors into one line and an exit code."""
 
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Read the words and run the command, help and wrong words included."""
+        let_all_be_written()
+        fit_help(self)
+        return super().main(*args, **kwargs)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""
         try:
             return super().invoke(ctx)
         except CatchArenaError as error:
-            typer.echo(f"catch-arena: {error}", err=True)
+            if not interrupts.received():  # else it is no news that something fails
+                typer.echo(f"catch-arena: {error}", err=True)
             raise typer.Exit(REFUSED) from None
-        except KeyboardInterrupt:
-            typer.echo("catch-arena: interrupted", err=True)
-            raise typer.Exit(INTERRUPTED) from None
 
 
 main = typer.Typer(
@@ -79,6 +82,16 @@ Trusted = Annotated[
     bool,
     typer.Option("--trusted", help="Run all agents inside our own processes: quicker, and nothing limits them."),
 ]
+MaxForfeits = Annotated[
+    int,
+    typer.Option(
+        metavar="N",
+        min=0,
+        help="An agent that forfeits N matches in a row is out, and forfeits the rest without being started; 0 puts "
+        "nobody out.",
+    ),
+]
+MAX_FORFEITS = 10
 Seed = Annotated[int, typer.Option(help="Whatever is drawn follows from it.")]
 
 
@@ -156,8 +169,3 @@ def _pairs(option: str, words: list[str] | None) -> Iterator[tuple[str, Any]]:
             yield key, json.loads(text)
         except ValueError:
             yield key, text  # a bare word
-
-
-def table(*headings: str) -> Table:
-    """A plain table with these headings."""
-    return Table(*headings, box=box.SIMPLE_HEAD, pad_edge=False)

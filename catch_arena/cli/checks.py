@@ -5,7 +5,18 @@ from typing import Annotated
 
 import typer
 
-from catch_arena.cli.app import Limits, Seed, Settings, Trusted, agent_limits, arena, limits_or_trust, main
+from catch_arena.cli.app import (
+    MAX_FORFEITS,
+    Limits,
+    Seed,
+    Settings,
+    Trusted,
+    agent_limits,
+    arena,
+    limits_or_trust,
+    main,
+)
+from catch_arena.cli.outputs import Force, output_file
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 
@@ -59,24 +70,31 @@ def grade(
     spec: Annotated[Path, typer.Option(metavar="FILE", help="What it is marked by (docs/grading.md).")],
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the marks as JUnit XML.")] = None,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the marks as JSON.")] = None,
+    force: Force = False,
     limits: Limits = None,
     trusted: Trusted = False,
+    max_forfeits: Annotated[
+        int,
+        typer.Option(
+            metavar="N",
+            min=0,
+            help="After N forfeits in a row a test has failed, and its rest is not played; 0: all is played.",
+        ),
+    ] = MAX_FORFEITS,
 ) -> None:
     """Mark an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
     The exit code is 0 where every test passed, else 1.
     """
-    from catch_arena.replay import regular_file, write_whole
+    from catch_arena.replay import write_whole
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.isolation.seating import inspector, sandboxed
     from catch_arena.tournament.marking.grading import json_text, junit_text, mark, read_spec
-    from catch_arena.tournament.records.results import prepare_folder
 
     exercise = read_spec(spec)
     for path in (junit, json):
         if path is not None:
-            prepare_folder(path.parent)
-            regular_file(path)
+            output_file(path, force=force)
     with sandboxed(limits_or_trust(limits, trusted=trusted)) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
@@ -86,7 +104,7 @@ def grade(
             for word, opponent in zip(test.opponents, opponents, strict=True):
                 if opponent.fault is not None:
                     raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
-            marks.append(mark(test, student, opponents, sandbox))
+            marks.append(mark(test, student, opponents, sandbox, max_forfeits))
             typer.echo(str(marks[-1]))
     points, possible = sum(one.points for one in marks), sum(one.possible for one in marks)
     typer.echo(f"{exercise.title}: {student.name} has {points:g} of {possible:g} points")

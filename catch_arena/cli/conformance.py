@@ -6,6 +6,8 @@ from typing import Annotated, Any
 import typer
 
 from catch_arena.cli.app import main
+from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.terminal import columns
 from catch_arena.errors import AgentError, ConfigError, suggest
 
 FAILED = 1
@@ -23,7 +25,9 @@ def conformance(
     only: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="A case, or all whose ids begin so; may be repeated.")
     ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="Show every failure in full, not by mistake.")] = False,
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the report as JUnit XML.")] = None,
+    force: Force = False,
     verdicts_only: Annotated[
         bool, typer.Option("--verdicts-only", help="Do not compare distances and winners.")
     ] = False,
@@ -40,9 +44,9 @@ def conformance(
 
     It takes the arguments of catch_arena.arbitrate and returns its rulings; docs/conformance.md has an example.
     """
-    from catch_arena.replay import regular_file, write_whole
+    from catch_arena.conformance.results import WIDTH
+    from catch_arena.replay import write_whole
     from catch_arena.testing import chosen, run_conformance
-    from catch_arena.tournament.records.results import prepare_folder
 
     if listing:
         for case in chosen(only or ()):
@@ -51,8 +55,7 @@ def conformance(
     if arbiter is None and arena is None:
         raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
     if junit is not None:
-        prepare_folder(junit.parent)
-        regular_file(junit)
+        output_file(junit, force=force)
     report = run_conformance(
         None if arbiter is None else _callable(arbiter),
         arena=None if arena is None else _made(arena),
@@ -61,7 +64,11 @@ def conformance(
         exact_lots=exact_lots,
         limit_s=limit_s,
     )
-    typer.echo(str(report))
+    width = min(WIDTH, columns())
+    typer.echo(report.in_full(width) if everything else report.by_mistake(width))
+    if report.failures and not everything:
+        first = report.diagnoses[0].failures[0].case.id
+        typer.echo(f"--all shows every failure in full, --only {first} plays one case")
     if junit is not None:
         write_whole(junit, report.junit().encode())
         typer.echo(f"JUnit XML: {junit}")

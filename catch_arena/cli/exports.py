@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 import typer
 
 from catch_arena.cli.app import main
+from catch_arena.cli.outputs import Force, output_file
 
 
 @main.command()
@@ -19,6 +20,7 @@ def export(
             "--format", help="jsonl: a line for each match; csv and parquet: a row for each seat of each match."
         ),
     ] = "jsonl",
+    force: Force = False,
     timing: Annotated[
         bool, typer.Option("--timing/--no-timing", help="With the time per move, which no other run repeats.")
     ] = True,
@@ -28,5 +30,6 @@ def export(
     from catch_arena.tournament.records.store import Store
 
     with Store.read(folder) as store:
+        output_file(output, force=force)
         write(store, form, output, timing=timing)
         typer.echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")

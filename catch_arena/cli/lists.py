@@ -2,8 +2,9 @@
 
 from rich.console import Console
 
-from catch_arena.cli.app import main, table
+from catch_arena.cli.app import main
 from catch_arena.scenarios import SCENARIOS
+from catch_arena.tournament.display.fitted import FittedTable
 
 
 @main.command()
@@ -11,7 +12,7 @@ def agents() -> None:
     """List the agents that come with the package."""
     from catch_arena.tournament.entrants import shipped
 
-    listing = table("agent", "what it does")
+    listing = FittedTable("agent", "what it does", folded="what it does")
     for name, line in shipped().items():
         listing.add_row(name, line)
     Console().print(listing)
@@ -20,7 +21,7 @@ def agents() -> None:
 @main.command()
 def scenarios() -> None:
     """List the scenarios."""
-    listing = table("scenario", "hunters", "side m", "max m/s", "at start", "at most", "per s", "seconds")
+    listing = FittedTable("scenario", "hunters", "side m", "max m/s", "at start", "at most", "per s", "seconds")
     for column in listing.columns[1:]:
         column.justify = "right"
     for name, config in SCENARIOS.items():

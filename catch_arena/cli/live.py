@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catch_arena.cli.app import Agents, Scenario, Seed, Settings, arena, main
+from catch_arena.cli.outputs import Force, free_name, output_file
 from catch_arena.cli.videos import width_and_height
 from catch_arena.errors import ConfigError
 
@@ -16,7 +17,9 @@ _RIVALS = ("nearest", "contested_by_time", "patrol")
 
 Record = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="Keep the replay here.", show_default="with Ctrl-S: match.replay"),
+    typer.Option(
+        metavar="FILE", help="Keep the replay here.", show_default="with Ctrl-S: match.replay, or match-2.replay ..."
+    ),
 ]
 Size = Annotated[str, typer.Option(metavar="WIDTHxHEIGHT", help="Of the window; it can be resized.")]
 
@@ -39,6 +42,7 @@ def play(
     seat: Annotated[int, typer.Option(help="Yours.")] = 0,
     seed: Seed = 0,
     record: Record = None,
+    force: Force = False,
     size: Size = "1280x720",
     settings: Settings = None,
 ) -> None:
@@ -50,7 +54,7 @@ def play(
     if not 0 <= seat < config.hunters:
         raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario}, got {seat}")
     rivals = [*(against or ()), *(agents or ())] or list(_RIVALS)
-    _show(rivals, scenario, config.hunters - 1, seat, seed, record, size, settings)
+    _show(rivals, scenario, config.hunters - 1, seat, seed, record, size, settings, force=force)
 
 
 @main.command()
@@ -60,11 +64,12 @@ def watch(
     scenario: Scenario = "standard",
     seed: Seed = 0,
     record: Record = None,
+    force: Force = False,
     size: Size = "1280x720",
     settings: Settings = None,
 ) -> None:
     """Watch agents play, live; fewer than the scenario has seats for sit in several."""
-    _show(agents, scenario, arena(scenario, settings).hunters, None, seed, record, size, settings)
+    _show(agents, scenario, arena(scenario, settings).hunters, None, seed, record, size, settings, force=force)
 
 
 def _show(
@@ -76,24 +81,24 @@ def _show(
     record: Path | None,
     size: str,
     settings: list[str] | None,
+    *,
+    force: bool,
 ) -> None:
     """Seat the agents, one after the other and over again, and play in a window."""
     from catch_arena.live.session import seated, show_match
     from catch_arena.render.stage import checked_size
-    from catch_arena.replay import regular_file
     from catch_arena.tournament.entrants import enter
-    from catch_arena.tournament.records.results import prepare_folder
 
     config = arena(scenario, settings)
     if len(words) > free:
         raise ConfigError(f"agents must be {free} at most, one for each free seat of {scenario}, got {len(words)}")
     window = checked_size(width_and_height(size))
     seats = seated(enter([words[place % len(words)] for place in range(free)]), config.hunters, person)
-    target = Path("match.replay") if record is None else record
-    prepare_folder(target.parent)
-    regular_file(target)
+    unasked = Path("match.replay")
+    output_file(unasked if record is None else record, force=force or record is None)
 
     def save(replay: "Replay") -> str:
+        target = (unasked if force else free_name(unasked)) if record is None else record
         replay.save(target)
         return str(target)
 

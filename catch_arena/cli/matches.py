@@ -9,9 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 from rich.console import Console
 
+from catch_arena import interrupts
 from catch_arena.cli.app import (
+    MAX_FORFEITS,
     Agents,
     Limits,
+    MaxForfeits,
     Scenario,
     Seed,
     Settings,
@@ -21,7 +24,8 @@ from catch_arena.cli.app import (
     limits_or_trust,
     main,
 )
-from catch_arena.errors import ConfigError, NoContest
+from catch_arena.cli.outputs import Force, output_file
+from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.entrants import Entrant
@@ -68,13 +72,14 @@ def tournament(
     ] = None,
     trusted: Trusted = False,
     limits: Limits = None,
+    max_forfeits: MaxForfeits = MAX_FORFEITS,
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="The folder for its matches, standings and agents' logs.")
     ] = Path("out/tournament"),
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what DIR holds, if it holds anything.")] = False,
     record: Annotated[bool, typer.Option("--record", help="Also keep a replay of each match, in DIR/replays.")] = False,
     watch: Annotated[
-        bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 meanwhile; the address is printed.")
+        bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 from the first match on, until Ctrl-C.")
     ] = False,
     plan: Annotated[bool, typer.Option("--plan", help="Say what would be played and what it costs; no more.")] = False,
     settings: Settings = None,
@@ -105,43 +110,55 @@ def tournament(
     plays = _plan(players, config.hunters, form, rounds, seed, until_separated, max_matches)
     worker = Worker(config, players, record, allowed)
     if plan:
-        Console().print(plan_table(plays, players, measured(worker, plays), jobs))
+        Console().print(plan_table(plays, worker, measured(worker, plays), jobs, max_forfeits))
         return
     prepare_folder(out / REPLAYS if record else out)
-    terms = {"recorded": record, "trusted": trusted, **({} if allowed is None else asdict(allowed))}
+    terms = {"recorded": record, "trusted": trusted, "max_forfeits": max_forfeits}
+    terms |= {} if allowed is None else asdict(allowed)
     facts = Tournament(config, players, plays.words, terms)
+    most = "at most " if isinstance(plays, UntilSeparated) else ""
+
+    def kept(count: int) -> str:
+        return f"{count} of {most}{plays.size} matches are kept in {out}; the same command with --resume goes on"
+
+    def kept_by_now() -> str:
+        with Store.read(out) as store:  # of its own: any thread may ask
+            return kept(store.count_played())
+
     with Store.begin(facts, out, resume=resume) as store, _watched(out) if watch else nullcontext():
-        most = "at most " if isinstance(plays, UntilSeparated) else ""
+        interrupts.also_say(kept_by_now)
         typer.echo(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {config.hunters} in each")
         try:
             with _executor(executor, worker, jobs, address) as ready, LiveStandings(players, plays.size) as live:
-                play_out(store, plays, ready, folder=out, told=live.update)
-        except (KeyboardInterrupt, NoContest):
-            kept = f"{store.count_played()} of {most}{plays.size} matches are kept in {out}"
-            typer.echo(f"{kept}; the same command with --resume goes on", err=True)
-            raise
-        table = standings(players, list(store.played()))
-        played = store.count_played()
-        write_standings(out, facts, played, table)
-    Console().print(standings_table(table))
-    if isinstance(plays, UntilSeparated) and plays.last is not None:
-        typer.echo(f"after {played} matches, {plays.last}")
-    if (out / LOGS).exists():
-        typer.echo(f"what agents printed, and how they failed: {out / LOGS}")
-    typer.echo(f"results: {out}")
-    typer.echo(f"report: {write_report(out)}")
+                play_out(store, plays, ready, max_forfeits=max_forfeits, folder=out, told=live.update)
+            table = standings(players, list(store.played()))
+            played = store.count_played()
+            write_standings(out, facts, played, table)
+        except (NoContest, OutputError, StoreError) as error:
+            raise type(error)(f"{error}; {kept(store.count_played())}") from None
+        Console().print(standings_table(table))
+        for line in table:
+            if "FORFEIT_OUT" in line.forfeits:
+                without = f"{line.forfeits['FORFEIT_OUT']} of its {line.matches} matches were played without it"
+                typer.echo(f"{line.name} was out after {max_forfeits} forfeits in a row: {without}")
+        if isinstance(plays, UntilSeparated) and plays.last is not None:
+            typer.echo(f"after {played} matches, {plays.last}")
+        if (out / LOGS).exists():
+            typer.echo(f"what agents printed, and how they failed: {out / LOGS}")
+        typer.echo(f"results: {out}")
+        typer.echo(f"report: {write_report(out)}")
 
 
 @contextmanager
 def _watched(folder: Path) -> Iterator[None]:
-    """Serve the report of a tournament that is under way."""
+    """Serve the report of a tournament that is under way, and of one that has ended until Ctrl-C."""
     from catch_arena.report.watch import Watched, serving
 
-    watched = Watched(folder)
-    with serving(watched) as address:
+    with serving(Watched(folder)) as address:
         typer.echo(f"watch: {address}")
         yield
-        watched.let_see_the_end()
+        typer.echo(f"the report stays at {address} until Ctrl-C")
+        interrupts.wait()
 
 
 def _plan(
@@ -205,13 +222,12 @@ def match(
     trusted: Trusted = False,
     limits: Limits = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="The replay to write.")] = Path("match.replay"),
+    force: Force = False,
     settings: Settings = None,
 ) -> None:
     """Play one match, seated in the order given, and record it."""
-    from catch_arena.replay import regular_file
     from catch_arena.tournament.isolation.seating import play_entrants, sandboxed
     from catch_arena.tournament.plans.schedule import require_enough
-    from catch_arena.tournament.records.results import prepare_folder
 
     config = arena(scenario, settings)
     allowed = limits_or_trust(limits, trusted=trusted)
@@ -219,8 +235,7 @@ def match(
     require_enough(len(players), config, scenario)
     if len(players) > config.hunters:
         raise ConfigError(f"agents must be {config.hunters}, one for each hunter of {scenario}, got {len(players)}")
-    prepare_folder(output.parent)
-    regular_file(output)
+    output_file(output, force=force)
     with sandboxed(allowed) as sandbox:
         result = play_entrants(config, seed, players, sandbox, title=scenario, record=output)
     for player, log in zip(players, result.logs, strict=True):

@@ -7,7 +7,20 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from catch_arena.cli.app import Limits, Scenario, Seed, Settings, Trusted, arena, entered, limits_or_trust, main, table
+from catch_arena.cli.app import (
+    MAX_FORFEITS,
+    Limits,
+    MaxForfeits,
+    Scenario,
+    Seed,
+    Settings,
+    Trusted,
+    arena,
+    entered,
+    limits_or_trust,
+    main,
+)
+from catch_arena.cli.outputs import Force, output_file
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -38,6 +51,7 @@ def compare(
     jobs: Jobs = None,
     trusted: Trusted = False,
     limits: Limits = None,
+    max_forfeits: MaxForfeits = MAX_FORFEITS,
     settings: Settings = None,
 ) -> None:
     """Play A and B until a sequential test knows which is stronger.
@@ -74,8 +88,11 @@ def compare(
             seed=seed,
             jobs=jobs_or_all(jobs),
             limits=allowed,
+            max_forfeits=max_forfeits,
             progress=show,
         )
+    for name, codes in found.forfeits.items():
+        typer.echo(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
     share = found.share
     points = [f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high)]
     typer.echo(f"{found.matches} matches in {found.blocks} blocks, {_opponents(config.hunters, entrants)}")
@@ -109,6 +126,7 @@ def audit(
     out: Annotated[Path, typer.Option(help="The folder for audit.json, of which the report tells.")] = Path(
         "out/tournament"
     ),
+    force: Force = False,
     settings: Settings = None,
 ) -> None:
     """Ask whether the arena is fair: to seats, to labels, to the order of requests.
@@ -116,17 +134,17 @@ def audit(
     Exits with 0 if nothing unfair was found, with 1 otherwise.
     """
     from catch_arena.replay import write_whole
+    from catch_arena.tournament.display.fitted import FittedTable
     from catch_arena.tournament.display.tables import progress_bar
     from catch_arena.tournament.fairness.audit import FILE, LEVEL, audit_text
     from catch_arena.tournament.fairness.audit import audit as ask
-    from catch_arena.tournament.records.results import prepare_folder
 
     config = arena(scenario, settings)
-    prepare_folder(out)
+    output_file(out / FILE, force=force)
     with progress_bar("playing") as show:
         found = ask(config, agent, matches=matches, seed=seed, jobs=jobs_or_all(jobs), progress=show)
     write_whole(out / FILE, audit_text(found, config, seed).encode())
-    seats = table("seat", "wins", "95 %", "score")
+    seats = FittedTable("seat", "wins", "95 %", "score")
     for number, seat in enumerate(found.seats):
         interval = f"{100 * seat.wins.low:.1f} - {100 * seat.wins.high:.1f}"
         seats.add_row(str(number), f"{100 * seat.wins.mean:.1f} %", interval, f"{seat.score:.2f}")

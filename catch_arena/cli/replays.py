@@ -8,11 +8,11 @@ from typing import Annotated
 import typer
 
 from catch_arena.cli.app import main
+from catch_arena.cli.terminal import WIDE, columns
 from catch_arena.errors import ReplayError
 
 _DIFFER = 1
 _BAR_AFTER_S = 2.0
-_COLUMNS = 80
 
 Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
 
@@ -91,5 +91,6 @@ def explain(
     if as_json:
         typer.echo(json.dumps(told.to_dict(), indent=1))
         return
+    width = min(WIDE, columns())
     for paragraph in told.lines():
-        typer.echo(textwrap.fill(paragraph, _COLUMNS, subsequent_indent="    ", break_on_hyphens=False))
+        typer.echo(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))

@@ -1,12 +1,11 @@
 """`catch-arena report`: a tournament as a page."""
 
-import threading
-from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from catch_arena import interrupts
 from catch_arena.cli.app import main
 from catch_arena.errors import ConfigError
 
@@ -42,8 +41,7 @@ def report(
         watched.state()  # what is wrong is said here, before anybody looks
         with serving(watched, port) as address:
             typer.echo(f"report: {address} (Ctrl-C ends)")
-            with suppress(KeyboardInterrupt):
-                threading.Event().wait()
+            interrupts.wait()
         return
     from catch_arena.report import BUDGET, write_report
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from catch_arena.cli.app import main
+from catch_arena.cli.outputs import Force, output_file
 from catch_arena.errors import ConfigError, ReplayError
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def render(
             show_default="an MP4 file beside the replay",
         ),
     ] = None,
+    force: Force = False,
     size: FilmSize = None,
     fps: Fps = None,
     layout: Annotated[Layout, typer.Option(help="With the scores, or the arena alone.")] = "broadcast",
@@ -53,14 +55,14 @@ def render(
     speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
 ) -> None:
     """Turn a recorded match, or a part of it, into a video."""
+    from catch_arena.render.encoders import written_as
     from catch_arena.render.video import render_replay
     from catch_arena.replay import Replay
     from catch_arena.tournament.display.tables import progress_bar
-    from catch_arena.tournament.records.results import prepare_folder
 
     recorded = Replay.load(replay)
     target = replay.with_suffix(".mp4") if output is None else output
-    prepare_folder(target.parent)
+    output_file(written_as(target), force=force)
     with progress_bar("rendering") as show:
         report = render_replay(
             recorded,
@@ -81,39 +83,40 @@ def mosaic(
     folder: Folder,
     *,
     output: Video,
+    force: Force = False,
     size: Annotated[
         str | None,
         typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture.", show_default="as the cells need, up to 1280x1280"),
     ] = None,
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="30; GIF 25")] = None,
     speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
-    count: Annotated[int, typer.Option(min=1, max=_MOST_IN_ONE, help="At most so many matches, by name.")] = (
-        _MOST_IN_ONE
-    ),
+    count: Annotated[
+        int | None,
+        typer.Option(min=1, max=_MOST_IN_ONE, help="At most so many matches, by name.", show_default=f"{_MOST_IN_ONE}"),
+    ] = None,
 ) -> None:
     """Show all matches of a folder at once, in a grid."""
-    from catch_arena.render.encoders import format_of
+    from catch_arena.render.encoders import format_of, written_as
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay
     from catch_arena.tournament.display.tables import progress_bar
-    from catch_arena.tournament.records.results import prepare_folder
 
     within = None if size is None else width_and_height(size)
     format_of(output)
     paths = _replays_in(folder)
     found: dict[str, Replay] = {}
     for path in paths:
-        if len(found) == count:
+        if len(found) == (count or _MOST_IN_ONE):
             break
         try:
             found[path.stem] = Replay.load(path)
         except ReplayError as error:
             _tell_skipped(error)
     _require_some(folder, len(found), len(paths))
-    prepare_folder(output.parent)
+    output_file(written_as(output), force=force)
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, size=within, fps=fps, speed=speed, progress=show)
-    typer.echo(f"matches: {len(found)} of {len(paths)}")
+    typer.echo(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
     _tell(report)
 
 
@@ -122,6 +125,7 @@ def highlights(
     folder: Folder,
     *,
     output: Video = Path("highlights.mp4"),
+    force: Force = False,
     count: Annotated[int, typer.Option(min=1, help="At most so many moments.")] = 8,
     listing: Annotated[
         bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
@@ -133,24 +137,26 @@ def highlights(
 
     Close contests, changes of lead, streaks, the last seconds of close matches, and upsets; the best comes last.
     """
-    from catch_arena.render.encoders import format_of
+    from catch_arena.render.encoders import format_of, written_as
     from catch_arena.render.highlights import Clip, render_highlights
     from catch_arena.render.hud import clock
     from catch_arena.render.moments import best
     from catch_arena.tournament.display.tables import progress_bar
-    from catch_arena.tournament.records.results import prepare_folder
 
     within = None if size is None else width_and_height(size)
     format_of(output)
+    if not listing:
+        output_file(written_as(output), force=force)
     found = _moments_in(folder)
     chosen = best({str(path): moments for path, moments in found.items()}, count)
     if not chosen:
         raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
     for path, moment in chosen:
         typer.echo(f"{Path(path).name}  {clock(moment.decisive_ms)} s  {moment.kind}: {moment.what}. {moment.why}")
+    if fewer := _fewer(len(chosen), count, "there are no more that do not overlap"):
+        typer.echo(f"moments: {len(chosen)}{fewer}", err=True)
     if listing:
         return
-    prepare_folder(output.parent)
     with progress_bar("rendering") as show:
         clips = [Clip(Path(path), moment) for path, moment in chosen]
         report = render_highlights(clips, output, size=within, fps=fps, progress=show)
@@ -162,7 +168,10 @@ def sheet(
     replay: Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")],
     *,
     output: Annotated[Path, typer.Option("--output", "-o", help="The PNG file to write.")] = Path("sheet.png"),
-    count: Annotated[int, typer.Option(min=1, max=100, help="How many pictures.")] = 12,
+    force: Force = False,
+    count: Annotated[
+        int, typer.Option(min=1, max=100, help="How many pictures; fewer if the match has fewer moments.")
+    ] = 12,
     pick: Annotated[
         Literal["even", "moments"], typer.Option(help="Evenly from beginning to end, or the moments worth seeing.")
     ] = "even",
@@ -175,29 +184,33 @@ def sheet(
 ) -> None:
     """Put pictures of a match side by side, with their times."""
     from catch_arena.render.moments import best, moments, story
-    from catch_arena.render.sheet import contact_sheet, even_instants, instants_of
-    from catch_arena.replay import Replay, regular_file, write_whole
+    from catch_arena.render.sheet import contact_sheet, even_instants, instants_of, same_picture
+    from catch_arena.replay import Replay, write_whole
     from catch_arena.tournament.display.tables import progress_bar
-    from catch_arena.tournament.records.results import prepare_folder
 
     if output.suffix.lower() != ".png":
         raise ConfigError(f"output must end in .png, got {str(output)!r}")
     within = None if size is None else width_and_height(size)
     recorded = Replay.load(replay)
+    output_file(output, force=force)
     with progress_bar("looking", after_s=_BAR_AFTER_S) as show:
         if pick == "even":
             instants = even_instants(recorded, count)
         else:
-            chosen = best({"": moments(story(recorded, show))}, count)
+            chosen = best({"": moments(story(recorded, show))}, count, clash=same_picture)
             instants = instants_of([moment for _, moment in chosen])
     if not instants:
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
-    prepare_folder(output.parent)
-    regular_file(output)
     with progress_bar("drawing") as show:
         picture = contact_sheet(recorded, instants, size=within, progress=show)
     write_whole(output, picture)
-    typer.echo(f"sheet: {output} ({len(instants)} pictures)")
+    pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
+    typer.echo(f"sheet: {output} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
+
+
+def _fewer(got: int, asked: int | None, why: str) -> str:
+    """What is said where there is less than was asked for."""
+    return f", not {asked}: {why}" if asked is not None and got < asked else ""
 
 
 def _moments_in(folder: Path) -> "Mapping[Path, Sequence[Moment]]":

@@ -1,0 +1,32 @@
+"""The files that commands write: one that stands there already is not replaced without --force."""
+
+from itertools import count
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catch_arena.errors import OutputError
+
+Force = Annotated[bool, typer.Option("--force", help="Replace the file, where there is one of that name.")]
+
+
+def output_file(path: Path, *, force: bool) -> Path:
+    """That path, where a file can be written: its folder is made, and what stands there may be replaced.
+
+    Raises: OutputError: better before the work than after it.
+    """
+    from catch_arena.replay import regular_file
+    from catch_arena.tournament.records.results import prepare_folder
+
+    prepare_folder(path.parent)
+    if regular_file(path).exists() and not force:
+        raise OutputError(f"{path}: is there already: give --force to replace it, or another name")
+    return path
+
+
+def free_name(path: Path) -> Path:
+    """That path, or where something stands there the first free one of «name-2.end», «name-3.end» and so on."""
+    if not path.exists():
+        return path
+    return next(other for number in count(2) if not (other := path.with_stem(f"{path.stem}-{number}")).exists())
