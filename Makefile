@@ -2,12 +2,20 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-WORKERS := --numprocesses 2 --dist loadgroup
+# By files, since the tests of one share what is slow to make; where a single file is most of the work, test by test.
+WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
+SPREAD := --numprocesses 2 --dist worksteal
+USUAL := not nightly and not extras
 RULES := tests/oracle tests/properties tests/rulebook tests/unit
+QUICK := $(RULES) tests/agents tests/conformance tests/contract tests/docs tests/vector
+SET_UP := $(PYTHON) scripts/set_up.py $(VENV)
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 
+# Bytecode is kept, whatever the environment says: every process would compile all sources anew, some five seconds each.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
-.PHONY: help demo test fast nightly laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
+.PHONY: help demo test quick extras nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
 	clean setup
 
 help: ## list the targets
@@ -16,23 +24,32 @@ help: ## list the targets
 demo: $(VENV)/ready ## play a tournament of all shipped agents, and film the final (out/demo)
 	$(BIN)/python scripts/demo.py --out out/demo
 
-test: $(VENV)/ready-dev ## run the tests
-	$(BIN)/pytest $(WORKERS) tests
+test: $(VENV)/ready-dev ## run the tests, but for those of nightly and extras
+	$(BIN)/pytest $(WORKERS) -m '$(USUAL)' tests
 
-nightly: laws interpreted boundscheck coverage mutate ## what takes long: the five targets that follow
+quick: $(VENV)/ready-dev ## before each commit: the tests of the rules, the doors, conformance and the docs
+	$(BIN)/pytest $(WORKERS) -m '$(USUAL)' $(QUICK)
+
+extras: $(VENV)/ready-extras ## the tests that need large packages: Ray, moviepy
+	$(BIN)/pytest -m extras tests
+
+nightly: long laws interpreted boundscheck coverage mutate ## what takes long: the six targets that follow
+
+long: $(VENV)/ready-dev ## the tests that make test leaves out
+	$(BIN)/pytest $(WORKERS) -m nightly tests
 
 laws: $(VENV)/ready-dev ## the property tests at length, with a million steps of engine against oracle
-	CATCH_ARENA_LONG=1 $(BIN)/pytest $(WORKERS) tests/properties
+	CATCH_ARENA_LONG=1 $(BIN)/pytest $(SPREAD) tests/properties tests/replay/test_format.py
 
 interpreted: $(VENV)/ready-dev ## the tests of the rules without the compiler
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(WORKERS) $(RULES)
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(SPREAD) $(RULES)
 
 boundscheck: $(VENV)/ready-dev ## the tests of the rules with every index tested
-	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(WORKERS) $(RULES)
+	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(SPREAD) $(RULES)
 
 # Without the compiler, since compiled code cannot be measured; random matches, batches and threads are slow then, and meet no
 # line that the other tests do not.
-coverage: $(VENV)/ready-dev ## measure coverage: at least 95 % of all, and every line and branch of the rules
+coverage: $(VENV)/ready-extras ## measure coverage: at least 95 % of all, and every line and branch of the rules
 	rm -rf out/coverage
 	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(WORKERS) tests --ignore tests/properties -k 'not batch and not thread' -m 'not large'
 	$(BIN)/coverage combine --quiet || true  # a process that a test killed leaves a file that cannot be read
@@ -41,9 +58,6 @@ coverage: $(VENV)/ready-dev ## measure coverage: at least 95 % of all, and every
 
 mutate: $(VENV)/ready-dev ## change the rules, and see that a test notices
 	$(BIN)/python scripts/mutate.py
-
-fast: $(VENV)/ready-dev ## run the rulebook's tests only
-	$(BIN)/pytest tests/rulebook
 
 browser: $(VENV)/ready-browser ## play videos and open pages in a headless Chromium
 	$(BIN)/pytest tests/browser
@@ -79,22 +93,18 @@ setup: $(VENV)/ready-dev ## make .venv with everything that development needs
 clean: ## remove .venv, caches and out/
 	rm -rf $(VENV) out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
-# A Debian without python3-venv can make an environment only without pip; its own pip then fills it.
-$(VENV)/bin/python:
+$(VENV)/ready: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 		|| { echo "Catch Arena needs Python 3.11 or newer; name one with: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
-	@$(PYTHON) -m venv $(VENV) >/dev/null 2>&1 || { rm -rf $(VENV) \
-		&& $(PYTHON) -m venv --without-pip $(VENV) \
-		&& $(PYTHON) -m pip --quiet --python $(VENV)/bin/python install pip; }
-
-$(VENV)/ready: pyproject.toml | $(VENV)/bin/python
-	@echo "setting up $(VENV) (about a minute)"
-	@$(PIP) install --upgrade 'pip>=25.1'
-	@$(PIP) install --editable '.[video]'
+	@$(SET_UP) --extra video --compile
 	@touch $@
 
 $(VENV)/ready-dev: $(VENV)/ready
-	@$(PIP) install --group test --group check
+	@$(SET_UP) --group test --group check
+	@touch $@
+
+$(VENV)/ready-extras: $(VENV)/ready-dev
+	@$(SET_UP) --group extras
 	@touch $@
 
 # A peer without a wheel for this Python, or a network that fails, leaves out that peer alone; the run names it as skipped.
@@ -108,7 +118,7 @@ $(VENV)/ready-bench: $(VENV)/ready
 $(VENV)/ready-browser: $(VENV)/ready-dev
 	@command -v chromium >/dev/null || { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install -y -qq chromium; } \
 		|| { echo "the browser tests need Chromium: apt-get install chromium"; exit 1; }
-	@$(PIP) install --group browser
+	@$(SET_UP) --group browser
 	@touch $@
 
 $(VENV)/ready-window: $(VENV)/ready-dev

@@ -1,83 +1,126 @@
-"""Play a tournament of all shipped agents, then a final of the best four, and make its video in out/demo."""
+"""A tournament of seven shipped agents, a final of the best four, and what came of it, in out/demo: a report, a video
+of the final, and the best moments of all matches. Each step is a command of `catch-arena`, shown as it is run.
+"""
+
+from catch_arena import interrupts
+
+if __name__ == "__main__":
+    interrupts.listen()  # before what follows is imported, which takes a second
 
 import argparse
+import json
+import os
+import shlex
+import shutil
+import subprocess
 import sys
-from dataclasses import dataclass
+import time
 from pathlib import Path
+from typing import Final
 
-from rich.console import Console
+import typer
 
-from catch_arena import CatchArenaError, Replay, scenario
-from catch_arena.render.video import render_replay
-from catch_arena.tournament.display.tables import progress_bar, standings_table
-from catch_arena.tournament.entrants import enter, shipped
-from catch_arena.tournament.execution import executors, runner
-from catch_arena.tournament.match import play
-from catch_arena.tournament.plans import schedule
-from catch_arena.tournament.records import results
-from catch_arena.tournament.records.store import Tournament
-from catch_arena.tournament.statistics.standings import standings
-
-SCENARIO = "standard"
+FIELD: Final = ("patrol", "contested_by_time", "contested", "nearest", "first", "random", "idle")
+"""Who plays, however many agents the package has."""
+SEED: Final = 7
+PICTURE: Final = ("--size", "1280x720", "--fps", "30")
+COMMAND: Final = str(Path(sys.executable).with_name("catch-arena"))
+_TOLD_EVERY_S: Final = 5.0
 
 
-@dataclass(frozen=True)
-class Args:
-    """The command line."""
-
-    out: Path
-    rounds: int
-    seed: int
-    jobs: int
-
-
-def parse() -> Args:
+def parse() -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("out/demo"), help="the folder to write to")
-    parser.add_argument("--rounds", type=int, default=2)
-    parser.add_argument("--seed", type=int, default=7)
-    parser.add_argument("--jobs", type=int, default=executors.usable_cores())
-    return Args(**vars(parser.parse_args()))
+    parser.add_argument("--out", type=Path, default=Path("out/demo"), help="the folder to write to; made anew")
+    parser.add_argument(
+        "--open",
+        action=argparse.BooleanOptionalAction,
+        default=has_desktop(),
+        help="open what was made; the default where there is a desktop",
+    )
+    return parser.parse_args()
 
 
-def demo(args: Args) -> None:
-    """A tournament, its table, the final and the video."""
-    config = scenario(SCENARIO)
-    results.prepare_folder(args.out)
+def has_desktop() -> bool:
+    """Whether somebody sits before a screen."""
+    if not sys.stdout.isatty() or os.environ.get("CI"):
+        return False
+    if sys.platform in ("darwin", "win32"):
+        return "SSH_CONNECTION" not in os.environ
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
-    entrants = enter(list(shipped()))
-    plan = schedule.round_robin(len(entrants), config.hunters, args.rounds, args.seed)
-    print(f"{len(entrants)} agents play {len(plan)} matches of {config.time_limit_s:g} s on {args.jobs} cores")
-    with progress_bar("playing", len(plan)) as show:
-        played = runner.run(config, entrants, plan, jobs=args.jobs, progress=show)
-    table = standings(entrants, played)
-    results.write_standings(args.out, Tournament(config, entrants, plan.words), len(played), table)
-    Console().print(standings_table(table))
 
-    best = enter([line.name for line in table[: config.hunters]])
-    names = [finalist.name for finalist in best]
-    replay, video = args.out / "final.replay", args.out / "final.mp4"
-    final = play(config, args.seed, [one.create() for one in best], names, title="The final", record=replay)
-    print("the final: " + ", ".join(f"{name} {score}" for name, score in zip(names, final.scores, strict=True)))
-    with progress_bar("rendering") as show:
-        render_replay(Replay.load(replay), video, progress=show)
-    print(f"results: {args.out / results.TABLE}")
-    print(f"video:   {video}")
+def begin(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
+    """Show a command and start it; `quietly` keeps what it says until it has ended: two bars need two terminals.
+
+    It has a session of its own: Ctrl-C is for this process, and is told once.
+    """
+    line = [str(word) for word in words]
+    print(f"\n$ catch-arena {shlex.join(line)}", flush=True)
+    pipe = subprocess.PIPE if quietly else None
+    return subprocess.Popen([COMMAND, *line], text=True, stdout=pipe, stderr=pipe, start_new_session=True)
+
+
+def wait_for(process: subprocess.Popen[str]) -> None:
+    """Raises: SystemExit with the code of a command that failed."""
+    if process.wait():
+        sys.exit(process.returncode)
+
+
+def tell(process: subprocess.Popen[str], what: str) -> None:
+    """Wait for a quiet command, and print what it said. Raises: SystemExit with the code of one that failed."""
+    began = time.monotonic()
+    while True:
+        try:
+            said, failed = process.communicate(timeout=_TOLD_EVERY_S)
+        except subprocess.TimeoutExpired:
+            print(f"{what}: not ready yet, {time.monotonic() - began:.0f} s", flush=True)
+        else:
+            break
+    if process.returncode:
+        print(failed, end="", file=sys.stderr)
+        sys.exit(process.returncode)
+    print(said, end="", flush=True)
+
+
+def demo(out: Path) -> dict[str, Path]:
+    """Play, film and report; what there is to see."""
+    started: list[subprocess.Popen[str]] = []
+
+    def run(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
+        started.append(begin(*words, quietly=quietly))
+        return started[-1]
+
+    shutil.rmtree(out, ignore_errors=True)
+    replay, video, moments = out / "final.replay", out / "final.mp4", out / "moments.mp4"
+    try:
+        wait_for(run("tournament", *FIELD, "--seed", SEED, "--record", "--out", out))
+        # beside the final: that keeps two cores busy
+        filming = run("highlights", out / "replays", "--count", 3, *PICTURE, "-o", moments, quietly=True)
+        best = [line["agent"] for line in json.loads((out / "standings.json").read_text())["standings"][:4]]
+        wait_for(run("match", *best, "--seed", SEED, "-o", replay))
+        wait_for(run("render", replay, *PICTURE, "-o", video))
+        print("\nthe best moments of all matches:", flush=True)
+        tell(filming, "filming")
+    except BaseException:
+        for process in started:
+            process.kill()  # a command's own processes end with it
+        raise
+    return {"report": out / "report.html", "final": video, "best moments": moments}
 
 
 def main() -> int:
-    """The exit code: 0, 2 with a line that says why not, or 130 after Ctrl-C."""
-    try:
-        demo(parse())
-    except CatchArenaError as error:
-        print(error, file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return 130
+    """The exit code."""
+    args = parse()
+    began = time.monotonic()
+    made = demo(args.out)
+    print(f"\nAll of it took {time.monotonic() - began:.0f} s. Look at:")
+    for name, path in made.items():
+        print(f"  {name + ':':<14}{path}")
+        if args.open:
+            typer.launch(str(path))
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    interrupts.run(main)

@@ -27,10 +27,12 @@ def table(text, heading, words=""):
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """One quick run of all parts: the folder that it wrote into."""
+    """One quick run: the folder that it wrote into. The phases, for which the step is compiled anew, have their own."""
     folder = tmp_path_factory.mktemp("bench")
     (folder / "page.md").write_bytes((ROOT / "docs" / "performance.md").read_bytes())
-    done = bench("--quick", "--json", folder / "bench.json", "--page", folder / "page.md")
+    done = bench(
+        "--quick", "--only", "start", "peers", "ours", "--json", folder / "bench.json", "--page", folder / "page.md"
+    )
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -60,9 +62,22 @@ def test_the_tables_are_complete(run):
     assert {("Catch Arena, batch, target control", "33", threads) for threads in "12"} <= doors
     assert [row[0].split()[0] for row in table(page, "More hunters")[1:]] == ["2", "4", "8", "16", "32", "64"]
     assert [row[0].split()[2] for row in table(page, "More targets")[1:]] == ["4", "8", "16", "32", "64"]
-    assert "the whole step" in [row[0] for row in table(page, "Where a step's time goes")]
     for heading in ("Beside others", "One arena, and batches", "Reset and memory", "Import and start-up"):
         assert len({len(row) for row in table(page, heading)}) == 1
+
+
+@pytest.mark.nightly
+def test_the_phases_of_a_step_add_up_to_the_whole(tmp_path):
+    """As far as rounding goes; the rest has a row of its own, and what only moves memory stands below."""
+    done = bench("--quick", "--only", "phases", "--json", tmp_path / "bench.json")
+    assert done.returncode == 0, done.stderr
+    rows = [row[0] for row in table(done.stdout, "Where a step's time goes")]
+    for batch in json.loads((tmp_path / "bench.json").read_text())["phases"]:
+        *phases, whole, _, _ = batch["ns_per_agent_step"]
+        assert whole == "the whole step"
+        assert {*phases, whole} <= {*rows}
+        spent = batch["ns_per_agent_step"]
+        assert sum(spent[name] for name in phases) == pytest.approx(spent[whole])
 
 
 def test_the_work_of_a_step_stands_beside_its_rate(run):
