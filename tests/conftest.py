@@ -1,10 +1,11 @@
-"""How many examples hypothesis tries, and how much the engine was held against the oracle."""
+"""How many examples hypothesis tries, and what a run says of itself."""
 
 import os
 import signal
 
 import pytest
 from hypothesis import HealthCheck, settings
+from progress import Progress
 
 LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
 """Set by `make laws`: the nightly profile."""
@@ -13,12 +14,27 @@ LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
 _COMMON = settings(
     database=None, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
 )
-settings.register_profile("test", _COMMON, max_examples=200)
+settings.register_profile("test", _COMMON, max_examples=100)
 settings.register_profile("nightly", _COMMON, max_examples=5000)
 settings.load_profile("nightly" if LONG else "test")
 
 # A shell starts what runs in its background with interrupts ignored; commands that tests start would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Where tests are handed out to other processes; alone, pytest names the file that it is at."""
+    if config.getoption("numprocesses", None):
+        config.pluginmanager.register(Progress())
+
+
+def pytest_deselected(items: list[pytest.Item]) -> None:
+    """Tells the process that hands out the tests how many it will not see."""
+    config = items[0].config
+    if hasattr(config, "workeroutput"):
+        config.workeroutput["left"] = {
+            name: sum(item.get_closest_marker(name) is not None for item in items) for name in ("nightly", "extras")
+        }
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

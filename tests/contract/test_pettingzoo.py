@@ -209,7 +209,8 @@ def test_observations_and_masks_are_the_callers_own():
     assert other.digest() == env.digest()
 
 
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of moviepy's
+@pytest.mark.extras
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # its own
 def test_pettingzoos_recorder_films_the_env(tmp_path):
     """RecordVideoParallel writes a video of an episode; ours is `catch-arena render`, which drops no frame."""
     env = RecordVideoParallel(

@@ -1,5 +1,6 @@
 """The README's code runs, and the pages that are made from code are up to date."""
 
+import dataclasses
 import re
 import runpy
 import shlex
@@ -9,6 +10,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.policy import Limits
 
 ROOT = Path(__file__).parent.parent.parent
 README = (ROOT / "README.md").read_text()
@@ -20,18 +25,34 @@ def blocks(language):
 
 @pytest.mark.large
 @pytest.mark.parametrize("code", blocks("python"))
-def test_the_readmes_python_runs(code, tmp_path):
-    """As it stands, in a process of its own."""
-    subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
+def test_the_readmes_python_runs(code, tmp_path, monkeypatch):
+    """As it stands, and without a warning."""
+    monkeypatch.chdir(tmp_path)
+    exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
 
 
-def test_the_readmes_commands_run(tmp_path):
-    """Every line that calls catch-arena, one after the other, in an empty folder; `make` is what runs this."""
-    lines = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("catch-arena")]
-    assert lines
+def commands(text):
+    """The arguments of every line that calls catch-arena."""
+    found = [shlex.split(line, comments=True) for line in text.splitlines() if line.startswith("catch-arena")]
+    assert found
+    return [arguments for _, *arguments in found]
+
+
+def test_the_readmes_commands_run_with_small_videos(tmp_path, monkeypatch):
+    """One after the other, in an empty folder, and in this process."""
+    monkeypatch.chdir(tmp_path)
+    text, videos = re.subn(r"--size \S+ --fps \S+", "--size 320x320 --fps 2", "".join(blocks("sh")))
+    assert videos
+    for arguments in commands(text):
+        done = CliRunner().invoke(main, arguments)
+        assert done.exit_code == 0, (arguments, done.output)
+
+
+@pytest.mark.nightly
+def test_the_readmes_commands_run_as_they_stand(tmp_path):
+    """In processes of their own."""
     program = shutil.which("catch-arena", path=str(Path(sys.executable).parent))
-    for line in lines:
-        _, *arguments = shlex.split(line, comments=True)
+    for arguments in commands("".join(blocks("sh"))):
         subprocess.run([program, *arguments], check=True, cwd=tmp_path, stdout=subprocess.DEVNULL)
 
 
@@ -47,3 +68,16 @@ def test_the_made_pages_are_up_to_date():
     write_docs = runpy.run_path(str(ROOT / "scripts" / "write_docs.py"))
 
     assert (ROOT / "docs" / "observation.md").read_text() == write_docs["observation_page"]()
+    agents = (ROOT / "docs" / "agents.md").read_text()
+    assert agents == write_docs["agents_page"](agents)
+
+
+def test_the_page_about_agents_lists_every_limit_with_its_meaning_and_the_units_of_its_name():
+    """The names end in their units: metres, seconds, and parts of them."""
+    page = (ROOT / "docs" / "agents.md").read_text()
+    (table,) = re.findall(r"<!-- made from catch_arena/policy.py .*? -->(.*?)<!-- end -->", page, re.DOTALL)
+    rows = dict(re.findall(r"^\| `(\w+)` \| ([^|]*) \| [^|]{12,} \|$", table, re.MULTILINE))
+    assert list(rows) == [field.name for field in dataclasses.fields(Limits)]
+    units = {"m": "m", "mps": "m/s", "radps": "rad/s", "ms": "ms", "s": "s"}
+    for name, unit in rows.items():
+        assert unit == units.get(name.rpartition("_")[2], "")

@@ -21,6 +21,8 @@ FIRST_SEED = 20261121
 GROUPS = 12
 STEPS = 1_000_000 if EFFORT > 1 else 20_000
 """How many steps are played on both, at least, over all groups."""
+NIGHTLY = range(4, GROUPS)
+"""Left out by make test: scripts/mutate.py asks the first group alone, and no change of the rules escapes it."""
 LONGEST = 25
 """The steps of one match."""
 
@@ -105,7 +107,9 @@ def play(source: Random, met: set[Any]) -> int:
     return step
 
 
-@pytest.mark.parametrize("group", range(GROUPS))
+@pytest.mark.parametrize(
+    "group", [pytest.param(group, marks=[pytest.mark.nightly] if group in NIGHTLY else []) for group in range(GROUPS)]
+)
 def test_engine_and_oracle_play_the_same_matches(group: int, record_property: Callable[[str, int], None]) -> None:
     """Every number of the state, every bit of what is seen and paid, step after step."""
     met: set[Any] = set()

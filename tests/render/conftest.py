@@ -1,10 +1,14 @@
-"""Matches that the tests of this folder draw."""
+"""Matches that the tests of this folder draw, and videos of one that several of them look at."""
 
 from collections.abc import Callable
+from functools import cache
 
+import numpy as np
 import pytest
+from render.films import SMALL, drawn
 from render.matches import played
 
+from catch_arena.render.video import RenderReport, render_replay
 from catch_arena.replay import Replay
 
 
@@ -24,3 +28,19 @@ def match(play) -> Replay:
 def worlds(match) -> list:
     """Its pictures."""
     return list(match.worlds())
+
+
+@pytest.fixture(scope="session")
+def frames(match) -> Callable[[str], list[np.ndarray]]:
+    """The match's frames in a layout, as they are drawn for a small video."""
+    return cache(lambda layout: drawn(match, layout=layout, **SMALL))
+
+
+@pytest.fixture(scope="session")
+def video(match, tmp_path_factory) -> Callable[[str, str], RenderReport]:
+    """A small video of the match, by the ending of its file and the layout."""
+
+    def rendered(ending: str, layout: str) -> RenderReport:
+        return render_replay(match, tmp_path_factory.mktemp("video") / f"match{ending}", layout=layout, **SMALL)
+
+    return cache(rendered)

@@ -9,6 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
+from catch_arena.render.moments import best, moments, story
+from catch_arena.render.sheet import same_picture
 
 SMALL = ["--size", "480x320", "--fps", "10"]
 
@@ -33,9 +35,10 @@ def call(*words: str):
 
 
 def test_a_mosaic_of_a_folder(tmp_path):
-    result = call("mosaic", "replays", "-o", "out/grid.mp4", "--speed", "4", *SMALL)
+    """Which says so where it has fewer matches than were asked for."""
+    result = call("mosaic", "replays", "-o", "out/grid.mp4", "--speed", "4", "--count", "9", *SMALL)
     assert result.exit_code == 0, result.output
-    assert "matches: 3 of 3" in result.output
+    assert "matches: 3 of 3, not 9: the folder has no more\n" in result.output
     assert (tmp_path / "out" / "grid.mp4").is_file()
 
 
@@ -61,6 +64,29 @@ def test_a_sheet_of_a_match(tmp_path, pick):
     assert (tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_sheet_has_as_many_pictures_as_were_asked_for_or_says_why_not(play):
+    """Moments that overlap as scenes of a film are pictures of their own, half a second apart."""
+    match = play("duel", time_limit_s=20.0, reach_m=1.0, initial_targets=8, spawn_frequency_hz=2.0)
+    match.save("busy.replay")
+    found = {"": moments(story(match))}
+    count = len(best(found, 100, clash=same_picture))
+    assert count > len(best(found, 100))
+    result = call("sheet", "busy.replay", "--pick", "moments", "--count", str(count))
+    assert result.output.endswith(f"sheet: sheet.png ({count} pictures)\n")
+    result = call("sheet", "busy.replay", "--pick", "moments", "--count", "99", "--force")
+    assert result.output.endswith(f"sheet: sheet.png ({count} pictures, not 99: the match has no more moments)\n")
+    result = call("sheet", "busy.replay", "--count", "1", "--force")
+    assert result.output.endswith("sheet: sheet.png (1 picture)\n")
+
+
+def test_fewer_highlights_than_asked_for_are_not_passed_over_in_silence():
+    """On stderr, so that the list stays a list."""
+    result = call("highlights", "replays", "--list", "--count", "99")
+    count = len(result.stdout.splitlines())
+    assert f"moments: {count}, not 99: there are no more that do not overlap\n" in result.stderr
+    assert "moments:" not in call("highlights", "replays", "--list", "--count", str(count)).output
+
+
 def test_a_broken_replay_is_told_and_the_others_are_shown(folder, matches):
     content = (folder / "m0.replay").read_bytes()
     (folder / "m0.replay").write_bytes(content[:100])
@@ -81,7 +107,7 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
     play("duel", time_limit_s=0.2).save(quiet / "q.replay")
     (folder.parent / "best.mp4").write_bytes(b"as it was")
     for where, said in (("empty", "holds no replays"), ("nowhere", "is no folder"), ("quiet", "nothing worth seeing")):
-        result = call("highlights", where, "-o", "best.mp4")
+        result = call("highlights", where, "-o", "best.mp4", "--force")
         assert result.exit_code == 2
         assert said in result.output
         assert len(result.output.splitlines()) == 1
@@ -108,8 +134,7 @@ def test_bad_words_are_one_line(words, said):
 
 
 def test_ctrl_c_leaves_no_half_written_film(tmp_path):
-    code = "from catch_arena.cli import main; main()"
-    words = [sys.executable, "-c", code, "mosaic", "replays", "-o", "grid.mp4", "--speed", "0.02"]
+    words = [sys.executable, "-m", "catch_arena", "mosaic", "replays", "-o", "grid.mp4", "--speed", "0.02"]
     with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
         deadline = time.monotonic() + 60
         while not list(tmp_path.glob(".grid*")) and time.monotonic() < deadline:

@@ -52,7 +52,7 @@ def test_whatever_happens_on_the_way_the_old_file_stays_and_no_half_one(match, t
             raise trouble
 
     with pytest.raises(trouble if isinstance(trouble, type) else type(trouble)):
-        render_replay(match, tmp_path / f"match{ending}", progress=stop, **SMALL)
+        render_replay(match, tmp_path / f"match{ending}", progress=stop, size=SMALL["size"], fps=10)
     assert [path.name for path in tmp_path.iterdir()] == [f"match{ending}"]
     assert (tmp_path / f"match{ending}").read_text() == "what stood here before"
 
@@ -60,49 +60,52 @@ def test_whatever_happens_on_the_way_the_old_file_stays_and_no_half_one(match, t
 _FULL_DISK = """
 import json, resource, sys
 from pathlib import Path
-if sys.argv[3] == "plain":
-    sys.modules["av"] = None
 from catch_arena import Replay
 from catch_arena.errors import OutputError
 from catch_arena.render.video import render_replay
-replay = Replay.load(sys.argv[1])
-folder = Path(sys.argv[2])
-resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[4]), resource.RLIM_INFINITY))
-try:
-    render_replay(replay, folder / "match.mp4", size=(480, 320), fps=30)
-    said = ""
-except OutputError as error:
-    said = str(error)
-print(json.dumps([said, sorted(path.name for path in folder.iterdir())]))
+replay, (_, most) = Replay.load(sys.argv[1]), resource.getrlimit(resource.RLIMIT_FSIZE)
+found = {}
+for encoder in ("h264", "plain"):
+    if encoder == "plain":
+        sys.modules["av"] = None
+    folder = Path(encoder)
+    folder.mkdir()
+    video = render_replay(replay, folder / "match.mp4", size=(480, 320), fps=10).path
+    almost = video.stat().st_size - 100
+    video.unlink()
+    for limit in (0, 20_000, almost):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, most))
+        try:
+            render_replay(replay, folder / "match.mp4", size=(480, 320), fps=10)
+            said = ""
+        except OutputError as error:
+            said = str(error)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+        found[f"{encoder}, {limit} of {almost + 100} bytes"] = said, [path.name for path in folder.iterdir()]
+print(json.dumps(found))
 """
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no RLIMIT_FSIZE")
-@pytest.mark.parametrize(("encoder", "limit"), [("h264", 0), ("h264", 40_000), ("h264", "almost"), ("plain", "almost")])
-def test_a_full_disk_is_an_error_and_leaves_nothing(match, tmp_path, encoder, limit):
-    """A process whose files may not grow beyond a limit meets the same write errors as one on a full disk."""
-    whole = tmp_path / "whole"
-    whole.mkdir()
+def test_a_full_disk_is_an_error_and_leaves_nothing(match, tmp_path):
+    """A process whose files may not grow beyond a limit meets the same write errors as one on a full disk; the last
+    bytes that a file lacks are those of its index.
+    """
     match.save(tmp_path / "match.replay")
-
-    def run(folder: Path, most: int) -> tuple[str, list[str]]:
-        arguments = [str(tmp_path / "match.replay"), str(folder), encoder, str(most)]
-        paths = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-        done = subprocess.run(
-            [sys.executable, "-c", _FULL_DISK, *arguments], capture_output=True, text=True, check=False, env=paths
-        )
-        assert done.returncode == 0, done.stderr
-        said, left = json.loads(done.stdout.splitlines()[-1])
-        return said, left
-
-    if limit == "almost":  # the last bytes are the index
-        assert run(whole, 1 << 40) == ("", ["match.mp4"])
-        limit = (whole / "match.mp4").stat().st_size - 100
-    folder = tmp_path / "full"
-    folder.mkdir()
-    said, left = run(folder, limit)
-    assert "match.mp4: cannot be written: " in said
-    assert left == []
+    done = subprocess.run(
+        [sys.executable, "-c", _FULL_DISK, "match.replay"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert len(found) == 6
+    for case, (said, left) in found.items():
+        assert "match.mp4: cannot be written: " in said, case
+        assert left == [], case
 
 
 def test_the_script_says_what_it_wrote_and_what_it_could_not(match, tmp_path):

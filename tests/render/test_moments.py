@@ -7,6 +7,7 @@ import pytest
 from catch_arena.explanation.evidence import Claim, Contest, explain
 from catch_arena.render import moments as found
 from catch_arena.render.moments import Catch, Moment, Story, best, moments, records, story, win_rates
+from catch_arena.render.sheet import same_picture
 from catch_arena.verdicts import Verdict
 
 
@@ -145,6 +146,13 @@ def test_as_many_as_asked_for_and_no_more():
     assert len(best(many, 3)) == 3
     assert len(best(many, 99)) == 8
     assert best({}, 3) == []
+
+
+def test_what_may_not_be_chosen_twice_can_be_said_otherwise():
+    """Stills clash only where they show the same."""
+    one = [at("lead", 5000, 0.9), at("streak", 5600, 0.8), at("contest", 5700, 0.7)]
+    chosen = best({"a": one}, 9, clash=same_picture)
+    assert [moment.decisive_ms for _, moment in chosen] == [5600, 5000]
 
 
 def test_a_real_match_is_told_as_it_was_played(play):

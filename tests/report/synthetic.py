@@ -33,6 +33,7 @@ def tournament(
     folder.mkdir(parents=True, exist_ok=True)
     with Store.begin(Tournament(config, entrants, plan.words, terms or {}), folder, resume=True) as store:
         store.plan(plan.stage(0, ()))
+        played = []
         for number, match in enumerate(plan):
             if most is not None and number >= most:
                 break
@@ -42,7 +43,7 @@ def tournament(
             wrong = [
                 Forfeit("FORFEIT_CRASH", 7, "act raised ValueError: <b>no</b>") if bad else None for bad in crashed
             ]
-            store.keep(
+            played.append(
                 Played(
                     match,
                     MatchResult(
@@ -58,4 +59,5 @@ def tournament(
                     ),
                 )
             )
+        store.keep(played)
         return store.count_played()

@@ -1,12 +1,10 @@
 """`catch-arena report`, as people type it."""
 
 import re
-import signal
-import subprocess
-import sys
 import urllib.request
 
 import pytest
+from interrupts.commands import Command
 from report.synthetic import tournament
 from typer.testing import CliRunner
 
@@ -46,15 +44,32 @@ def test_a_folder_without_a_tournament_is_told_in_one_line(tmp_path):
         assert "holds no tournament" in done.output
 
 
+def fetched(address: str) -> str:
+    with urllib.request.urlopen(address, timeout=60) as answer:  # noqa: S310 - ours
+        return answer.read().decode()
+
+
 def test_a_watched_report_is_served_until_ctrl_c(tmp_path):
     tournament(tmp_path, 1)
-    command = [sys.executable, "-c", "from catch_arena.cli import main; main()"]
-    with subprocess.Popen([*command, "report", str(tmp_path), "--watch"], stdout=subprocess.PIPE, text=True) as process:
-        address = re.search(r"http://127\.0\.0\.1:\d+/", process.stdout.readline()).group()
-        with urllib.request.urlopen(f"{address}state", timeout=30) as answer:  # noqa: S310 - ours
-            assert answer.read() == b"60"
-        process.send_signal(signal.SIGINT)
-        try:
-            assert process.wait(timeout=60) == 0
-        finally:
-            process.kill()
+    command = Command(tmp_path, ["report", ".", "--watch"])
+    address = re.search(r"http://127\.0\.0\.1:\d+/", command.process.stdout.readline()).group()
+    assert fetched(f"{address}state") == "60"
+    command.interrupt()
+    ended = command.ended()
+    assert (ended.status, ended.errors) == (0, "")
+
+
+def test_a_tournament_that_was_watched_is_served_until_ctrl_c(tmp_path):
+    """All is written by then, and nothing was broken off: however many signals come."""
+    words = ["tournament", "nearest", "idle", "-s", "duel", "--set", "time_limit_s=3", "--jobs", "1", "--out", "o"]
+    command = Command(tmp_path, [*words, "--watch"])
+    lines = iter(command.process.stdout.readline, "")
+    address = next(line for line in lines if line.startswith("watch: ")).split()[1]
+    assert f"the report stays at {address} until Ctrl-C\n" in lines
+    assert (tmp_path / "o" / "report.html").is_file()
+    assert "of 2 matches" in fetched(address)
+    assert fetched(f"{address}state") == "2"
+    command.interrupt([0.01, 0.1, 0.1])
+    ended = command.ended()
+    assert (ended.status, ended.said, ended.errors, ended.left) == (0, "", "", [])
+    assert not list(tmp_path.glob("o/*-wal"))

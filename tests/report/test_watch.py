@@ -2,7 +2,6 @@
 
 import socket
 import threading
-import time
 import urllib.error
 import urllib.request
 from http.client import HTTPConnection
@@ -102,24 +101,3 @@ def test_the_server_ends_with_its_context(tmp_path):
         assert not thread.is_alive()
     with pytest.raises(urllib.error.URLError):
         fetched(address)
-
-
-def test_a_page_that_is_open_sees_the_end(tmp_path, monkeypatch):
-    """Though it would not be made again for long: the tournament ends, and the page asks once more."""
-    monkeypatch.setattr(watch, "_PAUSE_S", 3600.0)
-    monkeypatch.setattr(watch, "_LINGER_S", 3600.0)
-    tournament(tmp_path, 1, most=4)
-    watched = Watched(tmp_path)
-    with serving(watched, 0) as address:
-        assert fetched(f"{address}state") == "4"
-        tournament(tmp_path, 1)
-        assert fetched(f"{address}state") == "4"
-        seen = []
-        monkeypatch.setattr(time, "sleep", lambda _: seen.append(fetched(f"{address}state")))
-        watched.let_see_the_end()
-        assert seen == ["60"]
-
-
-def test_nobody_waits_where_no_page_is_open(tmp_path, monkeypatch):
-    monkeypatch.setattr(time, "sleep", pytest.fail)
-    Watched(tmp_path).let_see_the_end()

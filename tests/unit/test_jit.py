@@ -3,8 +3,9 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
+
+import pytest
 
 from catch_arena.core import jit
 
@@ -60,18 +61,17 @@ def test_the_rules_are_compiled_where_nothing_can_be_kept(tmp_path):
 
 
 def test_compiled_code_is_kept_in_a_folder_for_each_state_of_the_sources(tmp_path, monkeypatch):
-    """The same folder every time; elsewhere than the last version's, which goes when it has not been used for long."""
+    """The same folder every time, and those that were used last besides, however old they are by a clock that jumps."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    old, recent, foreign = (tmp_path / name for name in ("core-0123456789abcdef", "core-fedcba9876543210", "mine"))
-    for folder in (old, recent, foreign):
+    others = [tmp_path / f"core-{number:016x}" for number in range(jit._MOST_KEPT + 4)]
+    (tmp_path / "mine").mkdir()
+    for used, folder in enumerate(others):
         folder.mkdir()
-    two_months_ago = time.time() - 60 * 24 * 3600
-    for folder in (old, foreign):
-        os.utime(folder, (two_months_ago, two_months_ago))
+        os.utime(folder, (used, used))
     folder = jit._cache_directory()
     assert folder == jit._cache_directory()
     assert folder.parent == tmp_path
-    assert sorted(tmp_path.iterdir()) == sorted([folder, recent, foreign])
+    assert sorted(tmp_path.iterdir()) == sorted([folder, *others[5:], tmp_path / "mine"])
 
 
 def test_nothing_is_kept_in_a_folder_of_somebody_else(tmp_path, monkeypatch):
@@ -79,3 +79,48 @@ def test_nothing_is_kept_in_a_folder_of_somebody_else(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
     assert jit._cache_directory() is None
+
+
+@pytest.fixture
+def without_a_home(tmp_path, monkeypatch):
+    """Nothing can be written there; temporary files go to a folder that is returned."""
+    (tmp_path / "a file").write_text("", encoding="utf-8")
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setattr("platformdirs.user_cache_dir", lambda *_, **__: str(tmp_path / "a file" / "cache"))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    return tmp_path
+
+
+def test_without_a_home_that_can_be_written_it_is_kept_among_temporary_files(without_a_home):
+    folder = jit._cache_directory()
+    assert folder == jit._cache_directory()
+    assert folder.parent == without_a_home / f"catch-arena-{os.getuid()}"
+    assert folder.parent.stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize(
+    "prepare",
+    [lambda folder: folder.mkdir(mode=0o700) or folder.chmod(0o777), lambda folder: folder.symlink_to("/var")],
+)
+def test_it_is_not_kept_where_somebody_else_could_have_put_code(without_a_home, prepare):
+    """Compiled code that is loaded runs as this user."""
+    prepare(without_a_home / f"catch-arena-{os.getuid()}")
+    assert jit._cache_directory() is None
+
+
+def test_a_disk_without_room_for_it_is_told_and_the_rules_run(tmp_path):
+    script = tmp_path / "beyond.py"
+    limit = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (10, resource.RLIM_INFINITY))\n"
+    script.write_text(limit + BEYOND, encoding="utf-8")
+    settings = {"NUMBA_BOUNDSCHECK": "0", "NUMBA_DISABLE_JIT": "0", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    finished = subprocess.run(
+        [sys.executable, script],
+        check=True,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **settings},
+    )
+    assert finished.stdout.startswith("nothing noticed /")
+    (line,) = finished.stderr.splitlines()
+    assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}/cache/core-")
+    assert ": File too large; every start compiles them anew" in line

@@ -1,0 +1,129 @@
+"""The commands on a narrow terminal, in a file, and under LANG=C: all can be read, and nothing is cut off."""
+
+import json
+import os
+import pty
+import re
+import struct
+import subprocess
+import sys
+import termios
+from fcntl import ioctl
+from pathlib import Path
+
+import pytest
+
+from catch_arena.scenarios import SCENARIOS
+
+PROGRAM = str(Path(sys.executable).parent / "catch-arena")
+ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
+PLAIN = {"LC_ALL": "C", "PYTHONUTF8": "0", "TERM": "xterm-256color"}
+LEFT_OUT = {"LANG", "LC_ALL", "LC_CTYPE", "PYTHONUTF8", "PYTHONIOENCODING", "COLUMNS", "LINES"}
+
+
+def environment(**more: str) -> dict[str, str]:
+    return {name: value for name, value in os.environ.items() if name not in LEFT_OUT} | more
+
+
+def in_a_file(*words: str, **more: str) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run([PROGRAM, *words], capture_output=True, check=False, env=environment(**more))
+
+
+def on_a_terminal(*words: str, columns: int, **more: str) -> str:
+    """All that is shown, without what moves and colours it."""
+    ours, theirs = pty.openpty()
+    ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    shown = b""
+    with subprocess.Popen([PROGRAM, *words], stdin=theirs, stdout=theirs, stderr=theirs, env=environment(**more)):
+        os.close(theirs)
+        try:
+            while part := os.read(ours, 65536):
+                shown += part
+        except OSError:  # the other end is closed
+            os.close(ours)
+    return ESCAPES.sub("", shown.decode()).replace("\r\n", "\n")
+
+
+HELP_OF_ALL = """
+import json
+from typer.testing import CliRunner
+from typer.main import get_command
+from catch_arena.cli import main
+told = {}
+for name, command in [("", get_command(main)), *get_command(main).commands.items()]:
+    words = [word for one in command.params for word in one.opts if word.startswith("--")]
+    told[name] = words, CliRunner().invoke(main, [name, "--help"] if name else ["--help"]).output
+print(json.dumps(told))
+"""
+
+
+def test_the_help_of_every_command_fits_forty_columns_and_names_its_options_whole():
+    """And that of the program names every command, each with a whole sentence."""
+    script = [sys.executable, "-c", HELP_OF_ALL]
+    told = json.loads(subprocess.run(script, capture_output=True, check=True, env=environment(COLUMNS="40")).stdout)
+    assert len(told) > 15
+    for options, text in told.values():
+        assert "…" not in text
+        assert max(map(len, text.splitlines())) <= 40
+        assert all(re.search(rf"{option}\b", text) for option in options)
+    overview = told[""][1]
+    assert all(re.search(rf"^  {name}$", overview, re.MULTILINE) for name in told if name)
+    assert re.sub(r"\s+", " ", overview).endswith("what they rest on, and replays that play. ")
+
+
+def test_the_tables_fit_forty_columns():
+    for words in (["agents"], ["scenarios"]):
+        text = on_a_terminal(*words, columns=40)
+        assert "…" not in text
+        assert max(len(line.rstrip()) for line in text.splitlines()) <= 40
+    for name, config in SCENARIOS.items():
+        assert re.search(rf"^{name} *\n  hunters {config.hunters}, ", text, re.MULTILINE)
+
+
+def test_a_tournament_fits_forty_columns(tmp_path):
+    """The bar, the standings while it runs, and those in the end."""
+    words = ["nearest", "first", "--trusted", "--jobs", "1", "--scenario", "duel", "--set", "time_limit_s=3"]
+    text = on_a_terminal("tournament", *words, "--out", str(tmp_path / "out"), columns=40, **PLAIN)
+    assert "…" not in text
+    assert "2/2" in text
+    standings = text.partition(" 0:00:00")[2]
+    told = re.sub(r"\s+", " ", standings)
+    for name in ("nearest", "first"):
+        assert re.search(
+            rf"\d {name} grp 1, played 2, rating [+-]\d+ ± \S+, score [\d.]+ ± \S+, wins \d+ ± \S+ %, cont\. ", told
+        )
+    assert "grp: who shares a group cannot be told apart" in told
+
+
+@pytest.mark.parametrize(
+    ("words", "letters"),
+    [
+        (["agents"], "─"),
+        (["tournament", "--help"], "╭"),
+        (["conformance", "--list", "--only", "names"], "žółw"),
+    ],
+)
+def test_under_lang_c_letters_are_no_reason_to_stop(words, letters):
+    """They come as UTF-8, as Python would have it without PYTHONUTF8=0; and a file gets no escape codes."""
+    for plain in (PLAIN, PLAIN | {"COLUMNS": "40"}):
+        run = in_a_file(*words, **plain)
+        assert run.returncode == 0, run.stderr
+        assert not run.stderr
+        assert b"\x1b" not in run.stdout
+        assert run.stdout.decode().count("…") == 0 or "COLUMNS" not in plain
+        assert letters in run.stdout.decode() or "COLUMNS" in plain
+
+
+def test_an_error_under_lang_c_is_a_line():
+    run = in_a_file("verify", "größe.replay", **PLAIN)
+    assert run.returncode == 2
+    assert b"Traceback" not in run.stderr
+    assert "größe.replay: " in run.stderr.decode()
+
+
+def test_a_terminal_that_lacks_a_letter_gets_a_question_mark():
+    run = in_a_file("conformance", "--list", "--only", "names", PYTHONIOENCODING="latin-1")
+    assert run.returncode == 0, run.stderr
+    text = run.stdout.decode("latin-1")
+    assert "stra\xdfe is alive" in text
+    assert "?\xf3?w" in text  # żółw
