@@ -22,7 +22,7 @@ from catch_arena.core import state as rows
 from catch_arena.core import tick
 from catch_arena.core.arbiter import DOCKET_COLUMNS, POLICIES
 from catch_arena.core.episodes import RECORD_COLUMNS
-from catch_arena.core.jit import INTERPRETED, is_cached
+from catch_arena.core.jit import CACHE_DIRECTORY, INTERPRETED, is_cached
 from catch_arena.core.math import wrap
 from catch_arena.core.observations import selection_network
 from catch_arena.core.random import go_on, spread
@@ -520,7 +520,8 @@ def _without_garbage_collection() -> Iterator[None]:
 
 @contextmanager
 def _notice_if_slow() -> Iterator[None]:
-    line = "catch_arena: compiling the rules for this machine (once; 10 to 30 s)\n"
+    often = "once" if CACHE_DIRECTORY else "at every start, unless NUMBA_CACHE_DIR names a folder that can be written"
+    line = f"catch_arena: compiling the rules for this machine ({often}; 10 to 30 s)\n"
     notice = threading.Timer(1.0, sys.stderr.write, (line,))
     notice.daemon = True
     if not is_cached():  # loading from the cache is quick, unless the machine is busy

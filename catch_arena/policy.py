@@ -20,18 +20,27 @@ class Limits:
     """What a hunter may know of its arena before the match."""
 
     side_m: float
+    """The arena's side [m]: x and y lie between 0 and it (R2.1)."""
     reach_m: float
+    """A target nearer than this can be caught [m] (R5.3)."""
     max_speed_mps: float
+    """The greatest speed ahead [m/s] (R2.5)."""
     min_speed_mps: float
-    """-max_speed_mps where hunters may drive backwards, else 0."""
+    """The greatest speed backwards, -max_speed_mps [m/s]; 0 where hunters may not drive backwards."""
     max_turn_rate_radps: float
+    """The greatest turn rate, to either side [rad/s] (R2.5)."""
     control_period_ms: int
+    """From one action to the next [ms] (R1.3)."""
     time_limit_s: float
+    """The match's length at most [s] (R1.5)."""
     hunters: int
+    """How many play, this one among them."""
     targets_seen: int
+    """How many targets are in view at most; it is the highest rank (R7.1)."""
     hunters_seen: int
+    """How many rivals are in view at most (R7.1)."""
     control: Control
-    """How this hunter is driven."""
+    """How this hunter is driven: "target", "velocity" or "full" (R4.1, R4.4)."""
 
     @classmethod
     def of(cls, config: ArenaConfig, seat: int = 0) -> "Limits":

@@ -1,9 +1,14 @@
 """Write the tables in docs/ that are made from code; a test checks that they are up to date."""
 
 import argparse
+import ast
+import inspect
+import re
+from itertools import pairwise
 from pathlib import Path
 
 from catch_arena.layout import Column, columns, state_columns
+from catch_arena.policy import Limits
 from catch_arena.scenarios import scenario
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -53,7 +58,32 @@ def observation_page() -> str:
     )
 
 
+def limits_table() -> str:
+    """The fields of `view.limits` as a Markdown table, from the words below each of them in the source."""
+    (limits,) = ast.parse(inspect.getsource(Limits)).body
+    lines = ["| field | unit | meaning |", "|---|---|---|"]
+    for pair in pairwise(limits.body):
+        match pair:
+            case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(words))):
+                unit = re.search(r" \[(.+?)\]", words)
+                meaning = words if unit is None else words.replace(unit[0], "", 1)
+                lines.append(f"| `{name}` | {'' if unit is None else unit[1]} | {meaning} |")
+    return "\n".join(lines)
+
+
+def agents_page(page: str) -> str:
+    """docs/agents.md with its table of limits as it should be."""
+    begin, end = "<!-- made from catch_arena/policy.py by `make docs` -->\n\n", "\n\n<!-- end -->"
+    before, after = page.split(begin)
+    return f"{before}{begin}{limits_table()}{end}{after.partition(end)[2]}"
+
+
 if __name__ == "__main__":
     argparse.ArgumentParser(description=__doc__).parse_args()
-    (DOCS / "observation.md").write_text(observation_page())
-    print("docs/observation.md")
+    agents = DOCS / "agents.md"
+    for path, text in (
+        (DOCS / "observation.md", observation_page()),
+        (agents, agents_page(agents.read_text())),
+    ):
+        path.write_text(text)
+        print(path.relative_to(DOCS.parent))

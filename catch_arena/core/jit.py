@@ -4,17 +4,20 @@ No fast-math and no fused multiply-add: the same bits compiled and interpreted (
 the test for a zero divisor, which would keep loops from becoming SIMD code; no formula of ours divides by zero.
 `_nrt=False`: the core makes no arrays, so nothing is counted and freed, and code for one arena runs a third faster.
 
-Compiled code is kept in the user's cache directory, keyed by the sources of the whole core: Numba itself looks only
-at the file of the function that is called, and would miss an edit in another one.
+Compiled code is kept in the user's cache directory, or where that cannot be written in a temporary folder of the
+user's, keyed by the sources of the whole core: Numba itself looks only at the file of the function that is called, and
+would miss an edit in another one.
 """
 
 import contextlib
 import hashlib
 import os
 import shutil
-import time
-from collections.abc import Callable
-from functools import wraps
+import stat
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from functools import cache, wraps
 from pathlib import Path
 from typing import Any, Final, TypeVar, cast
 
@@ -41,7 +44,8 @@ _INNER: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc
 """What only compiled code calls needs no door to Python: that halves the time to compile."""
 
 
-_KEPT_S: Final = 30 * 24 * 3600.0
+_MOST_KEPT: Final = 16
+"""How many states of the sources."""
 
 
 def _cache_directory() -> Path | None:
@@ -52,25 +56,40 @@ def _cache_directory() -> Path | None:
     for source in sources:
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
-    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("catch_arena", appauthor=False)
     checked = "-checked" if _numba.BOUNDSCHECK else ""  # NUMBA_BOUNDSCHECK=1 makes other code of the same sources
-    folder = Path(base) / f"core-{digest.hexdigest()}{checked}"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return None
-    if not os.access(folder, os.W_OK):
-        return None
-    _drop_old_folders(folder)
-    return folder
+    for place in _places():
+        folder = place / f"core-{digest.hexdigest()}{checked}"
+        with contextlib.suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            if os.access(folder, os.W_OK):
+                _drop_old_folders(folder)
+                return folder
+    return None
+
+
+def _places() -> Iterator[Path]:
+    """Where it could be kept, the best first: where the user says; at home; else where all temporary files are, in a
+    folder that this user made and nobody else writes to, since what is read from it is run.
+    """
+    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(chosen)
+        return
+    yield Path(platformdirs.user_cache_dir("catch_arena", appauthor=False))
+    with contextlib.suppress(OSError, AttributeError):  # Windows knows no such numbers of users
+        folder = Path(tempfile.gettempdir()) / f"catch-arena-{os.getuid()}"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+        if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022:
+            yield folder
 
 
 def _drop_old_folders(current: Path) -> None:
-    """Compiled code of sources that are long gone."""
-    for folder in current.parent.glob("core-*"):
-        with contextlib.suppress(OSError):  # another process may be doing the same
-            if folder != current and time.time() - folder.stat().st_mtime > _KEPT_S:
-                shutil.rmtree(folder)
+    """Keep the compiled code of the sources that were used last; how long ago that was is not asked, as clocks jump."""
+    with contextlib.suppress(OSError):  # another process may be doing the same
+        os.utime(current)
+        others = set(current.parent.glob("core-*")) - {current}
+        for folder in sorted(others, key=lambda folder: folder.stat().st_mtime)[: -_MOST_KEPT + 1]:
+            shutil.rmtree(folder)
 
 
 CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
@@ -111,9 +130,32 @@ def entry(function: F) -> F:
     before = _numba.CACHE_DIR
     _numba.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while a function is decorated
     try:
-        return cast(F, numba.njit(cache=True, **_FLAGS)(function))
+        compiled = numba.njit(cache=True, **_FLAGS)(function)
     finally:
         _numba.CACHE_DIR = before
+    cache = compiled._cache  # noqa: SLF001 - Numba has no other door: on a full disk it would raise, and not play
+    cache.save_overload = _kept_or_told(cache.save_overload)
+    return cast(F, compiled)
+
+
+def _kept_or_told(save: Callable[..., None]) -> Callable[..., None]:
+    @wraps(save)
+    def wrapped(*arguments: object) -> None:
+        try:
+            save(*arguments)
+        except OSError as error:
+            _tell_not_kept(error.strerror or str(error))
+
+    return wrapped
+
+
+@cache
+def _tell_not_kept(reason: str) -> None:
+    """Once for each reason."""
+    sys.stderr.write(
+        f"catch_arena: compiled rules cannot be kept in {CACHE_DIRECTORY}: {reason}; every start compiles them anew, "
+        "unless NUMBA_CACHE_DIR names a folder with room\n"
+    )
 
 
 def _with_silent_overflow(function: F) -> F:

@@ -1,6 +1,5 @@
 """The report of a tournament that is under way, on this machine alone: http://127.0.0.1."""
 
-import math
 import sys
 import threading
 import time
@@ -25,8 +24,6 @@ _PAUSE_FACTOR: Final = 10.0
 """The page is made anew after so many times what it took to make: at most a tenth of one core's time."""
 _PATIENCE_S: Final = 5.0
 """How long one request may take to arrive."""
-_LINGER_S: Final = 5.0
-"""A page that is open asks several times in so long."""
 
 
 class Watched:
@@ -39,11 +36,9 @@ class Watched:
         self._findings: Findings | None = None
         self._count = 0
         self._next = 0.0
-        self._seen = -math.inf
 
     def state(self) -> str:
         """A word that changes when the page does."""
-        self._seen = time.monotonic()
         with self._lock:
             if time.monotonic() >= self._next:
                 self._renew()
@@ -61,12 +56,6 @@ class Watched:
         if findings is None:
             raise ReplayError("no match has been played yet")
         return film_text(findings.replay(match))
-
-    def let_see_the_end(self) -> None:
-        """The tournament has ended: a page that is open gets some time to fetch what came last."""
-        self._next = 0.0
-        if time.monotonic() - self._seen < _LINGER_S:
-            time.sleep(_LINGER_S)
 
     def _renew(self) -> None:
         with Store.read(self._folder) as store:
