@@ -94,8 +94,9 @@ class Processes:
         with self._lock:
             processes, self._processes = self._processes or [], None
         self._threads.shutdown(wait=False, cancel_futures=True)
-        if kind is not None:  # an agent may never return
-            end([process.pid for process in processes if process.lives])
+        idle = [self._idle.get() for _ in range(self._idle.qsize())]
+        # nobody waits any more for what the others play, and an agent may never return
+        end([process.pid for process in processes if process not in idle and process.lives])
         self._threads.shutdown()
         for process in processes:
             process.let_go()
