@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf
 
-from catch_arena.conformance.answers import Difference, DiffersError, patience
+from catch_arena.conformance.answers import DiffersError, Raised, patience
 from catch_arena.conformance.arbiters import Arbiter, Court
 from catch_arena.conformance.arenas import ArenaUnderTest, Stage, can_be_staged
 from catch_arena.conformance.cases import ArbiterCase, WorldCase
@@ -88,7 +88,7 @@ def _try(
             failure = Failure(case, trial.how, error.differences)
             break
         except TimeoutError as error:  # between two calls
-            failure = Failure(case, trial.how, (Difference("the case", "an answer", str(error)),))
+            failure = Failure(case, trial.how, (Raised("the case", "an answer", str(error), "TimeoutError", ""),))
             break
     calls = [] if not trials else trial.calls if failure else trials[0][0].calls[:1]
     return Result(case, failure, time.perf_counter() - start, played=bool(trials), calls=tuple(calls))

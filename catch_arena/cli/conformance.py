@@ -44,7 +44,7 @@ def conformance(
 
     It takes the arguments of catch_arena.arbitrate and returns its rulings; docs/conformance.md has an example.
     """
-    from catch_arena.conformance.results import WIDTH
+    from catch_arena.conformance.results import WIDTH, wrapped
     from catch_arena.replay import write_whole
     from catch_arena.testing import chosen, run_conformance
 
@@ -68,7 +68,7 @@ def conformance(
     typer.echo(report.in_full(width) if everything else report.by_mistake(width))
     if report.failures and not everything:
         first = report.diagnoses[0].failures[0].case.id
-        typer.echo(f"--all shows every failure in full, --only {first} plays one case")
+        typer.echo(wrapped(f"--all shows every failure in full, --only {first} plays one case.", width))
     if junit is not None:
         write_whole(junit, report.junit().encode())
         typer.echo(f"JUnit XML: {junit}")

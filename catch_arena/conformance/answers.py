@@ -30,6 +30,18 @@ class Difference:
     expected: str
     got: str
 
+    def __str__(self) -> str:
+        return f"{self.about}: expected {self.expected}; got {self.got}"
+
+
+@dataclass(frozen=True, slots=True)
+class Unreadable(Difference):
+    """An answer, or a part of it, that is no ruling whatever it says."""
+
+    looks_like: str
+    rule: str
+    """What docs/conformance.md says."""
+
 
 @dataclass(frozen=True, slots=True)
 class Raised(Difference):
@@ -64,7 +76,7 @@ def answered(what: str, call: Callable[..., object], *arguments: object) -> Any:
         raise
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         where = _where(error)
-        raised = f"raised {printable(reason(error))}{where}"
+        raised = f"none: it raised {printable(reason(error))}{where}"
         raise DiffersError(Raised(what, "an answer", raised, type(error).__name__, where)) from error
 
 
@@ -96,7 +108,7 @@ def read_rulings(given: object, asked: Sequence[Asked]) -> list[Asked]:
     Raises: DiffersError, for the first thing that cannot be read.
     """
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
-        count = shown(given)
+        too_few, got = given is None, shown(given)
     else:
         given = list(islice(given, len(asked) + 1))  # no more: it may never end
         if len(given) == len(asked):
@@ -104,9 +116,17 @@ def read_rulings(given: object, asked: Sequence[Asked]) -> list[Asked]:
                 _ruling(place, one, ruling)
                 for place, (one, ruling) in enumerate(zip(asked, given, strict=True), start=1)
             ]
-        count = f"{'at least ' if len(given) > len(asked) else ''}{len(given)} of them"
-    expected = f"{len(asked)} rulings, one for each request, in their order"
-    raise DiffersError(Difference("the answer", expected, count))
+        too_few = len(given) < len(asked)
+        got = f"{'' if too_few else 'at least '}{len(given)} of them"
+    looks_like = "None or too few rulings are returned" if too_few else "too many rulings, or no list, are returned"
+    expected = f"{counted(len(asked), 'ruling')}, one for each request, in their order"
+    rule = "An answer is a list with one ruling for each request, in their order (docs/conformance.md)."
+    raise DiffersError(Unreadable("the answer", expected, got, looks_like, rule))
+
+
+def counted(number: int, thing: str) -> str:
+    """So many of something, whose plural ends in s."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def request(place: int, asked: Asked) -> str:
@@ -137,7 +157,8 @@ def _ruling(place: int, asked: Asked, given: object) -> Asked:
     """A ruling of an object with its attributes, of a mapping with its keys, or of a sequence in its order."""
 
     def wrong(field: str, must: str, value: object) -> DiffersError:
-        return DiffersError(Difference(f"{request(place, asked)}: {field}", must, shown(value)))
+        about = f"{request(place, asked)}: {field}"
+        return DiffersError(Unreadable(about, must, shown(value), f"{field} cannot be read", f"It must be {must}."))
 
     fields = _fields(given)
     if not {"verdict", "hunter", "target"} <= fields.keys():

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, cast
 
-from catch_arena.conformance.answers import OtherTarget, Raised
+from catch_arena.conformance.answers import OtherTarget, Raised, Unreadable
 from catch_arena.conformance.arenas import OtherReading
 from catch_arena.conformance.cases import ArbiterCase, Asked
-from catch_arena.conformance.comparison import OtherLot, OtherRuling, Strictness
+from catch_arena.conformance.comparison import OtherRuling, Strictness
 from catch_arena.conformance.mistakes import EVIDENCE, meaning
 from catch_arena.conformance.readings import reading_mistake
 from catch_arena.conformance.results import Failure, Result
@@ -31,63 +31,74 @@ class Diagnosis:
     """The plainest first; last those for which others of the diagnoses are needed too."""
     known: bool
     """An arbiter with this mistake answers exactly so; else only the answers are alike."""
+    conceptual: bool
+    """An idea is wrong, as who wins or what is within reach; else a single verdict, or the order of the tests."""
     shared: int = 0
     """How many of the failures need others too."""
 
 
 def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnosis, ...]:
-    """Each failure in one diagnosis, a known mistake or what it has in common with others; large ones first."""
+    """Each failure in one diagnosis, a known mistake or what it has in common with others; wrong ideas first, and of
+    those the large ones.
+    """
     search = Search(results, strictness)
     found = search.mistakes()
     alone: dict[str, list[Failure]] = {one.looks_like: [] for one in found}
     shared: dict[str, list[Failure]] = {one.looks_like: [] for one in found}
-    left: dict[tuple[str, str], list[Failure]] = {}
+    left: dict[tuple[str, str, bool], list[Failure]] = {}
     for result in results:
         if result.failure is None:
             continue
         if culprits := search.culprits(found, result):
             (alone if len(culprits) == 1 else shared)[culprits[-1].looks_like].append(result.failure)
         else:
-            words = _LOT if search.is_lawful(result) else _alike(result.failure)
+            words = (*_LOT, True) if search.is_lawful(result) else _alike(result.failure)
             left.setdefault(words, []).append(result.failure)
     known = [
         Diagnosis(
-            name,
-            rule,
-            (*_plain_first(alone[name]), *_plain_first(shared[name])),
+            one.looks_like,
+            one.rule,
+            (*_plain_first(alone[one.looks_like]), *_plain_first(shared[one.looks_like])),
             known=True,
-            shared=len(shared[name]),
+            conceptual=one.conceptual,
+            shared=len(shared[one.looks_like]),
         )
-        for name, rule, _ in found
-        if alone[name] or shared[name]
+        for one in found
+        if alone[one.looks_like] or shared[one.looks_like]
     ]
-    others = [Diagnosis(*words, tuple(_plain_first(failures)), known=False) for words, failures in left.items()]
-    return tuple(sorted((*known, *others), key=lambda one: -len(one.failures)))
+    others = [
+        Diagnosis(looks_like, rule, tuple(_plain_first(failures)), known=False, conceptual=conceptual)
+        for (looks_like, rule, conceptual), failures in left.items()
+    ]
+    return tuple(sorted((*known, *others), key=lambda one: (not one.conceptual, -len(one.failures))))
 
 
 def _plain_first(failures: Iterable[Failure]) -> list[Failure]:
-    """Those that fail as they stand, with few hunters and requests, come before others."""
+    """Those that fail as they stand, with some requests but few, and few hunters, come before others."""
 
-    def trouble(failure: Failure) -> tuple[bool, int]:
-        case = failure.case
-        size = len(case.hunters) + len(case.asked) if isinstance(case, ArbiterCase) else len(case.play)
-        return failure.how not in {"", "in an arena"}, size
+    def trouble(failure: Failure) -> tuple[bool, bool, int]:
+        case, rearranged = failure.case, failure.how not in {"", "in an arena"}
+        if isinstance(case, ArbiterCase):
+            return rearranged, not case.asked, len(case.hunters) + len(case.asked)
+        return rearranged, False, len(case.play)
 
     return sorted(failures, key=trouble)
 
 
-def _alike(failure: Failure) -> tuple[str, str]:
-    """What a failure has in common with others: what it looks like, and what the rulebook says."""
+def _alike(failure: Failure) -> tuple[str, str, bool]:
+    """What a failure has in common with others: what it looks like, what the rulebook says, and whether it is a wrong
+    idea.
+    """
     difference = failure.main_difference
-    if isinstance(difference, OtherReading):
-        return reading_mistake(difference, failure.case)
-    if isinstance(difference, OtherLot):
-        return _LOT
     if isinstance(difference, OtherRuling):
-        return _in_words(difference.right, difference.given, failure.case.clauses[0])
+        return (*_in_words(difference.right, difference.given, failure.case.clauses[0]), False)
+    if isinstance(difference, OtherReading):
+        return (*reading_mistake(difference, failure.case), True)
     if isinstance(difference, Raised):
-        return f"{difference.error} is raised{difference.where}", "Every request gets exactly one verdict (R5.2)."
-    return f"an answer that cannot be read: {difference.about.rpartition(': ')[2]}", f"Expected: {difference.expected}."
+        return f"{difference.error} is raised{difference.where}", "Every request gets exactly one verdict (R5.2).", True
+    if isinstance(difference, Unreadable):
+        return difference.looks_like, difference.rule, True
+    return (*_LOT, True)
 
 
 def _in_words(right: Asked, given: Asked, clause: str) -> tuple[str, str]:

@@ -23,6 +23,8 @@ class Mistake(NamedTuple):
     rule: str
     """What the rulebook says."""
     change: Mapping[str, Any]
+    conceptual: bool = True
+    """An idea is wrong; else a single verdict, or the order of the tests."""
 
 
 def bent(mistakes: Iterable[Mistake]) -> Rules:
@@ -40,11 +42,15 @@ def mistaken_verdicts(seen: Iterable[tuple[object, object]]) -> Iterator[Mistake
     """One verdict for another; `seen`, pairs of what was expected and what was answered."""
     for right, said in seen:
         if right is not said and isinstance(right, Verdict) and isinstance(said, Verdict):
-            yield _mistake(f"{said.name} where {right.name} is right", meaning(right), finish=wrong.says(said, right))
+            yield _slip(f"{said.name} where {right.name} is right", meaning(right), finish=wrong.says(said, right))
 
 
 def _mistake(looks_like: str, rule: str, **change: Any) -> Mistake:
     return Mistake(looks_like, rule, change)
+
+
+def _slip(looks_like: str, rule: str, **change: Any) -> Mistake:
+    return Mistake(looks_like, rule, change, conceptual=False)
 
 
 def _in_turn(old: Finish, new: Finish) -> Finish:
@@ -72,10 +78,10 @@ def _out_of_order() -> Iterator[Mistake]:
     rule = f"R5.2 has the order {', '.join(verdict.name for verdict in ORDER)}."
     for by in range(1, len(ORDER)):
         for one, then in zip(ORDER, ORDER[by:], strict=False):
-            yield _mistake(f"{then.name} is tested before {one.name}", rule, order=wrong.put(then, one, behind=False))
+            yield _slip(f"{then.name} is tested before {one.name}", rule, order=wrong.put(then, one, behind=False))
             if by > 1:  # else that is the same
                 order = wrong.put(one, then, behind=True)
-                yield _mistake(f"{one.name} is tested only after {then.name}", rule, order=order)
+                yield _slip(f"{one.name} is tested only after {then.name}", rule, order=order)
 
 
 _NEAREST: Final = "Of those within reach the nearest wins, whoever asked first and whatever its seat (R5.4)."
@@ -103,10 +109,20 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake("last come, first served", _NEAREST, tied=wrong.everybody, drawn=wrong.last),
     _mistake("the lowest seat wins", _NEAREST, tied=wrong.everybody, drawn=wrong.low_seat),
     _mistake("the highest seat wins", _NEAREST, tied=wrong.everybody, drawn=wrong.high_seat),
-    _mistake("the farthest wins", _NEAREST, tied=wrong.farthest),
+    _mistake("the farthest wins", _NEAREST, tied=wrong.least(lambda claim: -claim.metres)),
     _mistake("everybody within reach wins", _NEAREST, finish=wrong.everybody_wins),
     _mistake("nobody wins where several ask", _NEAREST, finish=wrong.nobody_wins),
-    _mistake("the nearest is found in floats, not in whole micrometres", _NEAREST, tied=wrong.nearest_in_floats),
+    _mistake(
+        "the nearest is found in floats, not in whole micrometres",
+        _NEAREST,
+        tied=wrong.least(lambda claim: claim.metres),
+    ),
+    _mistake("the nearest is found by dx + dy", _NEAREST, tied=wrong.least(lambda claim: claim.dx + claim.dy)),
+    _mistake(
+        "the nearest is found by the larger one of dx and dy",
+        _NEAREST,
+        tied=wrong.least(lambda claim: max(claim.dx, claim.dy)),
+    ),
     _mistake(
         "one after the other: who comes after a catch gets ALREADY_CAUGHT",
         _APART,
@@ -132,6 +148,12 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake("reach is tested in floats", _REACH, within=lambda claim, reach_m, _: claim.metres < reach_m),
     _mistake("reach is tested in floats, with <=", _REACH, within=lambda claim, reach_m, _: claim.metres <= reach_m),
     _mistake("within reach is tested with <=", _REACH, within=lambda claim, _, reach_um: claim.away_um <= reach_um),
+    _mistake("reach is tested by dx + dy", _REACH, within=lambda claim, reach_m, _: claim.dx + claim.dy < reach_m),
+    _mistake(
+        "reach is tested by the larger one of dx and dy",
+        _REACH,
+        within=lambda claim, reach_m, _: max(claim.dx, claim.dy) < reach_m,
+    ),
     _mistake("reach is 0.3 m whatever reach_m says", _REACH, within=lambda claim, *_: claim.away_um < 300_000),
     _mistake(
         "a reach of less than a micrometre lets nobody in",
@@ -142,10 +164,10 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake("distances are cut off, not rounded", _DISTANCE, micrometres=lambda metres: int(1e6 * metres)),
     _mistake("distances are rounded up", _DISTANCE, micrometres=lambda metres: math.ceil(1e6 * metres)),
     _mistake("distances are rounded to millimetres", _DISTANCE, micrometres=lambda metres: 1000 * round(1e3 * metres)),
-    _mistake("the distance is dx + dy", _DISTANCE, metres=lambda dx, dy: abs(dx) + abs(dy)),
-    _mistake("the distance is the larger one of dx and dy", _DISTANCE, metres=lambda dx, dy: max(abs(dx), abs(dy))),
-    _mistake("the distance is dx alone", _DISTANCE, metres=lambda dx, _: abs(dx)),
-    _mistake("the distance is dy alone", _DISTANCE, metres=lambda _, dy: abs(dy)),
+    _mistake("the distance is dx + dy", _DISTANCE, metres=lambda dx, dy: dx + dy),
+    _mistake("the distance is the larger one of dx and dy", _DISTANCE, metres=max),
+    _mistake("the distance is dx alone", _DISTANCE, metres=lambda dx, _: dx),
+    _mistake("the distance is dy alone", _DISTANCE, metres=lambda _, dy: dy),
     _mistake("the distance is a square: the root is missing", _DISTANCE, metres=lambda dx, dy: dx * dx + dy * dy),
     # Evidence
     _mistake(
@@ -304,6 +326,6 @@ KNOWN: Final[Sequence[Mistake]] = (
         if verdict in OF_CAPSTONE
     ),
     # Tests that are not made
-    *(_mistake(f"{verdict.name} is never said", meaning(verdict), order=wrong.never(verdict)) for verdict in ORDER),
+    *(_slip(f"{verdict.name} is never said", meaning(verdict), order=wrong.never(verdict)) for verdict in ORDER),
 )
 """Where two explain as much the first is named, so the subtle ones come before the gross ones."""

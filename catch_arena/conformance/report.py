@@ -8,17 +8,15 @@ from functools import cached_property
 from typing import Final
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from catch_arena.conformance.answers import counted
 from catch_arena.conformance.comparison import Strictness
 from catch_arena.conformance.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
 
 _USUAL: Final = Strictness()
-_MOST_LINES: Final = 50
-"""For all diagnoses. The first failure of the first is always shown in full, those of others where there is room."""
-_MOST_TOLD: Final = 4
-"""Further diagnoses are only named: who has mended these asks again."""
-_FEW_NAMES: Final = 3
-"""So many lines of ids there may always be."""
+_MOST_IN_FULL: Final = 10
+"""Of further diagnoses only a case is named: who has mended these asks again."""
+_MOST_LINES_OF_IDS: Final = 2
 
 
 @dataclass(frozen=True)
@@ -53,7 +51,7 @@ class Report:
         counts = [
             f"{played - failed} passed",
             f"{failed} failed",
-            *(f"{count} need {what}" for what, count in left.items()),
+            *(f"{count} need{'s' if count == 1 else ''} {what}" for what, count in left.items()),
         ]
         return f"cases: {', '.join(counts)}"
 
@@ -63,40 +61,34 @@ class Report:
 
     def by_mistake(self, width: int) -> str:
         """The same, in lines of at most so many characters."""
-        shown = self.diagnoses[:_MOST_TOLD]
-        told = [self._told(number, one, width) for number, one in enumerate(shown, start=1)]
-        for place, one in enumerate(shown):
-            room = _MOST_LINES - sum(map(_lines, told[:place] + told[place + 1 :]))
-            full = self._told(place + 1, one, width, room)
-            if not place or _lines(full) <= room:
-                told[place] = full
-        if rest := self.diagnoses[_MOST_TOLD:]:
-            named = ", ".join(f"{one.looks_like} ({len(one.failures)})" for one in rest)
-            told.append(wrapped(f"and {len(rest)} more: {named}", width, "", "  "))
-        return "\n\n".join([*told, *self._fared(width), self.summary])
+        numbered = list(enumerate(self.diagnoses, start=1))
+        told = [self._told(number, one, width) for number, one in numbered[:_MOST_IN_FULL]]
+        if rest := numbered[_MOST_IN_FULL:]:
+            lines = ["More mistakes, each with a case that --only shows in full:"]
+            lines += [f"{number}. {_heading(one)}, as {one.failures[0].case.id}" for number, one in rest]
+            told.append("\n".join(wrapped(line, width, "", "   ") for line in lines))
+        return "\n\n".join([*told, *self._fared(width), self._summed_up(width)])
 
     def in_full(self, width: int = WIDTH) -> str:
         """Every failure, how each group of cases fared if any failed, and the summary."""
-        return "\n\n".join([*(failure.told(width) for failure in self.failures), *self._fared(width), self.summary])
+        failures = (failure.told(width) for failure in self.failures)
+        return "\n\n".join([*failures, *self._fared(width), self._summed_up(width)])
 
-    def _told(self, number: int, diagnosis: Diagnosis, width: int, room: int | None = None) -> str:
-        """What failures look like, the first of them, and the names of the others; in full with `room` for so many
-        lines, or in brief.
-        """
+    def _summed_up(self, width: int) -> str:
+        return wrapped(self.summary, width, "", "  ")
+
+    def _told(self, number: int, diagnosis: Diagnosis, width: int) -> str:
+        """What failures look like, the first of them, and the names of the others."""
         first, *others = diagnosis.failures
-        if room is None:
-            one = first.main_difference
-            example = f"{first.case.id}: {one.about}: expected {one.expected}, got {one.got}"
-            example = wrapped(example, width, "   ", "     ")
-        else:
-            example = textwrap.indent(first.told(width - 3), "   ")
-        heading = wrapped(f"{number}. {_looks_like(diagnosis)}: {_count(diagnosis)}", width, "", "   ")
-        text = f"{heading}\n{wrapped(diagnosis.rule, width, '   ')}\n{example}"
-        if not others:
-            return text
-        names = wrapped(f"{len(others)} more: {self._names(others)}", width, "   ", "     ").splitlines()
-        most = max(_FEW_NAMES, (room or 0) - _lines(text))
-        return "\n".join([text, *(names if len(names) <= most else [*names[: most - 1], "     ..."])])
+        lines = [
+            wrapped(f"{number}. {_heading(diagnosis)}", width, "", "   "),
+            wrapped(diagnosis.rule, width, "   "),
+            textwrap.indent(first.told(width - 3, brief=True), "   "),
+        ]
+        if others:
+            names = f"{len(others)} more: {self._names(others)}"
+            lines.append(wrapped(names, width, "   ", "     ", _MOST_LINES_OF_IDS))
+        return "\n".join(lines)
 
     def _names(self, failures: Sequence[Failure]) -> str:
         """Their ids by group, which is said once; those of a group without a pass are not told one by one."""
@@ -137,8 +129,7 @@ class Report:
                 {"classname": f"conformance.{case.group}", "name": case.id, "time": f"{result.seconds:.3f}"},
             )
             if result.failure is not None:
-                first = result.failure.differences[0]
-                message = f"{', '.join(case.clauses)}: {first.about}: expected {first.expected}, got {first.got}"
+                message = f"{', '.join(case.clauses)}: {result.failure.differences[0]}"
                 failure = SubElement(test, "failure", {"type": "conformance", "message": message})
                 failure.text = str(result.failure)
             elif not result.played:
@@ -147,18 +138,10 @@ class Report:
         return f'<?xml version="1.0" encoding="UTF-8"?>\n{tostring(root, encoding="unicode")}\n'
 
 
-def _count(diagnosis: Diagnosis) -> str:
-    """How many failures, and how many of them are not its alone."""
+def _heading(diagnosis: Diagnosis) -> str:
+    """What failures look like, how many there are, and how many of them are not its alone."""
+    looks_like = f'looks like "{diagnosis.looks_like}"' if diagnosis.known else diagnosis.looks_like
     count = len(diagnosis.failures)
-    together = "all" if diagnosis.shared == count else f"{diagnosis.shared} of them"
-    shared = f", {together} together with other mistakes" if diagnosis.shared else ""
-    return f"{count} failure{'s' if count > 1 else ''}{shared}"
-
-
-def _looks_like(diagnosis: Diagnosis) -> str:
-    return f'looks like "{diagnosis.looks_like}"' if diagnosis.known else diagnosis.looks_like
-
-
-def _lines(text: str) -> int:
-    """With the empty one below."""
-    return text.count("\n") + 2
+    together = ("all " if count > 1 else "") if diagnosis.shared == count else f"{diagnosis.shared} of them "
+    shared = f", {together}together with other mistakes" if diagnosis.shared else ""
+    return f"{looks_like}: {counted(count, 'failure')}{shared}"

@@ -12,6 +12,8 @@ from catch_arena.conformance.comparison import Call, OtherRuling
 WIDTH: Final = 100
 """Of a report, in characters, where nobody asks for another one."""
 _MOST_DIFFERENCES: Final = 6
+_BRIEF_DIFFERENCES, _BRIEF_LINES = 2, 3
+"""Of a large case, told briefly: how many differences, and lines of anything else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,31 +35,26 @@ class Failure:
         """Case, clauses, expected, got, and why it matters."""
         return self.told(WIDTH)
 
-    def told(self, width: int) -> str:
-        """The same, in lines of at most so many characters."""
+    def told(self, width: int, *, brief: bool = False) -> str:
+        """The same, in lines of at most so many characters; `brief`, what is long is cut off."""
         case = self.case
-        paragraphs = [case.situation]
         if isinstance(case, ArbiterCase):
-            paragraphs += [f"Position: {_position(case)}", f"Requests: {_requests(case.asked)}"]
+            paragraphs = [f"Position: {_position(case)}", f"Requests: {_requests(case.asked)}"]
         else:
-            paragraphs.append(f"Settings: {_settings(case)}")
+            paragraphs = [f"Settings: {_settings(case)}"]
             paragraphs += [f"Part {part}: {_beat(beat)}" for part, beat in enumerate(case.play, start=1)]
         if self.how:
             paragraphs.append(f"It was played {self.how}.")
-        lines = [wrapped(f"FAILED {case.id} ({', '.join(case.clauses)})", width)]
-        lines += [wrapped(text, width, "  ") for text in paragraphs]
-        for difference in self.differences[:_MOST_DIFFERENCES]:
-            lines += [
-                wrapped(difference.about, width, "    "),
-                wrapped(f"expected {difference.expected}", width, "      ", " " * 15),
-                wrapped(f"got      {difference.got}", width, "      ", " " * 15),
-            ]
-        if (left := len(self.differences) - _MOST_DIFFERENCES) > 0:
-            lines.append(f"    and {left} more")
-        lines.append(wrapped(f"Why it matters: {case.why}", width, "  "))
+        most = _BRIEF_DIFFERENCES if brief else _MOST_DIFFERENCES
+        differences = [str(one) for one in self.differences[:most]]
+        if (left := len(self.differences) - most) > 0:
+            differences.append(f"and {left} more")
+        why = f"Why it matters: {case.why}"
         if case.options:
-            chosen = f"The rulebook chose «{case.options[0]}», not {_either(case.options[1:])}."
-            lines.append(wrapped(chosen, width, "  "))
+            why += f" The rulebook chose «{case.options[0]}», not {_either(case.options[1:])}."
+        lines = [wrapped(f"FAILED {case.id} ({', '.join(case.clauses)}): {case.situation}", width, "", "  ")]
+        lines += [wrapped(text, width, "  ", "    ", _BRIEF_LINES if brief else None) for text in paragraphs]
+        lines += [wrapped(text, width, "  ", "    ") for text in (*differences, why)]
         return "\n".join(lines)
 
 
@@ -79,11 +76,19 @@ class Result:
         return "an arbiter" if isinstance(self.case, ArbiterCase) else "an arena"
 
 
-def wrapped(text: str, width: int, first: str = "", then: str | None = None) -> str:
-    """A text in lines of at most so many characters, where its words allow that, with what begins the lines."""
-    then = first if then is None else then
+def wrapped(text: str, width: int, first: str = "", then: str | None = None, most: int | None = None) -> str:
+    """A text in lines of at most so many characters, where its words allow that, with what begins the lines; cut off
+    after `most` lines.
+    """
     return textwrap.fill(
-        text, width, initial_indent=first, subsequent_indent=then, break_on_hyphens=False, break_long_words=False
+        text,
+        width,
+        initial_indent=first,
+        subsequent_indent=first if then is None else then,
+        break_on_hyphens=False,
+        break_long_words=False,
+        max_lines=most,
+        placeholder=" ...",
     )
 
 

@@ -23,8 +23,10 @@ class Claim:
     name: Any
     target: str | None
     """The one that the name stands for."""
+    dx: float
+    """To that target, without a sign, as dy; NaN where there is none."""
+    dy: float
     metres: float
-    """To that target; NaN where there is none."""
     away_um: int | None
     verdict: Verdict | None = None
     distance_um: int | None = None
@@ -139,10 +141,11 @@ def _claim(rules: Rules, step: Step, hunter: int, name: object) -> Claim:
     targets = step.given["targets"]
     target = next((one for one in targets if rules.stands_for(name, one)), None) if isinstance(name, str) else None
     if target is None:
-        return Claim(hunter, name, None, math.nan, None)
+        return Claim(hunter, name, None, math.nan, math.nan, math.nan, None)
     (x, y), (target_x, target_y) = step.given["hunters"][hunter], targets[target]
-    metres = rules.metres(target_x - x, target_y - y)
-    return Claim(hunter, name, target, metres, rules.micrometres(metres))
+    dx, dy = abs(target_x - x), abs(target_y - y)
+    metres = rules.metres(dx, dy)
+    return Claim(hunter, name, target, dx, dy, metres, rules.micrometres(metres))
 
 
 def _duplicate(rules: Rules, step: Step, claim: Claim) -> bool:

@@ -44,18 +44,16 @@ def in_ties(drawn: Callable[[Sequence[Claim], Step], Claim]) -> Callable[[Sequen
     return lambda tied, step: step.draw(tied) if step.given["policy"] == "first_come" else drawn(tied, step)
 
 
-def farthest(eligible: Sequence[Claim], _: Step) -> Sequence[Claim]:
-    """Those at the greatest distance."""
-    most = max(claim.away_um or 0 for claim in eligible)
-    return [claim for claim in eligible if claim.away_um == most]
+def least(measure: Callable[[Claim], float]) -> Callable[[Sequence[Claim], Step], Sequence[Claim]]:
+    """Those with the least of something other than whole micrometres."""
 
+    def tied(eligible: Sequence[Claim], step: Step) -> Sequence[Claim]:
+        if step.given["policy"] == "first_come":
+            return eligible
+        measured = [measure(claim) for claim in eligible]
+        return [claim for claim, one in zip(eligible, measured, strict=True) if one == min(measured)]
 
-def nearest_in_floats(eligible: Sequence[Claim], step: Step) -> Sequence[Claim]:
-    """Those nearest by unrounded distances."""
-    if step.given["policy"] == "first_come":
-        return eligible
-    least = min(claim.metres for claim in eligible)
-    return [claim for claim in eligible if claim.metres == least]
+    return tied
 
 
 def first_under_first_come(eligible: Sequence[Claim], step: Step) -> Sequence[Claim]:

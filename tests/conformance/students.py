@@ -5,6 +5,27 @@ import random
 from typing import Any
 
 
+def minimal(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: Any) -> list[Any]:
+    """Who wins, and nothing else."""
+    away = {seat: math.dist(hunters[seat], targets[name]) for seat, name in requests if name in targets}
+    best: dict[str, int] = {}
+    for seat, name in requests:
+        if name in targets and away[seat] <= reach_m and (name not in best or away[seat] < away[best[name]]):
+            best[name] = seat
+    rulings: list[Any] = []
+    for seat, name in requests:
+        if name not in targets:
+            rulings.append(("UNKNOWN_TARGET", seat, name))
+            continue
+        distance = round(1e6 * math.dist(hunters[seat], targets[name]))
+        if distance > 1e6 * reach_m:
+            rulings.append(("OUT_OF_REACH", seat, name, distance))
+        else:
+            verdict = "GRANTED" if seat == best.get(name) else "LOST_CONTEST"
+            rulings.append((verdict, seat, name, distance, best.get(name)))
+    return rulings
+
+
 def one_loop(
     hunters: Any,
     targets: Any,

@@ -134,13 +134,13 @@ def test_whatever_an_arbiter_does_wrong_is_told_in_words(arbiter: Any, about: st
     assert about in difference.about
     assert got in difference.got
     assert difference.expected
-    assert difference.got in str(report)
+    assert difference.got in " ".join(str(report).split())
 
 
 def test_a_report_says_where_an_arbiter_raised():
     """But not where the suite called one that could not be called."""
     report = run_conformance(raises, only=["basics.in-reach"])
-    assert re.search(r"raised ValueError: no idea \(test_answers.py, line \d+\)", str(report))
+    assert re.search(r"raised ValueError: no idea \(test_answers.py, line \d+\)", " ".join(str(report).split()))
     assert "line" not in str(run_conformance(lambda hunters: hunters, only=["basics.in-reach"]))
 
 
@@ -233,7 +233,9 @@ def test_an_arbiter_that_never_answers_is_interrupted_where_it_stands():
     (failure,) = report.failures
     (difference,) = failure.differences
     assert failure.case.id == "basics.in-reach"
-    assert re.fullmatch(r"raised TimeoutError: no answer within 0.05 s \(test_answers.py, line \d+\)", difference.got)
+    assert re.fullmatch(
+        r"none: it raised TimeoutError: no answer within 0.05 s \(test_answers.py, line \d+\)", difference.got
+    )
 
 
 @pytest.mark.parametrize("limit_s", [0, -1.0, float("nan"), float("inf")])
@@ -256,7 +258,7 @@ def test_a_play_that_went_otherwise_is_told_whole():
     assert (
         "  Settings: hunters = 2\n"
         "  Part 1: hunter 0 put at (4.75, 5.0, 0.0); hunter 1 put at (5.2, 5.0, 0.0); a target put at (5.0,\n"
-        "  5.0)\n"
+        "    5.0)\n"
         "  Part 2: hunter 0 driven by (2.0, 0.0); a step in which hunter 0 asks for 1; hunter 1 asks for 1\n"
         "  It was played in an arena, part 2 of 2.\n"
     ) in told["time.driving-nearer-than-the-winner"]
