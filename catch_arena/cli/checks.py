@@ -17,6 +17,7 @@ from catch_arena.cli.app import (
     main,
 )
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.terminal import folded
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 
@@ -52,15 +53,15 @@ def check_agent(
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
     for line in missing_protections():
-        typer.echo(f"note: {line}", err=True)
+        typer.echo(folded(line, "note: ", " " * 6), err=True)
     wrong = 0
     with Sandbox(agent_limits(limits)) as sandbox:
         for finding in check(agent, arenas, seed, sandbox):
             wrong += finding.level == "error"
-            typer.echo(f"{finding.level + ':':9}" + finding.text.replace("\n", f"\n{'':9}"))
+            typer.echo(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
     if wrong:
         raise typer.Exit(NOT_PASSED)
-    typer.echo(f"{agent} is fit to play")
+    typer.echo(folded(f"{agent} is fit to play"))
 
 
 @main.command()

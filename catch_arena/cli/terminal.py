@@ -2,10 +2,11 @@
 
 import codecs
 import os
-import shutil
 import sys
+from contextlib import suppress
 from inspect import cleandoc
 from io import TextIOWrapper
+from textwrap import wrap
 from typing import Any, Final
 
 WIDE: Final = 80
@@ -16,8 +17,41 @@ _INDENT: Final = 6
 
 
 def columns() -> int:
-    """Of the terminal, or as COLUMNS says, and no fewer than words need; WIDE for a file."""
-    return max(_LEAST, shutil.get_terminal_size((WIDE, 24)).columns)
+    """As COLUMNS says, or of the terminal, also where the output goes through a pipe, but no fewer than words need;
+    WIDE where there is no terminal.
+    """
+    return _terminal_columns() or WIDE
+
+
+def folded(text: str, first: str = "", then: str = "") -> str:
+    """The text's lines, each with what begins the first one and all others; they fit the terminal, if there is one."""
+    width = _terminal_columns()
+    lines: list[str] = []
+    for line in text.split("\n"):
+        start = then if lines else first
+        if width is None:
+            lines.append(start + line)
+        else:
+            lines += wrap(
+                line,
+                width,
+                initial_indent=start,
+                subsequent_indent=then,
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+    return "\n".join(lines)
+
+
+def _terminal_columns() -> int | None:
+    asked = os.environ.get("COLUMNS", "")
+    if asked.isdecimal() and int(asked):
+        return max(_LEAST, int(asked))
+    for stream in range(3):  # in the order in which Rich asks them for its tables and boxes
+        with suppress(OSError):
+            if width := os.get_terminal_size(stream).columns:
+                return max(_LEAST, width)
+    return None
 
 
 def let_all_be_written() -> None:

@@ -31,10 +31,15 @@ def in_a_file(*words: str, **more: str) -> subprocess.CompletedProcess[bytes]:
 
 def on_a_terminal(*words: str, columns: int, **more: str) -> str:
     """All that is shown, without what moves and colours it."""
+    return shown_on_a_terminal([PROGRAM, *words], columns=columns, **more)
+
+
+def shown_on_a_terminal(command: list[str], *, columns: int, **more: str) -> str:
+    """The same of any command."""
     ours, theirs = pty.openpty()
     ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     shown = b""
-    with subprocess.Popen([PROGRAM, *words], stdin=theirs, stdout=theirs, stderr=theirs, env=environment(**more)):
+    with subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment(**more)):
         os.close(theirs)
         try:
             while part := os.read(ours, 65536):
@@ -69,6 +74,35 @@ def test_the_help_of_every_command_fits_forty_columns_and_names_its_options_whol
     overview = told[""][1]
     assert all(re.search(rf"^  {name}$", overview, re.MULTILINE) for name in told if name)
     assert re.sub(r"\s+", " ", overview).endswith("what they rest on, and replays that play. ")
+
+
+def test_the_help_fits_forty_columns_through_a_pipe_as_well():
+    """The terminal is that of the input and of the errors."""
+    shell = ["sh", "-c", 'exec "$0" match --help | cat', PROGRAM]
+    text = shown_on_a_terminal(shell, columns=40)
+    assert "…" not in text
+    assert max(map(len, text.splitlines())) <= 40
+    assert "--trusted" in text
+    assert "╭" not in text
+    wide = shown_on_a_terminal(shell, columns=100)
+    assert "╭" in wide
+    assert max(map(len, wide.splitlines())) == 100
+
+
+def test_what_check_agent_finds_fits_forty_columns(tmp_path):
+    """Each finding below its first word, and only where there is a terminal."""
+    (tmp_path / "a.py").write_text(
+        "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 99\n"
+    )
+    words = ["check-agent", str(tmp_path / "a.py"), "--scenario", "duel", "--set", "time_limit_s=3"]
+    lines = on_a_terminal(*words, columns=40).splitlines()
+    assert all(len(line) <= 40 or " " not in line.strip() for line in lines)
+    found = lines[next(place for place, line in enumerate(lines) if line.startswith("error: ")) :]
+    assert all(line.startswith(" " * 9) for line in found[1:])
+    told = " ".join(" ".join(found).split())
+    (line,) = [line for line in in_a_file(*words).stdout.decode().splitlines() if "it saw: " in line]
+    assert len(line) > 100
+    assert " ".join(line.split()) in told
 
 
 def test_the_tables_fit_forty_columns():
