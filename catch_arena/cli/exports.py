@@ -1,12 +1,15 @@
 """`catch-arena export`: a tournament's matches for other tools."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.errors import ConfigError
+
+Format = Literal["jsonl", "csv", "parquet"]
 
 
 @main.command()
@@ -15,11 +18,13 @@ def export(
     *,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="The file to write.")],
     form: Annotated[
-        Literal["jsonl", "csv", "parquet"],
+        Format | None,
         typer.Option(
-            "--format", help="jsonl: a line for each match; csv and parquet: a row for each seat of each match."
+            "--format",
+            help="jsonl: a line for each match; csv and parquet: a row for each seat of each match.",
+            show_default="as FILE ends, or jsonl",
         ),
-    ] = "jsonl",
+    ] = None,
     force: Force = False,
     timing: Annotated[
         bool, typer.Option("--timing/--no-timing", help="With the time per move, which no other run repeats.")
@@ -30,6 +35,16 @@ def export(
     from catch_arena.tournament.records.store import Store
 
     with Store.read(folder) as store:
+        chosen = _format(form, output)
         output_file(output, force=force)
-        write(store, form, output, timing=timing)
+        write(store, chosen, output, timing=timing)
         typer.echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")
+
+
+def _format(form: Format | None, output: Path) -> Format:
+    """What --format says, or else how the file's name ends. Raises: ConfigError where the two contradict."""
+    ending = output.suffix.lower().removeprefix(".")
+    named = next((one for one in get_args(Format) if one == ending), None)
+    if form is not None and named not in {form, None}:
+        raise ConfigError(f"--format must be as the file's name ends or be left out, got {form} for {output.name}")
+    return form or named or "jsonl"

@@ -77,6 +77,10 @@ def tournament(
         Path, typer.Option(metavar="DIR", help="The folder for its matches, standings and agents' logs.")
     ] = Path("out/tournament"),
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what DIR holds, if it holds anything.")] = False,
+    force: Annotated[
+        bool,
+        typer.Option("--force", help="Replace standings, report and replays in DIR that are of no tournament there."),
+    ] = False,
     record: Annotated[bool, typer.Option("--record", help="Also keep a replay of each match, in DIR/replays.")] = False,
     watch: Annotated[
         bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 from the first match on, until Ctrl-C.")
@@ -90,15 +94,15 @@ def tournament(
 
     Agents that do not come with the package play in processes of their own, with limits.
     """
-    from catch_arena.report import write_report
+    from catch_arena.report import REPORT, write_report
     from catch_arena.tournament.display.live import LiveStandings
     from catch_arena.tournament.display.tables import plan_table, standings_table
     from catch_arena.tournament.execution.cost import measured
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_out
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import require_enough
-    from catch_arena.tournament.records.results import prepare_folder, write_standings
-    from catch_arena.tournament.records.store import Store, Tournament
+    from catch_arena.tournament.records.results import SUMMARY, TABLE, prepare_folder, write_standings
+    from catch_arena.tournament.records.store import STORE, Store, Tournament
     from catch_arena.tournament.sequential.until_separated import UntilSeparated
     from catch_arena.tournament.statistics.standings import standings
 
@@ -113,6 +117,13 @@ def tournament(
         Console().print(plan_table(plays, worker, measured(worker, plays), jobs, max_forfeits))
         return
     prepare_folder(out / REPLAYS if record else out)
+    if not (out / STORE).exists():  # else they are made from it
+        for name in (TABLE, SUMMARY, REPORT):
+            output_file(out / name, force=force)
+        if record and not force and any((out / REPLAYS).glob("*.replay")):
+            raise OutputError(
+                f"{out / REPLAYS}: holds replays already: give --force to replace them, or another folder"
+            )
     terms = {"recorded": record, "trusted": trusted, "max_forfeits": max_forfeits}
     terms |= {} if allowed is None else asdict(allowed)
     facts = Tournament(config, players, plays.words, terms)

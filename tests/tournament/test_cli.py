@@ -153,7 +153,14 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         (["tournament", "nearest", "idle", *QUICK, "--set", "control=full"], "left to the agents"),
         (["tournament", "nearest", "idle", *QUICK, "--jobs", "0"], "jobs must be at least 1"),
         (["tournament", "nearest", "idle", *QUICK, "--rounds", "0"], "rounds must be at least 1"),
-        (["tournament", "nearest", "idle", *QUICK, "--out", "file/o"], "file/o: cannot be written"),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--out", "file/o"],
+            "file: cannot be written: is a file, not a folder",
+        ),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--out", "file"],
+            "file: cannot be written: is a file, not a folder",
+        ),
         (["tournament", "nearest", "idle", *QUICK, "--address", "auto"], "--address must come with --executor ray"),
         (
             ["tournament", "nearest", "idle", *QUICK, "--executor", "ray", "--address", "auto", "-j", "2"],

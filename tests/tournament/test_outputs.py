@@ -1,5 +1,6 @@
 """A command that writes a file replaces none without --force."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -94,6 +95,59 @@ def test_what_a_tournament_writes_from_its_store_is_made_anew(played):
     report.write_text("old")
     assert CliRunner().invoke(main, ["report", str(played / "o")]).exit_code == 0
     assert report.read_bytes() == before
+
+
+def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given(tmp_path, monkeypatch):
+    """A folder without a store has nothing that was made from one, so that it would be lost."""
+    monkeypatch.chdir(tmp_path)
+    words = ["tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--record", "--out", "other"]
+    names = ["report.html", "standings.csv", "standings.json", "replays/mine.replay"]
+    Path("other/replays").mkdir(parents=True)
+    Path("other/notes.txt").write_text("stays")
+    for name in names:
+        Path("other", name).write_text("mine")
+        for more in ([], ["--resume"]):
+            refused = CliRunner().invoke(main, [*words, *more])
+            assert refused.exit_code == 2
+            assert re.fullmatch(r"catch-arena: other/\S+: .* already: give --force to replace .*\n", refused.stderr)
+            assert Path("other", name).read_text() == "mine"
+            assert not Path("other/tournament.sqlite").exists()
+        Path("other", name).unlink()
+    for name in names:
+        Path("other", name).write_text("mine")
+    assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
+    assert [name for name in names if Path("other", name).read_bytes() == b"mine"] == ["replays/mine.replay"]
+    assert Path("other/notes.txt").read_text() == "stays"
+    again = CliRunner().invoke(main, [*words, "--resume"])
+    assert again.exit_code == 0, again.output
+    refused = CliRunner().invoke(main, [*words, "--force"])
+    assert "holds a tournament already" in refused.stderr  # what was played is never replaced
+
+
+@pytest.mark.parametrize(
+    ("words", "start"),
+    [
+        (["-o", "m.jsonl"], b'{"match":'),
+        (["-o", "m.CSV"], b"match,block,seed,"),
+        (["-o", "m.parquet"], b"PAR1"),
+        (["-o", "m.txt"], b'{"match":'),
+        (["-o", "m.txt", "--format", "csv"], b"match,block,seed,"),
+    ],
+)
+def test_an_export_has_the_format_that_its_name_says(played, tmp_path, monkeypatch, words, start):
+    monkeypatch.chdir(tmp_path)
+    assert CliRunner().invoke(main, ["export", str(played / "o"), *words]).exit_code == 0
+    assert Path(words[1]).read_bytes().startswith(start)
+
+
+def test_an_export_whose_name_and_format_contradict_is_refused(played, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    refused = CliRunner().invoke(main, ["export", str(played / "o"), "-o", "hh.csv", "--format", "jsonl"])
+    assert refused.exit_code == 2
+    assert refused.stderr == (
+        "catch-arena: --format must be as the file's name ends or be left out, got jsonl for hh.csv\n"
+    )
+    assert not Path("hh.csv").exists()
 
 
 def test_a_free_name_has_the_next_number(tmp_path):

@@ -7,11 +7,13 @@ import csv
 import io
 import json
 import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.config import RULESET
+from catch_arena.errors import OutputError
 from catch_arena.replay import unwritable, write_whole
 from catch_arena.tournament.records.store import Tournament
 from catch_arena.tournament.statistics.intervals import Estimate
@@ -31,6 +33,9 @@ def prepare_folder(folder: Path) -> Path:
         probe = folder / ".catch-arena-probe"
         probe.touch()
         probe.unlink()
+    except (FileExistsError, NotADirectoryError):
+        taken = next(path for path in (folder, *folder.parents) if os.path.lexists(path) and not path.is_dir())
+        raise OutputError(f"{taken}: cannot be written: is a file, not a folder") from None
     except OSError as error:
         raise unwritable(folder, error) from None
     return folder

@@ -128,7 +128,7 @@ def test_no_process_is_no_way_to_play():
 
 def test_a_folder_that_cannot_be_is_refused_before_play(tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(OutputError, match="cannot be written: Not a directory"):
+    with pytest.raises(OutputError, match="file: cannot be written: is a file, not a folder"):
         prepare_folder(tmp_path / "file" / "results")
 
 
