@@ -6,6 +6,7 @@ none that was kept. Keeping a match twice changes nothing.
 
 import dataclasses
 import json
+import shutil
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -30,8 +31,11 @@ _PAGE: Final = 1000
 """How many matches that wait are read at once."""
 _PATIENCE_S: Final = 60.0
 """How long another process may hold the file."""
-_NO_ROOM: Final = ("SQLITE_FULL", "SQLITE_IOERR")
-"""What SQLite says on a full disk: it has more than one kind of file there."""
+_FULL: Final = "SQLITE_FULL"
+_FAILED: Final = "SQLITE_IOERR"
+"""What SQLite says where it cannot write. It says the second on a full disk too, of the files beside its own."""
+_ROOM_IT_WORKS_IN: Final = 1_000_000
+"""Bytes: with less free, a write that failed was for want of room."""
 _TABLES: Final = """
 CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE versions (id INTEGER PRIMARY KEY, value TEXT NOT NULL UNIQUE);
@@ -290,9 +294,11 @@ class Store:
     def _why(self, error: sqlite3.Error) -> str:
         """What SQLite says; where it cannot write, with the room that there is, and what the rest needs."""
         name = getattr(error, "sqlite_errorname", "")
-        if self.path is None or not name.startswith(_NO_ROOM):
+        if self.path is None or not name.startswith((_FULL, _FAILED)):
             return f"cannot be used: {error}"
-        return f"cannot be written: {error}: {room(self.path.parent, self._still_needed())}"
+        folder, needed = self.path.parent, self._still_needed()
+        why = "the disk is full" if name == _FULL or _is_full(folder, needed or 0) else error
+        return f"cannot be written: {why}: {room(folder, needed)}"
 
     def _still_needed(self) -> int | None:
         """Bytes for the matches that wait, about; None where the plan is not written either."""
@@ -303,6 +309,12 @@ class Store:
             for (seating,) in self._db.execute("SELECT seating FROM match LIMIT 1"):
                 return int(count) * store_bytes(len(json.loads(seating)))
         return None
+
+
+def _is_full(folder: Path, needed: int) -> bool:
+    with suppress(OSError):
+        return shutil.disk_usage(folder).free < max(_ROOM_IT_WORKS_IN, needed)
+    return False
 
 
 def store_bytes(seats: int) -> int:
