@@ -1,8 +1,8 @@
 """Why cases failed: which of the known mistakes the answers look like, and what the others have in common."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, cast
+from typing import Final, NamedTuple, cast
 
 from catch_arena.conformance.answers import OtherTarget, Raised, Unreadable
 from catch_arena.conformance.arenas import OtherReading
@@ -14,7 +14,17 @@ from catch_arena.conformance.results import Failure, Result
 from catch_arena.conformance.search import Search
 from catch_arena.verdicts import Verdict
 
-_LOT: Final = (
+
+class _Kind(NamedTuple):
+    """What failures have in common; the fields are those of a Diagnosis."""
+
+    looks_like: str
+    rule: str
+    known: bool = False
+    conceptual: bool = True
+
+
+_LOT: Final = _Kind(
     "a lot is drawn wrongly",
     "A lot has one winner, the same in every order of requests and without the losers, and is fair to the tied (R5.5).",
 )
@@ -43,62 +53,46 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
     """
     search = Search(results, strictness)
     found = search.mistakes()
-    alone: dict[str, list[Failure]] = {one.looks_like: [] for one in found}
-    shared: dict[str, list[Failure]] = {one.looks_like: [] for one in found}
-    left: dict[tuple[str, str, bool], list[Failure]] = {}
+    groups: dict[_Kind, list[tuple[bool, Failure]]] = {}
     for result in results:
         if result.failure is None:
             continue
-        if culprits := search.culprits(found, result):
-            (alone if len(culprits) == 1 else shared)[culprits[-1].looks_like].append(result.failure)
+        culprits = search.culprits(found, result)
+        if culprits:
+            kind = _Kind(culprits[-1].looks_like, culprits[-1].rule, known=True, conceptual=culprits[-1].conceptual)
         else:
-            words = (*_LOT, True) if search.is_lawful(result) else _alike(result.failure)
-            left.setdefault(words, []).append(result.failure)
-    known = [
-        Diagnosis(
-            one.looks_like,
-            one.rule,
-            (*_plain_first(alone[one.looks_like]), *_plain_first(shared[one.looks_like])),
-            known=True,
-            conceptual=one.conceptual,
-            shared=len(shared[one.looks_like]),
-        )
-        for one in found
-        if alone[one.looks_like] or shared[one.looks_like]
-    ]
-    others = [
-        Diagnosis(looks_like, rule, tuple(_plain_first(failures)), known=False, conceptual=conceptual)
-        for (looks_like, rule, conceptual), failures in left.items()
-    ]
-    return tuple(sorted((*known, *others), key=lambda one: (not one.conceptual, -len(one.failures))))
+            kind = _LOT if search.is_lawful(result) else _alike(result.failure)
+        groups.setdefault(kind, []).append((len(culprits) > 1, result.failure))
+    diagnoses = []
+    for kind, members in groups.items():
+        members.sort(key=lambda one: (one[0], _trouble(one[1])))
+        failures = tuple(failure for _, failure in members)
+        diagnoses.append(Diagnosis(**kind._asdict(), failures=failures, shared=sum(shared for shared, _ in members)))
+    return tuple(sorted(diagnoses, key=lambda one: (not one.conceptual, -len(one.failures), not one.known)))
 
 
-def _plain_first(failures: Iterable[Failure]) -> list[Failure]:
-    """Those that fail as they stand, with some requests but few, and few hunters, come before others."""
-
-    def trouble(failure: Failure) -> tuple[bool, bool, int]:
-        case, rearranged = failure.case, failure.how not in {"", "in an arena"}
-        if isinstance(case, ArbiterCase):
-            return rearranged, not case.asked, len(case.hunters) + len(case.asked)
-        return rearranged, False, len(case.play)
-
-    return sorted(failures, key=trouble)
+def _trouble(failure: Failure) -> tuple[bool, bool, int]:
+    """What is easily understood comes first: as it stands, with some requests but few, and few hunters."""
+    case, rearranged = failure.case, failure.how not in {"", "in an arena"}
+    if isinstance(case, ArbiterCase):
+        return rearranged, not case.asked, len(case.hunters) + len(case.asked)
+    return rearranged, False, len(case.play)
 
 
-def _alike(failure: Failure) -> tuple[str, str, bool]:
-    """What a failure has in common with others: what it looks like, what the rulebook says, and whether it is a wrong
-    idea.
-    """
+def _alike(failure: Failure) -> _Kind:
+    """What a failure has in common with others that no known mistake explains."""
     difference = failure.main_difference
     if isinstance(difference, OtherRuling):
-        return (*_in_words(difference.right, difference.given, failure.case.clauses[0]), False)
+        return _Kind(*_in_words(difference.right, difference.given, failure.case.clauses[0]), conceptual=False)
     if isinstance(difference, OtherReading):
-        return (*reading_mistake(difference, failure.case), True)
+        return _Kind(*reading_mistake(difference, failure.case))
     if isinstance(difference, Raised):
-        return f"{difference.error} is raised{difference.where}", "Every request gets exactly one verdict (R5.2).", True
+        return _Kind(
+            f"{difference.error} is raised{difference.where}", "Every request gets exactly one verdict (R5.2)."
+        )
     if isinstance(difference, Unreadable):
-        return difference.looks_like, difference.rule, True
-    return (*_LOT, True)
+        return _Kind(difference.looks_like, difference.rule)
+    return _LOT
 
 
 def _in_words(right: Asked, given: Asked, clause: str) -> tuple[str, str]:

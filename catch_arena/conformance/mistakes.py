@@ -109,7 +109,7 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake("last come, first served", _NEAREST, tied=wrong.everybody, drawn=wrong.last),
     _mistake("the lowest seat wins", _NEAREST, tied=wrong.everybody, drawn=wrong.low_seat),
     _mistake("the highest seat wins", _NEAREST, tied=wrong.everybody, drawn=wrong.high_seat),
-    _mistake("the farthest wins", _NEAREST, tied=wrong.least(lambda claim: -claim.metres)),
+    _mistake("the farthest wins", _NEAREST, tied=wrong.least(lambda claim: -(claim.away_um or 0))),
     _mistake("everybody within reach wins", _NEAREST, finish=wrong.everybody_wins),
     _mistake("nobody wins where several ask", _NEAREST, finish=wrong.nobody_wins),
     _mistake(
