@@ -77,7 +77,7 @@ format: $(VENV)/ready-dev ## put the sources into form
 
 bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs/performance.md)
 	@mkdir -p out
-	$(BIN)/python scripts/bench --json out/bench.json --page docs/performance.md
+	$(BIN)/python scripts/bench $(if $(PUFFERLIB),--pufferlib '$(PUFFERLIB)') --json out/bench.json --page docs/performance.md
 
 pictures: $(VENV)/ready ## draw the README's picture and its animation
 	$(BIN)/python scripts/pictures.py

@@ -7,8 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from catch_arena.tournament.display.tables import progress_bar
-
 
 @dataclass(frozen=True)
 class Work:
@@ -104,6 +102,8 @@ def play_rounds(subjects: Sequence[Subject], rounds: int, seconds: float) -> Non
     """Subjects take turns in every round, so that a machine that slows down slows all of them; a first, unmeasured
     turn warms up.
     """
+    from catch_arena.tournament.display.tables import progress_bar
+
     turns = [*subjects] * (rounds + 1)
     with progress_bar("measuring", len(turns)) as show:
         for turn, subject in enumerate(turns):

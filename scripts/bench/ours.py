@@ -1,13 +1,16 @@
-"""Catch Arena's own doors: the env of one arena, and the batch in many sizes."""
+"""Catch Arena's own doors: the env of one arena, and the batch in many sizes.
+
+By public names only: `--against` measures older versions with this file.
+"""
 
 import tracemalloc
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from gymnasium import spaces
 from measure import Subject, Work
 
 import catch_arena
-from catch_arena.layout import width
 
 ENV, BATCH, HUNTERS, TARGETS, RESET = "one arena", "batches", "more hunters", "more targets", "reset"
 REFERENCES = 3
@@ -18,9 +21,23 @@ USUAL = "4 hunters, 16 targets"
 """The arena beside which others are put in the tables of growing cost."""
 
 
-def _work(config: catch_arena.ArenaConfig) -> Work:
-    ticks = config.control_period_ms / 16
-    return Work(width(config), f"{ticks:g}", arbiter=True)
+def arena_name(control: str) -> str:
+    """Of the env under that control."""
+    return f"Catch Arena, one arena, {control} control"
+
+
+def batch_name(control: str) -> str:
+    """Of batches under that control."""
+    return f"Catch Arena, batch, {control} control"
+
+
+def hunters_name(hunters: int) -> str:
+    """Of batches with so many hunters in each arena."""
+    return f"{hunters} hunters, 16 targets"
+
+
+def _work(config: catch_arena.ArenaConfig, seen: spaces.Space) -> Work:
+    return Work(seen.shape[0], f"{config.control_period_ms / 16:g}", arbiter=True)
 
 
 def one_arena(control: str, *, masks_read: bool = False) -> Subject:
@@ -41,49 +58,51 @@ def one_arena(control: str, *, masks_read: bool = False) -> Subject:
         if not env.agents:
             env.reset()
 
-    name = f"Catch Arena, one arena, {control} control{', masks read' if masks_read else ''}"
-    return Subject(ENV, name, step, env.config.hunters, _work(env.config))
+    name = arena_name(control) + (", masks read" if masks_read else "")
+    return Subject(
+        ENV, name, step, env.config.hunters, _work(env.config, env.observation_space(env.possible_agents[0]))
+    )
 
 
 def _played(
     envs: int, threads: int = 1, control: str = "target", **overrides: object
-) -> tuple[Callable[[], object], catch_arena.ArenaConfig]:
-    """A batch's step with fixed actions, and its config."""
+) -> tuple[Callable[[], object], int, Work]:
+    """A batch's step with fixed actions, its number of hunters, and what a step is."""
     config = catch_arena.scenario("standard", control=control, **overrides)
     arena = catch_arena.VectorArena(config, envs, num_threads=threads)
     arena.reset(1)
     ranks = np.ones((envs, config.hunters), dtype=np.int64)
     velocities = np.random.default_rng(1).uniform(-1, 1, (envs, config.hunters, 2)).astype(np.float32)
     actions = {"target": ranks, "velocity": velocities, "full": {"cmd_vel": velocities, "catch": ranks}}[control]
-    return lambda: arena.step(actions), config
+    return lambda: arena.step(actions), config.hunters, _work(config, arena.observation_space())
 
 
 def batch(envs: int, threads: int = 1, control: str = "target") -> Subject:
     """The standard scenario, arena by arena in one array."""
-    step, config = _played(envs, threads, control)
-    name = f"Catch Arena, batch, {control} control"
-    return Subject(BATCH, name, step, config.hunters, _work(config), envs=envs, threads=threads)
+    step, hunters, work = _played(envs, threads, control)
+    return Subject(BATCH, batch_name(control), step, hunters, work, envs=envs, threads=threads)
 
 
 def by_hunters(hunters: int, envs: int) -> Subject:
     """Few or many hunters; callers keep the number in the whole batch, and so the memory that a step moves."""
-    step, config = _played(envs, hunters=hunters, **_FULL)
-    return Subject(HUNTERS, f"{hunters} hunters, 16 targets", step, hunters, _work(config), envs=envs)
+    step, _, work = _played(envs, hunters=hunters, **_FULL)
+    return Subject(HUNTERS, hunters_name(hunters), step, hunters, work, envs=envs)
 
 
 def by_targets(targets: int, envs: int) -> Subject:
     """4 hunters, few or many targets."""
-    step, config = _played(envs, **{**_FULL, "max_targets": targets, "initial_targets": targets})
-    return Subject(TARGETS, f"4 hunters, {targets} targets", step, 4, _work(config), envs=envs)
+    step, hunters, work = _played(envs, **{**_FULL, "max_targets": targets, "initial_targets": targets})
+    return Subject(TARGETS, f"4 hunters, {targets} targets", step, hunters, work, envs=envs)
 
 
 def resets(envs: int) -> Iterator[Subject]:
     """What a reset of one arena costs, alone and in a batch."""
     env = catch_arena.parallel_env("standard")
     env.reset(seed=1)
-    yield Subject(RESET, "Catch Arena, one arena, reset", env.reset, 4, _work(env.config))
     arena = catch_arena.VectorArena("standard", envs)
-    yield Subject(RESET, "Catch Arena, batch, reset", lambda: arena.reset(1), 4, _work(env.config), envs=envs)
+    work = _work(arena.config, arena.observation_space())
+    yield Subject(RESET, "Catch Arena, one arena, reset", env.reset, 4, work)
+    yield Subject(RESET, "Catch Arena, batch, reset", lambda: arena.reset(1), 4, work, envs=envs)
 
 
 def reference(*, quick: bool) -> list[Subject]:
@@ -113,12 +132,16 @@ def all_others(*, quick: bool) -> list[Subject]:
 
 
 def bytes_per_arena(*, quick: bool) -> dict[int, float]:
-    """What a batch holds in memory for each arena, by its size."""
-    found = {}
-    for envs in _sizes(quick=quick):
-        tracemalloc.start()
+    """What batches hold in memory for each arena, by their size."""
+    return {envs: bytes_of_an_arena(envs) for envs in _sizes(quick=quick)}
+
+
+def bytes_of_an_arena(envs: int) -> float:
+    """What a batch of that size holds in memory for each arena."""
+    tracemalloc.start()
+    try:
         arena = catch_arena.VectorArena("standard", envs)
         arena.reset(1)
-        found[envs] = tracemalloc.get_traced_memory()[0] / envs
+        return tracemalloc.get_traced_memory()[0] / envs
+    finally:
         tracemalloc.stop()
-    return found

@@ -5,9 +5,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import ours
+from judged import judged
 from measure import Subject, ratio
 from peers import PEERS
 from phases import WHOLE
+from tables import number, rate, table, times
 
 
 def written(figures: Mapping[str, Any], subjects: Sequence[Subject]) -> str:
@@ -16,6 +18,8 @@ def written(figures: Mapping[str, Any], subjects: Sequence[Subject]) -> str:
     for subject in subjects:
         groups.setdefault(subject.group, []).append(subject)
     sections = [f"{figures['machine']}. Command: `{figures['command']}`."]
+    if subjects:
+        sections += ["### Wanted, and measured", _wanted(figures, subjects)]
     if PEERS in groups or figures["skipped"]:
         sections += ["### Beside others", _beside_others(subjects)]
         sections += [f"Skipped: {name} ({reason})." for name, reason in figures["skipped"].items()]
@@ -31,6 +35,14 @@ def written(figures: Mapping[str, Any], subjects: Sequence[Subject]) -> str:
     return "\n\n".join(sections) + "\n"
 
 
+def _wanted(figures: Mapping[str, Any], subjects: Sequence[Subject]) -> str:
+    rows = [
+        (one.what, "" if one.measured is None else number(one.measured), one.wanted.said(one.measured))
+        for one in judged(figures, subjects)
+    ]
+    return table(("what", "measured", "target"), rows)
+
+
 def _beside_others(subjects: Sequence[Subject]) -> str:
     """What each does in a step and how fast, and then how many times as fast ours are as each peer."""
     references, peers = subjects[: ours.REFERENCES], [s for s in subjects if s.group == PEERS]
@@ -41,8 +53,8 @@ def _beside_others(subjects: Sequence[Subject]) -> str:
             subject.work.observation_floats,
             subject.work.physics_ticks,
             "yes" if subject.work.arbiter else "no",
-            _rate(statistics.median(subject.env_steps)),
-            _rate(subject.agent_steps),
+            rate(statistics.median(subject.env_steps)),
+            rate(subject.agent_steps),
         )
         for subject in (*references, *peers)
     ]
@@ -56,14 +68,14 @@ def _beside_others(subjects: Sequence[Subject]) -> str:
         "agent-steps per CPU-s",
     )
     if not peers:
-        return _table(head, work)
+        return table(head, work)
     ratios = [(_titled(peer), *(_beside(reference, peer) for reference in references)) for peer in peers]
     ratios_head = (
         "beside",
         "our one arena, in env-steps",
         *(f"our batch of {one.envs:,}, in agent-steps" for one in references[1:]),
     )
-    return f"{_table(head, work)}\n\nHow many times as fast ours are:\n\n{_table(ratios_head, ratios)}"
+    return f"{table(head, work)}\n\nHow many times as fast ours are:\n\n{table(ratios_head, ratios)}"
 
 
 def _titled(subject: Subject) -> str:
@@ -75,7 +87,7 @@ def _beside(reference: Subject, peer: Subject) -> str:
     if reference.envs == 1 and peer.envs > 1:
         return ""
     agents = 1.0 if reference.envs == 1 else reference.agents / peer.agents
-    return _times(ratio(reference.env_steps, peer.env_steps) * agents)
+    return times(ratio(reference.env_steps, peer.env_steps) * agents)
 
 
 def _alone(subjects: Sequence[Subject]) -> str:
@@ -84,9 +96,9 @@ def _alone(subjects: Sequence[Subject]) -> str:
             subject.name,
             f"{subject.envs:,}",
             subject.threads,
-            _rate(statistics.median(subject.env_steps)),
-            _rate(subject.agent_steps),
-            _rate(subject.agent_steps_on_the_wall),
+            rate(statistics.median(subject.env_steps)),
+            rate(subject.agent_steps),
+            rate(subject.agent_steps_on_the_wall),
             _beside_one_thread(subject, subjects),
         )
         for subject in subjects
@@ -100,14 +112,14 @@ def _alone(subjects: Sequence[Subject]) -> str:
         "agent-steps per s",
         "beside 1 thread, per s",
     )
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _beside_one_thread(subject: Subject, subjects: Sequence[Subject]) -> str:
     if subject.threads == 1:
         return ""
     alike = (s for s in subjects if (s.name, s.envs, s.threads) == (subject.name, subject.envs, 1))
-    return _times(ratio(subject.env_steps_on_the_wall, next(alike).env_steps_on_the_wall))
+    return times(ratio(subject.env_steps_on_the_wall, next(alike).env_steps_on_the_wall))
 
 
 def _growth(subjects: Sequence[Subject]) -> str:
@@ -118,9 +130,9 @@ def _growth(subjects: Sequence[Subject]) -> str:
             subject.name,
             f"{subject.envs:,}",
             subject.work.observation_floats,
-            _rate(subject.agent_steps),
+            rate(subject.agent_steps),
             f"{1e9 / subject.agent_steps:.1f}",
-            _times(ratio(usual.env_steps, subject.env_steps) * usual.agents / subject.agents),
+            times(ratio(usual.env_steps, subject.env_steps) * usual.agents / subject.agents),
         )
         for subject in subjects
     ]
@@ -132,7 +144,7 @@ def _growth(subjects: Sequence[Subject]) -> str:
         "ns per agent-step",
         f"cost, beside {usual.name}",
     )
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _reset_and_memory(subjects: Sequence[Subject], bytes_per_arena: Mapping[int, float]) -> str:
@@ -142,12 +154,12 @@ def _reset_and_memory(subjects: Sequence[Subject], bytes_per_arena: Mapping[int,
     rows += [
         (f"memory of a batch of {envs:,}", f"{held:,.0f} bytes an arena") for envs, held in bytes_per_arena.items()
     ]
-    return _table(("what", "cost"), rows)
+    return table(("what", "cost"), rows)
 
 
 def _startup(startup: Mapping[str, Mapping[str, float]]) -> str:
     rows = [(name, f"{one['wall_s']:.2f}", f"{one['cpu_s']:.2f}") for name, one in startup.items()]
-    return _table(("a process that ends with", "s", "CPU-s"), rows)
+    return table(("a process that ends with", "s", "CPU-s"), rows)
 
 
 def _phases(batches: Sequence[Mapping[str, Any]]) -> str:
@@ -167,30 +179,4 @@ def _phases(batches: Sequence[Mapping[str, Any]]) -> str:
             nanoseconds = one["ns_per_agent_step"]
             row += [f"{nanoseconds[phase]:.1f}", f"{100 * nanoseconds[phase] / nanoseconds[WHOLE]:.0f} %"]
         rows.append(row)
-    return "\n".join(texts) + "\n\n" + _table(head, rows)
-
-
-def _rate(value: float) -> str:
-    """Three digits say all that a run can know."""
-    return f"{float(f'{value:.3g}'):,.0f}"
-
-
-def _times(value: float) -> str:
-    """As «11.8x»."""
-    return f"{float(f'{value:.3g}'):,g}x"
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Columns of even width, so that it reads on a screen too; all but the first are set to the right."""
-    lines = [[str(cell) for cell in row] for row in (head, *rows)]
-    widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
-    text = [
-        "| "
-        + " | ".join((cell.rjust if column else cell.ljust)(widths[column]) for column, cell in enumerate(line))
-        + " |"
-        for line in lines
-    ]
-    text.insert(
-        1, "| " + " | ".join("-" * (width - 1) + (":" if column else "-") for column, width in enumerate(widths)) + " |"
-    )
-    return "\n".join(text)
+    return "\n".join(texts) + "\n\n" + table(head, rows)

@@ -6,13 +6,16 @@ installed, or fails, is named as skipped.
 
 import contextlib
 import io
-import tempfile
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
-import numpy as np
 from measure import Subject, Work
+from puffer import Driver
+from wanted import BESIDE_PUFFERLIB
 
 PEERS = "peers"
+MPE2 = "mpe2 simple_tag_v3"
+PUFFERLIB = "PufferLib target"
 _EPISODE = 600
 
 
@@ -34,7 +37,7 @@ def mpe2_simple_tag(sizes: "Sizes") -> Iterator[Subject]:
     del sizes
     from mpe2 import simple_tag_v3
 
-    yield _parallel("mpe2 simple_tag_v3", simple_tag_v3.parallel_env(max_cycles=_EPISODE), 16, "1")
+    yield _parallel(MPE2, simple_tag_v3.parallel_env(max_cycles=_EPISODE), 16, "1")
 
 
 def sisl_pursuit(sizes: "Sizes") -> Iterator[Subject]:
@@ -126,48 +129,46 @@ def _scanned(one: Callable, carry: object, steps: int) -> Callable[[], None]:
 
 
 def pufferlib_target(sizes: "Sizes") -> Iterator[Subject]:
-    """Puffers eat stars, in C; with as many agents and stars as our standard arena."""
-    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):  # its import leaves a link where it stands
-        from pufferlib.ocean.target.target import Target
-    for envs in sizes.vmas:
-        env = Target(num_envs=envs, num_agents=4, num_goals=16)
-        observations, _ = env.reset()
-        actions = np.ones((len(observations), 2), dtype=np.int32)
-
-        def step(env: object = env, actions: object = actions) -> None:
-            env.step(actions)
-
-        work = Work(observations.shape[1], "1", arbiter=False)
-        yield Subject(PEERS, "PufferLib target", step, 4, work, envs=envs)
+    """Puffers eat stars, in C and without Python; with 30 stars it writes as many floats as our standard arena."""
+    if sizes.pufferlib is None:
+        raise ValueError("its source package is not named: --pufferlib")
+    driver, envs = Driver(sizes.pufferlib), sizes.jax[0]
+    for goals in BESIDE_PUFFERLIB:
+        step = driver.batch(envs, 4, goals, sizes.scan)
+        work = Work(2 * (4 + goals) + 4, "1", arbiter=False)
+        name = f"{PUFFERLIB}, {goals} goals"
+        yield Subject(PEERS, name, step, 4, work, envs=envs, steps_per_call=sizes.scan)
 
 
 class Sizes:
-    """How large the peers' batches are."""
+    """How large the peers' batches are, and where the source package of one lies."""
 
-    def __init__(self, *, quick: bool) -> None:
+    def __init__(self, *, quick: bool, pufferlib: Path | None) -> None:
+        self.pufferlib = pufferlib
         self.vmas = (1, 4) if quick else (1, 1024, 16384)
         self.jax = (4,) if quick else (1024, 16384)
         self.scan = 2 if quick else 16
 
 
 _MAKERS = {
-    "mpe2 simple_tag_v3": mpe2_simple_tag,
+    MPE2: mpe2_simple_tag,
     "PettingZoo sisl pursuit_v5": sisl_pursuit,
     "MAgent2 adversarial_pursuit_v4": magent2_pursuit,
     "VMAS simple_tag": vmas_simple_tag,
     "JaxMARL simple_tag": jaxmarl_simple_tag,
     "Jumanji SearchAndRescue-v0": jumanji_search_and_rescue,
-    "PufferLib target": pufferlib_target,
+    PUFFERLIB: pufferlib_target,
 }
 
 
-def peers(*, quick: bool) -> tuple[list[Subject], dict[str, str]]:
+def peers(*, quick: bool, pufferlib: Path | None) -> tuple[list[Subject], dict[str, str]]:
     """All peers that run here, and why the others do not."""
     subjects, skipped = [], {}
+    sizes = Sizes(quick=quick, pufferlib=pufferlib)
     for name, make in _MAKERS.items():
         try:
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-                found = list(make(Sizes(quick=quick)))
+                found = list(make(sizes))
                 for subject in found:
                     subject.step()
             subjects += found

@@ -1,8 +1,12 @@
 """The benchmark runs from end to end; what it measures is not tested."""
 
+import ctypes
+import importlib.util
 import json
 import os
 import re
+import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -13,9 +17,18 @@ ROOT = Path(__file__).parent.parent.parent
 COMPILED = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"}
 
 
-def bench(*arguments):
+def bench(*arguments, folder=ROOT, environment=COMPILED):
     command = [sys.executable, "scripts/bench", *map(str, arguments)]
-    return subprocess.run(command, cwd=ROOT, env=COMPILED, check=False, capture_output=True, text=True)
+    return subprocess.run(command, cwd=folder, env=environment, check=False, capture_output=True, text=True)
+
+
+def module(name, monkeypatch):
+    """One of the benchmark's own."""
+    monkeypatch.syspath_prepend(ROOT / "scripts" / "bench")
+    spec = importlib.util.spec_from_file_location(f"bench_{name}", ROOT / "scripts" / "bench" / f"{name}.py")
+    found = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
 
 
 def table(text, heading, words=""):
@@ -45,6 +58,7 @@ def test_every_peer_is_measured_or_named_as_skipped(run):
 
     assert len(measured | figures["skipped"].keys()) == 7
     assert measured.isdisjoint(figures["skipped"])
+    assert "--pufferlib" in figures["skipped"]["PufferLib target"]
     for name in measured:
         assert name in [row[0].partition(",")[0] for row in table(page, "Beside others")]
         assert name in [row[0].partition(",")[0] for row in table(page, "Beside others", "How many times")]
@@ -64,6 +78,34 @@ def test_the_tables_are_complete(run):
     assert [row[0].split()[2] for row in table(page, "More targets")[1:]] == ["4", "8", "16", "32", "64"]
     for heading in ("Beside others", "One arena, and batches", "Reset and memory", "Import and start-up"):
         assert len({len(row) for row in table(page, heading)}) == 1
+
+
+def test_every_target_stands_beside_its_figure_or_says_that_there_is_none(run):
+    """Those that a peer would be needed for are not left out."""
+    rows = {row[0]: row[1:] for row in table((run / "page.md").read_text(), "Wanted, and measured")[1:]}
+
+    memory, target = rows["memory of a batch of 33, bytes an arena"]
+    assert float(memory.replace(",", "")) > 0
+    assert target in {"wanted at most 4,000: met", "wanted at most 4,000: missed"}
+    assert rows["batch of 1 beside PufferLib target, 14 goals, agent-steps"] == ["", "wanted 0.7: not measured"]
+    assert len(rows) == 17
+    for measured, target in rows.values():
+        assert target.rpartition(": ")[2] in ({"met", "missed"} if measured else {"not measured"})
+
+
+@pytest.mark.parametrize(
+    ("bound", "at_most", "measured", "said"),
+    [
+        (1500, False, 653.2, "wanted 1,500: missed"),
+        (1.8, False, 1.7951, "wanted 1.8: met"),
+        (1.8, False, 1.7949, "wanted 1.8: missed"),
+        (0.8, True, 0.80049, "wanted at most 0.8: met"),
+        (0.8, True, 0.80051, "wanted at most 0.8: missed"),
+        (4000, True, None, "wanted at most 4,000: not measured"),
+    ],
+)
+def test_a_target_is_met_or_missed_by_the_digits_that_are_shown(bound, at_most, measured, said, monkeypatch):
+    assert module("wanted", monkeypatch).Wanted(bound, at_most).said(measured) == said
 
 
 @pytest.mark.nightly
@@ -99,6 +141,10 @@ def test_the_page_keeps_what_is_written_by_hand(run):
     ("arguments", "message"),
     [
         (("--only", "everything"), "invalid choice: 'everything'"),
+        (("--only", "batch"), "choose from start, peers, ours, phases"),
+        (("--against", "HEAD", "--only", "peers"), "choose from batch, threads"),
+        (("--pufferlib", "docs"), "docs has no pufferlib/ocean/target/target.h"),
+        (("--against", "HEAD", "--page", "README.md"), "README.md must be a page that holds"),
         (("--rounds", 0), "--rounds must be at least 1"),
         (("--json", "no/such/folder.json"), "no/such must be a folder"),
         (("--page", "README.md"), "README.md must be a page that holds"),
@@ -111,3 +157,179 @@ def test_bad_arguments_are_one_line(arguments, message):
 
     assert done.returncode == 2
     assert message in done.stderr.splitlines()[-1]
+
+
+# ---- beside an older commit ----
+
+
+class Repository:
+    """A small one of its own: an older commit, which lacks an API, the current one, and a change on top."""
+
+    def __init__(self, folder):
+        self.folder = folder / "repository"
+        self.temporary = folder / "temporary"
+        self.temporary.mkdir()
+        for part in ("catch_arena", "scripts/bench"):
+            shutil.copytree(ROOT / part, self.folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+        self.git("init", "--quiet")
+        names = self.folder / "catch_arena" / "__init__.py"
+        current = names.read_text()
+        older = "".join(line for line in current.splitlines(keepends=True) if '"parallel_env":' not in line)
+        for text in (older, current):
+            names.write_text(text)
+            self.git("add", "--all")
+            self.git("-c", "user.name=one", "-c", "user.email=one@example.org", "commit", "--quiet", "-m", "a commit")
+        names.write_text(current + "# changed\n")
+
+    def git(self, *arguments):
+        command = ["git", "-C", self.folder, *arguments]
+        return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+    @property
+    def environment(self):
+        """Without the compiler, which would take a minute; not covered, as the sources will be gone."""
+        kept = {name: value for name, value in os.environ.items() if not name.startswith(("COV_", "COVERAGE_"))}
+        return {
+            **kept,
+            "NUMBA_DISABLE_JIT": "1",
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "TMPDIR": str(self.temporary),
+        }
+
+    def bench(self, *arguments):
+        return bench("--quick", "--against", *arguments, folder=self.folder, environment=self.environment)
+
+    def left(self):
+        """What a run has left behind."""
+        return [*self.temporary.iterdir(), *self.git("worktree", "list").splitlines()[1:]]
+
+
+@pytest.fixture(scope="module")
+def repository(tmp_path_factory):
+    return Repository(tmp_path_factory.mktemp("against"))
+
+
+def test_an_older_commit_and_the_current_version_are_measured_in_turn(repository, tmp_path):
+    """Every row but the starts, which need the compiler; with uncommitted changes, which the tables tell of."""
+    shutil.copy(ROOT / "docs" / "performance.md", tmp_path / "page.md")
+    rows = ("batch", "threads", "hunters", "controls", "one-arena", "memory")
+    done = repository.bench("HEAD", "--only", *rows, "--json", tmp_path / "bench.json", "--page", tmp_path / "page.md")
+    assert done.returncode == 0, done.stderr
+
+    figures = json.loads((tmp_path / "bench.json").read_text())
+    page = (tmp_path / "page.md").read_text()
+    assert figures["commit"] == repository.git("rev-parse", "HEAD").strip()
+    assert figures["before"]["cpu"].keys() == figures["after"]["cpu"].keys()
+    assert {len(rounds) for what, rounds in figures["after"]["cpu"].items() if what != "memory"} == {2}
+    assert "with changes that are not committed" in page
+    for what in ("batch of 1,024, ns an agent-step", "one arena, full control, us a step", "memory, bytes an arena"):
+        assert f"| {what}" in page
+    for what in ("two threads beside one", "64 hunters", "velocity control beside", "full control beside"):
+        assert re.search(rf"\| [^|]*{what}[^|]* \|[^|]+\|[^|]+\| +wanted [^|]+: (met|missed) \|", page)
+    assert page.startswith((ROOT / "docs" / "performance.md").read_text().partition("<!-- made by scripts/bench")[0])
+    assert repository.left() == []
+
+
+@pytest.mark.parametrize(
+    ("ref", "message"),
+    [
+        (
+            "HEAD~1",
+            "bench: HEAD~1 ({}) cannot be measured: AttributeError: module 'catch_arena' has no .*'parallel_env'",
+        ),
+        ("no-such-ref", "bench: --against must name a commit of this repository, got 'no-such-ref'"),
+        ("HEAD:scripts", "bench: --against must name a commit of this repository, got 'HEAD:scripts'"),
+        ("--all", "bench: error: argument --against: expected one argument"),
+    ],
+)
+def test_what_cannot_be_measured_is_one_line(repository, ref, message):
+    """An older commit that lacks an API, which also shows that it is the older one that is imported; and no commit."""
+    done = repository.bench(ref, "--only", "one-arena")
+
+    older = repository.git("rev-parse", "HEAD~1")[:12]
+    assert done.returncode != 0
+    assert re.fullmatch(message.replace("({})", rf"\({older}\)"), done.stderr.splitlines()[-1])
+    assert "Traceback" not in done.stderr
+    assert repository.left() == []
+
+
+def test_without_git_or_history_it_says_so(repository, tmp_path):
+    """In one line each."""
+    shutil.copytree(repository.folder / "scripts", tmp_path / "unpacked" / "scripts")
+    environment = {**repository.environment, "GIT_CEILING_DIRECTORIES": str(tmp_path)}
+    unpacked = bench("--against", "HEAD", "--quick", folder=tmp_path / "unpacked", environment=environment)
+    without = bench("--against", "HEAD", "--quick", folder=repository.folder, environment={**environment, "PATH": ""})
+
+    assert re.fullmatch(r"bench: --against needs .*, and \S*unpacked is no git checkout\n", unpacked.stderr)
+    assert without.stderr == "bench: --against needs git, which is not installed here\n"
+    assert unpacked.returncode == without.returncode == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_leaves_no_checkout_and_no_process_behind(repository, number):
+    """While it measures."""
+    command = [sys.executable, "scripts/bench", "--against", "HEAD", "--quick", "--only", "hunters"]
+    with subprocess.Popen(
+        command, cwd=repository.folder, env=repository.environment, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stderr.readline() == "compiling both versions\n"
+        sides = children_of(process.pid)
+        process.send_signal(number)
+        _, words = process.communicate(timeout=60)
+
+    assert process.returncode == 130
+    assert words.splitlines()[-1] == "bench: interrupted"
+    assert repository.left() == []
+    assert len(sides) == 2
+    assert not any(Path("/proc", side).exists() for side in sides)
+
+
+def children_of(pid):
+    return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+
+
+# ---- PufferLib's target ----
+
+HEADER = """
+#include <stdlib.h>
+typedef struct {
+    int width, height, num_agents, num_goals;
+    float *observations, *rewards;
+    int* actions;
+    unsigned char* terminals;
+} Target;
+__attribute__((visibility("default"))) int begun, played, least_turn = 9, most_turn, least_push = 9, most_push;
+static void fill(Target* env) {
+    for (int seat = 0; seat < env->num_agents; seat++) {
+        int turn = env->actions[2 * seat], push = env->actions[2 * seat + 1];
+        int floats = 2 * (env->num_agents + env->num_goals) + 4;
+        least_turn = turn < least_turn ? turn : least_turn, most_turn = turn > most_turn ? turn : most_turn;
+        least_push = push < least_push ? push : least_push, most_push = push > most_push ? push : most_push;
+        for (int column = 0; column < floats; column++) env->observations[seat * floats + column] = 1;
+        env->rewards[seat] = env->terminals[seat] = 1;
+    }
+}
+void init(Target* env) { begun += env->num_goals == 14 && env->width == 1080 && env->height == 720; }
+void c_reset(Target* env) { fill(env); }
+void c_step(Target* env) { fill(env), played++; }
+"""
+"""Of the same form as theirs."""
+
+
+@pytest.mark.nightly
+def test_pufferlib_is_compiled_and_driven_where_its_source_lies(tmp_path, monkeypatch):
+    """With a header of our own in its place that looks at what it is given, and with one that does not compile."""
+    puffer = module("puffer", monkeypatch)
+    header = tmp_path / puffer.HEADER
+    header.parent.mkdir(parents=True)
+    header.write_text(HEADER)
+    driver = puffer.Driver(tmp_path)
+    play = driver.batch(envs=100, agents=4, goals=14, steps=5)
+    play()
+    play()
+    names = ("begun", "played", "least_turn", "most_turn", "least_push", "most_push")
+    assert [ctypes.c_int.in_dll(driver.library, name).value for name in names] == [100, 1000, 0, 8, 0, 4]
+
+    header.write_text("no C at all")
+    with pytest.raises(RuntimeError, match=r"target\.h:1:1: error"):
+        puffer.Driver(tmp_path)
