@@ -28,7 +28,8 @@ os.environ |= {
     "JAX_PLATFORMS": "cpu",
 }
 
-COMMAND = shlex.join(["python", *sys.argv])
+COMMAND = shlex.join(["python", *(Path(one).name if Path(one).is_absolute() else one for one in sys.argv)])
+"""As the tables have it: where folders lie on this machine is nobody's business."""
 PARTS = ("start", "peers", "ours", "phases")
 MARKS = ("<!-- made by make bench -->", "<!-- made until here -->")
 AGAINST_MARKS = ("<!-- made by scripts/bench against a commit -->", "<!-- made against it until here -->")

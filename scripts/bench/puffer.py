@@ -29,7 +29,8 @@ class Driver:
             command = [os.environ.get("CC", "cc"), *_FLAGS, *_UNDRAWN, *(f"-I{one}" for one in headers), _DRIVER]
             done = subprocess.run([*command, "-lm", "-o", library], check=False, capture_output=True, text=True)
             if done.returncode:
-                raise RuntimeError(next((line for line in done.stderr.splitlines() if "error" in line), done.stderr))
+                errors = (line for line in done.stderr.splitlines() if "error" in line)
+                raise RuntimeError(next(errors, done.stderr).replace(f"{source}{os.sep}", ""))
             self.library = ctypes.CDLL(str(library))
         self.library.make_batch.restype = ctypes.c_void_p
         self.library.play.argtypes = (ctypes.c_void_p, ctypes.c_int)

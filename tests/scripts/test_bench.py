@@ -331,5 +331,5 @@ def test_pufferlib_is_compiled_and_driven_where_its_source_lies(tmp_path, monkey
     assert [ctypes.c_int.in_dll(driver.library, name).value for name in names] == [100, 1000, 0, 8, 0, 4]
 
     header.write_text("no C at all")
-    with pytest.raises(RuntimeError, match=r"target\.h:1:1: error"):
+    with pytest.raises(RuntimeError, match=r"^pufferlib/ocean/target/target\.h:1:1: error"):
         puffer.Driver(tmp_path)
