@@ -15,6 +15,8 @@ import catch_arena
 ENV, BATCH, HUNTERS, TARGETS, RESET = "one arena", "batches", "more hunters", "more targets", "reset"
 REFERENCES = 3
 """How many of ours stand beside the peers: the first subjects of all."""
+_AGES, _NEIGHBOURS = 32, 32
+"""How many different ones a large batch has, and how many different arenas of each."""
 _FULL = {"initial_targets": 16, "spawn_frequency_hz": 10.0}
 """Targets enough that the arena stays full."""
 USUAL = "4 hunters, 16 targets"
@@ -65,16 +67,36 @@ def one_arena(control: str, *, masks_read: bool = False) -> Subject:
 
 
 def _played(
-    envs: int, threads: int = 1, control: str = "target", **overrides: object
+    envs: int, threads: int = 1, control: str = "target", *, ranks_differ: bool = False, **overrides: object
 ) -> tuple[Callable[[], object], int, Work]:
     """A batch's step with fixed actions, its number of hunters, and what a step is."""
     config = catch_arena.scenario("standard", control=control, **overrides)
     arena = catch_arena.VectorArena(config, envs, num_threads=threads)
-    arena.reset(1)
+    _, infos = arena.reset(1)
     ranks = np.ones((envs, config.hunters), dtype=np.int64)
+    if ranks_differ:
+        ranks += np.arange(config.hunters) % (infos["action_mask"].shape[-1] - 1)
     velocities = np.random.default_rng(1).uniform(-1, 1, (envs, config.hunters, 2)).astype(np.float32)
     actions = {"target": ranks, "velocity": velocities, "full": {"cmd_vel": velocities, "catch": ranks}}[control]
+    if envs >= _AGES * _NEIGHBOURS:  # a smaller one plays whole episodes in a turn
+        spread(arena, actions)
     return lambda: arena.step(actions), config.hunters, _work(config, arena.observation_space())
+
+
+def spread(arena: catch_arena.VectorArena, actions: object) -> None:
+    """Have the arenas at all ages of an episode, and neighbours at the same one: late in an episode a step costs more
+    than early, so a turn that is shorter than an episode would depend on where it begins, and on how many came before.
+    """
+    few = catch_arena.VectorArena(arena.config, _NEIGHBOURS)
+    few.reset(1)
+    first = {name: one[:_NEIGHBOURS] for name, one in actions.items()} if isinstance(actions, dict) else None
+    saved = []
+    for age in range(_AGES):
+        saved += [few.save_row(row) for row in range(_NEIGHBOURS)]
+        for _ in range(arena.config.max_steps * age // _AGES, arena.config.max_steps * (age + 1) // _AGES):
+            few.step(first or actions[:_NEIGHBOURS])
+    for row in range(arena.num_envs):
+        arena.restore_row(row, saved[row % len(saved)])
 
 
 def batch(envs: int, threads: int = 1, control: str = "target") -> Subject:
@@ -84,8 +106,12 @@ def batch(envs: int, threads: int = 1, control: str = "target") -> Subject:
 
 
 def by_hunters(hunters: int, envs: int) -> Subject:
-    """Few or many hunters; callers keep the number in the whole batch, and so the memory that a step moves."""
-    step, _, work = _played(envs, hunters=hunters, **_FULL)
+    """Few or many hunters; callers keep the number in the whole batch, and so the memory that a step moves.
+
+    Each has a rank of its own to chase. If all chased the nearest, they would soon stand in one place: then the arbiter
+    and the order of rivals at equal distances would be measured, and nothing else.
+    """
+    step, _, work = _played(envs, ranks_differ=True, hunters=hunters, **_FULL)
     return Subject(HUNTERS, hunters_name(hunters), step, hunters, work, envs=envs)
 
 

@@ -11,7 +11,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+import catch_arena
 
 ROOT = Path(__file__).parent.parent.parent
 COMPILED = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"}
@@ -157,6 +160,19 @@ def test_bad_arguments_are_one_line(arguments, message):
 
     assert done.returncode == 2
     assert message in done.stderr.splitlines()[-1]
+
+
+def test_a_large_batch_is_at_all_ages_of_an_episode(monkeypatch):
+    """Neighbours, of which a block of memory is made, at the same one; all arenas differ."""
+    config = catch_arena.scenario("standard", time_limit_s=9.6)
+    arena = catch_arena.VectorArena(config, 1024)
+    arena.reset(2)
+    module("ours", monkeypatch).spread(arena, np.ones((1024, 4), dtype=np.int64))
+
+    ages = np.array([arena.world(row).step for row in range(1024)]).reshape(32, 32)
+    assert (ages == ages[:, :1]).all()
+    assert ages[:, 0].tolist() == [config.max_steps * age // 32 for age in range(32)]
+    assert len({arena.save_row(row).memory.tobytes() for row in range(1024)}) == 1024
 
 
 # ---- beside an older commit ----
