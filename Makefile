@@ -7,8 +7,9 @@ WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SPREAD := --numprocesses 2 --dist worksteal
 USUAL := not nightly and not extras
 RULES := tests/oracle tests/properties tests/rulebook tests/unit
-QUICK := $(RULES) tests/agents tests/conformance tests/contract tests/docs tests/vector
-SET_UP := $(PYTHON) scripts/set_up.py $(VENV)
+# The docs first: one of their tests is the longest.
+QUICK := tests/docs $(RULES) tests/agents tests/conformance tests/contract tests/vector
+SET_UP := $(PYTHON) scripts/set_up $(VENV)
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 
 # Bytecode is kept, whatever the environment says: every process would compile all sources anew, some five seconds each.
@@ -16,12 +17,12 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test quick extras nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
-	clean setup
+	clean setup always
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
 
-demo: $(VENV)/ready ## play a tournament of all shipped agents, and film the final (out/demo)
+demo: $(VENV)/ready ## a tournament of seven agents: the report, a video of the final, and the best moments (out/demo)
 	$(BIN)/python scripts/demo.py --out out/demo
 
 test: $(VENV)/ready-dev ## run the tests, but for those of nightly and extras
@@ -93,14 +94,19 @@ setup: $(VENV)/ready-dev ## make .venv with everything that development needs
 clean: ## remove .venv, caches and out/
 	rm -rf $(VENV) out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
-$(VENV)/ready: pyproject.toml
+# Looked at each time, and made anew where it serves no longer: half made, moved, copied, or its Python is gone. All that is
+# in it is installed anew then, since this file is newer.
+$(VENV)/set_up.whole: always
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 		|| { echo "Catch Arena needs Python 3.11 or newer; name one with: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
-	@$(SET_UP) --extra video --compile
+	@$(SET_UP)
+
+$(VENV)/ready: pyproject.toml $(VENV)/set_up.whole
+	@$(SET_UP) --extra video --compile --download 200
 	@touch $@
 
 $(VENV)/ready-dev: $(VENV)/ready
-	@$(SET_UP) --group test --group check
+	@$(SET_UP) --group test --group check --download 120
 	@touch $@
 
 $(VENV)/ready-extras: $(VENV)/ready-dev
