@@ -19,7 +19,7 @@ TargetMotion = Literal["still"]
 
 TURTLESIM_SIDE_M: Final = 11.088889122009277
 """R2.1: float32(499) / float32(45), the side of turtlesim's arena [m]."""
-RULESET: Final = "catch_arena_v0"
+RULESET: Final = "catch_arena_v1"
 """R10.3: raised when equal inputs could play differently, and for nothing else."""
 
 MAX_HUNTERS: Final = 64

@@ -24,10 +24,10 @@ from catch_arena.core.arbiter import DOCKET_COLUMNS, POLICIES
 from catch_arena.core.episodes import RECORD_COLUMNS
 from catch_arena.core.jit import CACHE_DIRECTORY, INTERPRETED, is_cached
 from catch_arena.core.math import wrap
-from catch_arena.core.observations import selection_network
 from catch_arena.core.random import go_on, spread
+from catch_arena.core.ranking import selection_network
 from catch_arena.core.state import LANES, Settings, block_rows, view_rows
-from catch_arena.core.workspace import workspace_rows
+from catch_arena.core.workspace import KEYS, narrow_size, workspace_rows
 from catch_arena.errors import ConfigError
 from catch_arena.layout import width
 from catch_arena.seeding import checked_seed
@@ -93,12 +93,12 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
     )
 
 
-def _zeros(*shape: int) -> NDArray[np.float64]:
+def _zeros(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
     """Zeros that begin with a cache line: NumPy's begin anywhere, and every second SIMD access would straddle two."""
     size = math.prod(shape)
-    spare = _CACHE_LINE // 8
-    memory = np.zeros(size + spare)
-    first = -memory.ctypes.data % _CACHE_LINE // 8
+    each = np.dtype(dtype).itemsize
+    memory = np.zeros(size + _CACHE_LINE // each, dtype=dtype)
+    first = -memory.ctypes.data % _CACHE_LINE // each
     return memory[first : first + size].reshape(shape)
 
 
@@ -144,8 +144,10 @@ class Engine:
         self.threads = Threads(max(1, min(num_threads, self._shares)))
         threads = range(self.threads.size)
         self._workspaces = [_zeros((workspace_rows(hunters) + block) * LANES) for _ in threads]
+        self._narrow = [_zeros(narrow_size(hunters, width(config)), dtype=np.float32) for _ in threads]
+        self._keys = [_zeros(KEYS, dtype=np.int32) for _ in threads]
         self._dockets = [np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64) for _ in threads]
-        self.observations = np.zeros((num_arenas, hunters, width(config)), dtype=np.float32)
+        self.observations = _zeros(num_arenas, hunters, width(config), dtype=np.float32)
         """R7.1: (B, H, D)."""
         self.masks = np.zeros((num_arenas, hunters, seen + 1), dtype=np.int8)
         """R7.2: (B, H, K + 1)."""
@@ -163,7 +165,14 @@ class Engine:
         """With auto_reset the last observations of the latest episode that ended in each arena: (B, H, D)."""
         self.records = np.zeros((kept, hunters, RECORD_COLUMNS))
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
-        self._inputs = self._constants, self._numbers, self._workspaces[0], self._dockets[0]
+        self._inputs = (
+            self._constants,
+            self._numbers,
+            self._workspaces[0],
+            self._narrow[0],
+            self._keys[0],
+            self._dockets[0],
+        )
         self._outputs: tuple[Any, ...] = (
             self.observations,
             self.masks,
@@ -177,6 +186,8 @@ class Engine:
             blocks, hunters, rows.HUNTER_ROWS, LANES
         )
         first = rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS
+        spare = num_arenas - (blocks - 1) * LANES
+        self._hunters[-1, :, rows.WITHDRAWN // LANES, spare:] = 1.0  # in lanes that are no arenas nobody does anything
         self._targets = self._fields[:, first : first + config.max_targets * rows.TARGET_ROWS].reshape(
             blocks, rows.TARGET_ROWS, config.max_targets, LANES
         )
@@ -199,7 +210,7 @@ class Engine:
         self.ends[chosen] = 0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         if arenas is None:
-            tick.run(self.memory, *self._inputs, resets, False, _NO_CHOICES, _NO_COMMANDS, *self._outputs)
+            self._run(self.memory, *self._inputs, resets, False, _NO_CHOICES, _NO_COMMANDS, *self._outputs)
             return
         if not len(chosen):
             return
@@ -218,7 +229,7 @@ class Engine:
         seat's control does not read is ignored.
         """
         if self.threads.size == 1:
-            tick.run(self.memory, *self._inputs, _NO_RESETS, True, choices, commands, *self._outputs)
+            self._run(self.memory, *self._inputs, _NO_RESETS, True, choices, commands, *self._outputs)
             return
         blocks, parts = len(self.memory), self._shares
 
@@ -227,6 +238,10 @@ class Engine:
             self._run_blocks(shared, _NO_RESETS, True, choices, commands, thread)
 
         self.threads.run(parts, play)
+
+    @property
+    def _run(self) -> Any:
+        return tick.run_one if self.num_arenas == 1 else tick.run
 
     def observe(self, arena: int | None = None) -> None:
         """Write observations and masks as things stand, of all arenas or of those in one arena's block."""
@@ -243,10 +258,12 @@ class Engine:
         thread: int = 0,
     ) -> None:
         arenas = slice(blocks.start * LANES, blocks.stop * LANES)
-        tick.run(
+        self._run(
             self.memory[blocks],
             *self._inputs[:2],
             self._workspaces[thread],
+            self._narrow[thread],
+            self._keys[thread],
             self._dockets[thread],
             resets,
             playing,
@@ -402,10 +419,9 @@ class Engine:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
         block, lane = divmod(arena, LANES)
         alive = int(self._fields[block, rows.ALIVE // LANES, lane])
-        words = self._views[block, seat, :, lane].tolist()
+        view = self._views[block, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_A_WORD
         for rank in range(min(alive, self.config.targets_seen)):
-            word, place = divmod(rank, rows.RANKS_A_WORD)
-            slot = int(words[word]) >> 6 * place & 63
+            slot = view[rank]
             if self.config.target_name(int(self._targets[block, 0, slot, lane])) == name:
                 return rank + 1
         return 0
@@ -502,9 +518,10 @@ def _compile_once() -> None:
         _notice_if_slow(),
         _without_garbage_collection(),
     ):  # which would look at the compiler's many objects again and again
-        smallest = Engine(ArenaConfig(hunters=1, max_targets=1, initial_targets=1))
-        smallest.reset([0])
-        smallest.step(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.float32))
+        for size in (1, 2):
+            smallest = Engine(ArenaConfig(hunters=1, max_targets=1, initial_targets=1), size)
+            smallest.reset([0] * size)
+            smallest.step(np.zeros((size, 1), dtype=np.int64), np.zeros((size, 1, 2), dtype=np.float32))
 
 
 @contextmanager

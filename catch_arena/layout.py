@@ -21,31 +21,46 @@ class Column(NamedTuple):
     meaning: str
 
 
-SELF_COLUMNS: Final = (
-    "x",
-    "y",
-    "heading_cos",
-    "heading_sin",
-    "linear_velocity",
-    "angular_velocity",
-    "time_left",
-    "score",
-    "distance_integral",
-    "bearing_integral",
-)
-"""What a hunter knows of itself."""
-TARGET_COLUMNS: Final = ("forward", "left", "present", "age", "active")
-"""What it sees of each target, nearest first."""
-RIVAL_COLUMNS: Final = (
-    "forward",
-    "left",
-    "present",
-    "heading_cos",
-    "heading_sin",
-    "linear_velocity",
-    "score_difference",
-)
-"""What it sees of each rival, nearest first."""
+class SelfSeen(NamedTuple):
+    """What a hunter knows of itself."""
+
+    x: float
+    y: float
+    heading_cos: float
+    heading_sin: float
+    linear_velocity: float
+    angular_velocity: float
+    time_left: float
+    score: float
+    distance_integral: float
+    bearing_integral: float
+
+
+class TargetSeen(NamedTuple):
+    """What it sees of each target, nearest first."""
+
+    forward: float
+    left: float
+    present: float
+    age: float
+    active: float
+
+
+class RivalSeen(NamedTuple):
+    """What it sees of each rival, nearest first."""
+
+    forward: float
+    left: float
+    present: float
+    heading_cos: float
+    heading_sin: float
+    linear_velocity: float
+    score_difference: float
+
+
+SELF_COLUMNS: Final = SelfSeen._fields
+TARGET_COLUMNS: Final = TargetSeen._fields
+RIVAL_COLUMNS: Final = RivalSeen._fields
 
 
 def width(config: ArenaConfig) -> int:

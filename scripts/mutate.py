@@ -133,7 +133,7 @@ def alternatives(node: ast.expr) -> Iterator[ast.expr]:
             yield from values
         case ast.UnaryOp(operand=operand):
             yield operand
-        case ast.IfExp(body=body, orelse=orelse):
+        case ast.IfExp(body=body, orelse=orelse) | ast.Call(func=ast.Name(id="select"), args=[_, body, orelse]):
             yield body
             yield orelse
         case ast.Constant(value=bool(value)):

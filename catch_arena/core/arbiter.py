@@ -5,15 +5,14 @@ distances and eligibility from there alone, so nothing that it grants can change
 and `catch_arena.arbitrate` fill the docket; both are judged by the same code.
 """
 
-from math import sqrt
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import entry, phase, rule
-from catch_arena.core.math import floor
 from catch_arena.core.random import service_lot, ticket
+from catch_arena.core.vectors import floor, sqrt
 from catch_arena.verdicts import Verdict
 
 Docket = NDArray[np.int64]
@@ -53,15 +52,21 @@ _GRANTED: Final = int(Verdict.GRANTED)
 
 
 @rule
-def distance_um(dx: float, dy: float) -> float:
-    """R5.3: the distance between two centres in whole micrometres."""
-    return floor(1000000.0 * sqrt(dx * dx + dy * dy) + 0.5)
+def micrometres(metres: float) -> float:
+    """R5.3: in whole micrometres."""
+    return floor(1000000.0 * metres + 0.5)
 
 
 @rule
-def within_reach(micrometres: float, reach_um: float) -> bool:
+def distance_um(dx: float, dy: float) -> float:
+    """R5.3: the distance between two centres in whole micrometres."""
+    return micrometres(sqrt(dx * dx + dy * dy))
+
+
+@rule
+def within_reach(um: float, reach_um: float) -> bool:
     """R5.3: strictly less than reach."""
-    return micrometres < reach_um
+    return um < reach_um
 
 
 @rule

@@ -4,15 +4,10 @@ The polynomials are those of fdlibm (Sun Microsystems 1993, k_sin.c, k_cos.c, s_
 the true values.
 """
 
-from collections.abc import Callable
 from typing import Final
 
-import numpy as np
-
 from catch_arena.core.jit import rule
-
-floor: Callable[[float], float] = np.floor
-"""As a float: Python's own makes an int, which would keep a loop from becoming SIMD code."""
+from catch_arena.core.vectors import floor, select
 
 PI: Final = 3.141592653589793
 TAU: Final = 6.283185307179586
@@ -37,16 +32,22 @@ _PI_LOW: Final = 1.2246467991473532e-16
 @rule
 def clamp(value: float, low: float, high: float) -> float:
     """A.1: the nearest number of [low, high]. Not min and max: their choice between 0.0 and -0.0 is not fixed."""
-    value = low if value < low else value
-    return high if value > high else value
+    value = select(value < low, low, value)
+    return select(value > high, high, value)
 
 
 @rule
 def wrap(angle: float) -> float:
     """A.2: the same direction in [-pi, pi)."""
     turned = angle - TAU * floor((angle + PI) / TAU)
-    turned = turned + TAU if turned < -PI else turned
-    return turned - TAU if turned >= PI else turned
+    turned = select(turned < -PI, turned + TAU, turned)
+    return select(turned >= PI, turned - TAU, turned)
+
+
+@rule
+def below_pi(angle: float) -> float:
+    """A.2 for an angle of [-pi, pi]: the same bits, without a division."""
+    return select(angle >= PI, angle - TAU, angle)
 
 
 @rule
@@ -61,33 +62,33 @@ def sincos(angle: float) -> tuple[float, float]:
     c = u + (((1.0 - u) - h) + z * (z * (_C1 + z * (_C2 + z * (_C3 + z * (_C4 + z * (_C5 + z * _C6)))))))
     quadrant = turns - 4.0 * floor(turns * 0.25)
     odd = (quadrant == 1.0) | (quadrant == 3.0)
-    sine = c if odd else s
-    cosine = s if odd else c
-    sine = -sine if quadrant >= 2.0 else sine
-    cosine = -cosine if (quadrant == 1.0) | (quadrant == 2.0) else cosine
+    sine = select(odd, c, s)
+    cosine = select(odd, s, c)
+    sine = select(quadrant >= 2.0, -sine, sine)
+    cosine = select((quadrant == 1.0) | (quadrant == 2.0), -cosine, cosine)
     return sine, cosine
 
 
 @rule
 def atan2(y: float, x: float) -> float:
     """A.4: the direction of (x, y) in [-pi, pi]; 0 for the origin."""
-    p = -x if x < 0.0 else x
-    q = -y if y < 0.0 else y
-    low = q if q < p else p
-    high = p if q < p else q
+    p = select(x < 0.0, -x, x)
+    q = select(y < 0.0, -y, y)
+    low = select(q < p, q, p)
+    high = select(q < p, p, q)
     near_zero = low < 0.4375 * high
     near_half = low < 0.6875 * high
-    n = low if near_zero else (2.0 * low - high if near_half else low - high)
-    d = high if near_zero else (2.0 * high + low if near_half else low + high)
-    base = 0.0 if near_zero else (_HALF_HIGH if near_half else _ONE_HIGH)
-    rest = 0.0 if near_zero else (_HALF_LOW if near_half else _ONE_LOW)
-    r = n / (d if d > 0.0 else 1.0)
+    n = select(near_zero, low, select(near_half, 2.0 * low - high, low - high))
+    d = select(near_zero, high, select(near_half, 2.0 * high + low, low + high))
+    base = select(near_zero, 0.0, select(near_half, _HALF_HIGH, _ONE_HIGH))
+    rest = select(near_zero, 0.0, select(near_half, _HALF_LOW, _ONE_LOW))
+    r = n / select(d > 0.0, d, 1.0)
     z = r * r
     w = z * z
     odd = z * (_T0 + w * (_T2 + w * (_T4 + w * (_T6 + w * (_T8 + w * _T10)))))
     even = w * (_T1 + w * (_T3 + w * (_T5 + w * (_T7 + w * _T9))))
     angle = base - ((r * (odd + even) - rest) - r)
-    angle = 0.0 if high == 0.0 else angle
-    angle = _RIGHT - (angle - _RIGHT_LOW) if q > p else angle
-    angle = PI - (angle - _PI_LOW) if x < 0.0 else angle
-    return -angle if y < 0.0 else angle
+    angle = select(high == 0.0, 0.0, angle)
+    angle = select(q > p, _RIGHT - (angle - _RIGHT_LOW), angle)
+    angle = select(x < 0.0, PI - (angle - _PI_LOW), angle)
+    return select(y < 0.0, -angle, angle)

@@ -5,145 +5,68 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.arbiter import distance_um
-from catch_arena.core.jit import Block, passage, phase, rule
-from catch_arena.core.math import floor, sincos
+from catch_arena.core.jit import Block, passage, phase
+from catch_arena.core.math import sincos
+from catch_arena.core.ranking import note_order, rank_rivals, rank_targets, resolve_ties, rival_at
 from catch_arena.core.state import (
     ACTIVE,
     ALIVE,
-    ARENA_ROWS,
     BEARING_INTEGRAL,
     COSINE,
     DISTANCE_INTEGRAL,
+    ITEM_BITS,
     LANES,
     RANKS_A_WORD,
     SCORE,
-    SEAT_SIZE,
     SINE,
     SPEED,
     THETA,
     TIME,
     TURN_RATE,
-    WITHDRAWN,
     Settings,
     Targets,
     X,
     Y,
+    item_at,
     seat_of,
+    span,
     targets_of,
     view_of,
     word_at,
 )
-from catch_arena.core.workspace import Scratch, Tables, order_of
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
+from catch_arena.core.vectors import (
+    Width,
+    copy_eight,
+    copy_four,
+    group,
+    put_rows,
+    select,
+    single,
+    stream_eight,
+)
+from catch_arena.core.workspace import PICTURE, Scratch, Tables, order_of
+from catch_arena.layout import RivalSeen, SelfSeen, TargetSeen
 
 Observations = NDArray[np.float32]
 """(lanes, H, D)."""
-Row = NDArray[np.float32]
-"""One of them: (D,)."""
 Masks = NDArray[np.int8]
 """(lanes, H, K + 1)."""
+Numbers = NDArray[np.float32]
+Keys = NDArray[np.int32]
 
-SELF_WIDTH: Final = len(SELF_COLUMNS)
-TARGET_WIDTH: Final = len(TARGET_COLUMNS)
-RIVAL_WIDTH: Final = len(RIVAL_COLUMNS)
+SELF_WIDTH: Final = len(SelfSeen._fields)
+TARGET_WIDTH: Final = len(TargetSeen._fields)
+RIVAL_WIDTH: Final = len(RivalSeen._fields)
 
-_1, _2, _3, _4, _5, _6 = (np.uint64(offset) for offset in range(1, 7))
-
-_PER_UM: Final = 64.0
-_UM: Final = 1.0 / _PER_UM  # a power of two: exact
-"""A sorting key is micrometres * 64 + slot or seat: one exact float64 that sorts by distance and then by spawning
-order.
-"""
-_ABSENT: Final = 9007199254740992.0
-"""The key of what is not there: above any other."""
-
-
-def selection_network(wires: int, outputs: int) -> NDArray[np.int64]:
-    """The comparators, as an array (n, 2) of wires, that bring the smallest `outputs` of `wires` keys to the front,
-    in order.
-
-    Runs of keys are sorted, and then merged two by two, of which the smaller half goes on: the last part of Batcher's
-    bitonic sort (Knuth, The Art of Computer Programming 3, section 5.3.4). Comparators that no output depends on are
-    left out.
-    """
-    run = 1 << (outputs - 1).bit_length()
-    comparators: list[tuple[int, int]] = []
-    for first in range(0, wires, run):
-        comparators += [(first + low, first + high) for low, high in _sorting_network(min(run, wires - first))]
-    distance = run
-    while distance < wires:
-        for first in range(0, wires - distance, 2 * distance):
-            second = first + distance
-            comparators += [(first + run - 1 - i, second + i) for i in range(min(run, wires - second))]
-            for apart in (run >> shift for shift in range(1, run.bit_length())):
-                comparators += [(first + i, first + i + apart) for i in range(run) if not i & apart]
-        distance *= 2
-    needed = set(range(outputs))
-    kept: list[tuple[int, int]] = []
-    for low, high in reversed(comparators):
-        if low in needed or high in needed:
-            needed |= {low, high}
-            kept.append((low, high))
-    return np.array(kept[::-1], dtype=np.int64).reshape(-1, 2)
-
-
-def _sorting_network(wires: int) -> list[tuple[int, int]]:
-    """Batcher's odd-even merge sort for any number of wires (the same volume, algorithm 5.2.2M)."""
-    comparators: list[tuple[int, int]] = []
-    top = 1 << max(0, (wires - 1).bit_length() - 1)
-    p = top
-    while p > 0:
-        q, r, d = top, 0, p
-        while True:
-            comparators += [(i, i + d) for i in range(wires - d) if i & p == r]
-            if q == p:
-                break
-            d, q, r = q - p, q >> 1, p
-        p >>= 1
-    return comparators
+_STREAMED: Final = 1 << 21
+"""From so many numbers on, what a batch sees would push everything else out of the caches."""
 
 
 @phase
-def order(keys: Block, network: NDArray[np.int64], lanes: int, wires: int) -> None:
-    """Sort the keys of every lane, as far as the network goes; from wire `wires` on all keys are _ABSENT, and stay."""
-    for comparator in range(len(network)):
-        if network[comparator, 1] >= wires:
-            continue
-        first = keys[network[comparator, 0] * LANES : (network[comparator, 0] + 1) * LANES]
-        second = keys[network[comparator, 1] * LANES : (network[comparator, 1] + 1) * LANES]
-        for lane in range(lanes):
-            a = first[lane]
-            b = second[lane]
-            first[lane] = a if a < b else b
-            second[lane] = b if a < b else a
-
-
-@rule
-def item_of(key: float) -> int:
-    """The slot or seat in a key."""
-    return int(key) & 63
-
-
-@phase
-def note_order(keys: Block, ranks: int, lanes: int, words: Block) -> None:
-    """The slots or seats of the first keys, as `state.item_at` reads them; 0 for what is absent."""
-    place = 1.0
-    for rank in range(ranks):
-        key = keys[rank * LANES : (rank + 1) * LANES]
-        row = rank // RANKS_A_WORD * LANES
-        word = words[row : row + LANES]
-        starts = rank % RANKS_A_WORD == 0
-        place = 1.0 if starts else place * _PER_UM
-        for lane in range(lanes):
-            item = key[lane] - _PER_UM * floor(key[lane] * _UM)
-            word[lane] = item if starts else word[lane] + item * place
-
-
-@phase
-def face(me: Block, lanes: int) -> None:
+def face(me: Block, width: Width) -> None:
     """The heading's sine and cosine, which the observation and the next step's controller read."""
-    for lane in range(lanes):
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
         sine, cosine = sincos(me[THETA + lane])
         me[SINE + lane] = sine
         me[COSINE + lane] = cosine
@@ -159,276 +82,205 @@ def most_alive(arena: Block, lanes: int) -> int:
 
 
 @phase
-def note_ages(arena: Block, targets: Targets, lanes: int, slots: int, ages: Block) -> None:
+def note_ages(arena: Block, targets: Targets, width: Width, slots: int, ages: Numbers) -> None:
     """R7.1: how long each target has been there [s]."""
     for slot in range(slots):
-        appeared = targets.appeared[slot * LANES : (slot + 1) * LANES]
-        age = ages[slot * LANES : (slot + 1) * LANES]
-        for lane in range(lanes):
-            age[lane] = (arena[TIME + lane] - appeared[lane]) / 1000.0
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            at = slot * LANES + lane
+            ages[at] = single((arena[TIME + lane] - targets.appeared[at]) / 1000.0)
 
 
 @phase
-def rank_targets(
-    arena: Block, me: Block, targets: Targets, lanes: int, slots: int, network: NDArray[np.int64], keys: Block
+def note_time_left(arena: Block, s: Settings, width: Width, time_left: Block) -> None:
+    """R7.1: until the time limit [s]."""
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        remaining = s.time_limit - arena[TIME + lane]
+        time_left[lane] = select(remaining > 0.0, remaining / 1000.0, 0.0)
+
+
+@phase
+def picture_targets(
+    me: Block, targets: Targets, ages: Numbers, first: int, width: Width, slots: int, pictures: Numbers
 ) -> None:
-    """R7.1: the alive targets by micrometres, then by spawn number; slots are in spawning order."""
-    for slot in range(slots):
-        x = targets.x[slot * LANES : (slot + 1) * LANES]
-        y = targets.y[slot * LANES : (slot + 1) * LANES]
-        key = keys[slot * LANES : (slot + 1) * LANES]
-        for lane in range(lanes):
-            near = distance_um(x[lane] - me[X + lane], y[lane] - me[Y + lane]) * _PER_UM + slot
-            key[lane] = near if slot < arena[ALIVE + lane] else _ABSENT
-    order(keys, network, lanes, slots)
-
-
-@phase
-def rank_rivals(block: Block, seat: int, lanes: int, network: NDArray[np.int64], s: Settings, keys: Block) -> None:
-    """R7.1, R1.6: the other hunters by micrometres; equal distances are put right by `break_ties`."""
-    me = seat_of(block, seat)
-    for other in range(s.hunters):
-        rival = seat_of(block, other)
-        key = keys[other * LANES : (other + 1) * LANES]
-        absent = other == seat
-        for lane in range(lanes):
-            near = distance_um(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]) * _PER_UM + other
-            key[lane] = _ABSENT if absent | (rival[WITHDRAWN + lane] > 0.0) else near
-    order(keys, network, lanes, s.hunters)
-
-
-@rule
-def equally_far(nearer: float, farther: float) -> bool:
-    """Whether two keys, the second of which is not smaller, have the same micrometres."""
-    return (nearer < _ABSENT) & (floor(nearer * _UM) == floor(farther * _UM))
-
-
-@rule
-def rival_row(block: Block, me: Block, other: int, lane: int) -> tuple[float, float, float, float, float, float]:
-    """R7.1: a rival as its observer sees it: forward, left, relative cosine and sine, velocity, score difference."""
-    at = (
-        np.uint64(other) * np.uint64(SEAT_SIZE) + np.uint64(ARENA_ROWS * LANES) + np.uint64(lane)
-    )  # in seat_of(block, other)
-    dx = block[at + np.uint64(X)] - me[X + lane]
-    dy = block[at + np.uint64(Y)] - me[Y + lane]
-    rival_sine = block[at + np.uint64(SINE)]
-    rival_cosine = block[at + np.uint64(COSINE)]
-    sine = me[SINE + lane]
-    cosine = me[COSINE + lane]
-    return (
-        cosine * dx + sine * dy,
-        cosine * dy - sine * dx,
-        rival_cosine * cosine + rival_sine * sine,
-        rival_sine * cosine - rival_cosine * sine,
-        block[at + np.uint64(SPEED)],
-        block[at + np.uint64(SCORE)] - me[SCORE + lane],
-    )
-
-
-@rule
-def stands_before(
-    a: tuple[float, float, float, float, float, float], b: tuple[float, float, float, float, float, float]
-) -> bool:
-    """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; never by
-    seat.
-    """
-    if a[1] != b[1]:
-        return a[1] > b[1]
-    if a[0] != b[0]:
-        return a[0] > b[0]
-    if a[2] != b[2]:
-        return a[2] > b[2]
-    if a[3] != b[3]:
-        return a[3] > b[3]
-    if a[4] != b[4]:
-        return a[4] > b[4]
-    return a[5] > b[5]
-
-
-@phase
-def break_ties(block: Block, seat: int, lane: int, s: Settings, keys: Block) -> None:
-    """R7.1: one lane's rivals again, all of them, by insertion: for the rare step in which two are equally far."""
-    me = seat_of(block, seat)
-    count = 0
-    for other in range(s.hunters):
-        rival = seat_of(block, other)
-        if other == seat or rival[WITHDRAWN + lane] > 0.0:
-            continue
-        micrometres = distance_um(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane])
-        row = rival_row(block, me, other, lane)
-        at = count
-        while at > 0:
-            before = keys[(at - 1) * LANES + lane]
-            distance = floor(before * _UM)
-            if distance < micrometres:
-                break
-            if distance == micrometres and not stands_before(row, rival_row(block, me, item_of(before), lane)):
-                break
-            keys[at * LANES + lane] = before
-            at -= 1
-        keys[at * LANES + lane] = micrometres * _PER_UM + other
-        count += 1
-    for at in range(count, s.hunters):
-        keys[at * LANES + lane] = _ABSENT
-
-
-@phase
-def settle_ties(block: Block, seat: int, lane: int, ranks: int, keys: Block) -> None:
-    """R7.1: one lane's sorted rivals, of whom those equally far are put in order among themselves, by insertion."""
-    me = seat_of(block, seat)
-    for rank in range(1, ranks + 1):
-        at = rank
-        while at > 0:
-            before = keys[(at - 1) * LANES + lane]
-            key = keys[at * LANES + lane]
-            if not equally_far(before, key):
-                break
-            if not stands_before(rival_row(block, me, item_of(key), lane), rival_row(block, me, item_of(before), lane)):
-                break
-            keys[(at - 1) * LANES + lane] = key
-            keys[at * LANES + lane] = before
-            at -= 1
-
-
-@phase
-def mend_ties(block: Block, seat: int, lanes: int, s: Settings, keys: Block) -> None:
-    """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far."""
-    ranks = min(s.hunters_seen, s.hunters - 2)
-    ties = 0
-    for rank in range(ranks):
-        nearer = keys[rank * LANES : (rank + 1) * LANES]
-        farther = keys[(rank + 1) * LANES : (rank + 2) * LANES]
-        for lane in range(lanes):
-            ties += 1 if equally_far(nearer[lane], farther[lane]) else 0
-    if ties == 0:
-        return
-    all_sorted = ranks + 1 >= s.hunters - 1
-    for lane in range(lanes):
-        if all_sorted or not equally_far(keys[(ranks - 1) * LANES + lane], keys[ranks * LANES + lane]):
-            settle_ties(block, seat, lane, ranks, keys)
-        else:
-            break_ties(block, seat, lane, s, keys)
-
-
-@phase
-def write_self(me: Block, lane: int, time_left: float, row: Row) -> None:
-    """R7.1: what a hunter knows of itself."""
-    row[0] = me[X + lane]
-    row[1] = me[Y + lane]
-    row[2] = me[COSINE + lane]
-    row[3] = me[SINE + lane]
-    row[4] = me[SPEED + lane]
-    row[5] = me[TURN_RATE + lane]
-    row[6] = time_left
-    row[7] = me[SCORE + lane]
-    row[8] = me[DISTANCE_INTEGRAL + lane]
-    row[9] = me[BEARING_INTEGRAL + lane]
-
-
-@phase
-def write_targets(
-    me: Block, view: Block, targets: Targets, ages: Block, lane: int, there: int, s: Settings, row: Row
-) -> None:
-    """R7.1: the nearest targets, `there` of them."""
+    """R7.1: every target as one seat sees it, in the lanes of one group."""
+    lane = group(first, width)
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
-    at = np.uint64(SELF_WIDTH)
-    slots = np.uint64(0)  # as `item_at` reads them, but each word once, from its first rank on
-    for rank in range(there):
-        if rank % RANKS_A_WORD == 0:
-            slots = np.uint64(word_at(view, rank, lane))
-        place = (slots & np.uint64(63)) * np.uint64(LANES) + np.uint64(lane)
-        slots >>= np.uint64(6)
-        dx, dy = targets.x[place] - x, targets.y[place] - y
-        # all are made first and then written: what lies side by side is then stored at once
-        forward = np.float32(cosine * dx + sine * dy)
-        left = np.float32(cosine * dy - sine * dx)
-        age = np.float32(ages[place])
-        active = np.float32(1.0 if targets.number[place] == me[ACTIVE + lane] else 0.0)
-        row[at] = forward
-        row[at + _1] = left
-        row[at + _2] = np.float32(1.0)
-        row[at + _3] = age
-        row[at + _4] = active
-        at += np.uint64(TARGET_WIDTH)
-    for column in range(SELF_WIDTH + there * TARGET_WIDTH, SELF_WIDTH + s.targets_seen * TARGET_WIDTH):
-        row[column] = np.float32(0.0)
+    active = me[ACTIVE + lane]
+    for slot in range(slots):
+        at = slot * LANES + lane
+        dx, dy = targets.x[at] - x, targets.y[at] - y
+        seen = TargetSeen(
+            forward=cosine * dx + sine * dy,
+            left=cosine * dy - sine * dx,
+            present=1.0,
+            age=ages[at],
+            active=select(targets.number[at] == active, 1.0, 0.0),
+        )
+        put_rows(pictures, slot * len(width) * PICTURE, PICTURE, seen)
 
 
 @phase
-def write_rivals(block: Block, me: Block, order: Block, lane: int, there: int, s: Settings, row: Row) -> None:
-    """R7.1: the nearest rivals, `there` of them."""
-    at = np.uint64(SELF_WIDTH + s.targets_seen * TARGET_WIDTH)
-    seats = np.uint64(0)
-    for rank in range(there):
-        if rank % RANKS_A_WORD == 0:
-            seats = np.uint64(word_at(order, rank, lane))
-        other = int(seats & np.uint64(63))
-        seats >>= np.uint64(6)
-        forward, left, cosine, sine, velocity, difference = rival_row(block, me, other, lane)
-        row[at] = forward
-        row[at + _1] = left
-        row[at + _2] = np.float32(1.0)
-        row[at + _3] = cosine
-        row[at + _4] = sine
-        row[at + _5] = velocity
-        row[at + _6] = difference
-        at += np.uint64(RIVAL_WIDTH)
-    for column in range(at, len(row)):
-        row[column] = np.float32(0.0)
+def picture_rivals(block: Block, seat: int, first: int, width: Width, s: Settings, pictures: Numbers) -> None:
+    """R7.1: every rival as one seat sees it, in the lanes of one group."""
+    for other in range(s.hunters):
+        if other != seat:
+            seen = rival_at(block, seat, other, group(first, width))
+            put_rows(pictures, other * len(width) * PICTURE, PICTURE, seen)
 
 
 @phase
-def write_mask(there: int, ranks: int, mask: NDArray[np.int8]) -> None:
-    """R7.2: hold and the ranks that have a target. Masks change rarely, and most need not be written."""
-    if mask[there] == 0 or (there < ranks and mask[there + 1] == 1):
-        for rank in range(ranks + 1):
-            mask[rank] = 1 if rank <= there else 0
+def write_self(me: Block, time_left: Block, first: int, width: Width, out: Numbers, at: int, stride: int) -> None:
+    """R7.1: what a hunter knows of itself, in the lanes of one group: the first one's from out[at] on."""
+    lane = group(first, width)
+    seen = SelfSeen(
+        x=me[X + lane],
+        y=me[Y + lane],
+        heading_cos=me[COSINE + lane],
+        heading_sin=me[SINE + lane],
+        linear_velocity=me[SPEED + lane],
+        angular_velocity=me[TURN_RATE + lane],
+        time_left=time_left[lane],
+        score=me[SCORE + lane],
+        distance_integral=me[DISTANCE_INTEGRAL + lane],
+        bearing_integral=me[BEARING_INTEGRAL + lane],
+    )
+    put_rows(out, at, stride, seen)
 
 
 @phase
-def write(block: Block, s: Settings, lanes: int, scratch: Scratch, seen: Observations, masks: Masks) -> None:
-    """R7.1, R7.2: the rows one after the other, as they lie in memory: it is the memory that large batches wait for."""
-    targets = targets_of(block, s)
+def write_ranked(
+    order: Block,
+    ranks: int,
+    exactly: bool,
+    lane: int,
+    pictures: Numbers,
+    width: Width,
+    columns: int,
+    out: Numbers,
+    at: int,
+) -> None:
+    """R7.1: the pictures of one lane in the order of their ranks, from out[at] on.
+
+    Each is copied with what is too much, which the next one is written over; the last one only so far as it goes, where
+    that is to be `exactly`.
+    """
+    mine = lane % len(width)
+    copied = ranks - 1 if exactly else ranks
+    rank = 0
+    while rank + RANKS_A_WORD <= copied:
+        word = word_at(order, rank, lane)
+        for place in range(RANKS_A_WORD):  # as often as the compiler knows: eight copies without a loop
+            picture = (((word >> (ITEM_BITS * place)) & 255) * len(width) + mine) * PICTURE
+            copy_eight(out, at + place * columns, pictures, picture)
+        at += RANKS_A_WORD * columns
+        rank += RANKS_A_WORD
+    while rank < copied:
+        copy_eight(out, at, pictures, (item_at(order, rank, lane) * len(width) + mine) * PICTURE)
+        at += columns
+        rank += 1
+    if rank < ranks:
+        picture = (item_at(order, rank, lane) * len(width) + mine) * PICTURE
+        copy_four(out, at, pictures, picture)
+        copy_four(out, at + columns - 4, pictures, picture + columns - 4)
+
+
+@phase
+def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
+    """R7.2: hold and the ranks that have a target. They change rarely, and then for all seats of an arena."""
+    ranks = s.targets_seen
     for lane in range(lanes):
-        targets_there = min(int(block[ALIVE + lane]), s.targets_seen)
-        remaining = s.time_limit - block[TIME + lane]
-        time_left = remaining / 1000.0 if remaining > 0.0 else 0.0
-        present = 0
+        there = min(int(block[ALIVE + lane]), ranks)
+        if masks[lane, 0, there] == 0 or (there < ranks and masks[lane, 0, there + 1] == 1):
+            for seat in range(s.hunters):
+                for rank in range(ranks + 1):
+                    masks[lane, seat, rank] = 1 if rank <= there else 0
+
+
+@phase
+def hand_out(views: Numbers, count: int, out: Numbers, at: int) -> None:
+    """Observations that were put together apart from where they belong. Whole groups go past the caches."""
+    whole = count - count % PICTURE
+    for place in range(0, whole, PICTURE):
+        stream_eight(out, at + place, views, place)
+    for place in range(whole, count):
+        out[at + place] = views[place]
+
+
+@passage
+def write(
+    block: Block, s: Settings, width: Width, lanes: int, slots: int, scratch: Scratch, out: Numbers, arena: int
+) -> None:
+    """R7.1: the observations of a block, one group of lanes after the other; its first lane is `arena` of the batch.
+
+    They are written in their place, unless the group has lanes that are no arenas, or the batch is so large that they
+    had better go past the caches, in the order of the memory.
+    """
+    targets = targets_of(block, s)
+    time_left = scratch.rows[:LANES]
+    note_ages(block, targets, width, slots, scratch.ages)
+    note_time_left(block, s, width, time_left)
+    rivals_at = SELF_WIDTH + s.targets_seen * TARGET_WIDTH
+    columns = rivals_at + s.hunters_seen * RIVAL_WIDTH
+    stride = s.hunters * columns
+    for first in range(0, span(width), len(width)):
+        if first >= lanes:
+            break
+        apart = lanes - first < len(width) or len(out) > _STREAMED
+        to = scratch.views if apart else out
+        begin = 0 if apart else (arena + first) * stride
         for seat in range(s.hunters):
-            present += 1 if seat_of(block, seat)[WITHDRAWN + lane] == 0.0 else 0
-        for seat in range(s.hunters):
-            me = seat_of(block, seat)
-            row = seen[lane, seat]
-            others = present - (1 if me[WITHDRAWN + lane] == 0.0 else 0)
-            write_self(me, lane, time_left, row)
-            write_targets(me, view_of(block, seat, s), targets, scratch.ages, lane, targets_there, s, row)
-            write_rivals(block, me, order_of(scratch, seat), lane, min(others, s.hunters_seen), s, row)
-            write_mask(targets_there, s.targets_seen, masks[lane, seat])
+            me, view, rivals = seat_of(block, seat), view_of(block, seat, s), order_of(scratch, seat)
+            write_self(me, time_left, first, width, to, begin + seat * columns, stride)
+            picture_targets(me, targets, scratch.ages, first, width, slots, scratch.targets)
+            picture_rivals(block, seat, first, width, s, scratch.rivals)
+            for lane in range(first, first + len(width)):
+                at = begin + (lane - first) * stride + seat * columns
+                write_ranked(
+                    view,
+                    s.targets_seen,
+                    s.hunters_seen == 0,
+                    lane,
+                    scratch.targets,
+                    width,
+                    TARGET_WIDTH,
+                    to,
+                    at + SELF_WIDTH,
+                )
+                write_ranked(rivals, s.hunters_seen, True, lane, scratch.rivals, width, RIVAL_WIDTH, to, at + rivals_at)
+        if apart:
+            hand_out(scratch.views, min(len(width), lanes - first) * stride, out, (arena + first) * stride)
 
 
 @passage
 def observe(
     block: Block,
     s: Settings,
+    width: Width,
     lanes: int,
     tables: Tables,
     scratch: Scratch,
-    seen: Observations,
+    out: Numbers,
+    arena: int,
     masks: Masks,
 ) -> None:
-    """R7.1, R7.2: who sees whom in which order, and then the observations and masks of one block. The order of the
-    targets stays in the arena: the next step's choices are ranks in it.
+    """R7.1, R7.2: who sees whom in which order, and then the observations and masks of one block.
+
+    Its first lane is `arena` of the batch. The order of the targets stays in the arena: the next step's choices are
+    ranks in it.
     """
     targets = targets_of(block, s)
     slots = most_alive(block, lanes)
-    note_ages(block, targets, lanes, slots, scratch.ages)
     for seat in range(s.hunters):
-        face(seat_of(block, seat), lanes)
+        face(seat_of(block, seat), width)
     for seat in range(s.hunters):
-        rank_targets(block, seat_of(block, seat), targets, lanes, slots, tables.target_network, scratch.keys)
-        note_order(scratch.keys, min(slots, s.targets_seen), lanes, view_of(block, seat, s))
+        me = seat_of(block, seat)
+        rank_targets(block, me, targets, width, slots, tables.target_network, scratch.keys)
+        note_order(scratch.keys, slots, s.targets_seen, width, view_of(block, seat, s))
         if s.hunters_seen > 0:
-            rank_rivals(block, seat, lanes, tables.rival_network, s, scratch.keys)
-            mend_ties(block, seat, lanes, s, scratch.keys)
-            note_order(scratch.keys, s.hunters_seen, lanes, order_of(scratch, seat))
-    write(block, s, lanes, scratch, seen, masks)
+            rank_rivals(block, seat, width, tables.rival_network, s, scratch.keys)
+            resolve_ties(block, seat, width, lanes, s, scratch.keys)
+            note_order(scratch.keys, s.hunters, s.hunters_seen, width, order_of(scratch, seat))
+    write(block, s, width, lanes, slots, scratch, out, arena)
+    write_masks(block, s, lanes, masks)

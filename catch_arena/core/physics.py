@@ -3,8 +3,23 @@
 from typing import Final
 
 from catch_arena.core.jit import Block, passage, phase, rule
-from catch_arena.core.math import clamp, floor, sincos, wrap
-from catch_arena.core.state import AT_WALL, LANES, SPEED, THETA, TIME, TURN_RATE, Settings, X, Y, seat_of
+from catch_arena.core.math import clamp, sincos, wrap
+from catch_arena.core.state import (
+    AT_WALL,
+    COSINE,
+    LANES,
+    SINE,
+    SPEED,
+    THETA,
+    TIME,
+    TURN_RATE,
+    Settings,
+    X,
+    Y,
+    seat_of,
+    span,
+)
+from catch_arena.core.vectors import Width, any_of, floor, group, select
 
 DT: Final = 0.016
 """R1.2: what one tick integrates [s]."""
@@ -15,16 +30,32 @@ WATCHDOG_MS: Final = 1000.0
 
 @rule
 def next_pose(
-    x: float, y: float, theta: float, speed: float, turn_rate: float, side: float
-) -> tuple[float, float, float, bool]:
-    """R2.2, R2.3: the pose after one tick, and whether a wall held it; the heading turns before the position moves."""
-    theta = wrap(theta + turn_rate * DT)
-    sine, cosine = sincos(theta)
-    free_x = x + cosine * speed * DT
-    free_y = y + sine * speed * DT
-    x = clamp(free_x, 0.0, side)
-    y = clamp(free_y, 0.0, side)
-    return x, y, theta, (x != free_x) | (y != free_y)
+    x: float,
+    y: float,
+    sine: float,
+    cosine: float,
+    stride: float,
+    turn_sine: float,
+    turn_cosine: float,
+    side: float,
+) -> tuple[float, float, float, float, bool]:
+    """R2.2, R2.3: position and heading after one tick, and whether a wall held it; the heading turns first.
+
+    Args: `stride`, what a tick moves [m]; the sine and cosine of the heading, and of what a tick turns it.
+    """
+    next_sine = sine * turn_cosine + cosine * turn_sine
+    next_cosine = cosine * turn_cosine - sine * turn_sine
+    free_x = x + next_cosine * stride
+    free_y = y + next_sine * stride
+    next_x = clamp(free_x, 0.0, side)
+    next_y = clamp(free_y, 0.0, side)
+    return next_x, next_y, next_sine, next_cosine, (next_x != free_x) | (next_y != free_y)
+
+
+@rule
+def turned(theta: float, turn: float, ticks: float) -> float:
+    """R2.2: the heading after so many ticks, each of which turns it by `turn`."""
+    return wrap(theta + turn * ticks)
 
 
 @rule
@@ -34,73 +65,67 @@ def ticks_until(time_ms: float) -> float:
 
 
 @phase
-def move_seat(me: Block, lanes: int, side: float) -> None:
-    """R2.2, R2.3: one tick of one seat, in every lane."""
-    for lane in range(lanes):
-        x, y, theta, held = next_pose(
-            me[X + lane], me[Y + lane], me[THETA + lane], me[SPEED + lane], me[TURN_RATE + lane], side
-        )
+def move_seat(me: Block, width: Width, side: float, fewest: int, most: int, ticks: Block) -> None:
+    """R2.2, R2.3: all ticks of one seat in a step: from `fewest` on not every lane has them, from `most` on none."""
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
+        stride = me[SPEED + lane] * DT
+        turn = me[TURN_RATE + lane] * DT
+        turn_sine, turn_cosine = sincos(turn)
+        at_wall = False
+        for _ in range(fewest):
+            x, y, sine, cosine, held = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side)
+            at_wall = at_wall | held
+        for tick in range(fewest, most):
+            moves = ticks[lane] > tick
+            next_x, next_y, next_sine, next_cosine, held = next_pose(
+                x, y, sine, cosine, stride, turn_sine, turn_cosine, side
+            )
+            x = select(moves, next_x, x)
+            y = select(moves, next_y, y)
+            sine = select(moves, next_sine, sine)
+            cosine = select(moves, next_cosine, cosine)
+            at_wall = at_wall | (moves & held)
         me[X + lane] = x
         me[Y + lane] = y
-        me[THETA + lane] = theta
-        me[AT_WALL + lane] = 1.0 if held else me[AT_WALL + lane]
+        me[THETA + lane] = turned(me[THETA + lane], turn, ticks[lane])
+        me[AT_WALL + lane] = select(at_wall, 1.0, 0.0)
 
 
 @phase
-def keep_place(me: Block, lanes: int, kept: Block) -> None:
-    """Where a seat is before a tick that not every lane has; `kept` has four rows."""
-    for lane in range(lanes):
-        kept[lane] = me[X + lane]
-        kept[LANES + lane] = me[Y + lane]
-        kept[2 * LANES + lane] = me[THETA + lane]
-        kept[3 * LANES + lane] = me[AT_WALL + lane]
-
-
-@phase
-def put_back(me: Block, lanes: int, tick: int, ticks: Block, kept: Block) -> None:
-    """R1.3: lanes that do not have this tick in this step are where they were."""
-    for lane in range(lanes):
-        moves = tick < ticks[lane]
-        me[X + lane] = me[X + lane] if moves else kept[lane]
-        me[Y + lane] = me[Y + lane] if moves else kept[LANES + lane]
-        me[THETA + lane] = me[THETA + lane] if moves else kept[2 * LANES + lane]
-        me[AT_WALL + lane] = me[AT_WALL + lane] if moves else kept[3 * LANES + lane]
-
-
-@phase
-def drop_stale_commands(me: Block, lanes: int, tick: int, fresh: Block, ticks: Block) -> None:
-    """R2.4: the watchdog stops a seat at the first tick more than a second after its command."""
-    for lane in range(lanes):
-        stale = (tick >= fresh[lane]) & (tick < ticks[lane])
-        me[SPEED + lane] = 0.0 if stale else me[SPEED + lane]
-        me[TURN_RATE + lane] = 0.0 if stale else me[TURN_RATE + lane]
+def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -> None:
+    """R2.4: what the watchdog leaves, where it fired in this step; it stops whatever moved."""
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            me[SPEED + lane] = select(stale[lane] > 0.0, 0.0, me[SPEED + lane])
+            me[TURN_RATE + lane] = select(stale[lane] > 0.0, 0.0, me[TURN_RATE + lane])
 
 
 @passage
-def move(block: Block, s: Settings, lanes: int, scratch: Block) -> None:
-    """R1.3: all ticks in (t, t + period], one after the other; `scratch` has six rows."""
-    ticks = scratch[:LANES]
-    fresh = scratch[LANES : 2 * LANES]
-    kept = scratch[2 * LANES : 6 * LANES]
-    most = 0.0
-    fewest = 1e18
-    soonest_stale = 1e18
-    for lane in range(lanes):
+def move(block: Block, s: Settings, width: Width, lanes: int, scratch: Block) -> None:
+    """R1.3: all ticks in (t, t + period], one after the other; `scratch` has two rows.
+
+    R2.4's watchdog stops a hunter at the first tick more than a second after its command: from there on it has no ticks
+    that move it.
+    """
+    ticks, stale = scratch[:LANES], scratch[LANES : 2 * LANES]
+    any_stale = False
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
         before = ticks_until(block[TIME + lane])
-        ticks[lane] = ticks_until(block[TIME + lane] + s.period) - before
-        fresh[lane] = ticks_until(block[TIME + lane] + WATCHDOG_MS) - before
-        most = max(most, ticks[lane])
-        fewest = min(fewest, ticks[lane])
-        soonest_stale = min(soonest_stale, fresh[lane])
+        due = ticks_until(block[TIME + lane] + s.period) - before
+        fresh = ticks_until(block[TIME + lane] + WATCHDOG_MS) - before
+        ticks[lane] = select(fresh < due, fresh, due)
+        stale[lane] = select(fresh < due, 1.0, 0.0)
+        any_stale = any_stale | any_of(fresh < due)
+    most, fewest = 0.0, 1e18
+    for each in range(lanes):
+        most = max(most, ticks[each])
+        fewest = min(fewest, ticks[each])
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        for lane in range(lanes):
-            me[AT_WALL + lane] = 0.0
-        for tick in range(int(most)):
-            if tick >= soonest_stale:
-                drop_stale_commands(me, lanes, tick, fresh, ticks)
-            if tick >= fewest:
-                keep_place(me, lanes, kept)
-            move_seat(me, lanes, s.side)
-            if tick >= fewest:
-                put_back(me, lanes, tick, ticks, kept)
+        move_seat(seat_of(block, seat), width, s.side, int(fewest), int(most), ticks)
+    if any_stale:
+        drop_stale_commands(block, s, width, stale)

@@ -1,15 +1,14 @@
 """Rulebook chapter 6: the named parts of the reward, and their weighted sum."""
 
-from math import sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.arbiter import distance_um
 from catch_arena.core.jit import Block, phase
+from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
     ALIVE,
     LANES,
+    PART_NAMES,
     RETURN,
     VERDICT,
     WITHDRAWN,
@@ -19,7 +18,9 @@ from catch_arena.core.state import (
     Y,
     item_at,
     seat_of,
+    span,
 )
+from catch_arena.core.vectors import Width, group, select, sqrt
 from catch_arena.core.workspace import Scratch, aim_of
 from catch_arena.verdicts import Verdict
 
@@ -34,64 +35,61 @@ Rewards = NDArray[np.float64]
 def aim_at_nearest(arena: Block, me: Block, view: Block, targets: Targets, lanes: int, aim: Block) -> None:
     """R6.2's progress: the nearest target of S_t, from where the hunter stands."""
     for lane in range(lanes):
-        at = item_at(view, 0, lane) * LANES + lane
+        there = arena[ALIVE + lane] > 0.0
+        at = select(there, item_at(view, 0, lane), 0) * LANES + lane
         dx = targets.x[at] - me[X + lane]
         dy = targets.y[at] - me[Y + lane]
         aim[lane] = targets.x[at]
         aim[LANES + lane] = targets.y[at]
-        aim[2 * LANES + lane] = sqrt(dx * dx + dy * dy) if arena[ALIVE + lane] > 0.0 else -1.0
+        aim[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), -1.0)
 
 
 @phase
 def aim_again(arena: Block, me: Block, targets: Targets, lane: int, aim: Block) -> None:
     """The same in one lane where targets have just left: among those that are alive after the commit."""
     aim[2 * LANES + lane] = -1.0
-    nearest = np.inf
+    nearest = FAR
     for slot in range(int(arena[ALIVE + lane])):
         dx = targets.x[slot * LANES + lane] - me[X + lane]
         dy = targets.y[slot * LANES + lane] - me[Y + lane]
-        micrometres = distance_um(dx, dy)
-        if micrometres < nearest:  # slots are in spawning order: the lower number stays
-            nearest = micrometres
+        key = key_of(dx, dy, slot)
+        if key < nearest:
+            nearest = key
             aim[lane] = targets.x[slot * LANES + lane]
             aim[LANES + lane] = targets.y[slot * LANES + lane]
             aim[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
 
 
 @phase
-def reward(
-    block: Block,
-    s: Settings,
-    lanes: int,
-    scratch: Scratch,
-    rewards: Rewards,
-) -> None:
-    """R6.2: the sum of the parts, and the parts where there is room for them."""
+def reward(block: Block, s: Settings, width: Width, lanes: int, scratch: Scratch, rewards: Rewards) -> None:
+    """R6.2: the sum of the parts, and the parts where there is room for them. Args: `rewards` (lanes, H, 1 or 7)."""
     catches = scratch.rows[:LANES]
-    parts_wanted = rewards.shape[2] > 1
-    for lane in range(lanes):
-        catches[lane] = 0.0
-    for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        for lane in range(lanes):
-            catches[lane] += 1.0 if me[VERDICT + lane] == _GRANTED else 0.0
+    amounts = scratch.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
+    columns = rewards.shape[2]
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        granted = 0.0
+        for seat in range(s.hunters):
+            granted = granted + select(seat_of(block, seat)[VERDICT + lane] == _GRANTED, 1.0, 0.0)
+        catches[lane] = granted
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         aim = aim_of(scratch, seat)
-        for lane in range(lanes):
-            counts = 1.0 if me[WITHDRAWN + lane] == 0.0 else 0.0
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            counts = select(me[WITHDRAWN + lane] == 0.0, 1.0, 0.0)
             verdict = me[VERDICT + lane]
-            granted = 1.0 if verdict == _GRANTED else 0.0
+            granted = select(verdict == _GRANTED, 1.0, 0.0)
             rival = counts * (catches[lane] - granted)
-            lost = 1.0 if verdict == _LOST_CONTEST else 0.0
+            lost = select(verdict == _LOST_CONTEST, 1.0, 0.0)
             refused = (verdict > 0.0) & (verdict < _GRANTED) & (verdict != _LOST_CONTEST)
-            rejected = counts if refused else 0.0
+            rejected = select(refused, counts, 0.0)
             progress = 0.0
             if s.progress_wanted:
                 dx = aim[lane] - me[X + lane]
                 dy = aim[LANES + lane] - me[Y + lane]
                 gained = aim[2 * LANES + lane] - sqrt(dx * dx + dy * dy)
-                progress = gained if (aim[2 * LANES + lane] >= 0.0) & (counts > 0.0) else 0.0
+                progress = select((aim[2 * LANES + lane] >= 0.0) & (counts > 0.0), gained, 0.0)
             elapsed = counts * s.period_s
             total = (
                 s.catch_weight * granted
@@ -101,12 +99,16 @@ def reward(
                 + s.progress_weight * progress
                 + s.time_weight * elapsed
             )
-            rewards[lane, seat, 0] = total
-            me[RETURN + lane] += total
-            if parts_wanted:
-                rewards[lane, seat, 1] = granted
-                rewards[lane, seat, 2] = rival
-                rewards[lane, seat, 3] = lost
-                rewards[lane, seat, 4] = rejected
-                rewards[lane, seat, 5] = progress
-                rewards[lane, seat, 6] = elapsed
+            me[RETURN + lane] = me[RETURN + lane] + total
+            amounts[lane] = total
+            if columns == 1:
+                continue
+            amounts[LANES + lane] = granted
+            amounts[2 * LANES + lane] = rival
+            amounts[3 * LANES + lane] = lost
+            amounts[4 * LANES + lane] = rejected
+            amounts[5 * LANES + lane] = progress
+            amounts[6 * LANES + lane] = elapsed
+        for lane in range(lanes):
+            for column in range(columns):
+                rewards[lane, seat, column] = amounts[column * LANES + lane]

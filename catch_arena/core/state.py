@@ -12,10 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, passage, rule
+from catch_arena.core.vectors import Width, bits_of
 from catch_arena.verdicts import Verdict
 
 LANES: Final = 32
 """Arenas side by side in a block: enough for the widest SIMD registers, few enough for the first caches."""
+
+
+@rule
+def span(width: Width) -> int:
+    """How many lanes a block has: one where arenas are played one at a time. Those beyond a batch's last arena are
+    played too, since none is cheaper than some, and nobody looks at them.
+    """
+    return LANES if len(width) > 1 else 1
+
 
 # arena rows; the first eight stand in the digest in this order (A.8)
 TIME: Final = 0 * LANES  # [ms] since reset
@@ -171,7 +181,10 @@ def read_settings(numbers: NDArray[np.float64]) -> Settings:
 
 
 RANKS_A_WORD: Final = 8
-"""Slots or seats in an order are kept eight to a number, six bits each, the first in the lowest."""
+"""Slots or seats in an order are kept eight to a number, a byte each, the first in the lowest bits."""
+ITEM_BITS: Final = 8
+ABSENT: Final = 64
+"""In the place of a slot or seat: nothing has this rank. There are at most as many of each."""
 
 
 @rule
@@ -217,11 +230,11 @@ def view_of(block: Block, seat: int, s: Settings) -> Block:
 
 @rule
 def word_at(words: Block, rank: int, lane: int) -> int:
-    """The word that holds a rank: RANKS_A_WORD slots or seats of six bits each, the lowest rank in the lowest ones."""
-    return int(words[rank // RANKS_A_WORD * LANES + lane])
+    """The word that holds a rank, and those that follow in it: see `RANKS_A_WORD`."""
+    return bits_of(words[rank // RANKS_A_WORD * LANES + lane])
 
 
 @rule
 def item_at(words: Block, rank: int, lane: int) -> int:
     """The slot or seat at a rank, counted from 0, in a view or another order that is kept in this way."""
-    return (word_at(words, rank, lane) >> (6 * (rank % RANKS_A_WORD))) & 63
+    return (word_at(words, rank, lane) >> (ITEM_BITS * (rank % RANKS_A_WORD))) & 255

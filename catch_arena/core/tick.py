@@ -25,7 +25,6 @@ from catch_arena.core.controllers import (
     drive_to_goal,
     mark_active,
     request_nearest,
-    set_goal,
 )
 from catch_arena.core.episodes import begin, begin_again
 from catch_arena.core.jit import Block, entry, passage, phase
@@ -63,9 +62,11 @@ from catch_arena.core.state import (
     Y,
     read_settings,
     seat_of,
+    span,
     targets_of,
     view_of,
 )
+from catch_arena.core.vectors import HALF, SINGLE, WIDE, Width, any_of, group, select
 from catch_arena.core.workspace import Scratch, Tables, aim_of, scratch_of, tables_of
 from catch_arena.verdicts import Verdict
 
@@ -82,6 +83,7 @@ FULL_CONTROL: Final = 2
 def take_in(
     block: Block,
     s: Settings,
+    width: Width,
     lanes: int,
     controls: NDArray[np.int64],
     choices: NDArray[np.int64],
@@ -94,33 +96,34 @@ def take_in(
         me = seat_of(block, seat)
         view = view_of(block, seat, s)
         if controls[seat] == TARGET_CONTROL:
-            choose(block, me, view, choices[:, seat], lanes, s)
-            set_goal(me, targets, lanes, scratch.rows)
-            drive_to_goal(me, scratch.rows, lanes, s)
+            choose(block, me, view, targets, choices[:, seat], lanes, s, scratch.rows)
+            drive_to_goal(me, scratch.rows, width, s)
         elif controls[seat] == VELOCITY_CONTROL:
             request_nearest(block, me, view, targets, lanes, s)
-            drive_by_command(me, commands[:, seat], lanes, s)
+            drive_by_command(me, commands[:, seat], width, lanes, s)
         else:
-            choose(block, me, view, choices[:, seat], lanes, s)
-            mark_active(me, targets, lanes)
-            drive_by_command(me, commands[:, seat], lanes, s)
+            choose(block, me, view, targets, choices[:, seat], lanes, s, scratch.rows)
+            mark_active(me, scratch.rows, width)
+            drive_by_command(me, commands[:, seat], width, lanes, s)
         if s.progress_wanted:
             aim_at_nearest(block, me, view, targets, lanes, aim_of(scratch, seat))
 
 
 @passage
-def clear_evidence(block: Block, s: Settings, lanes: int, asked: Block) -> None:
+def clear_evidence(block: Block, s: Settings, width: Width, asked: Block) -> None:
     """No verdict yet; `asked` counts the wishes of each lane."""
-    for lane in range(lanes):
-        asked[lane] = 0.0
-    for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        judged = 0.0
-        for lane in range(lanes):
-            judged = me[VERDICT + lane] if me[VERDICT + lane] > judged else judged
-            asked[lane] += 0.0 if me[WANTED + lane] == NO_TARGET else 1.0
-        if judged > 0.0:  # most steps leave nothing to be cleared
-            for lane in range(lanes):
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        wishes = 0.0
+        judged = False
+        for seat in range(s.hunters):
+            me = seat_of(block, seat)
+            wishes = wishes + select(me[WANTED + lane] == float(NO_TARGET), 0.0, 1.0)
+            judged = judged | (me[VERDICT + lane] > 0.0)
+        asked[lane] = wishes
+        if any_of(judged):  # most steps leave nothing to be cleared
+            for seat in range(s.hunters):
+                me = seat_of(block, seat)
                 me[REQUEST + lane] = 0.0
                 me[VERDICT + lane] = 0.0
                 me[DISTANCE_UM + lane] = -1.0
@@ -189,14 +192,15 @@ def commit(block: Block, s: Settings, lane: int, targets: Targets, scratch: Scra
 
 
 @passage
-def end_test(block: Block, s: Settings, lanes: int) -> None:
+def end_test(block: Block, s: Settings, width: Width) -> None:
     """R1.1, R1.5, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
-    for lane in range(lanes):
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
         time = block[TIME + lane] + s.period
         finished = (block[SPAWNED + lane] >= s.target_budget) & (block[ALIVE + lane] == 0.0)
         block[TIME + lane] = time
-        block[STEP + lane] += 1.0
-        block[ENDED + lane] = TERMINATED if finished else (TRUNCATED if time >= s.time_limit else RUNNING)
+        block[STEP + lane] = block[STEP + lane] + 1.0
+        block[ENDED + lane] = select(finished, TERMINATED, select(time >= s.time_limit, TRUNCATED, RUNNING))
 
 
 @phase
@@ -233,6 +237,7 @@ def put_back_ended(block: Block, s: Settings, lanes: int, kept: Block, rewards: 
 def play(
     block: Block,
     s: Settings,
+    width: Width,
     lanes: int,
     tables: Tables,
     choices: NDArray[np.int64],
@@ -247,27 +252,31 @@ def play(
     if had_ended:
         for i in range(len(block)):
             scratch.kept[i] = block[i]
-    take_in(block, s, lanes, tables.controls, choices, commands, scratch)
+    take_in(block, s, width, lanes, tables.controls, choices, commands, scratch)
     asked = scratch.rows[:LANES]
-    clear_evidence(block, s, lanes, asked)
+    clear_evidence(block, s, width, asked)
     for lane in range(lanes):
         if asked[lane] > 0.0:
             arbitrate(block, s, lane, targets, docket)
             commit(block, s, lane, targets, scratch)
-    move(block, s, lanes, scratch.rows)
+    move(block, s, width, lanes, scratch.rows)
     spawn_through(block, targets, lanes, s)
-    end_test(block, s, lanes)
-    reward(block, s, lanes, scratch, rewards)
+    end_test(block, s, width)
+    reward(block, s, width, lanes, scratch, rewards)
     if had_ended:
         put_back_ended(block, s, lanes, scratch.kept, rewards)
 
 
-@entry
-def run(
+@passage
+def run_blocks(
+    width: Width,
+    view_width: Width,
     memory: NDArray[np.float64],
     constants: NDArray[np.float64],
     numbers: NDArray[np.int64],
     workspace: NDArray[np.float64],
+    narrow_workspace: NDArray[np.float32],
+    keys: NDArray[np.int32],
     docket: Docket,
     resets: NDArray[np.uint64],
     playing: bool,
@@ -283,8 +292,9 @@ def run(
     """Episodes begin where that is asked for, then one step of every arena (R1.4) where there is play, and then all
     observe.
 
-    Args: `memory` (blocks, rows * LANES); `constants`, the settings and 3 H start poses, or none for the fair circle
-    (R2.6); `numbers`, see `tables_of`; scratch, `workspace`, see `scratch_of`, and `docket`; `resets` (n, 2), rows of
+    Args: `width` and `view_width`, how many lanes play and observe at a time; `memory` (blocks, rows * LANES);
+    `constants`, the settings and 3 H start poses, or none for the fair circle (R2.6); `numbers`, see `tables_of`;
+    scratch, `workspace`, `narrow_workspace` and `keys`, see `scratch_of`, and `docket`; `resets` (n, 2), rows of
     the batch and seeds; the actions `choices` (B, H) and `commands` (B, H, 2); the outputs `observations` (B, H, D),
     `masks` (B, H, K + 1), `rewards` (B, H, 1), or (B, H, 7) with R6.2's parts behind their sum, and `ends` (B,).
     Where `last_observations` (B, H, D) and `records` (B, H, RECORD_COLUMNS) have rows, an episode that ends fills
@@ -292,8 +302,9 @@ def run(
     """
     s = read_settings(constants)
     tables = tables_of(numbers, s)
-    scratch = scratch_of(workspace, s)
+    scratch = scratch_of(workspace, narrow_workspace, keys, s)
     start_poses = constants[SETTINGS:]
+    flat = observations.reshape(-1)
     for i in range(len(resets)):
         row = int(resets[i, 0])
         begin(memory[row // LANES], s, row % LANES, start_poses, resets[i, 1])
@@ -302,11 +313,11 @@ def run(
         first = index * LANES
         last = min(first + LANES, len(observations))
         lanes = last - first
-        seen, mask = observations[first:last], masks[first:last]
         if playing:
             play(
                 block,
                 s,
+                width,
                 lanes,
                 tables,
                 choices[first:last],
@@ -319,6 +330,102 @@ def run(
                 ends[first + lane] = np.int8(block[ENDED + lane])
         renewing = playing and len(records) > 0 and some_ended(block, lanes)
         for last_view in range(1 if renewing else 0, -1, -1):  # one call of `observe` is compiled once
-            observe(block, s, lanes, tables, scratch, seen, mask)
+            observe(block, s, view_width, lanes, tables, scratch, flat, first, masks[first:last])
             if last_view > 0:
-                begin_again(block, s, lanes, start_poses, seen, last_observations[first:last], records[first:last])
+                begin_again(
+                    block,
+                    s,
+                    lanes,
+                    start_poses,
+                    observations[first:last],
+                    last_observations[first:last],
+                    records[first:last],
+                )
+
+
+@entry
+def run(
+    memory: NDArray[np.float64],
+    constants: NDArray[np.float64],
+    numbers: NDArray[np.int64],
+    workspace: NDArray[np.float64],
+    narrow_workspace: NDArray[np.float32],
+    keys: NDArray[np.int32],
+    docket: Docket,
+    resets: NDArray[np.uint64],
+    playing: bool,
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+    observations: Observations,
+    masks: Masks,
+    rewards: Rewards,
+    ends: NDArray[np.int8],
+    last_observations: Observations,
+    records: NDArray[np.float64],
+) -> None:
+    """A batch: see `run_blocks`."""
+    run_blocks(
+        HALF,
+        WIDE,
+        memory,
+        constants,
+        numbers,
+        workspace,
+        narrow_workspace,
+        keys,
+        docket,
+        resets,
+        playing,
+        choices,
+        commands,
+        observations,
+        masks,
+        rewards,
+        ends,
+        last_observations,
+        records,
+    )
+
+
+@entry
+def run_one(
+    memory: NDArray[np.float64],
+    constants: NDArray[np.float64],
+    numbers: NDArray[np.int64],
+    workspace: NDArray[np.float64],
+    narrow_workspace: NDArray[np.float32],
+    keys: NDArray[np.int32],
+    docket: Docket,
+    resets: NDArray[np.uint64],
+    playing: bool,
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+    observations: Observations,
+    masks: Masks,
+    rewards: Rewards,
+    ends: NDArray[np.int8],
+    last_observations: Observations,
+    records: NDArray[np.float64],
+) -> None:
+    """One arena: see `run_blocks`."""
+    run_blocks(
+        SINGLE,
+        SINGLE,
+        memory,
+        constants,
+        numbers,
+        workspace,
+        narrow_workspace,
+        keys,
+        docket,
+        resets,
+        playing,
+        choices,
+        commands,
+        observations,
+        masks,
+        rewards,
+        ends,
+        last_observations,
+        records,
+    )

@@ -6,11 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, passage, rule
-from catch_arena.core.state import LANES, RANKS_A_WORD, Settings
+from catch_arena.core.state import ABSENT, LANES, RANKS_A_WORD, Settings
+from catch_arena.core.vectors import WIDE
 
 _MOST: Final = 64
 """Of hunters and of targets, in one arena."""
 _ROWS: Final = 8
+PICTURE: Final = 8
+"""How many numbers there are at most, and room for, of one thing that is seen."""
+_PICTURES: Final = (ABSENT + 1) * PICTURE * len(WIDE)
+"""Of all slots or seats, and of what is absent: zeros."""
 _ORDER_ROWS: Final = _MOST // RANKS_A_WORD
 _AIM_ROWS: Final = 3
 
@@ -26,12 +31,18 @@ class Tables(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Rows of LANES for one block."""
+    """For one block; `rows`, `orders` and `aims` are rows of LANES."""
 
-    keys: Block
-    """Sorting keys, by slot or seat."""
-    ages: Block
-    """Of the targets, by slot [s]."""
+    keys: NDArray[np.int32]
+    """Sorting keys, by slot or seat: rows of LANES."""
+    ages: NDArray[np.float32]
+    """Of the targets, by slot [s]: rows of LANES."""
+    targets: NDArray[np.float32]
+    """What one seat sees of each target in one group of lanes: see `PICTURE`."""
+    rivals: NDArray[np.float32]
+    """And of each rival."""
+    views: NDArray[np.float32]
+    """The observations of one group of lanes, as they lie in memory."""
     rows: Block
     """A few rows for whatever a phase counts."""
     orders: Block
@@ -57,18 +68,33 @@ def tables_of(numbers: NDArray[np.int64], s: Settings) -> Tables:
 @rule
 def workspace_rows(hunters: int) -> int:
     """How many rows a workspace has before those of `Scratch.kept`."""
-    return 2 * _MOST + _ROWS + (_ORDER_ROWS + _AIM_ROWS) * hunters
+    return _ROWS + (_ORDER_ROWS + _AIM_ROWS) * hunters
+
+
+KEYS: Final = _MOST * LANES
+"""How many there are."""
+
+
+def narrow_size(hunters: int, columns: int) -> int:
+    """How many numbers of float32 a workspace has: ages, two sets of pictures, and a group's observations, with room
+    for what is written too much.
+    """
+    return KEYS + 2 * _PICTURES + len(WIDE) * hunters * columns + PICTURE
 
 
 @passage
-def scratch_of(workspace: Block, s: Settings) -> Scratch:
+def scratch_of(workspace: Block, narrow: NDArray[np.float32], keys: NDArray[np.int32], s: Settings) -> Scratch:
     """The parts of a workspace."""
+    aims = _ROWS + _ORDER_ROWS * s.hunters
     return Scratch(
-        workspace[: _MOST * LANES],
-        workspace[_MOST * LANES : 2 * _MOST * LANES],
-        workspace[2 * _MOST * LANES : (2 * _MOST + _ROWS) * LANES],
-        workspace[(2 * _MOST + _ROWS) * LANES : (2 * _MOST + _ROWS + _ORDER_ROWS * s.hunters) * LANES],
-        workspace[(2 * _MOST + _ROWS + _ORDER_ROWS * s.hunters) * LANES : workspace_rows(s.hunters) * LANES],
+        keys,
+        narrow[:KEYS],
+        narrow[KEYS : KEYS + _PICTURES],
+        narrow[KEYS + _PICTURES : KEYS + 2 * _PICTURES],
+        narrow[KEYS + 2 * _PICTURES :],
+        workspace[: _ROWS * LANES],
+        workspace[_ROWS * LANES : aims * LANES],
+        workspace[aims * LANES : workspace_rows(s.hunters) * LANES],
         workspace[workspace_rows(s.hunters) * LANES :],
     )
 

@@ -1,7 +1,7 @@
 """The doors for learning: PettingZoo's parallel and AEC environments over the engine.
 
 Importing this package registers every scenario with PettingZoo: `pettingzoo.make("parallel",
-"catch_arena/standard_v0")`.
+"catch_arena/standard_v1")`.
 """
 
 from pettingzoo.env_registry.registration import register
@@ -11,8 +11,8 @@ from catch_arena.scenarios import SCENARIOS
 for _name in SCENARIOS:
     register(
         "parallel",
-        f"catch_arena/{_name}_v0",
+        f"catch_arena/{_name}_v1",
         "catch_arena.envs.parallel:parallel_env",
         kwargs={"scenario": _name},
     )
-    register("aec", f"catch_arena/{_name}_v0", "catch_arena.envs.aec:env", kwargs={"scenario": _name})
+    register("aec", f"catch_arena/{_name}_v1", "catch_arena.envs.aec:env", kwargs={"scenario": _name})

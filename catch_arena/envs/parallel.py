@@ -68,7 +68,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
     """
 
-    metadata: dict[str, Any] = {"name": "catch_arena_v0", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
+    metadata: dict[str, Any] = {"name": "catch_arena_v1", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
 
     def __init__(self, config: ArenaConfig, render_mode: str | None = None) -> None:
         if render_mode is not None and render_mode not in RENDER_MODES:

@@ -6,6 +6,7 @@ from itertools import islice
 from typing import Any
 
 from catch_arena.core.arbiter import distance_um
+from catch_arena.core.ranking import key_of
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.evidence import Contest, contests_of, json_ready
 from catch_arena.explanation.seats import labels, seat_of
@@ -110,12 +111,12 @@ def _asked(replay: Replay, before: World, step: int, seat: int, ruling: Ruling |
 
 
 def _seen(replay: Replay, world: World, seat: int) -> Sequence[str]:
-    """R7.1: the targets in a seat's view by rank: nearest first, by micrometres and then by spawn number."""
+    """R7.1: the targets in a seat's view by rank: nearest first, and then by spawn number."""
     me = world.hunters[seat]
     ranked = sorted(
-        (int(distance_um(target.x - me.x, target.y - me.y)), target.number, target.name) for target in world.targets
+        (key_of(target.x - me.x, target.y - me.y, slot), target.name) for slot, target in enumerate(world.targets)
     )
-    return [name for _, _, name in ranked[: replay.config.targets_seen]]
+    return [name for _, name in ranked[: replay.config.targets_seen]]
 
 
 def _distances(world: World, place: tuple[float, float]) -> list[int]:

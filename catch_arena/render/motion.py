@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, Protocol
 
-from catch_arena.core.physics import next_pose
+from catch_arena.core.math import sincos
+from catch_arena.core.physics import DT, next_pose, turned
 from catch_arena.render.view import Pose
 from catch_arena.world import HunterState, World
 
@@ -73,13 +74,15 @@ def leg(before: World, after: World) -> Leg:
 
 
 def _way(start: HunterState, end: HunterState, ticks: int, side_m: float) -> list[Pose]:
-    pose = (start.x, start.y, start.theta)
-    way = [pose]
-    for _ in range(ticks):
-        x, y, theta, _ = next_pose(*pose, end.linear_velocity, end.angular_velocity, side_m)
-        pose = (x, y, theta)
-        way.append(pose)
-    if math.hypot(pose[0] - end.x, pose[1] - end.y) > _AGREES_M:
+    x, y = start.x, start.y
+    way = [(x, y, start.theta)]
+    stride, turn = end.linear_velocity * DT, end.angular_velocity * DT
+    sine, cosine = sincos(start.theta)
+    turn_sine, turn_cosine = sincos(turn)
+    for tick in range(1, ticks + 1):
+        x, y, sine, cosine, _ = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side_m)
+        way.append((x, y, turned(start.theta, turn, tick)))
+    if math.hypot(x - end.x, y - end.y) > _AGREES_M:
         # in steps of more than a second the watchdog has taken the velocity away: a straight way is all that is known
         goal = (end.x, end.y, end.theta)
         way = [between(way[0], goal, tick / max(1, ticks)) for tick in range(ticks + 1)]

@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 import catch_arena
 from catch_arena.core import observations, tick
 from catch_arena.core.jit import Block, phase
-from catch_arena.core.state import LANES, Settings, Targets
+from catch_arena.core.ranking import Keys
+from catch_arena.core.state import LANES, Settings, Targets, span
+from catch_arena.core.vectors import Width
 
 WHOLE = "the whole step"
 _LARGE = 16384
@@ -30,21 +32,21 @@ def _nothing(*_: object) -> None:
 
 @phase
 def _targets_as_they_lie(
-    _arena: Block, _me: Block, _targets: Targets, lanes: int, slots: int, _network: NDArray[np.int64], keys: Block
+    _arena: Block, _me: Block, _targets: Targets, width: Width, slots: int, _network: NDArray[np.int64], keys: Keys
 ) -> None:
     """In the place of `rank_targets`: in the order of their slots."""
     for slot in range(slots):
-        for lane in range(lanes):
+        for lane in range(span(width)):
             keys[slot * LANES + lane] = slot
 
 
 @phase
 def _rivals_as_they_sit(
-    _block: Block, _seat: int, lanes: int, _network: NDArray[np.int64], s: Settings, keys: Block
+    _block: Block, _seat: int, width: Width, _network: NDArray[np.int64], s: Settings, keys: Keys
 ) -> None:
     """In the place of `rank_rivals`: in the order of their seats."""
     for other in range(s.hunters):
-        for lane in range(lanes):
+        for lane in range(span(width)):
             keys[other * LANES + lane] = other
 
 
@@ -55,14 +57,14 @@ _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
     "spawning": (tick, {"spawn_through": _nothing}),
     "rewards": (tick, {"reward": _nothing}),
     "targets in order": (observations, {"rank_targets": _targets_as_they_lie}),
-    "rivals in order": (observations, {"rank_rivals": _rivals_as_they_sit, "mend_ties": _nothing}),
+    "rivals in order": (observations, {"rank_rivals": _rivals_as_they_sit, "resolve_ties": _nothing}),
     "observations and masks written": (observations, {"write": _nothing}),
 }
 """What stands in each phase's place."""
 _CALLER = "run"
 """What the engine calls."""
-_OBSERVING = "observe"
-"""What it has written out in itself, and the phases of `observations` in that."""
+_WRITTEN_OUT = ("observe", "run_blocks")
+"""What it has written out in itself, with the phases of `observations` in the first."""
 
 
 def _compiled_without(title: str) -> Any:
@@ -70,7 +72,7 @@ def _compiled_without(title: str) -> Any:
     module, stand_ins = _PHASES[title]
     for name, stand_in in stand_ins.items():
         setattr(module, name, stand_in)
-    for name in (_OBSERVING, _CALLER):
+    for name in (*_WRITTEN_OUT, _CALLER):
         function = getattr(tick, name)
         setattr(tick, name, numba.jit(**function.targetoptions)(function.py_func))
     return getattr(tick, _CALLER)
@@ -103,7 +105,7 @@ def phases(*, quick: bool) -> list[dict[str, Any]]:
     traffic of the same size.
     """
     titles = list(_PHASES)[:1] if quick else list(_PHASES)
-    changed = [(tick, _OBSERVING), (tick, _CALLER)]
+    changed = [(tick, name) for name in (*_WRITTEN_OUT, _CALLER)]
     changed += [(module, name) for module, stand_ins in _PHASES.values() for name in stand_ins]
     originals = [(module, name, getattr(module, name)) for module, name in changed]
     variants = {"": getattr(tick, _CALLER)}

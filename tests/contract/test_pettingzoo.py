@@ -168,7 +168,7 @@ def test_resets_without_a_seed_follow_from_the_first_seed():
 def test_pettingzoo_makes_every_scenario(api):
     """The registry serves third parties."""
     for name in catch_arena.SCENARIOS:
-        env = pettingzoo.make(api, f"catch_arena/{name}_v0", max_cycles=3)
+        env = pettingzoo.make(api, f"catch_arena/{name}_v1", max_cycles=3)
         env.reset(seed=1)
         assert env.unwrapped.config == catch_arena.scenario(name, max_cycles=3)
 

@@ -13,6 +13,8 @@ from pathlib import Path
 
 PATIENCE_S = 60.0
 """What takes longer hangs."""
+PROGRESS = re.compile(r"^playing: .+\n", re.MULTILINE)
+"""What a command says every ten seconds: more on a slow machine."""
 LINE = re.compile(
     r"catch-arena: interrupted(: (?P<kept>\d+) of \d+ matches are kept in o; the same command with --resume goes on)?\n"
 )
@@ -66,7 +68,9 @@ class Command:
         try:
             self.process.wait(PATIENCE_S)
             left = self._left()
-            return Ended(self.process.returncode, self.process.stdout.read(), self.process.stderr.read(), left)
+            return Ended(
+                self.process.returncode, self.process.stdout.read(), PROGRESS.sub("", self.process.stderr.read()), left
+            )
         finally:
             if self.process.poll() is None:
                 os.killpg(self.process.pid, signal.SIGKILL)

@@ -70,6 +70,14 @@ def reach_in_micrometres(reach_m: float) -> int:
     return max(1, math.floor(1000000.0 * reach_m + 0.5))
 
 
+def nearness(x: float, y: float, x_other: float, y_other: float) -> int:
+    """A.7, geometry: near, by which what is seen is ordered."""
+    dx = x_other - x
+    dy = y_other - y
+    (bits,) = struct.unpack("<I", struct.pack("<f", dx * dx + dy * dy))
+    return (int(bits) + 32) // 64
+
+
 class Hunter:
     """One hunter: its pose, its commands, its controller's memory and its score."""
 
@@ -447,25 +455,30 @@ class OracleArena:
 
     def _move(self) -> None:
         """Phase 5, motion: chapter 2 for the ticks in (t, t + period]."""
+        ticks = range(self.time // 16 + 1, (self.time + self.period) // 16 + 1)
+        fresh = [tick for tick in ticks if 16 * tick - self.time <= 1000]
         for hunter in self.hunters:
             hunter.at_wall = False
-        for tick in range(self.time // 16 + 1, (self.time + self.period) // 16 + 1):
-            for hunter in self.hunters:
-                if hunter.withdrawn:
-                    continue
-                if 16 * tick - self.time > 1000:
-                    hunter.v = hunter.w = 0.0
-                self._tick(hunter)
+            if hunter.withdrawn:
+                continue
+            self._drive(hunter, len(fresh))
+            if len(fresh) < len(ticks):
+                hunter.v = hunter.w = 0.0
 
-    def _tick(self, hunter: Hunter) -> None:
-        hunter.theta = wrap(hunter.theta + hunter.w * DT)
+    def _drive(self, hunter: Hunter, ticks: int) -> None:
+        stride = hunter.v * DT
+        turn = hunter.w * DT
         sine, cosine = sincos(hunter.theta)
-        x = hunter.x + cosine * hunter.v * DT
-        y = hunter.y + sine * hunter.v * DT
-        hunter.x = clamp(x, 0.0, self.side)
-        hunter.y = clamp(y, 0.0, self.side)
-        if hunter.x != x or hunter.y != y:
-            hunter.at_wall = True
+        turn_sine, turn_cosine = sincos(turn)
+        for _ in range(ticks):
+            sine, cosine = sine * turn_cosine + cosine * turn_sine, cosine * turn_cosine - sine * turn_sine
+            x = hunter.x + cosine * stride
+            y = hunter.y + sine * stride
+            hunter.x = clamp(x, 0.0, self.side)
+            hunter.y = clamp(y, 0.0, self.side)
+            if hunter.x != x or hunter.y != y:
+                hunter.at_wall = True
+        hunter.theta = wrap(hunter.theta + turn * ticks)
 
     def _spawn(self) -> None:
         """Phase 5, spawning: the timer's firings in (t, t + period]."""
@@ -523,11 +536,11 @@ class OracleArena:
     # ---- what is seen ----
 
     def _ranked_targets(self, hunter: Hunter) -> list[Target]:
-        """R7.1's order: micrometres, then spawn number."""
+        """R7.1's order: near, then spawn number."""
         return sorted(
             self.alive,
             key=lambda target: (
-                micrometres(distance(hunter.x, hunter.y, target.x, target.y)),
+                nearness(hunter.x, hunter.y, target.x, target.y),
                 target.number,
             ),
         )
@@ -579,19 +592,19 @@ class OracleArena:
         return numbers
 
     def _rivals(self, hunter: Hunter) -> list[tuple[float, ...]]:
-        """For each rival a tuple that sorts as R7.1 says: micrometres, then its numbers negated, left first."""
+        """For each rival a tuple that sorts as R7.1 says: near, then its numbers negated, left first."""
         sine, cosine = sincos(hunter.theta)
         rows = []
         for rival in self.hunters:
             if rival is hunter or rival.withdrawn:
                 continue
             forward, left = in_own_frame(hunter, rival.x, rival.y)
-            um = micrometres(distance(hunter.x, hunter.y, rival.x, rival.y))
+            near = nearness(hunter.x, hunter.y, rival.x, rival.y)
             its_sine, its_cosine = sincos(rival.theta)
             relative_cosine = its_cosine * cosine + its_sine * sine
             relative_sine = its_sine * cosine - its_cosine * sine
             difference = float(rival.score - hunter.score)
-            rows.append((um, -left, -forward, -relative_cosine, -relative_sine, -rival.v, -difference))
+            rows.append((near, -left, -forward, -relative_cosine, -relative_sine, -rival.v, -difference))
         return rows
 
     # ---- digest ----

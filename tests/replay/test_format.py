@@ -233,7 +233,7 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"ruleset": "catch_arena_v9\n"}, r"recorded under ruleset 'catch_arena_v9\n', and this is 'catch_arena_v0'"),
+        ({"ruleset": "catch_arena_v9\n"}, r"recorded under ruleset 'catch_arena_v9\n', and this is 'catch_arena_v1'"),
         ({"ruleset": ...}, "was recorded under ruleset None"),
         ({"title": ...}, "title too many or missing"),
         ({"extra\x1b": 1}, r"extra\x1b too many or missing"),

@@ -121,6 +121,6 @@ def test_a_disk_without_room_for_it_is_told_and_the_rules_run(tmp_path):
         env={**os.environ, "PYTHONPATH": str(ROOT), **settings},
     )
     assert finished.stdout.startswith("nothing noticed /")
-    (line,) = finished.stderr.splitlines()
+    *_, line = finished.stderr.splitlines()  # a slow machine is told before that it takes a while
     assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}/cache/core-")
     assert ": File too large; every start compiles them anew" in line

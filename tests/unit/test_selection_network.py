@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from catch_arena.core.observations import selection_network
+from catch_arena.core.ranking import selection_network
 
 
 def run(network, keys):

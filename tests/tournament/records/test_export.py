@@ -55,7 +55,7 @@ def test_a_line_of_json_says_all_that_is_known_of_a_match(store, tmp_path):
             "steps": 200,
             "digest": result.digest,
             "replay_digest": None,
-            "ruleset": "catch_arena_v0",
+            "ruleset": "catch_arena_v1",
             "config_digest": CONFIG.digest,
             "versions": versions(),
             "thinking": [

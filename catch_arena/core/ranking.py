@@ -1,0 +1,274 @@
+"""Rulebook R7.1: who sees whom in which order. Nearest first; then targets by spawn number, and rivals by how they are
+seen.
+"""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.state import (
+    ABSENT,
+    ALIVE,
+    COSINE,
+    ITEM_BITS,
+    LANES,
+    RANKS_A_WORD,
+    SCORE,
+    SINE,
+    SPEED,
+    WITHDRAWN,
+    Settings,
+    Targets,
+    X,
+    Y,
+    seat_of,
+    span,
+)
+from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
+from catch_arena.layout import RivalSeen
+
+Keys = NDArray[np.int32]
+
+_SLOTS: Final = 63
+FAR: Final = 0x7F800000
+"""The key of what is not there: above any other, since it is that of an infinite distance."""
+
+
+@rule
+def key_of(dx: float, dy: float, item: int) -> int:
+    """R7.1: an int32 that sorts by distance and then by slot or seat: the squared distance as float32, whose bits sort
+    as it does, rounded to where the last six of them have room for `item`.
+    """
+    return ((single_bits(dx * dx + dy * dy) + 32) & ~_SLOTS) | item
+
+
+@rule
+def item_of(key: int) -> int:
+    """The slot or seat in a key."""
+    return select(key < FAR, key & _SLOTS, ABSENT)
+
+
+@rule
+def equally_far(nearer: int, farther: int) -> bool:
+    """Whether two keys, the second of which is not smaller, have the same distance."""
+    return (nearer < FAR) & ((nearer & ~_SLOTS) == (farther & ~_SLOTS))
+
+
+def selection_network(wires: int, outputs: int) -> NDArray[np.int64]:
+    """The comparators, as an array (n, 2) of wires, that bring the smallest `outputs` of `wires` keys to the front,
+    in order.
+
+    Runs of keys are sorted, and then merged two by two, of which the smaller half goes on: the last part of Batcher's
+    bitonic sort (Knuth, The Art of Computer Programming 3, section 5.3.4). Comparators that no output depends on are
+    left out.
+    """
+    run = 1 << (outputs - 1).bit_length()
+    comparators: list[tuple[int, int]] = []
+    for first in range(0, wires, run):
+        comparators += [(first + low, first + high) for low, high in _sorting_network(min(run, wires - first))]
+    distance = run
+    while distance < wires:
+        for first in range(0, wires - distance, 2 * distance):
+            second = first + distance
+            comparators += [(first + run - 1 - i, second + i) for i in range(min(run, wires - second))]
+            for apart in (run >> shift for shift in range(1, run.bit_length())):
+                comparators += [(first + i, first + i + apart) for i in range(run) if not i & apart]
+        distance *= 2
+    needed = set(range(outputs))
+    kept: list[tuple[int, int]] = []
+    for low, high in reversed(comparators):
+        if low in needed or high in needed:
+            needed |= {low, high}
+            kept.append((low, high))
+    return np.array(kept[::-1], dtype=np.int64).reshape(-1, 2)
+
+
+def _sorting_network(wires: int) -> list[tuple[int, int]]:
+    """Batcher's odd-even merge sort for any number of wires (the same volume, algorithm 5.2.2M)."""
+    comparators: list[tuple[int, int]] = []
+    top = 1 << max(0, (wires - 1).bit_length() - 1)
+    p = top
+    while p > 0:
+        q, r, d = top, 0, p
+        while True:
+            comparators += [(i, i + d) for i in range(wires - d) if i & p == r]
+            if q == p:
+                break
+            d, q, r = q - p, q >> 1, p
+        p >>= 1
+    return comparators
+
+
+@rule
+def seen_rival(
+    dx: float,
+    dy: float,
+    sine: float,
+    cosine: float,
+    rival_sine: float,
+    rival_cosine: float,
+    velocity: float,
+    difference: float,
+) -> RivalSeen:
+    """R7.1: a rival as its observer sees it."""
+    return RivalSeen(
+        forward=cosine * dx + sine * dy,
+        left=cosine * dy - sine * dx,
+        present=1.0,
+        heading_cos=rival_cosine * cosine + rival_sine * sine,
+        heading_sin=rival_sine * cosine - rival_cosine * sine,
+        linear_velocity=velocity,
+        score_difference=difference,
+    )
+
+
+@rule
+def rival_at(block: Block, seat: int, other: int, lane: int) -> RivalSeen:
+    """R7.1: what one seat sees of another hunter."""
+    me, rival = seat_of(block, seat), seat_of(block, other)
+    return seen_rival(
+        rival[X + lane] - me[X + lane],
+        rival[Y + lane] - me[Y + lane],
+        me[SINE + lane],
+        me[COSINE + lane],
+        rival[SINE + lane],
+        rival[COSINE + lane],
+        rival[SPEED + lane],
+        rival[SCORE + lane] - me[SCORE + lane],
+    )
+
+
+@phase
+def order(keys: Keys, network: NDArray[np.int64], width: Width, wires: int) -> None:
+    """Sort the keys of every lane, as far as the network goes; from wire `wires` on there are none."""
+    for comparator in range(len(network)):
+        if network[comparator, 1] >= wires:
+            continue
+        near = network[comparator, 0] * LANES
+        far = network[comparator, 1] * LANES
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            a = keys[near + lane]
+            b = keys[far + lane]
+            keys[near + lane] = select(a < b, a, b)
+            keys[far + lane] = select(a < b, b, a)
+
+
+@phase
+def note_order(keys: Keys, there: int, ranks: int, width: Width, words: Block) -> None:
+    """The slots or seats of the first keys, as `state.item_at` reads them; from `there` on there are none."""
+    for rank in range(0, ranks, RANKS_A_WORD):
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            word = long(keys[lane] & 0)
+            for place in range(RANKS_A_WORD):
+                if rank + place < min(there, ranks):
+                    item = long(item_of(keys[(rank + place) * LANES + lane]))
+                    word = word | (item << (ITEM_BITS * place))
+                else:
+                    word = word | (ABSENT << (ITEM_BITS * place))
+            words[rank // RANKS_A_WORD * LANES + lane] = number_of(word)
+
+
+@phase
+def rank_targets(
+    arena: Block,
+    me: Block,
+    targets: Targets,
+    width: Width,
+    slots: int,
+    network: NDArray[np.int64],
+    keys: Keys,
+) -> None:
+    """R7.1: the alive targets by distance, then by spawn number; slots are in spawning order."""
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        x, y = me[X + lane], me[Y + lane]
+        alive = truncate(arena[ALIVE + lane])
+        for slot in range(slots):
+            at = slot * LANES + lane
+            keys[at] = select(alive > slot, key_of(targets.x[at] - x, targets.y[at] - y, slot), FAR)
+    order(keys, network, width, slots)
+
+
+@phase
+def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64], s: Settings, keys: Keys) -> None:
+    """R7.1, R1.6: the other hunters by distance; `resolve_ties` puts right those who are equally far."""
+    me = seat_of(block, seat)
+    for other in range(s.hunters):
+        rival = seat_of(block, other)
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            key = key_of(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane], other)
+            unseen = (rival[WITHDRAWN + lane] > 0.0) | (other == seat)
+            keys[other * LANES + lane] = select(unseen, FAR, key)
+    order(keys, network, width, s.hunters)
+
+
+@rule
+def precedes(a: RivalSeen, b: RivalSeen) -> bool:
+    """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; never by
+    seat.
+    """
+    if a.left != b.left:
+        return a.left > b.left
+    if a.forward != b.forward:
+        return a.forward > b.forward
+    if a.heading_cos != b.heading_cos:
+        return a.heading_cos > b.heading_cos
+    if a.heading_sin != b.heading_sin:
+        return a.heading_sin > b.heading_sin
+    if a.linear_velocity != b.linear_velocity:
+        return a.linear_velocity > b.linear_velocity
+    return a.score_difference > b.score_difference
+
+
+@phase
+def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
+    """R7.1: who is as far as the first rival beyond the view comes right after it. Returns: how many keys there are so
+    far; the others are farther, in any order.
+    """
+    count = ranks + 1
+    edge = keys[ranks * LANES + lane]
+    for at in range(count, wires):
+        key = keys[at * LANES + lane]
+        if equally_far(edge, key):
+            keys[at * LANES + lane] = keys[count * LANES + lane]
+            keys[count * LANES + lane] = key
+            count += 1
+    return count
+
+
+@phase
+def sort_ties(block: Block, seat: int, lane: int, count: int, keys: Keys) -> None:
+    """R7.1: those of one lane's sorted rivals who are equally far are put in order among themselves, by insertion."""
+    for last in range(1, count):
+        key = keys[last * LANES + lane]
+        if not equally_far(keys[(last - 1) * LANES + lane], key):
+            continue
+        seen = rival_at(block, seat, item_of(key), lane)
+        at = last
+        while at > 0:
+            before = keys[(at - 1) * LANES + lane]
+            if not equally_far(before, key) or not precedes(seen, rival_at(block, seat, item_of(before), lane)):
+                break
+            keys[at * LANES + lane] = before
+            at -= 1
+        keys[at * LANES + lane] = key
+
+
+@phase
+def resolve_ties(block: Block, seat: int, width: Width, lanes: int, s: Settings, keys: Keys) -> None:
+    """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far."""
+    ranks = min(s.hunters_seen, s.hunters - 2)
+    tied = False
+    for rank in range(ranks):
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            tied = tied or any_of(equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane]))
+    if not tied:
+        return
+    for lane in range(lanes):
+        sort_ties(block, seat, lane, gather_ties(lane, ranks, s.hunters, keys), keys)

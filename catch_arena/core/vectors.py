@@ -1,0 +1,496 @@
+"""Several arenas at once: `row[X + lane]`, where `lane` is a group of lanes, is one vector of numbers.
+
+Rules and phases are written for one lane. `group` says what `lane` stands for: with a width of one it is a plain
+index, and everything is a plain number; with more it is that index and the next ones, and what is read there is a
+vector, on which `+ - * /`, comparisons, `&`, `|` and the functions below work number by number, with the same bits.
+Compiled, a vector is what the processor's own are, and stays in registers. Interpreted, it is a NumPy array. There is
+no `+=`, which would change an array wherever else it is known.
+
+The functions below are what a rule needs besides operators: `select` in place of `a if condition else b`, `floor`,
+`sqrt`, and a few for bits. Each is written twice, for Python and, over Numba's extension interface, for the compiler.
+"""
+
+import operator
+from collections.abc import Callable
+from typing import Any, Final, TypeVar, cast
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typeconv.castgraph import Conversion
+from numba.extending import lower_builtin, lower_cast, models, register_model, type_callable
+from numpy.typing import NDArray
+
+Width = tuple[int, ...]
+"""How many lanes a group has: as many as there are places. A tuple, since the compiler knows its length."""
+SINGLE: Final[Width] = (0,)
+HALF: Final[Width] = (0,) * 4
+WIDE: Final[Width] = (0,) * 8
+"""Of float32 a register of AVX2 holds eight, of float64 four."""
+
+T = TypeVar("T")
+
+
+# ---- for Python ----
+
+
+def group(first: int, width: Width) -> int:
+    """The lanes from `first` on, as many as the width says."""
+    return first if len(width) == 1 else cast("int", np.arange(first, first + len(width)))
+
+
+def select(condition: bool, a: T, b: T) -> T:
+    """`a if condition else b`."""
+    if isinstance(condition, np.ndarray):
+        return cast("T", np.where(condition, a, b))
+    return a if condition else b
+
+
+def any_of(condition: bool) -> bool:
+    """Whether it holds in any lane of a group."""
+    return bool(np.any(condition))
+
+
+def floor(value: float) -> float:
+    """As a float: Python's own makes an int."""
+    return cast("float", np.floor(value))
+
+
+def sqrt(value: float) -> float:
+    """The square root, rounded to nearest."""
+    return cast("float", np.sqrt(value))
+
+
+def single(value: float) -> float:
+    """Rounded to float32."""
+    return cast("float", np.float32(value))
+
+
+def single_bits(value: float) -> int:
+    """The bits of a number rounded to float32, as an int32: where none is negative, they sort as the numbers do."""
+    return cast("int", np.float32(value).view(np.int32))
+
+
+def truncate(value: float) -> int:
+    """A number from 0 to 2^31 - 1 without its fraction, as an int32."""
+    return cast("int", np.asarray(value).astype(np.int32)[()])
+
+
+def long(value: int) -> int:
+    """An int32 as an int64."""
+    return cast("int", np.asarray(value).astype(np.int64)[()])
+
+
+def bits_of(value: float) -> int:
+    """The bits of a float64, as an int64."""
+    return cast("int", np.asarray(value).view(np.int64)[()])
+
+
+def number_of(bits: int) -> float:
+    """The float64 of these bits, an int64."""
+    return cast("float", np.asarray(bits).view(np.float64)[()])
+
+
+def put_rows(out: NDArray[np.float32], at: int, stride: int, columns: tuple[float, ...]) -> None:
+    """Columns become rows: the first lane's numbers, rounded to float32, stand side by side from out[at] on, the next
+    lane's from out[at + stride] on. With more lanes than one it writes whole fours: up to three numbers too many.
+    """
+    lanes = max(np.size(column) for column in columns)
+    for place, column in enumerate(columns):
+        for lane, number in enumerate(np.broadcast_to(column, lanes)):
+            out[at + lane * stride + place] = number
+
+
+def copy_four(out: NDArray[np.float32], at: int, source: NDArray[np.float32], place: int) -> None:
+    """Four numbers, in one load and one store."""
+    out[at : at + 4] = source[place : place + 4]
+
+
+def copy_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], place: int) -> None:
+    """Eight numbers, in one load and one store."""
+    out[at : at + 8] = source[place : place + 8]
+
+
+def stream_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], place: int) -> None:
+    """Eight numbers, past the caches where `at` lies on 32 bytes."""
+    out[at : at + 8] = source[place : place + 8]
+
+
+# ---- for the compiler ----
+
+
+class Vector(types.Type):
+    """`count` numbers of one type."""
+
+    def __init__(self, dtype: Any, count: int) -> None:
+        self.dtype, self.count = dtype, count
+        super().__init__(f"Vector({dtype} x {count})")
+
+    def can_convert_from(self, _context: Any, other: Any) -> Any:
+        """A number becomes a vector that has it in every lane."""
+        return Conversion.safe if isinstance(other, types.Number | types.Boolean) else None
+
+
+class Lanes(types.Type):
+    """The first of `count` lanes."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        super().__init__(f"Lanes({count})")
+
+
+_INT32: Final = ir.IntType(32)
+_LOW_LEVEL: Final = {
+    types.float64: ir.DoubleType(),
+    types.float32: ir.FloatType(),
+    types.int64: ir.IntType(64),
+    types.int32: _INT32,
+    types.boolean: ir.IntType(1),
+}
+
+
+def _low_level(of: Any) -> Any:
+    """LLVM's type, in registers."""
+    return ir.VectorType(_LOW_LEVEL[of.dtype], of.count) if isinstance(of, Vector) else _LOW_LEVEL[of]
+
+
+def _like(of: Any, dtype: Any) -> Any:
+    """As many numbers of another type."""
+    return Vector(dtype, of.count) if isinstance(of, Vector) else dtype
+
+
+def _number(of: Any) -> Any:
+    """The type of each number."""
+    return of.dtype if isinstance(of, Vector) else of
+
+
+@register_model(Vector)
+class _VectorModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, of: Vector) -> None:
+        super().__init__(manager, of, _low_level(of))
+
+
+@register_model(Lanes)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, of: Lanes) -> None:
+        super().__init__(manager, of, ir.IntType(64))
+
+
+@lower_cast(types.Number, Vector)
+@lower_cast(types.Boolean, Vector)
+def _spread(context: Any, builder: Any, number: Any, vector: Vector, value: Any) -> Any:
+    """The same number in every lane."""
+    value = context.cast(builder, value, types.unliteral(number), vector.dtype)
+    empty = ir.Constant(_low_level(vector), ir.Undefined)
+    first = builder.insert_element(empty, value, _INT32(0))
+    return _shuffle(builder, first, empty, [0] * vector.count)
+
+
+def _shuffle(builder: Any, a: Any, b: Any, places: list[int]) -> Any:
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT32, len(places)), places))
+
+
+Typer = Callable[..., Any]
+Emitter = Callable[..., Any]
+
+
+def _compiled_as(function: Callable[..., Any], typer: Typer, arity: int, *formal: Any) -> Callable[[Emitter], Emitter]:
+    """What a function is for the compiler: `typer` gives its signature, or None where it is not for these types; what
+    is decorated emits its code.
+    """
+    type_callable(function)(lambda _context: typer)
+    return cast("Callable[[Emitter], Emitter]", lower_builtin(function, *(formal or (types.Any,) * arity)))
+
+
+def _common(a: Any, b: Any) -> Any:
+    """The vector that both become, where one of two is a vector and the other can be; else None."""
+    first, second = isinstance(a, Vector), isinstance(b, Vector)
+    if first and second:
+        return a if a == b else None
+    if first or second:
+        vector, other = (a, b) if first else (b, a)
+        return vector if isinstance(other, types.Number | types.Boolean) else None
+    return None
+
+
+def _operate(symbol: Callable[..., Any], emit: Emitter, *, compares: bool = False) -> None:
+    """Let an operator work on vectors. `emit` has a builder, the numbers' type and both sides."""
+
+    def typer(a: Any, b: Any) -> Any:
+        both = _common(a, b)
+        return None if both is None else (_like(both, types.boolean) if compares else both)(both, both)
+
+    @_compiled_as(symbol, typer, 2, Vector, Vector)
+    def _(_context: Any, builder: Any, signature: Any, both: Any) -> Any:
+        return emit(builder, signature.args[0].dtype, *both)
+
+
+def _arithmetic(floats: str, integers: str) -> Emitter:
+    return lambda builder, dtype, a, b: getattr(builder, floats if dtype in types.real_domain else integers)(a, b)
+
+
+def _comparison(symbol: str) -> Emitter:
+    def emit(builder: Any, dtype: Any, a: Any, b: Any) -> Any:
+        if dtype not in types.real_domain:
+            return builder.icmp_signed(symbol, a, b)
+        return (builder.fcmp_unordered if symbol == "!=" else builder.fcmp_ordered)(symbol, a, b)
+
+    return emit
+
+
+for _symbol, _floats, _integers in (
+    (operator.add, "fadd", "add"),
+    (operator.sub, "fsub", "sub"),
+    (operator.mul, "fmul", "mul"),
+    (operator.truediv, "fdiv", ""),
+    (operator.and_, "", "and_"),
+    (operator.or_, "", "or_"),
+    (operator.lshift, "", "shl"),
+    (operator.rshift, "", "ashr"),
+):
+    _operate(_symbol, _arithmetic(_floats, _integers))
+for _symbol, _written in (
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+    (operator.eq, "=="),
+    (operator.ne, "!="),
+):
+    _operate(_symbol, _comparison(_written), compares=True)
+
+
+@_compiled_as(operator.neg, lambda a: a(a) if isinstance(a, Vector) else None, 1, Vector)
+def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+    return builder.fneg(*arguments)
+
+
+# lanes as indices
+
+
+def _type_of_lanes_added(a: Any, b: Any) -> Any:
+    if isinstance(a, types.Integer) and isinstance(b, Lanes):
+        return b(types.int64, b)
+    return None
+
+
+@_compiled_as(operator.add, _type_of_lanes_added, 2, types.Integer, Lanes)
+def _(_context: Any, builder: Any, _signature: Any, both: Any) -> Any:
+    return builder.add(*both)
+
+
+def _pointer(context: Any, builder: Any, array_type: Any, array: Any, first: Any, of: Any) -> Any:
+    """Where one or more numbers of an array stand; `first` is not negative."""
+    view = context.make_array(array_type)(context, builder, array)
+    if context.enable_boundscheck:
+        (size,) = cgutils.unpack_tuple(builder, view.shape)
+        last = builder.add(first, first.type(of.count - 1 if isinstance(of, Vector) else 0))
+        for place in (first, last):
+            cgutils.do_boundscheck(context, builder, place, size)
+    return builder.bitcast(builder.gep(view.data, [first]), _low_level(of).as_pointer())
+
+
+def _type_of_load(row: Any, lane: Any) -> Any:
+    if isinstance(row, types.Array) and isinstance(lane, Lanes):
+        return Vector(row.dtype, lane.count)(row, lane)
+    return None
+
+
+@_compiled_as(operator.getitem, _type_of_load, 2, types.Array, Lanes)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    vector = signature.return_type
+    row, lane = arguments
+    pointer = _pointer(context, builder, signature.args[0], row, lane, vector)
+    return builder.load(pointer, align=vector.dtype.bitwidth // 8)
+
+
+def _type_of_store(row: Any, lane: Any, _value: Any) -> Any:
+    if isinstance(row, types.Array) and isinstance(lane, Lanes):
+        return types.void(row, lane, Vector(row.dtype, lane.count))
+    return None
+
+
+@_compiled_as(operator.setitem, _type_of_store, 3, types.Array, Lanes, Vector)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    row, lane, value = arguments
+    vector = signature.args[2]
+    pointer = _pointer(context, builder, signature.args[0], row, lane, vector)
+    builder.store(value, pointer, align=vector.dtype.bitwidth // 8)
+    return context.get_dummy_value()
+
+
+def _type_of_group(_first: Any, width: Any) -> Any:
+    return (Lanes(len(width)) if len(width) > 1 else types.int64)(types.int64, width)
+
+
+@_compiled_as(group, _type_of_group, 2)
+def _(_context: Any, _builder: Any, _signature: Any, arguments: Any) -> Any:
+    return arguments[0]
+
+
+# functions of numbers
+
+
+def _type_of_select(condition: Any, a: Any, b: Any) -> Any:
+    if isinstance(condition, Vector):
+        dtype = _number(a if isinstance(a, Vector) else b)
+        dtype = dtype if isinstance(a, Vector) or isinstance(b, Vector) else types.float64
+        vector = _like(condition, dtype)
+        return vector(condition, vector, vector)
+    if isinstance(a, Vector) or isinstance(b, Vector):
+        vector = a if isinstance(a, Vector) else b
+        return vector(types.boolean, vector, vector)
+    number = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else a
+    return number(types.boolean, number, number)
+
+
+@_compiled_as(select, _type_of_select, 3)
+def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+    return builder.select(*arguments)
+
+
+def _type_of_any(condition: Any) -> Any:
+    return types.boolean(condition)
+
+
+@_compiled_as(any_of, _type_of_any, 1)
+def _(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    (condition,) = signature.args
+    if not isinstance(condition, Vector):
+        return arguments[0]
+    bits = ir.IntType(condition.count)
+    return builder.icmp_unsigned("!=", builder.bitcast(arguments[0], bits), bits(0))
+
+
+def _rounded_by(name: str) -> Emitter:
+    """LLVM's own function, of one number or of all lanes."""
+
+    def emit(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        of = _low_level(signature.return_type)
+        kind = f"v{of.count}f64" if isinstance(of, ir.VectorType) else "f64"
+        function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(of, [of]), f"llvm.{name}.{kind}")
+        return builder.call(function, arguments)
+
+    return emit
+
+
+def _type_of_rounded(value: Any) -> Any:
+    of = _like(value, types.float64)
+    return of(of)
+
+
+for _function, _name in ((floor, "floor"), (sqrt, "sqrt")):
+    _compiled_as(_function, _type_of_rounded, 1)(_rounded_by(_name))
+
+
+def _convert(function: Callable[..., Any], source: Any, dtype: Any, *instructions: tuple[str, Any]) -> None:
+    """A function that is LLVM's instructions, one after the other, each with the type that it makes."""
+
+    def typer(value: Any) -> Any:
+        return _like(value, dtype)(_like(value, source))
+
+    @_compiled_as(function, typer, 1)
+    def _(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        (value,) = arguments
+        for instruction, made in instructions:
+            value = getattr(builder, instruction)(value, _low_level(_like(signature.return_type, made)))
+        return value
+
+
+_convert(single, types.float64, types.float32, ("fptrunc", types.float32))
+_convert(single_bits, types.float64, types.int32, ("fptrunc", types.float32), ("bitcast", types.int32))
+_convert(truncate, types.float64, types.int32, ("fptosi", types.int32))
+_convert(long, types.int32, types.int64, ("sext", types.int64))
+_convert(bits_of, types.float64, types.int64, ("bitcast", types.int64))
+_convert(number_of, types.int64, types.float64, ("bitcast", types.float64))
+
+
+# rows
+
+
+def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
+    """Eight lanes of four or eight columns, as eight rows.
+
+    Two rounds of shuffles within the halves of a register, each pairing columns, and one across them, since halves are
+    dear to cross.
+    """
+    pairs = [
+        _shuffle(builder, columns[k], columns[k + 1], places)
+        for k in range(0, len(columns), 2)
+        for places in ([0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15])
+    ]
+    fours = [
+        [
+            _shuffle(builder, pairs[k + which], pairs[k + which + 2], places)
+            for which in (0, 1)
+            for places in ([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15])
+        ]
+        for k in range(0, len(pairs), 4)
+    ]  # the k-th of them has four columns of the lanes k and k + 4
+    if len(fours) == 1:
+        return [_shuffle(builder, one, one, [half + i for i in range(4)]) for half in (0, 4) for one in fours[0]]
+    return [
+        _shuffle(builder, left, right, [half + i for i in (0, 1, 2, 3, 8, 9, 10, 11)])
+        for half in (0, 4)
+        for left, right in zip(*fours, strict=True)
+    ]
+
+
+def _type_of_put_rows(out: Any, _at: Any, _stride: Any, columns: Any) -> Any:
+    return types.void(out, types.int64, types.int64, columns) if isinstance(columns, types.BaseTuple) else None
+
+
+@_compiled_as(put_rows, _type_of_put_rows, 4)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    out, at, stride, columns = arguments
+    given = signature.args[3]
+    number = next((_like(each, types.float32) for each in given if isinstance(each, Vector)), types.float32)
+    parts = [
+        context.cast(builder, part, each, number)
+        for part, each in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
+    ]
+    if not isinstance(number, Vector):
+        for place, part in enumerate(parts):
+            to = _pointer(context, builder, signature.args[0], out, builder.add(at, at.type(place)), number)
+            builder.store(part, to)
+        return context.get_dummy_value()
+    nothing = ir.Constant(_low_level(number), None)
+    for first in range(0, len(parts), 8):
+        some = parts[first : first + 8]
+        some += [nothing] * (-len(some) % 4)
+        row = Vector(types.float32, len(some))
+        place = builder.add(at, at.type(first))
+        for value in _transposed(builder, some):
+            builder.store(value, _pointer(context, builder, signature.args[0], out, place, row), align=4)
+            place = builder.add(place, stride)
+    return context.get_dummy_value()
+
+
+@lower_cast(Vector, Vector)
+def _round(_context: Any, builder: Any, given: Vector, made: Vector, value: Any) -> Any:
+    """To float32, where it is not that already."""
+    return value if given == made else builder.fptrunc(value, _low_level(made))
+
+
+def _type_of_copy(out: Any, _at: Any, source: Any, _place: Any) -> Any:
+    return types.void(out, types.int64, source, types.int64)
+
+
+def _copy(function: Callable[..., Any], count: int, *, streamed: bool = False) -> None:
+    vector = Vector(types.float32, count)
+    align = 32 if streamed else 4
+
+    @_compiled_as(function, _type_of_copy, 4)
+    def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        out, at, source, place = arguments
+        numbers = builder.load(_pointer(context, builder, signature.args[2], source, place, vector), align=align)
+        stored = builder.store(numbers, _pointer(context, builder, signature.args[0], out, at, vector), align=align)
+        if streamed:
+            stored.set_metadata("nontemporal", builder.module.add_metadata([_INT32(1)]))
+        return context.get_dummy_value()
+
+
+_copy(copy_four, 4)
+_copy(copy_eight, 8)
+_copy(stream_eight, 8, streamed=True)
