@@ -7,8 +7,6 @@ import gc
 import hashlib
 import itertools
 import math
-import sys
-import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache, partial
@@ -17,12 +15,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.compiling import told
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core import state as rows
 from catch_arena.core import tick
 from catch_arena.core.arbiter import DOCKET_COLUMNS, POLICIES
+from catch_arena.core.compiler import quick_typing
 from catch_arena.core.episodes import RECORD_COLUMNS
-from catch_arena.core.jit import CACHE_DIRECTORY, INTERPRETED, is_cached
+from catch_arena.core.jit import INTERPRETED
 from catch_arena.core.math import wrap
 from catch_arena.core.random import go_on, spread
 from catch_arena.core.ranking import selection_network
@@ -515,7 +515,8 @@ def _compile_once() -> None:
     if INTERPRETED:
         return
     with (
-        _notice_if_slow(),
+        told(),
+        quick_typing(),
         _without_garbage_collection(),
     ):  # which would look at the compiler's many objects again and again
         for size in (1, 2):
@@ -533,17 +534,3 @@ def _without_garbage_collection() -> Iterator[None]:
     finally:
         if enabled:
             gc.enable()
-
-
-@contextmanager
-def _notice_if_slow() -> Iterator[None]:
-    often = "once" if CACHE_DIRECTORY else "at every start, unless NUMBA_CACHE_DIR names a folder that can be written"
-    line = f"catch_arena: compiling the rules for this machine ({often}; 10 to 30 s)\n"
-    notice = threading.Timer(1.0, sys.stderr.write, (line,))
-    notice.daemon = True
-    if not is_cached():  # loading from the cache is quick, unless the machine is busy
-        notice.start()
-    try:
-        yield
-    finally:
-        notice.cancel()

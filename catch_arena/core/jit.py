@@ -28,6 +28,8 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
+from catch_arena.core.compiler import USABLE, PartCompiler, RareCompiler, WholeCompiler
+
 _numba: Any = numba.core.config
 """Numba's settings; the module fills itself, so that type checkers see none of them."""
 
@@ -40,10 +42,11 @@ INTERPRETED: Final = bool(_numba.DISABLE_JIT)
 """NUMBA_DISABLE_JIT=1: everything below runs as plain Python, for debuggers, coverage and doubters."""
 
 _FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
-_INNER: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": WholeCompiler} if USABLE else _FLAGS
+_ALONE: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """What only compiled code calls needs no door to Python: that halves the time to compile."""
-
-
+_INNER: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": PartCompiler} if USABLE else _ALONE
+_RARE: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": RareCompiler} if USABLE else _ALONE
 _MOST_KEPT: Final = 16
 """How many states of the sources."""
 
@@ -95,28 +98,36 @@ def _drop_old_folders(current: Path) -> None:
 CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
 
 
-def is_cached() -> bool:
-    """Whether some earlier process has left the compiled step."""
-    return CACHE_DIRECTORY is not None and any(CACHE_DIRECTORY.glob("*/tick.run-*.nbc"))
+INNER: Final[set[str]] = set()
+"""The names of what only compiled code calls: how much there is to compile (catch_arena/compiling.py)."""
 
 
 def rule(function: F) -> F:
     """A rule: scalars in, scalars out, branch-free where it runs in a lane loop. Compiled code has it written out where
     it is used; Python runs it as it stands, which gives the same bits.
     """
+    INNER.add(function.__qualname__)
     return numba.extending.register_jitable(forceinline=True, **_INNER)(function)
 
 
 def phase(function: F) -> F:
     """A phase: one block, a loop over its lanes."""
+    INNER.add(function.__qualname__)
     return cast(F, numba.njit(forceinline=True, **_INNER)(function))
 
 
 def passage(function: F) -> F:
-    """Phases in their order, or a name for a part of the memory: copied to where it is used before anything is
-    compiled, since a function of its own would be optimised once more, and without `_nrt` none may return an array.
-    """
-    return cast(F, numba.njit(inline="always", **_INNER)(function))
+    """Phases in their order, or a name for a part of the memory."""
+    INNER.add(function.__qualname__)
+    if not USABLE:  # Numba's own way lets no function return a part of an array without `_nrt`: it is copied instead
+        return cast(F, numba.njit(inline="always", **_INNER)(function))
+    return cast(F, numba.njit(forceinline=True, **_INNER)(function))
+
+
+def rare(function: F) -> F:
+    """A phase that few steps come to: compiled once, small, and called. Not for what reads or writes every lane."""
+    INNER.add(function.__qualname__)
+    return cast(F, numba.njit(forceinline=False, **_RARE)(function))
 
 
 def entry(function: F) -> F:
@@ -126,11 +137,11 @@ def entry(function: F) -> F:
     if INTERPRETED:
         return _with_silent_overflow(function)
     if CACHE_DIRECTORY is None:
-        return cast(F, numba.njit(**_FLAGS)(function))
+        return cast(F, numba.njit(**_WHOLE)(function))
     before = _numba.CACHE_DIR
     _numba.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while a function is decorated
     try:
-        compiled = numba.njit(cache=True, **_FLAGS)(function)
+        compiled = numba.njit(cache=True, **_WHOLE)(function)
     finally:
         _numba.CACHE_DIR = before
     cache = compiled._cache  # noqa: SLF001 - Numba has no other door: on a full disk it would raise, and not play

@@ -1,0 +1,249 @@
+"""Numba compiles the core as one piece.
+
+Numba optimises each function and makes machine code of it, then links it into its callers and does so again there.
+All functions of ours are inlined in what Python calls, so the work on each alone is for nothing. Here the parts are
+only translated; the whole is linked, optimised and emitted once. The same instructions reach LLVM, with the same
+flags: no bit depends on this file (R10.1), only the time to compile.
+
+The passes come from Numba's public `CompilerBase`. What is not public, and may change from one Numba to the next, is
+the library below and `quick_typing`; `USABLE` is false where Numba has not what they need, and then all is compiled
+in Numba's own way.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Final
+
+import numba._dynfunc
+import numba.core.codegen
+import numba.core.compiler
+import numba.core.compiler_machinery
+import numba.core.cpu
+import numba.core.typed_passes
+import numba.core.types
+import numba.core.untyped_passes
+from numba.core.targetconfig import ConfigStack
+
+# typed here and there, and not where it matters
+_dynfunc: Any = numba._dynfunc  # noqa: SLF001
+codegen: Any = numba.core.codegen
+compiler: Any = numba.core.compiler
+cpu: Any = numba.core.cpu
+typed_passes: Any = numba.core.typed_passes
+types: Any = numba.core.types
+untyped_passes: Any = numba.core.untyped_passes
+_machinery: Any = numba.core.compiler_machinery
+_flags_on_top: Any = ConfigStack.top_or_none
+
+_Library: Any = codegen.JITCodeLibrary
+_NEEDED: Final[dict[Any, str]] = {
+    _Library: "add_linking_library add_llvm_module enable_object_caching finalize get_function get_pointer_to_function "
+    "_ensure_finalized _finalize_final_module _get_module_for_linking _optimize_final_module _optimize_functions "
+    "_raise_if_finalized",
+    codegen.CPUCodegen: "_check_llvm_bugs",
+    compiler.CompilerBase: "define_pipelines",
+    compiler.DefaultPassBuilder: "define_nopython_lowering_pipeline define_typed_pipeline define_untyped_pipeline",
+    compiler.Flags: "no_compile __hash__",
+    cpu.CPUContext: "insert_user_function install_registry load_additional_registries",
+    types.functions.BaseFunction: "get_call_type",
+    typed_passes: "NativeLowering NopythonRewrites NopythonTypeInference type_inference_stage",
+    untyped_passes: "InlineClosureLikes InlineInlinables",
+    _dynfunc: "make_function",
+}
+USABLE: Final = all(hasattr(owner, name) for owner, names in _NEEDED.items() for name in names.split())
+"""Whether this Numba has what is needed here."""
+
+
+class _Part(_Library):  # type: ignore[misc]
+    """A function that only others of ours call: never optimised alone, never emitted."""
+
+    def add_llvm_module(self, module: Any) -> None:
+        """Before it is optimised with the whole."""
+        self._final_module.link_in(module)
+
+    def finalize(self) -> None:
+        """There is nothing to be done: see `_Whole.finalize`."""
+        self._raise_if_finalized()
+        self._finalized = True
+
+
+class _Whole(_Library):  # type: ignore[misc]
+    """What Python calls, and all that it calls."""
+
+    def add_llvm_module(self, module: Any) -> None:
+        """Before it is optimised with all the others."""
+        self._final_module.link_in(module)
+
+    def finalize(self) -> None:
+        """Link each part once, optimise all, emit."""
+        self._raise_if_finalized()
+        self._codegen._check_llvm_bugs()  # noqa: SLF001
+        linked: set[Any] = set()
+        waiting = list(self._linking_libraries)
+        while waiting:
+            library = waiting.pop()
+            if library in linked:
+                continue
+            linked.add(library)
+            if isinstance(library, _Part):
+                waiting += library._linking_libraries  # noqa: SLF001
+            self._reload_init.update(library._reload_init)  # noqa: SLF001
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)  # noqa: SLF001
+        self._optimize_functions(self._final_module)
+        self._optimize_final_module()
+        self._final_module.verify()
+        self._finalize_final_module()
+
+
+@_machinery.register_pass(mutates_CFG=True, analysis_only=False)
+class _Typing(typed_passes.NopythonTypeInference):  # type: ignore[misc]
+    """A part may return an array that it cut out of another: nothing here is counted and freed, so that nothing can be
+    freed too early, which is what Numba's own pass guards against.
+    """
+
+    _name = "catch_arena_typing"
+
+    def run_pass(self, state: Any) -> bool:
+        state.typemap, state.return_type, state.calltypes, state.typing_errors = typed_passes.type_inference_stage(
+            state.typingctx, state.targetctx, state.func_ir, state.args, state.return_type, state.locals
+        )
+        return True
+
+
+@_machinery.register_pass(mutates_CFG=True, analysis_only=False)
+class _LowerPart(typed_passes.NativeLowering):  # type: ignore[misc]
+    _name = "catch_arena_lower_part"
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _Part(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.flags.no_compile = True
+        super().run_pass(state)
+        lowered = state["cr"]
+        name, module = lowered.fndesc.qualname, lowered.fndesc.lookup_module()
+        # what Numba finds the function by: an object without an address, as for every function without a wrapper
+        key = _dynfunc.make_function(module, name.rpartition(".")[2], "", 0, lowered.env, (state.library,))
+        state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
+        state["cr"] = lowered._replace(cfunc=key)
+        return True
+
+
+@_machinery.register_pass(mutates_CFG=True, analysis_only=False)
+class _LowerWhole(typed_passes.NativeLowering):  # type: ignore[misc]
+    _name = "catch_arena_lower_whole"
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _Whole(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        return super().run_pass(state)  # type: ignore[no-any-return]
+
+
+_SKIPPED: Final = {
+    untyped_passes.InlineClosureLikes,
+    untyped_passes.InlineInlinables,
+    typed_passes.NopythonRewrites,
+}
+"""The core has no closures, nothing that is inlined before it is typed, and no arithmetic with whole arrays."""
+
+
+def _passes(state: Any, lowering: Any) -> list[Any]:
+    builder = compiler.DefaultPassBuilder
+    others = {typed_passes.NopythonTypeInference: _Typing, typed_passes.NativeLowering: lowering}
+    manager = _machinery.PassManager("catch_arena")
+    for part in (
+        builder.define_untyped_pipeline(state),
+        builder.define_typed_pipeline(state),
+        builder.define_nopython_lowering_pipeline(state),
+    ):
+        for step, description in part.passes:
+            if step not in _SKIPPED:
+                manager.add_pass(others.get(step, step), description)
+    manager.finalize()
+    return [manager]
+
+
+@_machinery.register_pass(mutates_CFG=True, analysis_only=False)
+class _LowerRare(_LowerPart):
+    """Rare code: one copy of it, made small and not fast."""
+
+    _name = "catch_arena_lower_rare"
+
+    def run_pass(self, state: Any) -> bool:
+        super().run_pass(state)
+        function = state.library.get_function(state["cr"].fndesc.llvm_func_name)
+        for attribute in ("noinline", "minsize", "optsize"):
+            function.add_function_attribute(attribute)
+        return True
+
+
+class RareCompiler(compiler.CompilerBase):  # type: ignore[misc]
+    """For phases that seldom run."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Numba's passes, of which the last makes a part that stays a function."""
+        return _passes(self.state, _LowerRare)
+
+
+class PartCompiler(compiler.CompilerBase):  # type: ignore[misc]
+    """For rules and phases."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Numba's passes, of which the last makes a part."""
+        return _passes(self.state, _LowerPart)
+
+
+class WholeCompiler(compiler.CompilerBase):  # type: ignore[misc]
+    """For what Python calls."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Numba's passes, of which the last makes the whole."""
+        return _passes(self.state, _LowerWhole)
+
+
+@contextmanager
+def quick_typing() -> Iterator[None]:
+    """In this block Numba remembers what it asks itself again and again, which is a third of the time: the type of
+    `a + b`, for which it tries some thirty overloads at every plus sign, and compares all its flags for each; and
+    which modules of its own it has imported.
+    """
+    if not USABLE:
+        yield
+        return
+    function, flags, context = types.functions.BaseFunction, compiler.Flags, cpu.CPUContext
+    slow = function.get_call_type, flags.__hash__, context.load_additional_registries
+    signatures: dict[Any, Any] = {}
+    registries: list[Any] = []
+
+    def get_call_type(self: Any, typing: Any, args: Any, kws: Any) -> Any:
+        top = _flags_on_top()
+        key = self, typing, tuple(args), tuple(dict(kws).items()), top is not None and top.nrt
+        if key not in signatures:
+            signature = slow[0](self, typing, args, kws)
+            if signature is None:
+                return None
+            signatures[key] = signature
+        return signatures[key]
+
+    def load_additional_registries(self: Any) -> None:
+        if not registries:
+            install = self.install_registry
+
+            def note(registry: Any) -> None:
+                registries.append(registry)
+                install(registry)
+
+            self.install_registry = note
+            try:
+                slow[2](self)
+            finally:
+                del self.install_registry
+        else:
+            for registry in registries:
+                self.install_registry(registry)
+
+    function.get_call_type = get_call_type
+    flags.__hash__ = lambda self: hash(frozenset(self._values))
+    context.load_additional_registries = load_additional_registries
+    try:
+        yield
+    finally:
+        function.get_call_type, flags.__hash__, context.load_additional_registries = slow

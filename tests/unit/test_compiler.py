@@ -1,0 +1,105 @@
+"""The core compiled as one piece: the same results as in Numba's own way and in plain Python."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from catch_arena.core import compiler
+from catch_arena.core.jit import INTERPRETED
+
+ROOT = Path(__file__).parents[2]
+SMALL = """
+import sys
+import numpy as np
+import catch_arena.core.compiler as compiler
+compiler.USABLE = compiler.USABLE and "numba's own way" not in sys.argv
+from catch_arena.core.jit import entry, passage, phase, rare, rule
+
+@rule
+def thrice(value):
+    return 3.0 * value + 0.1
+
+@passage
+def part_of(block, which):
+    return block[4 * which : 4 * which + 4]
+
+@phase
+def fill(block, which):
+    part = part_of(block, which)
+    for i in range(len(part)):
+        part[i] = thrice(part[i] + which)
+
+@rare
+def turn_round(block):
+    for i in range(len(block) // 2):
+        block[i], block[len(block) - 1 - i] = block[len(block) - 1 - i], block[i]
+
+@entry
+def sum_up(block):
+    total = 0.0
+    for value in block:
+        total += value
+    return total
+
+@entry
+def work(block):
+    for which in range(len(block) // 4):
+        fill(block, which)
+    if block[0] < 100.0:
+        turn_round(block)
+    return sum_up(block)
+
+block = np.linspace(0.3, 7.7, 16)
+with compiler.quick_typing():
+    print(work(block), block.tobytes().hex())
+"""
+
+
+def run_small(folder, *arguments, interpreted=False):
+    """What SMALL prints."""
+    script = folder / "small.py"
+    script.write_text(SMALL, encoding="utf-8")
+    settings = {"NUMBA_DISABLE_JIT": str(int(interpreted)), "NUMBA_CACHE_DIR": str(folder / "-".join(arguments))}
+    return subprocess.run(
+        [sys.executable, script, *arguments],
+        check=True,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **settings},
+    ).stdout
+
+
+def test_this_numba_has_what_is_needed():
+    """Otherwise the first start takes twice as long, and nothing else would tell."""
+    assert compiler.USABLE
+
+
+def test_the_bits_are_those_of_numbas_own_way_and_of_plain_python(tmp_path):
+    """The second run reads them from the cache."""
+    compiled, cached = run_small(tmp_path), run_small(tmp_path)
+    assert compiled == cached
+    assert compiled == run_small(tmp_path, "numba's own way")
+    assert compiled == run_small(tmp_path, interpreted=True)
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+def test_numba_is_left_as_it_was():
+    """Also where compiling fails: others use it too."""
+    owners = compiler.types.functions.BaseFunction, compiler.compiler.Flags, compiler.cpu.CPUContext
+    names = "get_call_type", "__hash__", "load_additional_registries"
+
+    def found():
+        return [getattr(owner, name) for owner, name in zip(owners, names, strict=True)]
+
+    def fail():
+        with compiler.quick_typing():
+            assert before != found()
+            raise ZeroDivisionError
+
+    before = found()
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert before == found()

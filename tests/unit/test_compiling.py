@@ -1,0 +1,68 @@
+"""What people are told while the rules are compiled."""
+
+import time
+from types import SimpleNamespace
+
+import numba
+import pytest
+
+from catch_arena import compiling
+from catch_arena.core.jit import INTERPRETED
+
+
+def ended(name):
+    """Numba's event: a function was compiled."""
+    return SimpleNamespace(data={"dispatcher": SimpleNamespace(py_func=SimpleNamespace(__qualname__=name))})
+
+
+@pytest.fixture
+def now(monkeypatch):
+    """A clock that is set."""
+    clock = SimpleNamespace(s=100.0)
+    monkeypatch.setattr(time, "monotonic", lambda: clock.s)
+    return clock
+
+
+def test_the_machine_s_own_speed_replaces_the_first_guess(now):
+    """Half of the functions in 15 s, and then 40 % of the time for all together."""
+    estimate = compiling.Estimate({"a", "b", "c", "d"}, None)
+    assert (estimate.elapsed_s, estimate.total_s) == (0.0, 20.0)
+    estimate.on_start(None)
+    now.s += 15.0
+    for name in ("a", "somebody else's", "a", "b"):
+        estimate.on_end(ended(name))
+    assert estimate.elapsed_s == 15.0
+    assert estimate.total_s == pytest.approx(15.0 / 0.5 / 0.6)
+
+
+def test_what_the_last_time_took_is_believed_until_it_is_over(now):
+    """And never is more done than there is."""
+    estimate = compiling.Estimate({"a", "b"}, 12.5)
+    estimate.on_start(None)
+    now.s += 9.0
+    estimate.on_end(ended("a"))
+    assert estimate.total_s == 12.5
+    now.s += 9.0
+    assert estimate.total_s == 18.0
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+def test_only_who_waits_for_the_compiler_is_told(tmp_path, monkeypatch, capsys):
+    """Not who calls what was compiled before; and it is remembered how long it took."""
+    monkeypatch.setattr(compiling, "_QUIET_S", 1e-6)
+    monkeypatch.setattr(compiling, "_FRAME_S", 0.001)
+    monkeypatch.setattr(compiling, "_NOTE", tmp_path / "took")
+
+    @numba.njit
+    def add_one(value):
+        return value + 1
+
+    with compiling.told():
+        assert add_one(1) == 2
+    line = capsys.readouterr().err
+    assert line.startswith("catch_arena: compiling the rules for this machine (")
+    assert line.endswith("about 20 s)\n")
+    assert float((tmp_path / "took").read_text()) >= 0.0
+    with compiling.told():
+        assert add_one(2) == 3
+    assert capsys.readouterr().err == ""
