@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from typing import Any, Final
 
 import numba._dynfunc
+import numba.core.caching
 import numba.core.codegen
 import numba.core.compiler
 import numba.core.compiler_machinery
@@ -40,6 +41,7 @@ _NEEDED: Final[dict[Any, str]] = {
     _Library: "add_linking_library add_llvm_module enable_object_caching finalize get_function get_pointer_to_function "
     "_ensure_finalized _finalize_final_module _get_module_for_linking _optimize_final_module _optimize_functions "
     "_raise_if_finalized",
+    numba.core.caching.Cache: "_guard_against_spurious_io_errors _load_overload",
     codegen.CPUCodegen: "_check_llvm_bugs",
     compiler.CompilerBase: "define_pipelines",
     compiler.DefaultPassBuilder: "define_nopython_lowering_pipeline define_typed_pipeline define_untyped_pipeline",
