@@ -119,7 +119,7 @@ class Engine:
         auto_reset: bool = False,
         num_threads: int = 1,
     ) -> None:
-        _compile_once()
+        _compile_once(one=num_arenas == 1)
         self.config = config
         self.num_arenas = num_arenas
         self.parts_wanted = parts_wanted
@@ -503,26 +503,26 @@ def batch_seeds(seed: int, num_arenas: int) -> NDArray[np.uint64]:
     return seeds
 
 
-_compiled = False
+_compiled: set[bool] = set()
+"""In this process: for one arena, True, and for batches, False."""
 
 
-def _compile_once() -> None:
-    """Compile, or load from the cache, everything that the engine calls, and say so where it takes long."""
-    global _compiled  # noqa: PLW0603 - a fact about this process
-    if _compiled:
+def _compile_once(*, one: bool) -> None:
+    """Compile, or load from the cache, all that an engine of one arena or of a batch calls, and say so where it takes
+    long.
+    """
+    if INTERPRETED or one in _compiled:
         return
-    _compiled = True
-    if INTERPRETED:
-        return
+    _compiled.add(one)
     with (
         told(),
         quick_typing(),
-        _without_garbage_collection(),
-    ):  # which would look at the compiler's many objects again and again
-        for size in (1, 2):
-            smallest = Engine(ArenaConfig(hunters=1, max_targets=1, initial_targets=1), size)
-            smallest.reset([0] * size)
-            smallest.step(np.zeros((size, 1), dtype=np.int64), np.zeros((size, 1, 2), dtype=np.float32))
+        _without_garbage_collection(),  # which would look at the compiler's many objects again and again
+    ):
+        size = 1 if one else 2
+        smallest = Engine(ArenaConfig(hunters=1, max_targets=1, initial_targets=1), size)
+        smallest.reset([0] * size)
+        smallest.step(np.zeros((size, 1), dtype=np.int64), np.zeros((size, 1, 2), dtype=np.float32))
 
 
 @contextmanager
