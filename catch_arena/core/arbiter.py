@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import entry, phase, rule
+from catch_arena.core.jit import entry, rare, rule
 from catch_arena.core.random import service_lot, ticket
 from catch_arena.core.vectors import floor, sqrt
 from catch_arena.verdicts import Verdict
@@ -161,7 +161,7 @@ def judge(docket: Docket, policy: int, seed: np.uint64, step: int, reach_um: int
             decide_contest(docket, i, policy, seed, step)
 
 
-@phase
+@rare
 def decide_contest(docket: Docket, first: int, policy: int, seed: np.uint64, step: int) -> None:
     """R5.4 to R5.7: the verdicts of all requests that may catch the same target as the request `first`."""
     best = first

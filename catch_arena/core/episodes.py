@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, passage, phase
+from catch_arena.core.jit import Block, passage, rare
 from catch_arena.core.math import PI, TAU, sincos, wrap
 from catch_arena.core.observations import Observations
 from catch_arena.core.random import START, draw, fraction, next_seed, seed_of, stream
@@ -43,7 +43,7 @@ FINAL_TALLIES: Final = 5  # how often each verdict was met, in the order of Verd
 RECORD_COLUMNS: Final = FINAL_TALLIES + len(Verdict)
 
 
-@phase
+@rare
 def finish(block: Block, s: Settings, lane: int, record: NDArray[np.float64]) -> None:
     """An episode in figures, (H, RECORD_COLUMNS), as it stands in one lane."""
     for seat in range(s.hunters):
@@ -59,7 +59,7 @@ def finish(block: Block, s: Settings, lane: int, record: NDArray[np.float64]) ->
             record[seat, column] = me[CONTESTS_WON + (column - FINAL_CONTESTS_WON) * LANES + lane]
 
 
-@phase
+@rare
 def begin(block: Block, s: Settings, lane: int, start_poses: Block, seed: np.uint64) -> None:
     """R2.6, R3.1, A.6: one arena at the beginning of an episode."""
     for row in range(len(block) // LANES):

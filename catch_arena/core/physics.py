@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from catch_arena.core.jit import Block, passage, phase, rule
+from catch_arena.core.jit import Block, passage, phase, rare, rule
 from catch_arena.core.math import clamp, sincos, wrap
 from catch_arena.core.state import (
     AT_WALL,
@@ -93,7 +93,7 @@ def move_seat(me: Block, width: Width, side: float, fewest: int, most: int, tick
         me[AT_WALL + lane] = select(at_wall, 1.0, 0.0)
 
 
-@phase
+@rare
 def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -> None:
     """R2.4: what the watchdog leaves, where it fired in this step; it stops whatever moved."""
     for seat in range(s.hunters):

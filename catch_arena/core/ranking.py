@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.jit import Block, phase, rare, rule
 from catch_arena.core.state import (
     ABSENT,
     ALIVE,
@@ -225,7 +225,7 @@ def precedes(a: RivalSeen, b: RivalSeen) -> bool:
     return a.score_difference > b.score_difference
 
 
-@phase
+@rare
 def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
     """R7.1: who is as far as the first rival beyond the view comes right after it. Returns: how many keys there are so
     far; the others are farther, in any order.
@@ -241,7 +241,7 @@ def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
     return count
 
 
-@phase
+@rare
 def sort_ties(block: Block, seat: int, lane: int, count: int, keys: Keys) -> None:
     """R7.1: those of one lane's sorted rivals who are equally far are put in order among themselves, by insertion."""
     for last in range(1, count):

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, phase
+from catch_arena.core.jit import Block, phase, rare
 from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
     ALIVE,
@@ -44,7 +44,7 @@ def aim_at_nearest(arena: Block, me: Block, view: Block, targets: Targets, lanes
         aim[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), -1.0)
 
 
-@phase
+@rare
 def aim_again(arena: Block, me: Block, targets: Targets, lane: int, aim: Block) -> None:
     """The same in one lane where targets have just left: among those that are alive after the commit."""
     aim[2 * LANES + lane] = -1.0

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.jit import Block, phase, rare, rule
 from catch_arena.core.math import TAU
 from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
 from catch_arena.core.state import (
@@ -46,7 +46,7 @@ def add_target(arena: Block, targets: Targets, lane: int, x: float, y: float, th
     arena[SPAWNED + lane] += 1.0
 
 
-@phase
+@rare
 def remove_target(arena: Block, targets: Targets, lane: int, slot: int) -> None:
     """R8.2: one target leaves the alive list; those behind it move up, so that the order stays."""
     last = int(arena[ALIVE + lane]) - 1
