@@ -33,16 +33,21 @@ def start(module: str, channel: int, **options: Any) -> subprocess.Popen[bytes]:
 
 def family(*roots: int) -> set[int]:
     """The living descendants of these processes, themselves left out; empty where the system does not say."""
+    return set(_by_generation(*roots)) - {*roots}
+
+
+def _by_generation(*roots: int) -> list[int]:
+    """These processes and their living descendants, parents before their children."""
     children: dict[int, list[int]] = {}
     for entry in os.scandir("/proc") if LINUX else ():
         if entry.name.isdigit() and (parent := _parent(int(entry.name))) is not None:
             children.setdefault(parent, []).append(int(entry.name))
-    found: set[int] = set()
+    found = dict.fromkeys(roots)
     generation = list(roots)
     while generation:
         generation = [child for parent in generation for child in children.get(parent, ()) if child not in found]
-        found.update(generation)
-    return found
+        found |= dict.fromkeys(generation)
+    return list(found)
 
 
 def kill_all(doomed: Callable[[], Iterable[int]], patience_s: float = _PATIENCE_S) -> bool:
@@ -58,19 +63,22 @@ def kill_all(doomed: Callable[[], Iterable[int]], patience_s: float = _PATIENCE_
 
 
 def end(roots: Collection[int]) -> None:
-    """End these processes and all that descend from them: they are asked to, and killed a moment later."""
-    doomed = {*roots, *family(*roots)}
+    """End these processes and all that descend from them: they are asked to, and killed a moment later.
+
+    Parents are asked first: one that waits for its child, and then goes on, would start another.
+    """
+    doomed = _by_generation(*roots)
     for pid in doomed:
         _send(pid, signal.SIGTERM)
     patience = time.monotonic() + _GRACE_S
-    while (left := set(filter(_lives, doomed))) and time.monotonic() < patience:
+    while (left := list(filter(_lives, doomed))) and time.monotonic() < patience:
         time.sleep(_PAUSE_S)
-    kill_all(lambda: filter(_lives, {*left, *family(*left)}), _GRACE_S)
+    kill_all(lambda: filter(_lives, _by_generation(*left)), _GRACE_S)
 
 
 def end_all() -> None:
     """End all that descend from this process."""
-    end(family(os.getpid()))
+    end(_by_generation(os.getpid())[1:])
 
 
 def _lives(pid: int) -> bool:
