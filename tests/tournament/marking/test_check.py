@@ -20,7 +20,7 @@ def check(tmp_path):
         if "\n" in source:
             path = tmp_path / "mine.py"
             path.write_text(source)
-        return CliRunner().invoke(main, ["check-agent", str(path), *(words or QUICK)])
+        return CliRunner(env={"COLUMNS": "500"}).invoke(main, ["check-agent", str(path), *(words or QUICK)])
 
     return call
 
