@@ -30,19 +30,25 @@ except IndexError:
 """
 
 
-def run_beyond(folder, *, checked, cache):
-    """What BEYOND prints, compiled."""
+def beyond(folder, *, checked, cache, before=""):
+    """What BEYOND prints, compiled, on both streams."""
     script = folder / "beyond.py"
-    script.write_text(BEYOND, encoding="utf-8")
+    script.write_text(before + BEYOND, encoding="utf-8")
     settings = {"NUMBA_BOUNDSCHECK": str(int(checked)), "NUMBA_DISABLE_JIT": "0", "NUMBA_CACHE_DIR": str(cache)}
-    finished = subprocess.run(
+    # not measured: where files may not grow, coverage fails to write its own
+    others = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_")}
+    return subprocess.run(
         [sys.executable, script],
         check=True,
         capture_output=True,
         text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT), **settings},
+        env={**others, "PYTHONPATH": str(ROOT), **settings},
     )
-    return finished.stdout.strip()
+
+
+def run_beyond(folder, *, checked, cache):
+    """What BEYOND prints, compiled."""
+    return beyond(folder, checked=checked, cache=cache).stdout.strip()
 
 
 def test_indices_are_tested_where_that_was_asked_for(tmp_path):
@@ -109,18 +115,9 @@ def test_it_is_not_kept_where_somebody_else_could_have_put_code(without_a_home, 
 
 
 def test_a_disk_without_room_for_it_is_told_and_the_rules_run(tmp_path):
-    script = tmp_path / "beyond.py"
     limit = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (10, resource.RLIM_INFINITY))\n"
-    script.write_text(limit + BEYOND, encoding="utf-8")
-    settings = {"NUMBA_BOUNDSCHECK": "0", "NUMBA_DISABLE_JIT": "0", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    finished = subprocess.run(
-        [sys.executable, script],
-        check=True,
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT), **settings},
-    )
+    finished = beyond(tmp_path, checked=False, cache=tmp_path / "cache", before=limit)
     assert finished.stdout.startswith("nothing noticed /")
-    *_, line = finished.stderr.splitlines()  # a slow machine is told before that it takes a while
+    (line,) = finished.stderr.splitlines()
     assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}/cache/core-")
     assert ": File too large; every start compiles them anew" in line
