@@ -112,22 +112,29 @@ def rule(function: F) -> F:
 
 def phase(function: F) -> F:
     """A phase: one block, a loop over its lanes."""
-    INNER.add(function.__qualname__)
-    return cast(F, numba.njit(forceinline=True, **_INNER)(function))
+    return _inner(function, forceinline=True, **_INNER)
 
 
 def passage(function: F) -> F:
     """Phases in their order, or a name for a part of the memory."""
-    INNER.add(function.__qualname__)
     if not USABLE:  # Numba's own way lets no function return a part of an array without `_nrt`: it is copied instead
-        return cast(F, numba.njit(inline="always", **_INNER)(function))
-    return cast(F, numba.njit(forceinline=True, **_INNER)(function))
+        return _inner(function, inline="always", **_INNER)
+    return phase(function)
 
 
 def rare(function: F) -> F:
     """A phase that few steps come to: compiled once, small, and called. Not for what reads or writes every lane."""
+    return _inner(function, forceinline=False, **_RARE)
+
+
+def _inner(function: F, **options: Any) -> F:
     INNER.add(function.__qualname__)
-    return cast(F, numba.njit(forceinline=False, **_RARE)(function))
+    return cast(F, numba.njit(**options)(function))
+
+
+def unkept_entry(function: F) -> F:
+    """What Python calls, compiled in each process anew: for where nothing can be kept, and for experiments."""
+    return cast(F, numba.njit(**_WHOLE)(function))
 
 
 def entry(function: F) -> F:
@@ -137,7 +144,7 @@ def entry(function: F) -> F:
     if INTERPRETED:
         return _with_silent_overflow(function)
     if CACHE_DIRECTORY is None:
-        return cast(F, numba.njit(**_WHOLE)(function))
+        return unkept_entry(function)
     before = _numba.CACHE_DIR
     _numba.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while a function is decorated
     try:

@@ -10,13 +10,12 @@ from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 import catch_arena
 from catch_arena.core import observations, tick
-from catch_arena.core.jit import Block, phase
+from catch_arena.core.jit import Block, passage, phase, unkept_entry
 from catch_arena.core.ranking import Keys
 from catch_arena.core.state import LANES, Settings, Targets, span
 from catch_arena.core.vectors import Width
@@ -72,9 +71,9 @@ def _compiled_without(title: str) -> Any:
     module, stand_ins = _PHASES[title]
     for name, stand_in in stand_ins.items():
         setattr(module, name, stand_in)
-    for name in (*_WRITTEN_OUT, _CALLER):
-        function = getattr(tick, name)
-        setattr(tick, name, numba.jit(**function.targetoptions)(function.py_func))
+    for name in _WRITTEN_OUT:
+        setattr(tick, name, passage(getattr(tick, name).py_func))
+    setattr(tick, _CALLER, unkept_entry(getattr(tick, _CALLER).py_func))
     return getattr(tick, _CALLER)
 
 
