@@ -27,6 +27,7 @@ from catch_arena.core.math import wrap
 from catch_arena.core.random import go_on, spread
 from catch_arena.core.ranking import selection_network
 from catch_arena.core.state import LANES, Settings, block_rows, view_rows
+from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.core.workspace import KEYS, narrow_size, workspace_rows
 from catch_arena.errors import ConfigError
 from catch_arena.layout import width
@@ -143,10 +144,15 @@ class Engine:
         self._shares = blocks * LANES * hunters // _HUNTERS_A_PART
         self.threads = Threads(max(1, min(num_threads, self._shares)))
         threads = range(self.threads.size)
-        self._workspaces = [_zeros((workspace_rows(hunters) + block) * LANES) for _ in threads]
-        self._narrow = [_zeros(narrow_size(hunters, width(config)), dtype=np.float32) for _ in threads]
-        self._keys = [_zeros(KEYS, dtype=np.int32) for _ in threads]
-        self._dockets = [np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64) for _ in threads]
+        self._scratch: list[tuple[Any, Any, Any, Any]] = [
+            (
+                _zeros((workspace_rows(hunters) + block) * LANES),
+                _zeros(narrow_size(hunters, width(config)), dtype=np.float32),
+                _zeros(KEYS, dtype=np.int32),
+                np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64),
+            )
+            for _ in threads
+        ]
         self.observations = _zeros(num_arenas, hunters, width(config), dtype=np.float32)
         """R7.1: (B, H, D)."""
         self.masks = np.zeros((num_arenas, hunters, seen + 1), dtype=np.int8)
@@ -165,15 +171,9 @@ class Engine:
         """With auto_reset the last observations of the latest episode that ended in each arena: (B, H, D)."""
         self.records = np.zeros((kept, hunters, RECORD_COLUMNS))
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
-        self._inputs = (
-            self._constants,
-            self._numbers,
-            self._workspaces[0],
-            self._narrow[0],
-            self._keys[0],
-            self._dockets[0],
-        )
-        self._outputs: tuple[Any, ...] = (
+        self._widths = (SINGLE, SINGLE) if num_arenas == 1 else (HALF, WIDE)
+        self._inputs: tuple[Any, Any, Any, Any, Any, Any] = self._constants, self._numbers, *self._scratch[0]
+        self._outputs: tuple[Any, Any, Any, Any, Any, Any] = (
             self.observations,
             self.masks,
             self._rewards,
@@ -210,7 +210,9 @@ class Engine:
         self.ends[chosen] = 0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         if arenas is None:
-            self._run(self.memory, *self._inputs, resets, False, _NO_CHOICES, _NO_COMMANDS, *self._outputs)
+            tick.run(
+                *self._widths, self.memory, *self._inputs, resets, False, _NO_CHOICES, _NO_COMMANDS, *self._outputs
+            )
             return
         if not len(chosen):
             return
@@ -229,7 +231,7 @@ class Engine:
         seat's control does not read is ignored.
         """
         if self.threads.size == 1:
-            self._run(self.memory, *self._inputs, _NO_RESETS, True, choices, commands, *self._outputs)
+            tick.run(*self._widths, self.memory, *self._inputs, _NO_RESETS, True, choices, commands, *self._outputs)
             return
         blocks, parts = len(self.memory), self._shares
 
@@ -238,10 +240,6 @@ class Engine:
             self._run_blocks(shared, _NO_RESETS, True, choices, commands, thread)
 
         self.threads.run(parts, play)
-
-    @property
-    def _run(self) -> Any:
-        return tick.run_one if self.num_arenas == 1 else tick.run
 
     def observe(self, arena: int | None = None) -> None:
         """Write observations and masks as things stand, of all arenas or of those in one arena's block."""
@@ -258,13 +256,12 @@ class Engine:
         thread: int = 0,
     ) -> None:
         arenas = slice(blocks.start * LANES, blocks.stop * LANES)
-        self._run(
+        tick.run(
+            *self._widths,
             self.memory[blocks],
-            *self._inputs[:2],
-            self._workspaces[thread],
-            self._narrow[thread],
-            self._keys[thread],
-            self._dockets[thread],
+            self._constants,
+            self._numbers,
+            *self._scratch[thread],
             resets,
             playing,
             choices[arenas],

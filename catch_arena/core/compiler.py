@@ -56,12 +56,16 @@ USABLE: Final = all(hasattr(owner, name) for owner, names in _NEEDED.items() for
 """Whether this Numba has what is needed here."""
 
 
-class _Part(_Library):  # type: ignore[misc]
-    """A function that only others of ours call: never optimised alone, never emitted."""
+class _Translated(_Library):  # type: ignore[misc]
+    """Functions as LLVM's code, not optimised one by one."""
 
     def add_llvm_module(self, module: Any) -> None:
-        """Before it is optimised with the whole."""
+        """As it stands."""
         self._final_module.link_in(module)
+
+
+class _Part(_Translated):
+    """A function that only others of ours call: never optimised alone, never emitted."""
 
     def finalize(self) -> None:
         """There is nothing to be done: see `_Whole.finalize`."""
@@ -69,12 +73,8 @@ class _Part(_Library):  # type: ignore[misc]
         self._finalized = True
 
 
-class _Whole(_Library):  # type: ignore[misc]
+class _Whole(_Translated):
     """What Python calls, and all that it calls."""
-
-    def add_llvm_module(self, module: Any) -> None:
-        """Before it is optimised with all the others."""
-        self._final_module.link_in(module)
 
     def finalize(self) -> None:
         """Link each part once, optimise all, emit."""
@@ -147,22 +147,6 @@ _SKIPPED: Final = {
 """The core has no closures, nothing that is inlined before it is typed, and no arithmetic with whole arrays."""
 
 
-def _passes(state: Any, lowering: Any) -> list[Any]:
-    builder = compiler.DefaultPassBuilder
-    others = {typed_passes.NopythonTypeInference: _Typing, typed_passes.NativeLowering: lowering}
-    manager = _machinery.PassManager("catch_arena")
-    for part in (
-        builder.define_untyped_pipeline(state),
-        builder.define_typed_pipeline(state),
-        builder.define_nopython_lowering_pipeline(state),
-    ):
-        for step, description in part.passes:
-            if step not in _SKIPPED:
-                manager.add_pass(others.get(step, step), description)
-    manager.finalize()
-    return [manager]
-
-
 @_machinery.register_pass(mutates_CFG=True, analysis_only=False)
 class _LowerRare(_LowerPart):
     """Rare code: one copy of it, made small and not fast."""
@@ -177,28 +161,43 @@ class _LowerRare(_LowerPart):
         return True
 
 
-class RareCompiler(compiler.CompilerBase):  # type: ignore[misc]
-    """For phases that seldom run."""
+class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
+    lowering: Any
+    """The last of the passes."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's passes, of which the last makes a part that stays a function."""
-        return _passes(self.state, _LowerRare)
+        """Numba's passes, but for those that the core does not need, and with ours in the place of two."""
+        builder = compiler.DefaultPassBuilder
+        others = {typed_passes.NopythonTypeInference: _Typing, typed_passes.NativeLowering: self.lowering}
+        manager = _machinery.PassManager("catch_arena")
+        for part in (
+            builder.define_untyped_pipeline(self.state),
+            builder.define_typed_pipeline(self.state),
+            builder.define_nopython_lowering_pipeline(self.state),
+        ):
+            for step, description in part.passes:
+                if step not in _SKIPPED:
+                    manager.add_pass(others.get(step, step), description)
+        manager.finalize()
+        return [manager]
 
 
-class PartCompiler(compiler.CompilerBase):  # type: ignore[misc]
+class RareCompiler(_Compiler):
+    """For phases that seldom run: a part that stays a function."""
+
+    lowering = _LowerRare
+
+
+class PartCompiler(_Compiler):
     """For rules and phases."""
 
-    def define_pipelines(self) -> list[Any]:
-        """Numba's passes, of which the last makes a part."""
-        return _passes(self.state, _LowerPart)
+    lowering = _LowerPart
 
 
-class WholeCompiler(compiler.CompilerBase):  # type: ignore[misc]
+class WholeCompiler(_Compiler):
     """For what Python calls."""
 
-    def define_pipelines(self) -> list[Any]:
-        """Numba's passes, of which the last makes the whole."""
-        return _passes(self.state, _LowerWhole)
+    lowering = _LowerWhole
 
 
 @contextmanager

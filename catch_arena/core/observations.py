@@ -14,7 +14,6 @@ from catch_arena.core.state import (
     BEARING_INTEGRAL,
     COSINE,
     DISTANCE_INTEGRAL,
-    ITEM_BITS,
     LANES,
     RANKS_A_WORD,
     SCORE,
@@ -28,6 +27,7 @@ from catch_arena.core.state import (
     X,
     Y,
     item_at,
+    item_in,
     seat_of,
     span,
     targets_of,
@@ -52,7 +52,6 @@ Observations = NDArray[np.float32]
 Masks = NDArray[np.int8]
 """(lanes, H, K + 1)."""
 Numbers = NDArray[np.float32]
-Keys = NDArray[np.int32]
 
 SELF_WIDTH: Final = len(SelfSeen._fields)
 TARGET_WIDTH: Final = len(TargetSeen._fields)
@@ -172,7 +171,7 @@ def write_ranked(
     while rank + RANKS_A_WORD <= copied:
         word = word_at(order, rank, lane)
         for place in range(RANKS_A_WORD):  # as often as the compiler knows: eight copies without a loop
-            picture = (((word >> (ITEM_BITS * place)) & 255) * len(width) + mine) * PICTURE
+            picture = (item_in(word, place) * len(width) + mine) * PICTURE
             copy_eight(out, at + place * columns, pictures, picture)
         at += RANKS_A_WORD * columns
         rank += RANKS_A_WORD

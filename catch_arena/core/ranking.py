@@ -102,41 +102,20 @@ def _sorting_network(wires: int) -> list[tuple[int, int]]:
 
 
 @rule
-def seen_rival(
-    dx: float,
-    dy: float,
-    sine: float,
-    cosine: float,
-    rival_sine: float,
-    rival_cosine: float,
-    velocity: float,
-    difference: float,
-) -> RivalSeen:
-    """R7.1: a rival as its observer sees it."""
+def rival_at(block: Block, seat: int, other: int, lane: int) -> RivalSeen:
+    """R7.1: what one seat sees of another hunter."""
+    me, rival = seat_of(block, seat), seat_of(block, other)
+    sine, cosine = me[SINE + lane], me[COSINE + lane]
+    rival_sine, rival_cosine = rival[SINE + lane], rival[COSINE + lane]
+    dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
     return RivalSeen(
         forward=cosine * dx + sine * dy,
         left=cosine * dy - sine * dx,
         present=1.0,
         heading_cos=rival_cosine * cosine + rival_sine * sine,
         heading_sin=rival_sine * cosine - rival_cosine * sine,
-        linear_velocity=velocity,
-        score_difference=difference,
-    )
-
-
-@rule
-def rival_at(block: Block, seat: int, other: int, lane: int) -> RivalSeen:
-    """R7.1: what one seat sees of another hunter."""
-    me, rival = seat_of(block, seat), seat_of(block, other)
-    return seen_rival(
-        rival[X + lane] - me[X + lane],
-        rival[Y + lane] - me[Y + lane],
-        me[SINE + lane],
-        me[COSINE + lane],
-        rival[SINE + lane],
-        rival[COSINE + lane],
-        rival[SPEED + lane],
-        rival[SCORE + lane] - me[SCORE + lane],
+        linear_velocity=rival[SPEED + lane],
+        score_difference=rival[SCORE + lane] - me[SCORE + lane],
     )
 
 

@@ -235,6 +235,12 @@ def word_at(words: Block, rank: int, lane: int) -> int:
 
 
 @rule
+def item_in(word: int, rank: int) -> int:
+    """The slot or seat at a rank, in the word that holds it."""
+    return (word >> (ITEM_BITS * (rank % RANKS_A_WORD))) & 255
+
+
+@rule
 def item_at(words: Block, rank: int, lane: int) -> int:
     """The slot or seat at a rank, counted from 0, in a view or another order that is kept in this way."""
-    return (word_at(words, rank, lane) >> (ITEM_BITS * (rank % RANKS_A_WORD))) & 255
+    return item_in(word_at(words, rank, lane), rank)

@@ -66,7 +66,7 @@ from catch_arena.core.state import (
     targets_of,
     view_of,
 )
-from catch_arena.core.vectors import HALF, SINGLE, WIDE, Width, any_of, group, select
+from catch_arena.core.vectors import Width, any_of, group, select
 from catch_arena.core.workspace import Scratch, Tables, aim_of, scratch_of, tables_of
 from catch_arena.verdicts import Verdict
 
@@ -267,8 +267,8 @@ def play(
         put_back_ended(block, s, lanes, scratch.kept, rewards)
 
 
-@passage
-def run_blocks(
+@entry
+def run(
     width: Width,
     view_width: Width,
     memory: NDArray[np.float64],
@@ -341,91 +341,3 @@ def run_blocks(
                     last_observations[first:last],
                     records[first:last],
                 )
-
-
-@entry
-def run(
-    memory: NDArray[np.float64],
-    constants: NDArray[np.float64],
-    numbers: NDArray[np.int64],
-    workspace: NDArray[np.float64],
-    narrow_workspace: NDArray[np.float32],
-    keys: NDArray[np.int32],
-    docket: Docket,
-    resets: NDArray[np.uint64],
-    playing: bool,
-    choices: NDArray[np.int64],
-    commands: NDArray[np.float32],
-    observations: Observations,
-    masks: Masks,
-    rewards: Rewards,
-    ends: NDArray[np.int8],
-    last_observations: Observations,
-    records: NDArray[np.float64],
-) -> None:
-    """A batch: see `run_blocks`."""
-    run_blocks(
-        HALF,
-        WIDE,
-        memory,
-        constants,
-        numbers,
-        workspace,
-        narrow_workspace,
-        keys,
-        docket,
-        resets,
-        playing,
-        choices,
-        commands,
-        observations,
-        masks,
-        rewards,
-        ends,
-        last_observations,
-        records,
-    )
-
-
-@entry
-def run_one(
-    memory: NDArray[np.float64],
-    constants: NDArray[np.float64],
-    numbers: NDArray[np.int64],
-    workspace: NDArray[np.float64],
-    narrow_workspace: NDArray[np.float32],
-    keys: NDArray[np.int32],
-    docket: Docket,
-    resets: NDArray[np.uint64],
-    playing: bool,
-    choices: NDArray[np.int64],
-    commands: NDArray[np.float32],
-    observations: Observations,
-    masks: Masks,
-    rewards: Rewards,
-    ends: NDArray[np.int8],
-    last_observations: Observations,
-    records: NDArray[np.float64],
-) -> None:
-    """One arena: see `run_blocks`."""
-    run_blocks(
-        SINGLE,
-        SINGLE,
-        memory,
-        constants,
-        numbers,
-        workspace,
-        narrow_workspace,
-        keys,
-        docket,
-        resets,
-        playing,
-        choices,
-        commands,
-        observations,
-        masks,
-        rewards,
-        ends,
-        last_observations,
-        records,
-    )

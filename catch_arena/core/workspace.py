@@ -26,7 +26,7 @@ class Tables(NamedTuple):
     controls: NDArray[np.int64]
     """(H,)."""
     target_network: NDArray[np.int64]
-    """(comparators, 2): see `observations.selection_network`."""
+    """(comparators, 2): see `ranking.selection_network`."""
     rival_network: NDArray[np.int64]
 
 

@@ -19,10 +19,21 @@ from typing import Any, NamedTuple, NoReturn
 import startup
 from checkout import ROOT, checked_out, commit_of, current
 from tables import table, times
-from wanted import BESIDE_START, BESIDE_TARGET_CONTROL, MANY_HUNTERS, MEMORY, START, TWO_THREADS, WARM_START, Wanted
+from wanted import (
+    BATCH,
+    BESIDE_START,
+    BESIDE_TARGET_CONTROL,
+    COLD,
+    LARGE,
+    MANY_HUNTERS,
+    MEMORY,
+    START,
+    TWO_THREADS,
+    WARM_START,
+    Wanted,
+)
 
-BATCH, LARGE = "batch of 1,024", "batch of 16,384"
-COLD, WARM, BYTES = "first step, cold", "first step, warm", "memory"
+WARM, BYTES = "first step, warm", "memory"
 
 ROWS: dict[str, tuple[str, ...]] = {
     "batch": (BATCH, LARGE),

@@ -62,8 +62,8 @@ _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
 """What stands in each phase's place."""
 _CALLER = "run"
 """What the engine calls."""
-_WRITTEN_OUT = ("observe", "run_blocks")
-"""What it has written out in itself, with the phases of `observations` in the first."""
+_OBSERVING = "observe"
+"""What it has written out in itself, and the phases of `observations` in that."""
 
 
 def _compiled_without(title: str) -> Any:
@@ -71,8 +71,7 @@ def _compiled_without(title: str) -> Any:
     module, stand_ins = _PHASES[title]
     for name, stand_in in stand_ins.items():
         setattr(module, name, stand_in)
-    for name in _WRITTEN_OUT:
-        setattr(tick, name, passage(getattr(tick, name).py_func))
+    setattr(tick, _OBSERVING, passage(getattr(tick, _OBSERVING).py_func))
     setattr(tick, _CALLER, unkept_entry(getattr(tick, _CALLER).py_func))
     return getattr(tick, _CALLER)
 
@@ -104,7 +103,7 @@ def phases(*, quick: bool) -> list[dict[str, Any]]:
     traffic of the same size.
     """
     titles = list(_PHASES)[:1] if quick else list(_PHASES)
-    changed = [(tick, name) for name in (*_WRITTEN_OUT, _CALLER)]
+    changed = [(tick, _OBSERVING), (tick, _CALLER)]
     changed += [(module, name) for module, stand_ins in _PHASES.values() for name in stand_ins]
     originals = [(module, name, getattr(module, name)) for module, name in changed]
     variants = {"": getattr(tick, _CALLER)}

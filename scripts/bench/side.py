@@ -11,6 +11,7 @@ from typing import Any
 
 import ours
 from measure import Subject, play_round
+from wanted import BATCH, LARGE
 
 
 class Side:
@@ -21,11 +22,11 @@ class Side:
         small, large, at_once = (2, 3, 128) if quick else (1024, 16384, 65536)
         self._large = large
         self._makers: dict[str, Callable[[], Subject]] = {
-            "batch of 1,024": lambda: ours.batch(small),
-            "batch of 16,384": lambda: ours.batch(large),
-            "batch of 16,384, two threads": lambda: ours.batch(large, threads=2),
-            "batch of 16,384, velocity control": lambda: ours.batch(large, control="velocity"),
-            "batch of 16,384, full control": lambda: ours.batch(large, control="full"),
+            BATCH: lambda: ours.batch(small),
+            LARGE: lambda: ours.batch(large),
+            f"{LARGE}, two threads": lambda: ours.batch(large, threads=2),
+            f"{LARGE}, velocity control": lambda: ours.batch(large, control="velocity"),
+            f"{LARGE}, full control": lambda: ours.batch(large, control="full"),
             "4 hunters": lambda: ours.by_hunters(4, at_once // 4),
             "64 hunters": lambda: ours.by_hunters(64, at_once // 64),
             "one arena, target control": lambda: ours.one_arena("target"),

@@ -39,5 +39,7 @@ WARM_START = Wanted(0.8, at_most=True)
 MEMORY = Wanted(4000, at_most=True)
 """Bytes an arena."""
 
-BESIDE_START = {"batch of 1,024": Wanted(2.0), "batch of 16,384": Wanted(1.7), "first step, cold": Wanted(1 / 0.4)}
+BATCH, LARGE, COLD = "batch of 1,024", "batch of 16,384", "first step, cold"
+"""What `--against` measures, by these names."""
+BESIDE_START = {BATCH: Wanted(2.0), LARGE: Wanted(1.7), COLD: Wanted(1 / 0.4)}
 """How many times as fast as the commit START."""

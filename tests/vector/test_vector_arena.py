@@ -149,7 +149,7 @@ def test_more_threads_than_there_is_work_for_cost_nothing():
     before = set(threading.enumerate())  # some of them, from other tests, may end meanwhile
     arena.step(np.zeros((2000, 5), dtype=int))
 
-    assert len(arena._engine._workspaces) == 2
+    assert len(arena._engine._scratch) == 2
     (started,) = set(threading.enumerate()) - before
     for _ in range(2):
         arena.close()
