@@ -5,7 +5,6 @@ arbitration) check what people give.
 import copy
 import gc
 import hashlib
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -17,18 +16,21 @@ from numpy.typing import NDArray
 
 from catch_arena.compiling import told
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
+from catch_arena.core import spawner, tick
 from catch_arena.core import state as rows
-from catch_arena.core import tick
-from catch_arena.core.arbiter import DOCKET_COLUMNS, POLICIES
+from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.compiler import quick_typing
+from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import RECORD_COLUMNS
 from catch_arena.core.jit import INTERPRETED
 from catch_arena.core.math import wrap
+from catch_arena.core.memory import DTYPES, Sections, lay_out, zeros
 from catch_arena.core.random import go_on, spread
 from catch_arena.core.ranking import selection_network
+from catch_arena.core.rewards import PART_NAMES
 from catch_arena.core.state import LANES, Settings, block_rows, view_rows
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
-from catch_arena.core.workspace import KEYS, narrow_size, workspace_rows
+from catch_arena.core.workspace import scratch_shapes
 from catch_arena.errors import ConfigError
 from catch_arena.layout import width
 from catch_arena.seeding import checked_seed
@@ -36,11 +38,8 @@ from catch_arena.threads import Threads
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, TargetState, World
 
-_CONTROLS: Final = {"target": tick.TARGET_CONTROL, "velocity": tick.VELOCITY_CONTROL, "full": tick.FULL_CONTROL}
 _AT_REST: Final = (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE)
 """The rows of a hunter that are zero while nothing drives it."""
-_CACHE_LINE: Final = 64
-"""[bytes] A block's rows are a whole number of lines long."""
 _HUNTERS_A_PART: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
@@ -94,19 +93,10 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
     )
 
 
-def _zeros(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
-    """Zeros that begin with a cache line: NumPy's begin anywhere, and every second SIMD access would straddle two."""
-    size = math.prod(shape)
-    each = np.dtype(dtype).itemsize
-    memory = np.zeros(size + _CACHE_LINE // each, dtype=dtype)
-    first = -memory.ctypes.data % _CACHE_LINE // each
-    return memory[first : first + size].reshape(shape)
-
-
 class Engine:
     """A batch of arenas of one config, played in lockstep.
 
-    Args: `config`; `num_arenas`, B, from 1 up; `parts_wanted`, whether R6.2's parts are kept beside their sum;
+    Args: `config`; `num_arenas`, B, from 1 up; `infos_wanted`, whether R6.2's parts are kept beside their sum;
     `auto_reset`, whether the next episode begins at once where one has ended; `num_threads`, how many may play.
     All arrays below are the engine's own and change with every step: copy what is to be kept.
     """
@@ -116,71 +106,66 @@ class Engine:
         config: ArenaConfig,
         num_arenas: int = 1,
         *,
-        parts_wanted: bool = True,
+        infos_wanted: bool = True,
         auto_reset: bool = False,
         num_threads: int = 1,
     ) -> None:
         _compile_once(one=num_arenas == 1)
         self.config = config
         self.num_arenas = num_arenas
-        self.parts_wanted = parts_wanted
+        self.infos_wanted = infos_wanted
         self.auto_reset = auto_reset
         hunters, seen = config.hunters, config.targets_seen
-        settings = settings_of(config, progress_wanted=parts_wanted)
-        self._constants = np.array((*settings, *itertools.chain(*(config.hunter_poses or ()))), dtype=np.float64)
-        networks = (
-            _network(config.max_targets, seen),
-            # one rank more than is seen: a tie at the edge of the view has to be noticed
-            _network(hunters, min(hunters, config.hunters_seen + 1)),
-        )
-        controls = [_CONTROLS[control] for control in config.controls]
-        self._numbers = np.concatenate(
-            ([len(network) for network in networks], controls, *(network.reshape(-1) for network in networks))
-        ).astype(np.int64)
-        block = block_rows(hunters, config.max_targets, seen)
-        blocks = -(-num_arenas // LANES)
-        self.memory: NDArray[np.float64] = _zeros(blocks, block * LANES)
-        """core/state.py's blocks."""
+        blocks, block = -(-num_arenas // LANES), block_rows(hunters, config.max_targets, seen)
         self._shares = blocks * LANES * hunters // _HUNTERS_A_PART
         self.threads = Threads(max(1, min(num_threads, self._shares)))
-        threads = range(self.threads.size)
-        self._scratch: list[tuple[Any, Any, Any, Any]] = [
-            (
-                _zeros((workspace_rows(hunters) + block) * LANES),
-                _zeros(narrow_size(hunters, width(config)), dtype=np.float32),
-                _zeros(KEYS, dtype=np.int32),
-                np.zeros((hunters, DOCKET_COLUMNS), dtype=np.int64),
+        told = num_arenas if infos_wanted else 0
+        kept = num_arenas if auto_reset else 0
+        scratch = scratch_shapes(hunters, block, width(config))
+        self._memory, sections = lay_out(
+            Sections(
+                settings=np.array(settings_of(config, progress_wanted=infos_wanted), dtype=np.float64),
+                start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
+                controls=np.array([CONTROLS[control] for control in config.controls]),
+                target_network=_network(config.max_targets, seen),
+                # one rank more than is seen: a tie at the edge of the view has to be noticed
+                rival_network=_network(hunters, min(hunters, config.hunters_seen + 1)),
+                blocks=zeros(blocks, block * LANES),
+                parts=zeros(told, hunters, 1 + len(PART_NAMES)),
+                evidence=zeros(told, hunters, len(rows.EVIDENCE)),
+                observations=zeros(num_arenas, hunters, width(config), dtype=np.float32),
+                masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
+                ends=zeros(num_arenas, dtype=np.int8),
+                rewards=zeros(num_arenas - told, hunters, dtype=np.float32),
+                last_observations=zeros(kept, hunters, width(config), dtype=np.float32),
+                records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
+                **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
             )
-            for _ in threads
-        ]
-        self.observations = _zeros(num_arenas, hunters, width(config), dtype=np.float32)
+        )
+        self.memory = sections.blocks
+        """core/state.py's blocks."""
+        self.observations = sections.observations
         """R7.1: (B, H, D)."""
-        self.masks = np.zeros((num_arenas, hunters, seen + 1), dtype=np.int8)
+        self.masks = sections.masks
         """R7.2: (B, H, K + 1)."""
-        self._rewards = np.zeros((num_arenas, hunters, 1 + (len(rows.PART_NAMES) if parts_wanted else 0)))
-        self.rewards = self._rewards[:, :, 0]
-        """R6.2: (B, H)."""
-        self.parts = self._rewards[:, :, 1:]
-        """R6.2: the parts of the last reward, unweighted, in the order of `state.PART_NAMES`: (B, H, 6), or (B, H, 0)
+        self.rewards: NDArray[Any] = sections.parts[:, :, 0] if infos_wanted else sections.rewards
+        """R6.2: (B, H), float64 with the parts and float32 without."""
+        self.parts = sections.parts[:, :, 1:]
+        """R6.2: the parts of the last reward, unweighted, in the order of `rewards.PART_NAMES`: (B, H, 6), or (0, H, 6)
         where they are not wanted.
         """
-        self.ends = np.zeros(num_arenas, dtype=np.int8)
+        self.ends = sections.ends
         """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
-        kept = num_arenas if auto_reset else 0
-        self.last_observations = np.zeros((kept, *self.observations.shape[1:]), dtype=np.float32)
+        self.last_observations = sections.last_observations
         """With auto_reset the last observations of the latest episode that ended in each arena: (B, H, D)."""
-        self.records = np.zeros((kept, hunters, RECORD_COLUMNS))
+        self.records = sections.records
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
+        begin, end = (section.ctypes.data - self._memory.ctypes.data for section in (sections.parts, sections.ends))
+        self.told = self._memory[begin:end].view(np.float32)
+        """`parts`, `evidence`, `observations` and `masks` as they lie one behind the other: copied, all at once."""
+        self.evidence = sections.evidence
+        """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
         self._widths = (SINGLE, SINGLE) if num_arenas == 1 else (HALF, WIDE)
-        self._inputs: tuple[Any, Any, Any, Any, Any, Any] = self._constants, self._numbers, *self._scratch[0]
-        self._outputs: tuple[Any, Any, Any, Any, Any, Any] = (
-            self.observations,
-            self.masks,
-            self._rewards,
-            self.ends,
-            self.last_observations,
-            self.records,
-        )
         self._fields = self.memory.reshape(blocks, block, LANES)  # the same memory: [block, row, lane]
         self._hunters = self._fields[:, rows.ARENA_ROWS : rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS].reshape(
             blocks, hunters, rows.HUNTER_ROWS, LANES
@@ -206,13 +191,13 @@ class Engine:
             raise ConfigError(f"seeds must be one for each of {len(chosen)} arenas, got {len(seeds)}")
         if not isinstance(seeds, np.ndarray) or seeds.dtype != np.uint64:
             seeds = np.array([checked_seed(seed) for seed in seeds], dtype=np.uint64)
-        self._rewards[chosen] = 0.0
+        self.rewards[chosen] = 0.0
         self.ends[chosen] = 0
+        if self.infos_wanted:
+            self.parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         if arenas is None:
-            tick.run(
-                *self._widths, self.memory, *self._inputs, resets, False, _NO_CHOICES, _NO_COMMANDS, *self._outputs
-            )
+            self._run(0, 0, len(self.memory), resets, False, _NO_CHOICES, _NO_COMMANDS)
             return
         if not len(chosen):
             return
@@ -220,54 +205,33 @@ class Engine:
         gaps = np.flatnonzero(np.diff(resets[:, 0] // LANES) > 1) + 1
         for some in np.split(resets, gaps):  # one call for blocks that adjoin; the others keep what they observe
             first, last = (some[[0, -1], 0] // LANES).tolist()
-            some[:, 0] -= np.uint64(first * LANES)
-            self._run_blocks(slice(first, last + 1), some, False, _NO_CHOICES, _NO_COMMANDS)
+            self._run(0, first, last + 1, some, False, _NO_CHOICES, _NO_COMMANDS)
 
     def step(self, choices: NDArray[np.int64], commands: NDArray[np.float32]) -> None:
         """R1.4: one step of every arena.
 
         Args: `choices` (B, H) int64: the rank chosen under target control, or requested under full control, 0 for
-        none; `commands` (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What a
-        seat's control does not read is ignored.
+        none; `commands` (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What no
+        seat's control reads may be an empty array.
         """
-        if self.threads.size == 1:
-            tick.run(*self._widths, self.memory, *self._inputs, _NO_RESETS, True, choices, commands, *self._outputs)
-            return
         blocks, parts = len(self.memory), self._shares
+        if self.threads.size == 1:
+            tick.run(*self._widths, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands)
+            return
 
         def play(thread: int, part: int) -> None:
-            shared = slice(part * blocks // parts, (part + 1) * blocks // parts)
-            self._run_blocks(shared, _NO_RESETS, True, choices, commands, thread)
+            first, last = part * blocks // parts, (part + 1) * blocks // parts
+            self._run(thread, first, last, _NO_RESETS, True, choices, commands)
 
         self.threads.run(parts, play)
 
     def observe(self, arena: int | None = None) -> None:
         """Write observations and masks as things stand, of all arenas or of those in one arena's block."""
-        blocks = slice(0, len(self.memory)) if arena is None else slice(arena // LANES, arena // LANES + 1)
-        self._run_blocks(blocks, _NO_RESETS, False, _NO_CHOICES, _NO_COMMANDS)
+        first, last = (0, len(self.memory)) if arena is None else (arena // LANES, arena // LANES + 1)
+        self._run(0, first, last, _NO_RESETS, False, _NO_CHOICES, _NO_COMMANDS)
 
-    def _run_blocks(
-        self,
-        blocks: slice,
-        resets: NDArray[np.uint64],
-        playing: bool,
-        choices: NDArray[np.int64],
-        commands: NDArray[np.float32],
-        thread: int = 0,
-    ) -> None:
-        arenas = slice(blocks.start * LANES, blocks.stop * LANES)
-        tick.run(
-            *self._widths,
-            self.memory[blocks],
-            self._constants,
-            self._numbers,
-            *self._scratch[thread],
-            resets,
-            playing,
-            choices[arenas],
-            commands[arenas],
-            *(output[arenas] for output in self._outputs),
-        )
+    def _run(self, *given: Any) -> None:
+        tick.run(*self._widths, self._memory, *given)
 
     def withdraw(self, arena: int, seat: int) -> None:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
@@ -289,54 +253,29 @@ class Engine:
         The targets take the next spawn numbers, in their order, and appear now with theta 0.
         """
         block, lane = divmod(arena, LANES)
-        own = self._fields[block, :, lane]
         for seat, (x, y, theta) in enumerate(hunters):
             me = self._hunters[block, seat, :, lane]
             # 0.0 is added so that no zero has a sign
             me[[row // LANES for row in (rows.X, rows.Y, rows.THETA)]] = x + 0.0, y + 0.0, wrap(theta + 0.0)
             for row in (*_AT_REST, rows.AT_WALL):
                 me[row // LANES] = 0.0
-        slots = self._targets[block, :, :, lane]
-        slots[:] = 0.0
-        own[rows.ALIVE // LANES] = 0.0
+        self._targets[block, :, :, lane] = 0.0
+        self._fields[block, rows.ALIVE // LANES, lane] = 0.0
         for x, y in targets:
-            self._add_target(arena, x, y, 0.0)
+            spawner.spawn_at(self._memory, arena, float(x), float(y), 0.0)
         self.observe(arena)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: a target outside the timer, with the next number, which is returned; 0 in a full arena (R3.5)."""
-        block, lane = divmod(arena, LANES)
-        if self._fields[block, rows.ALIVE // LANES, lane] == self.config.max_targets:
-            return 0
-        number = self._add_target(arena, x + 0.0, y + 0.0, theta + 0.0)
+        number = spawner.spawn_at(self._memory, arena, x + 0.0, y + 0.0, theta + 0.0)  # so that no zero has a sign
         self.observe(arena)
         return number
 
-    def _add_target(self, arena: int, x: float, y: float, theta: float) -> int:
-        block, lane = divmod(arena, LANES)
-        own = self._fields[block, :, lane]
-        slot = int(own[rows.ALIVE // LANES])
-        for row in (rows.NUMBERS, rows.SPAWNED, rows.ALIVE):
-            own[row // LANES] += 1.0
-        number = own[rows.NUMBERS // LANES]
-        self._targets[block, :, slot, lane] = number, x, y, theta, own[rows.TIME // LANES]
-        return int(number)
-
     def kill(self, arena: int, number: int) -> bool:
         """R8.1: an alive target leaves uncaught and no longer counts as spawned (R5.8). False where it is not alive."""
-        block, lane = divmod(arena, LANES)
-        own = self._fields[block, :, lane]
-        slots = self._targets[block, :, :, lane]
-        alive = int(own[rows.ALIVE // LANES])
-        (found,) = np.nonzero(slots[0, :alive] == number)
-        if not len(found):
-            return False
-        slots[:, found[0] : -1] = slots[:, found[0] + 1 :].copy()
-        slots[:, -1] = 0.0
-        own[rows.SPAWNED // LANES] -= 1.0
-        own[rows.ALIVE // LANES] -= 1.0
+        killed = spawner.kill(self._memory, arena, number)
         self.observe(arena)
-        return True
+        return killed
 
     # reading
 
@@ -415,9 +354,8 @@ class Engine:
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
         block, lane = divmod(arena, LANES)
-        alive = int(self._fields[block, rows.ALIVE // LANES, lane])
         view = self._views[block, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_A_WORD
-        for rank in range(min(alive, self.config.targets_seen)):
+        for rank in range(int(self.hunter_rows(arena)[seat, rows.SEEN // LANES])):
             slot = view[rank]
             if self.config.target_name(int(self._targets[block, 0, slot, lane])) == name:
                 return rank + 1
@@ -475,15 +413,13 @@ class Engine:
     def __reduce__(self) -> tuple[Any, ...]:
         """Copied and pickled by what it is made from: its arrays share their memory, which a plain copy would part."""
         make = partial(
-            Engine, parts_wanted=self.parts_wanted, auto_reset=self.auto_reset, num_threads=self.threads.size
+            Engine, infos_wanted=self.infos_wanted, auto_reset=self.auto_reset, num_threads=self.threads.size
         )
-        return make, (self.config, self.num_arenas), (self.memory, self._outputs)
+        return make, (self.config, self.num_arenas), self._memory
 
-    def __setstate__(self, state: tuple[NDArray[np.float64], tuple[NDArray[Any], ...]]) -> None:
-        """Take over what the arrays of another engine hold."""
-        self.memory[:] = state[0]
-        for own, other in zip(self._outputs, state[1], strict=True):
-            own[:] = other
+    def __setstate__(self, state: NDArray[np.uint8]) -> None:
+        """Take over what another engine holds."""
+        self._memory[:] = state
 
 
 def next_seeds(seeds: NDArray[np.uint64]) -> NDArray[np.uint64]:

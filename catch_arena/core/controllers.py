@@ -1,19 +1,22 @@
 """Rulebook chapter 4: from an action to a velocity command and a catch request. All of it reads S_t only."""
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import NO_SUCH_RANK, distance_um, micrometres, within_reach
-from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.jit import Block, passage, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
+from catch_arena.core.rewards import aim_at_nearest
 from catch_arena.core.state import (
     ACTIVE,
-    ALIVE,
     BEARING_INTEGRAL,
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
     NO_TARGET,
+    SEEN,
     SINE,
     SPEED,
     TURN_RATE,
@@ -24,9 +27,18 @@ from catch_arena.core.state import (
     X,
     Y,
     item_at,
+    seat_of,
     span,
+    targets_of,
+    view_of,
 )
 from catch_arena.core.vectors import Width, group, select, sqrt
+from catch_arena.core.workspace import Scratch, aim_of
+
+TARGET_CONTROL: Final = 0
+VELOCITY_CONTROL: Final = 1
+FULL_CONTROL: Final = 2
+CONTROLS: Final = {"target": TARGET_CONTROL, "velocity": VELOCITY_CONTROL, "full": FULL_CONTROL}
 
 
 @rule
@@ -44,13 +56,11 @@ def pi_step(
 
 @phase
 def choose(
-    arena: Block,
     me: Block,
     view: Block,
     targets: Targets,
     ranks: NDArray[np.int64],
     lanes: int,
-    s: Settings,
     goals: Block,
 ) -> None:
     """R4.1: the slots that belong to the ranks chosen, NO_TARGET for hold and NO_SUCH_RANK for a rank without a target;
@@ -60,7 +70,7 @@ def choose(
     """
     for lane in range(lanes):
         rank = ranks[lane]
-        there = min(int(arena[ALIVE + lane]), s.targets_seen)
+        there = int(me[SEEN + lane])
         seen = (rank > 0) & (rank <= there)
         slot = select(seen, item_at(view, select(seen, rank - 1, 0), lane), 0)
         place = np.uint64(slot) * np.uint64(LANES) + np.uint64(lane)
@@ -112,11 +122,11 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings) -> None:
 
 
 @phase
-def request_nearest(arena: Block, me: Block, view: Block, targets: Targets, lanes: int, s: Settings) -> None:
+def request_nearest(me: Block, view: Block, targets: Targets, lanes: int, s: Settings) -> None:
     """R4.4: under velocity control the nearest target is requested whenever it is within reach."""
     for lane in range(lanes):
         me[WANTED + lane] = NO_TARGET
-        if arena[ALIVE + lane] > 0.0:
+        if me[SEEN + lane] > 0.0:
             slot = item_at(view, 0, lane)
             at = slot * LANES + lane
             if within_reach(distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane]), s.reach_um):
@@ -146,3 +156,33 @@ def drive_by_command(me: Block, commands: NDArray[np.float32], width: Width, lan
         turn_rate = clamp(me[TURN_RATE + lane], -s.max_turn_rate, s.max_turn_rate)
         me[SPEED + lane] = select(holds, 0.0, speed)
         me[TURN_RATE + lane] = select(holds, 0.0, turn_rate)
+
+
+@passage
+def take_in(
+    block: Block,
+    s: Settings,
+    width: Width,
+    lanes: int,
+    controls: NDArray[np.int64],
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+    scratch: Scratch,
+) -> None:
+    """R1.4's phases 1 and 2: from actions to velocities and wishes, on S_t."""
+    targets = targets_of(block, s)
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        view = view_of(block, seat, s)
+        if controls[seat] == TARGET_CONTROL:
+            choose(me, view, targets, choices[:, seat], lanes, scratch.rows)
+            drive_to_goal(me, scratch.rows, width, s)
+        elif controls[seat] == VELOCITY_CONTROL:
+            request_nearest(me, view, targets, lanes, s)
+            drive_by_command(me, commands[:, seat], width, lanes, s)
+        else:
+            choose(me, view, targets, choices[:, seat], lanes, scratch.rows)
+            mark_active(me, scratch.rows, width)
+            drive_by_command(me, commands[:, seat], width, lanes, s)
+        if s.progress_wanted:
+            aim_at_nearest(me, view, targets, lanes, aim_of(scratch, seat))

@@ -1,36 +1,46 @@
-"""How an episode begins, and what is kept of one that has ended."""
+"""How an episode begins and ends, and what is kept of it."""
 
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, passage, rare
+from catch_arena.core.jit import Block, passage, phase, rare
 from catch_arena.core.math import PI, TAU, sincos, wrap
-from catch_arena.core.observations import Observations
+from catch_arena.core.memory import Sections
 from catch_arena.core.random import START, draw, fraction, next_seed, seed_of, stream
+from catch_arena.core.rewards import Parts, Rewards
 from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
+    ALIVE,
     CONTESTS_WON,
     DISTANCE_UM,
     ENDED,
     LANES,
     NO_TARGET,
+    REQUEST,
     RETURN,
     RUNNING,
     SCORE,
     SEED_HIGH,
     SEED_LOW,
+    SPAWNED,
     STEP,
+    TERMINATED,
     THETA,
+    TIME,
+    TRUNCATED,
+    VERDICT,
     WANTED,
     WINNER,
     Settings,
     X,
     Y,
     seat_of,
+    span,
     targets_of,
 )
+from catch_arena.core.vectors import Width, group, select
 from catch_arena.verdicts import Verdict
 
 # columns of a record: one hunter's episode in figures
@@ -42,9 +52,11 @@ FINAL_CONTESTS_WON: Final = 4
 FINAL_TALLIES: Final = 5  # how often each verdict was met, in the order of Verdict
 RECORD_COLUMNS: Final = FINAL_TALLIES + len(Verdict)
 
+_MATCH_OVER: Final = float(Verdict.MATCH_OVER)
+
 
 @rare
-def finish(block: Block, s: Settings, lane: int, record: NDArray[np.float64]) -> None:
+def finish(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
     """An episode in figures, (H, RECORD_COLUMNS), as it stands in one lane."""
     for seat in range(s.hunters):
         me = seat_of(block, seat)
@@ -60,7 +72,7 @@ def finish(block: Block, s: Settings, lane: int, record: NDArray[np.float64]) ->
 
 
 @rare
-def begin(block: Block, s: Settings, lane: int, start_poses: Block, seed: np.uint64) -> None:
+def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64], seed: np.uint64) -> None:
     """R2.6, R3.1, A.6: one arena at the beginning of an episode."""
     for row in range(len(block) // LANES):
         block[row * LANES + lane] = 0.0
@@ -70,9 +82,9 @@ def begin(block: Block, s: Settings, lane: int, start_poses: Block, seed: np.uin
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         if len(start_poses) > 0:
-            me[X + lane] = start_poses[3 * seat]
-            me[Y + lane] = start_poses[3 * seat + 1]
-            me[THETA + lane] = wrap(start_poses[3 * seat + 2])
+            me[X + lane] = start_poses[seat, 0]
+            me[Y + lane] = start_poses[seat, 1]
+            me[THETA + lane] = wrap(start_poses[seat, 2])
         elif s.hunters == 1:
             me[X + lane] = s.side / 2.0
             me[Y + lane] = s.side / 2.0
@@ -91,22 +103,73 @@ def begin(block: Block, s: Settings, lane: int, start_poses: Block, seed: np.uin
 
 
 @passage
-def begin_again(
-    block: Block,
-    s: Settings,
-    lanes: int,
-    start_poses: Block,
-    observations: Observations,
-    last_observations: Observations,
-    records: NDArray[np.float64],
-) -> None:
-    """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins."""
+def end_test(block: Block, s: Settings, width: Width) -> None:
+    """R1.1, R1.5, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        time = block[TIME + lane] + s.period
+        finished = (block[SPAWNED + lane] >= s.target_budget) & (block[ALIVE + lane] == 0.0)
+        block[TIME + lane] = time
+        block[STEP + lane] = block[STEP + lane] + 1.0
+        block[ENDED + lane] = select(finished, TERMINATED, select(time >= s.time_limit, TRUNCATED, RUNNING))
+
+
+@phase
+def some_ended(block: Block, lanes: int) -> bool:
+    """Whether an episode is over in some lane."""
+    most = RUNNING
     for lane in range(lanes):
-        if block[ENDED + lane] == RUNNING:
+        most = block[ENDED + lane] if block[ENDED + lane] > most else most
+    return most != RUNNING
+
+
+@phase
+def note_ends(block: Block, lanes: int, ends: NDArray[np.int8]) -> None:
+    """R1.5: for those who look from outside."""
+    for lane in range(lanes):
+        ends[lane] = np.int8(block[ENDED + lane])
+
+
+@phase
+def keep(block: Block, kept: Block) -> None:
+    """The block as it is."""
+    for i in range(len(block)):
+        kept[i] = block[i]
+
+
+@passage
+def put_back_ended(block: Block, s: Settings, lanes: int, kept: Block, rewards: Rewards, parts: Parts) -> None:
+    """R5.2: arenas that had ended are played with the others of their block, and then put back as they were kept:
+    nothing moves after the end, and every request is MATCH_OVER.
+    """
+    for lane in range(lanes):
+        if kept[ENDED + lane] == RUNNING:
             continue
         for seat in range(s.hunters):
-            for column in range(observations.shape[2]):
-                last_observations[lane, seat, column] = observations[lane, seat, column]
-        finish(block, s, lane, records[lane])
+            now, then = seat_of(block, seat), seat_of(kept, seat)
+            then[WANTED + lane] = now[WANTED + lane]
+            then[REQUEST + lane] = now[REQUEST + lane]
+            then[VERDICT + lane] = 0.0 if now[WANTED + lane] == NO_TARGET else _MATCH_OVER
+            then[DISTANCE_UM + lane] = -1.0
+            then[WINNER + lane] = -1.0
+            if len(parts) == 0:
+                rewards[lane, seat] = 0.0
+            for column in range(parts.shape[2] if len(parts) > 0 else 0):
+                parts[lane, seat, column] = 0.0
+        for row in range(len(block) // LANES):
+            block[row * LANES + lane] = kept[row * LANES + lane]
+
+
+@passage
+def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sections) -> None:
+    """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins."""
+    for lane in range(last - first):
+        if block[ENDED + lane] == RUNNING:
+            continue
+        seen, last_seen = sections.observations[first + lane], sections.last_observations[first + lane]
+        for seat in range(s.hunters):
+            for column in range(seen.shape[1]):
+                last_seen[seat, column] = seen[seat, column]
+        finish(block, s, lane, sections.records[first + lane])
         seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-        begin(block, s, lane, start_poses, next_seed(seed))
+        begin(block, s, lane, sections.start_poses, next_seed(seed))

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, passage, phase
 from catch_arena.core.math import sincos
+from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import note_order, rank_rivals, rank_targets, resolve_ties, rival_at
 from catch_arena.core.state import (
     ACTIVE,
@@ -17,6 +18,7 @@ from catch_arena.core.state import (
     LANES,
     RANKS_A_WORD,
     SCORE,
+    SEEN,
     SINE,
     SPEED,
     THETA,
@@ -44,11 +46,9 @@ from catch_arena.core.vectors import (
     single,
     stream_eight,
 )
-from catch_arena.core.workspace import PICTURE, Scratch, Tables, order_of
+from catch_arena.core.workspace import PICTURE, Scratch, order_of
 from catch_arena.layout import RivalSeen, SelfSeen, TargetSeen
 
-Observations = NDArray[np.float32]
-"""(lanes, H, D)."""
 Masks = NDArray[np.int8]
 """(lanes, H, K + 1)."""
 Numbers = NDArray[np.float32]
@@ -69,6 +69,15 @@ def face(me: Block, width: Width) -> None:
         sine, cosine = sincos(me[THETA + lane])
         me[SINE + lane] = sine
         me[COSINE + lane] = cosine
+
+
+@phase
+def count_seen(arena: Block, me: Block, s: Settings, width: Width) -> None:
+    """R7.1: how many targets a seat sees, nearest first: those have a rank."""
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        alive = arena[ALIVE + lane]
+        me[SEEN + lane] = select(alive < s.targets_seen, alive, float(s.targets_seen))
 
 
 @phase
@@ -190,7 +199,7 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
     """R7.2: hold and the ranks that have a target. They change rarely, and then for all seats of an arena."""
     ranks = s.targets_seen
     for lane in range(lanes):
-        there = min(int(block[ALIVE + lane]), ranks)
+        there = int(seat_of(block, 0)[SEEN + lane])
         if masks[lane, 0, there] == 0 or (there < ranks and masks[lane, 0, there + 1] == 1):
             for seat in range(s.hunters):
                 for rank in range(ranks + 1):
@@ -232,8 +241,8 @@ def write(
         for seat in range(s.hunters):
             me, view, rivals = seat_of(block, seat), view_of(block, seat, s), order_of(scratch, seat)
             write_self(me, time_left, first, width, to, begin + seat * columns, stride)
-            picture_targets(me, targets, scratch.ages, first, width, slots, scratch.targets)
-            picture_rivals(block, seat, first, width, s, scratch.rivals)
+            picture_targets(me, targets, scratch.ages, first, width, slots, scratch.target_pictures)
+            picture_rivals(block, seat, first, width, s, scratch.rival_pictures)
             for lane in range(first, first + len(width)):
                 at = begin + (lane - first) * stride + seat * columns
                 write_ranked(
@@ -241,45 +250,41 @@ def write(
                     s.targets_seen,
                     s.hunters_seen == 0,
                     lane,
-                    scratch.targets,
+                    scratch.target_pictures,
                     width,
                     TARGET_WIDTH,
                     to,
                     at + SELF_WIDTH,
                 )
-                write_ranked(rivals, s.hunters_seen, True, lane, scratch.rivals, width, RIVAL_WIDTH, to, at + rivals_at)
+                write_ranked(
+                    rivals, s.hunters_seen, True, lane, scratch.rival_pictures, width, RIVAL_WIDTH, to, at + rivals_at
+                )
         if apart:
             hand_out(scratch.views, min(len(width), lanes - first) * stride, out, (arena + first) * stride)
 
 
 @passage
 def observe(
-    block: Block,
-    s: Settings,
-    width: Width,
-    lanes: int,
-    tables: Tables,
-    scratch: Scratch,
-    out: Numbers,
-    arena: int,
-    masks: Masks,
+    block: Block, s: Settings, width: Width, first: int, last: int, sections: Sections, scratch: Scratch
 ) -> None:
-    """R7.1, R7.2: who sees whom in which order, and then the observations and masks of one block.
+    """R7.1, R7.2: who sees whom in which order, and then the observations and masks of a block: of the arenas from
+    `first` up to, but not including, `last`.
 
-    Its first lane is `arena` of the batch. The order of the targets stays in the arena: the next step's choices are
-    ranks in it.
+    The order of the targets stays in the arena: the next step's choices are ranks in it.
     """
+    lanes = last - first
     targets = targets_of(block, s)
     slots = most_alive(block, lanes)
     for seat in range(s.hunters):
         face(seat_of(block, seat), width)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        rank_targets(block, me, targets, width, slots, tables.target_network, scratch.keys)
+        count_seen(block, me, s, width)
+        rank_targets(block, me, targets, width, slots, sections.target_network, scratch.keys)
         note_order(scratch.keys, slots, s.targets_seen, width, view_of(block, seat, s))
         if s.hunters_seen > 0:
-            rank_rivals(block, seat, width, tables.rival_network, s, scratch.keys)
+            rank_rivals(block, seat, width, sections.rival_network, s, scratch.keys)
             resolve_ties(block, seat, width, lanes, s, scratch.keys)
             note_order(scratch.keys, s.hunters, s.hunters_seen, width, order_of(scratch, seat))
-    write(block, s, width, lanes, slots, scratch, out, arena)
-    write_masks(block, s, lanes, masks)
+    write(block, s, width, lanes, slots, scratch, sections.observations.reshape(-1), first)
+    write_masks(block, s, lanes, sections.masks[first:last])

@@ -1,5 +1,7 @@
 """Rulebook chapter 6: the named parts of the reward, and their weighted sum."""
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,8 +10,8 @@ from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
     ALIVE,
     LANES,
-    PART_NAMES,
     RETURN,
+    SEEN,
     VERDICT,
     WITHDRAWN,
     Settings,
@@ -24,18 +26,23 @@ from catch_arena.core.vectors import Width, group, select, sqrt
 from catch_arena.core.workspace import Scratch, aim_of
 from catch_arena.verdicts import Verdict
 
-_LOST_CONTEST = float(Verdict.LOST_CONTEST)
-_GRANTED = float(Verdict.GRANTED)
+PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time")
+"""R6.2's parts of the reward, in the order in which they are written."""
 
-Rewards = NDArray[np.float64]
-"""(lanes, H, 1): the sum; or (lanes, H, 7), with R6.2's parts behind it in the order of `state.PART_NAMES`."""
+_LOST_CONTEST: Final = float(Verdict.LOST_CONTEST)
+_GRANTED: Final = float(Verdict.GRANTED)
+
+Rewards = NDArray[np.float32]
+"""(lanes, H): the sum."""
+Parts = NDArray[np.float64]
+"""(lanes, H, 7): the sum, and R6.2's parts in the order of `PART_NAMES`."""
 
 
 @phase
-def aim_at_nearest(arena: Block, me: Block, view: Block, targets: Targets, lanes: int, aim: Block) -> None:
+def aim_at_nearest(me: Block, view: Block, targets: Targets, lanes: int, aim: Block) -> None:
     """R6.2's progress: the nearest target of S_t, from where the hunter stands."""
     for lane in range(lanes):
-        there = arena[ALIVE + lane] > 0.0
+        there = me[SEEN + lane] > 0.0
         at = select(there, item_at(view, 0, lane), 0) * LANES + lane
         dx = targets.x[at] - me[X + lane]
         dy = targets.y[at] - me[Y + lane]
@@ -61,11 +68,13 @@ def aim_again(arena: Block, me: Block, targets: Targets, lane: int, aim: Block) 
 
 
 @phase
-def reward(block: Block, s: Settings, width: Width, lanes: int, scratch: Scratch, rewards: Rewards) -> None:
-    """R6.2: the sum of the parts, and the parts where there is room for them. Args: `rewards` (lanes, H, 1 or 7)."""
+def reward(
+    block: Block, s: Settings, width: Width, lanes: int, scratch: Scratch, rewards: Rewards, parts: Parts
+) -> None:
+    """R6.2: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not."""
     catches = scratch.rows[:LANES]
     amounts = scratch.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
-    columns = rewards.shape[2]
+    parts_wanted = len(parts) > 0
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         granted = 0.0
@@ -101,7 +110,7 @@ def reward(block: Block, s: Settings, width: Width, lanes: int, scratch: Scratch
             )
             me[RETURN + lane] = me[RETURN + lane] + total
             amounts[lane] = total
-            if columns == 1:
+            if not parts_wanted:
                 continue
             amounts[LANES + lane] = granted
             amounts[2 * LANES + lane] = rival
@@ -110,5 +119,8 @@ def reward(block: Block, s: Settings, width: Width, lanes: int, scratch: Scratch
             amounts[5 * LANES + lane] = progress
             amounts[6 * LANES + lane] = elapsed
         for lane in range(lanes):
-            for column in range(columns):
-                rewards[lane, seat, column] = amounts[column * LANES + lane]
+            if not parts_wanted:
+                rewards[lane, seat] = np.float32(amounts[lane])
+                continue
+            for column in range(1 + len(PART_NAMES)):
+                parts[lane, seat, column] = amounts[column * LANES + lane]

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from catch_arena.core.jit import Block, phase, rare, rule
+from catch_arena.core.jit import Block, entry, phase, rare, rule
 from catch_arena.core.math import TAU
+from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
 from catch_arena.core.state import (
     ALIVE,
@@ -19,6 +20,7 @@ from catch_arena.core.state import (
     TIME,
     Settings,
     Targets,
+    targets_of,
 )
 
 
@@ -102,3 +104,31 @@ def spawn_through(arena: Block, targets: Targets, lanes: int, s: Settings) -> No
     for lane in range(lanes):
         while (arena[FIRINGS + lane] + 1.0) * s.spawn_period <= arena[TIME + lane] + s.period:
             fire(arena, targets, lane, seed_of(arena[SEED_HIGH + lane], arena[SEED_LOW + lane]), s)
+
+
+@entry
+def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int:
+    """R8.1: a target outside the timer. Returns: its number; 0 where the arena is full (R3.5)."""
+    sections = sections_of(memory)
+    s = settings_in(sections.settings)
+    block, lane = sections.blocks[arena // LANES], arena % LANES
+    if block[ALIVE + lane] >= s.slots:
+        return 0
+    block[NUMBERS + lane] += 1.0
+    add_target(block, targets_of(block, s), lane, x, y, theta, block[TIME + lane])
+    return int(block[NUMBERS + lane])
+
+
+@entry
+def kill(memory: Bytes, arena: int, number: int) -> bool:
+    """R8.1, R5.8: an alive target leaves uncaught, and no longer counts as spawned. False where it is not alive."""
+    sections = sections_of(memory)
+    s = settings_in(sections.settings)
+    block, lane = sections.blocks[arena // LANES], arena % LANES
+    targets = targets_of(block, s)
+    for slot in range(int(block[ALIVE + lane])):
+        if targets.number[slot * LANES + lane] == number:
+            remove_target(block, targets, lane, slot)
+            block[SPAWNED + lane] -= 1.0
+            return True
+    return False

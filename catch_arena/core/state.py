@@ -8,9 +8,6 @@ fill the slots from 0 in spawning order (R8.2), all others are zero.
 
 from typing import Final, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from catch_arena.core.jit import Block, passage, rule
 from catch_arena.core.vectors import Width, bits_of
 from catch_arena.verdicts import Verdict
@@ -58,19 +55,19 @@ WITHDRAWN: Final = 10 * LANES  # R1.6's flag
 HUNTER_DIGEST_ROWS: Final = 11
 SINE: Final = 11 * LANES  # of theta
 COSINE: Final = 12 * LANES
-WANTED: Final = 13 * LANES  # slot requested in this step, NO_TARGET or NO_SUCH_RANK
-REQUEST: Final = 14 * LANES  # number of the target requested, 0 for none
-VERDICT: Final = 15 * LANES  # R5.2, 0 for no request
-DISTANCE_UM: Final = 16 * LANES  # the verdict's evidence [micrometres], -1 for none
-WINNER: Final = 17 * LANES  # seat, -1 for none
-RETURN: Final = 18 * LANES  # the rewards of this episode
-CONTESTS_WON: Final = 19 * LANES  # in this episode: kills granted or refused that a rival could have had
-TALLIES: Final = 20 * LANES  # how often each verdict was met in this episode, in the order of Verdict
-HUNTER_ROWS: Final = 20 + len(Verdict)
+SEEN: Final = 13 * LANES  # how many targets it sees: those have a rank
+WANTED: Final = 14 * LANES  # slot requested in this step, NO_TARGET or NO_SUCH_RANK
+REQUEST: Final = 15 * LANES  # number of the target requested, 0 for none
+VERDICT: Final = 16 * LANES  # R5.2, 0 for no request
+DISTANCE_UM: Final = 17 * LANES  # the verdict's evidence [micrometres], -1 for none
+WINNER: Final = 18 * LANES  # seat, -1 for none
+RETURN: Final = 19 * LANES  # the rewards of this episode
+CONTESTS_WON: Final = 20 * LANES  # in this episode: kills granted or refused that a rival could have had
+TALLIES: Final = 21 * LANES  # how often each verdict was met in this episode, in the order of Verdict
+HUNTER_ROWS: Final = 21 + len(Verdict)
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
-
-PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time")
-"""R6.2's parts of the reward, in the order in which they are written."""
+EVIDENCE: Final = (REQUEST, VERDICT, DISTANCE_UM, WINNER)
+"""The answer to a request (R5.6)."""
 
 # rows of a target slot; all five stand in the digest in this order (A.8)
 TARGET_ROWS: Final = 5
@@ -93,7 +90,7 @@ class Targets(NamedTuple):
 
 
 class Settings(NamedTuple):
-    """The config in SI units and as scalars, in the order in which `engine` writes them."""
+    """The config in SI units and as scalars."""
 
     hunters: int
     slots: int
@@ -130,54 +127,6 @@ class Settings(NamedTuple):
     rejected_request_weight: float
     progress_weight: float
     time_weight: float
-
-
-SETTINGS: Final = 35
-"""How many there are."""
-
-
-@rule
-def read_settings(numbers: NDArray[np.float64]) -> Settings:
-    """The settings from the array in which they reach compiled code: a tuple of scalars would cost microseconds a
-    call to hand over.
-    """
-    return Settings(
-        int(numbers[0]),
-        int(numbers[1]),
-        int(numbers[2]),
-        int(numbers[3]),
-        int(numbers[4]),
-        int(numbers[5]),
-        numbers[6],
-        numbers[7],
-        numbers[8],
-        numbers[9],
-        numbers[10],
-        numbers[11],
-        numbers[12],
-        numbers[13],
-        numbers[14],
-        numbers[15],
-        numbers[16],
-        numbers[17],
-        numbers[18],
-        numbers[19],
-        numbers[20],
-        numbers[21],
-        numbers[22],
-        numbers[23],
-        int(numbers[24]),
-        numbers[25],
-        numbers[26],
-        numbers[27],
-        numbers[28],
-        numbers[29],
-        numbers[30],
-        numbers[31],
-        numbers[32],
-        numbers[33],
-        numbers[34],
-    )
 
 
 RANKS_A_WORD: Final = 8

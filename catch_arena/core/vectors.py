@@ -195,7 +195,7 @@ Typer = Callable[..., Any]
 Emitter = Callable[..., Any]
 
 
-def _compiled_as(function: Callable[..., Any], typer: Typer, arity: int, *formal: Any) -> Callable[[Emitter], Emitter]:
+def compiled_as(function: Callable[..., Any], typer: Typer, arity: int, *formal: Any) -> Callable[[Emitter], Emitter]:
     """What a function is for the compiler: `typer` gives its signature, or None where it is not for these types; what
     is decorated emits its code.
     """
@@ -221,7 +221,7 @@ def _operate(symbol: Callable[..., Any], emit: Emitter, *, compares: bool = Fals
         both = _common(a, b)
         return None if both is None else (_like(both, types.boolean) if compares else both)(both, both)
 
-    @_compiled_as(symbol, typer, 2, Vector, Vector)
+    @compiled_as(symbol, typer, 2, Vector, Vector)
     def _(_context: Any, builder: Any, signature: Any, both: Any) -> Any:
         return emit(builder, signature.args[0].dtype, *both)
 
@@ -261,7 +261,7 @@ for _symbol, _written in (
     _operate(_symbol, _comparison(_written), compares=True)
 
 
-@_compiled_as(operator.neg, lambda a: a(a) if isinstance(a, Vector) else None, 1, Vector)
+@compiled_as(operator.neg, lambda a: a(a) if isinstance(a, Vector) else None, 1, Vector)
 def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
     return builder.fneg(*arguments)
 
@@ -275,7 +275,7 @@ def _type_of_lanes_added(a: Any, b: Any) -> Any:
     return None
 
 
-@_compiled_as(operator.add, _type_of_lanes_added, 2, types.Integer, Lanes)
+@compiled_as(operator.add, _type_of_lanes_added, 2, types.Integer, Lanes)
 def _(_context: Any, builder: Any, _signature: Any, both: Any) -> Any:
     return builder.add(*both)
 
@@ -297,7 +297,7 @@ def _type_of_load(row: Any, lane: Any) -> Any:
     return None
 
 
-@_compiled_as(operator.getitem, _type_of_load, 2, types.Array, Lanes)
+@compiled_as(operator.getitem, _type_of_load, 2, types.Array, Lanes)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     vector = signature.return_type
     row, lane = arguments
@@ -311,7 +311,7 @@ def _type_of_store(row: Any, lane: Any, _value: Any) -> Any:
     return None
 
 
-@_compiled_as(operator.setitem, _type_of_store, 3, types.Array, Lanes, Vector)
+@compiled_as(operator.setitem, _type_of_store, 3, types.Array, Lanes, Vector)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     row, lane, value = arguments
     vector = signature.args[2]
@@ -324,7 +324,7 @@ def _type_of_group(_first: Any, width: Any) -> Any:
     return (Lanes(len(width)) if len(width) > 1 else types.int64)(types.int64, width)
 
 
-@_compiled_as(group, _type_of_group, 2)
+@compiled_as(group, _type_of_group, 2)
 def _(_context: Any, _builder: Any, _signature: Any, arguments: Any) -> Any:
     return arguments[0]
 
@@ -345,7 +345,7 @@ def _type_of_select(condition: Any, a: Any, b: Any) -> Any:
     return number(types.boolean, number, number)
 
 
-@_compiled_as(select, _type_of_select, 3)
+@compiled_as(select, _type_of_select, 3)
 def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
     return builder.select(*arguments)
 
@@ -354,7 +354,7 @@ def _type_of_any(condition: Any) -> Any:
     return types.boolean(condition)
 
 
-@_compiled_as(any_of, _type_of_any, 1)
+@compiled_as(any_of, _type_of_any, 1)
 def _(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     (condition,) = signature.args
     if not isinstance(condition, Vector):
@@ -381,7 +381,7 @@ def _type_of_rounded(value: Any) -> Any:
 
 
 for _function, _name in ((floor, "floor"), (sqrt, "sqrt")):
-    _compiled_as(_function, _type_of_rounded, 1)(_rounded_by(_name))
+    compiled_as(_function, _type_of_rounded, 1)(_rounded_by(_name))
 
 
 def _convert(function: Callable[..., Any], source: Any, dtype: Any, *instructions: tuple[str, Any]) -> None:
@@ -390,7 +390,7 @@ def _convert(function: Callable[..., Any], source: Any, dtype: Any, *instruction
     def typer(value: Any) -> Any:
         return _like(value, dtype)(_like(value, source))
 
-    @_compiled_as(function, typer, 1)
+    @compiled_as(function, typer, 1)
     def _(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         (value,) = arguments
         for instruction, made in instructions:
@@ -441,7 +441,7 @@ def _type_of_put_rows(out: Any, _at: Any, _stride: Any, columns: Any) -> Any:
     return types.void(out, types.int64, types.int64, columns) if isinstance(columns, types.BaseTuple) else None
 
 
-@_compiled_as(put_rows, _type_of_put_rows, 4)
+@compiled_as(put_rows, _type_of_put_rows, 4)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     out, at, stride, columns = arguments
     given = signature.args[3]
@@ -481,7 +481,7 @@ def _copy(function: Callable[..., Any], count: int, *, streamed: bool = False) -
     vector = Vector(types.float32, count)
     align = 32 if streamed else 4
 
-    @_compiled_as(function, _type_of_copy, 4)
+    @compiled_as(function, _type_of_copy, 4)
     def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         out, at, source, place = arguments
         numbers = builder.load(_pointer(context, builder, signature.args[2], source, place, vector), align=align)

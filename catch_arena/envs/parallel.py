@@ -2,6 +2,7 @@
 door.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from html import escape
@@ -14,6 +15,7 @@ from pettingzoo import ParallelEnv
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core import state as rows
+from catch_arena.core.rewards import PART_NAMES
 from catch_arena.engine import Engine, next_seeds
 from catch_arena.envs.infos import Infos
 from catch_arena.envs.spaces import (
@@ -35,9 +37,7 @@ RENDER_MODES: Final = ("rgb_array", "human")
 RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
-_EVIDENCE: Final = slice(rows.REQUEST // rows.LANES, rows.WINNER // rows.LANES + 1)
-"""The rows of a hunter from which its info is made: REQUEST, VERDICT, DISTANCE_UM and WINNER."""
-
+_NO_COMMAND: Final = (0.0, 0.0)
 _NO_ANSWER: Final[dict[str, Any]] = dict.fromkeys(("verdict", "reason", "target", "distance_um", "winner"))
 
 
@@ -103,12 +103,18 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._window: Any = None
 
     def _look_at_the_engine(self) -> None:
-        """Name the one arena's own rows of what the engine writes."""
-        self._evidence = self._engine.hunter_rows(0)[:, _EVIDENCE]
-        self._seen, self._masks, self._rewards, self._parts = (
-            array[0]
-            for array in (self._engine.observations, self._engine.masks, self._engine.rewards, self._engine.parts)
+        """Note where in the engine's `told` each thing lies, in numbers of float32."""
+        engine = self._engine
+        begin, seen, masks, end = (
+            (section.ctypes.data - engine.told.ctypes.data) // engine.told.itemsize
+            for section in (engine.evidence, engine.observations, engine.masks, engine.ends)
         )
+        width = engine.observations.shape[2]
+        self._seen = {
+            agent: slice(seen + seat * width, seen + (seat + 1) * width) for agent, seat in self._seats.items()
+        }
+        self._parts, self._evidence, self._masks = slice(0, begin), slice(begin, seen), slice(masks, end)
+        self._rewards = engine.rewards[0]
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """What was copied or unpickled looks at its own engine."""
@@ -168,7 +174,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._replay.note(self._engine)
         if self.render_mode == "human":
             self.render()
-        return self._observations(), self._infos()
+        return self._told()
 
     def step(
         self, actions: Mapping[str, Any]
@@ -194,7 +200,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         rewards = dict(zip(self.possible_agents, self._rewards.tolist(), strict=True))
         if len(agents) < len(self.possible_agents):
             rewards = {agent: rewards[agent] for agent in agents}
-        result = self._observations(), rewards, terminations, truncations, self._infos()
+        observations, infos = self._told()
         if ended:
             self._over = True
             self.agents = []
@@ -204,7 +210,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._over = not self.agents
         if self.render_mode == "human":
             self.render()
-        return result
+        return observations, rewards, terminations, truncations, infos
 
     def withdraw(self, agent: str) -> None:
         """R1.6: the agent takes no further part.
@@ -323,8 +329,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def check_action(self, agent: str, action: object) -> None:
         """Raise the ActionError that `step` would raise for that action; nothing moves."""
-        seat = self._seats[self._known(agent)]
-        self._take_in_one(agent, seat, action, self._choices.copy(), self._commands.copy())
+        self._checked(agent, self._seats[self._known(agent)], action)
 
     def _known(self, agent: str) -> str:
         if agent not in self._seats:
@@ -341,35 +346,35 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         agents = self.agents
         if len(actions) != len(agents):
             self._explain_mismatch(actions)
-        choices, commands = self._choices, self._commands
+        choices, commands = self._choices[0], self._commands[0].reshape(-1)
+        ranks, seats = self._ranks, self._seats
         try:
             if self._all_target_control:
-                row, ranks, seats = choices[0], self._ranks, self._seats
                 for agent in agents:
                     action = actions[agent]
-                    if type(action) is not int or not 0 <= action <= ranks:
-                        action = checked_choice(agent, "an action", action, ranks)
-                    row[seats[agent]] = action
+                    legal = type(action) is int and 0 <= action <= ranks
+                    choices[seats[agent]] = action if legal else checked_choice(agent, "an action", action, ranks)
             else:
                 for agent in agents:
-                    self._take_in_one(agent, self._seats[agent], actions[agent], choices, commands)
+                    seat = seats[agent]
+                    choices[seat], (speed, turn_rate) = self._checked(agent, seat, actions[agent])
+                    commands[2 * seat] = speed
+                    commands[2 * seat + 1] = turn_rate
         except KeyError:
             self._explain_mismatch(actions)
         for agent in self._withdrawn:
             if agent not in agents:
-                choices[0, self._seats[agent]] = 0
-                commands[0, self._seats[agent]] = 0.0
+                choices[seats[agent]] = 0
+                self._commands[0, seats[agent]] = 0.0
 
-    def _take_in_one(
-        self, agent: str, seat: int, action: object, choices: NDArray[np.int64], commands: NDArray[np.float32]
-    ) -> None:
-        control, ranks = self._controls[seat], self._ranks
-        if control == "target":
-            choices[0, seat] = checked_choice(agent, "an action", action, ranks)
-        elif control == "velocity":
-            checked_command(agent, "an action", action, commands[0, seat])
-        else:
-            choices[0, seat] = checked_full(agent, action, ranks, commands[0, seat])
+    def _checked(self, agent: str, seat: int, action: Any) -> tuple[int, tuple[float, float]]:
+        """A seat's choice and command. Raises: ActionError."""
+        control = self._controls[seat]
+        if control == "velocity":
+            return 0, checked_command(agent, "an action", action)
+        if control == "full":
+            return checked_full(agent, action, self._ranks)
+        return checked_choice(agent, "an action", action, self._ranks), _NO_COMMAND
 
     def _explain_mismatch(self, actions: Mapping[str, Any]) -> NoReturn:
         for agent in actions:
@@ -380,42 +385,38 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         missing = [agent for agent in self.agents if agent not in actions]
         raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
 
-    def _observations(self) -> dict[str, Any]:
-        fresh = self._seen.copy()
-        if self.config.mask_in_observation:
-            masks = self._masks.copy()
-            return {
-                agent: {"observation": fresh[seat], "action_mask": masks[seat]}
-                if self.config.controls[seat] == "target"
-                else fresh[seat]
-                for agent, seat in self._seats.items()
-                if agent in self.agents
-            }
-        seats = self._seats
-        return {agent: fresh[seats[agent]] for agent in self.agents}  # an array's iterator would take twice as long
+    def _told(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
+        """Observations and infos by agent, both from one copy of what the engine tells."""
+        told, agents, seen = self._engine.told.copy(), self.agents, self._seen
+        infos = Infos(dict.fromkeys(agents))
+        infos.make = lambda: self._infos(agents, told)
+        if not self.config.mask_in_observation:
+            return {agent: told[seen[agent]] for agent in agents}, infos
+        masks = self._masks_in(told).copy()
+        observations = {
+            agent: {"observation": told[seen[agent]], "action_mask": masks[self._seats[agent]]}
+            if self._controls[self._seats[agent]] == "target"
+            else told[seen[agent]]
+            for agent in agents
+        }
+        return observations, infos
 
-    def _infos(self) -> dict[str, dict[str, Any]]:
-        left = self.agents, self._evidence.copy(), self._parts.copy(), self._masks.tobytes()
-        infos = Infos(dict.fromkeys(self.agents))
-        infos.make = lambda: self._told(*left)
-        return infos
+    def _masks_in(self, told: NDArray[np.float32]) -> NDArray[np.int8]:
+        shape = self._engine.masks.shape[1:]
+        return told[self._masks].view(np.int8)[: math.prod(shape)].reshape(shape)
 
-    def _told(
-        self,
-        agents: Sequence[str],
-        evidence: NDArray[np.float64],
-        parts: NDArray[np.float64],
-        mask_bytes: bytes,
-    ) -> dict[str, dict[str, Any]]:
-        """The infos of a step from what it left: evidence (H, 4), parts of the rewards (H, 6) and masks (H, K + 1)."""
+    def _infos(self, agents: Sequence[str], told: NDArray[np.float32]) -> dict[str, dict[str, Any]]:
+        """The infos of a step by agent, from what the engine told."""
         infos = {}
-        masks = np.ndarray(self._masks.shape, np.int8, bytearray(mask_bytes))
-        told, shares = evidence.tolist(), parts.tolist()
+        masks = self._masks_in(told)
+        hunters = self.config.hunters
+        answers = told[self._evidence].view(np.float64)[: hunters * len(rows.EVIDENCE)].reshape(hunters, -1).tolist()
+        shares = told[self._parts].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
         for agent in agents:
             seat = self._seats[agent]
-            number, verdict, distance, winner = told[seat]
+            number, verdict, distance, winner = answers[seat]
             infos[agent] = info = _NO_ANSWER.copy()
-            info["reward_parts"] = _named_parts(*shares[seat])
+            info["reward_parts"] = _named_parts(*shares[seat][1:])
             if self._controls[seat] == "target":
                 info["action_mask"] = masks[seat]
             elif self._controls[seat] == "full":
@@ -433,7 +434,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 def _named_parts(
     catch: float, rival_catch: float, lost_contest: float, rejected_request: float, progress: float, time: float
 ) -> dict[str, float]:
-    """`state.PART_NAMES` to their values, in half the time that dict(zip(...)) takes."""
+    """`rewards.PART_NAMES` to their values, in half the time that dict(zip(...)) takes."""
     return {
         "catch": catch,
         "rival_catch": rival_catch,

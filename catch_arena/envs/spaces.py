@@ -1,12 +1,10 @@
 """The spaces of an arena, and the check of an action against them."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import ActionError
@@ -62,27 +60,24 @@ def _whole_number(action: object) -> int | None:
     return int(action) if isinstance(action, int) and not isinstance(action, bool) else None
 
 
-def checked_command(agent: str, what: str, action: Any, out: NDArray[np.float32]) -> None:
-    """Two numbers in [-1, 1], written to `out`, (2,). Raises: ActionError."""
+def checked_command(agent: str, what: str, action: Any) -> tuple[float, float]:
+    """Two numbers in [-1, 1]. Raises: ActionError."""
     pair = action.tolist() if isinstance(action, np.ndarray) else action
-    legal = isinstance(pair, list | tuple) and len(pair) == 2
-    if legal:
+    if isinstance(pair, (list, tuple)) and len(pair) == 2:
         speed, turn_rate = pair
-        try:
-            legal = math.fabs(speed) <= 1.0 and math.fabs(turn_rate) <= 1.0  # false for NaN too
-        except TypeError:
+        try:  # NaN lies nowhere
+            legal = -1.0 <= speed <= 1.0 and -1.0 <= turn_rate <= 1.0
+        except (TypeError, ValueError):
             legal = False
-    if not legal or type(speed) is bool or type(turn_rate) is bool:
-        raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {action!r}")
-    out[0] = speed
-    out[1] = turn_rate
+        if legal and type(speed) is not bool and type(turn_rate) is not bool:
+            return speed, turn_rate
+    raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {action!r}")
 
 
-def checked_full(agent: str, action: Any, ranks: int, out: NDArray[np.float32]) -> int:
-    """{"cmd_vel": two numbers in [-1, 1], "catch": a rank}; the rank is returned. Raises: ActionError."""
+def checked_full(agent: str, action: Any, ranks: int) -> tuple[int, tuple[float, float]]:
+    """{"cmd_vel": two numbers in [-1, 1], "catch": a rank}: the rank, and the two. Raises: ActionError."""
     named = type(action) is dict or isinstance(action, Mapping)
     if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
         raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {action!r}")
     choice = checked_choice(agent, "catch", action["catch"], ranks)
-    checked_command(agent, "cmd_vel", action["cmd_vel"], out)
-    return choice
+    return choice, checked_command(agent, "cmd_vel", action["cmd_vel"])

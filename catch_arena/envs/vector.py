@@ -60,7 +60,7 @@ class VectorArena:
       (B, H, D) float32, the last observations, and `episode`, a dict with `length` [steps], `return` (rewards
       summed), `score`, `rank` (1 is best, equal scores share it), `contests_won` and `contests_lost`, all (B, H), and
       `verdicts`, (B, H, 11), how often each verdict was met, in the order of `Verdict`. Rows whose episode ended
-      earlier keep what they had; all but `_final_obs` and `final_obs` are float64.
+      earlier keep what they had; all but `_final_obs` are float32.
 
     Everything that is returned lies in buffers that the next call fills anew; `copy=True` returns arrays of their
     own. A step allocates no memory, unless actions come in other types than int64 and float32.
@@ -93,11 +93,11 @@ class VectorArena:
         shape = (num_envs, self.config.hunters)
         try:
             self._engine = Engine(
-                self.config, num_envs, parts_wanted=False, auto_reset=auto_reset, num_threads=num_threads
+                self.config, num_envs, infos_wanted=False, auto_reset=auto_reset, num_threads=num_threads
             )
-            self._choices = np.zeros(shape, dtype=np.int64)
-            self._commands = np.zeros((*shape, 2), dtype=np.float32)
-            self._rewards = np.zeros(shape, dtype=np.float32)
+            controls = set(self.config.controls)
+            self._choices = np.zeros((0, 0) if controls == {"velocity"} else shape, dtype=np.int64)
+            self._commands = np.zeros((0, 0, 2) if controls == {"target"} else (*shape, 2), dtype=np.float32)
             self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
         except MemoryError as error:
             raise ConfigError(f"num_envs must fit into this machine's memory, got {num_envs}: {error}") from None
@@ -192,12 +192,11 @@ class VectorArena:
             raise EpisodeError("step must follow a reset: no episode has begun")
         engine = self._engine
         engine.step(*self._taken_in(actions))
-        np.copyto(self._rewards, engine.rewards, casting="same_kind")
         np.equal(engine.ends, _TERMINATED, out=self._terminations)
         np.equal(engine.ends, _TRUNCATED, out=self._truncations)
         np.logical_or(self._terminations, self._truncations, out=self._ended)
         return self._handed_out(
-            (engine.observations, self._rewards, self._terminations, self._truncations, dict(self._infos))
+            (engine.observations, engine.rewards, self._terminations, self._truncations, dict(self._infos))
         )
 
     def _taken_in(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:

@@ -51,7 +51,7 @@ def _rivals_as_they_sit(
 
 _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
     "intake and hosted controllers": (tick, {"take_in": _nothing}),
-    "arbiter and commit": (tick, {"arbitrate": _nothing, "commit": _nothing}),
+    "arbiter and commit": (tick, {"settle": _nothing}),
     "motion": (tick, {"move": _nothing}),
     "spawning": (tick, {"spawn_through": _nothing}),
     "rewards": (tick, {"reward": _nothing}),
@@ -122,7 +122,7 @@ def phases(*, quick: bool) -> list[dict[str, Any]]:
 def _at_play(envs: int) -> tuple[catch_arena.Engine, Callable[[], None]]:
     """A batch in the middle of an episode, and its step."""
     config = catch_arena.scenario("standard")
-    engine = catch_arena.Engine(config, envs, parts_wanted=False)
+    engine = catch_arena.Engine(config, envs, infos_wanted=False)
     engine.reset(range(envs))
     choices = np.ones((envs, config.hunters), dtype=np.int64)
     commands = np.zeros((envs, config.hunters, 2), dtype=np.float32)

@@ -7,7 +7,7 @@ import pickle
 import pytest
 
 from catch_arena import parallel_env
-from catch_arena.core.state import PART_NAMES
+from catch_arena.core.rewards import PART_NAMES
 from catch_arena.envs.infos import Infos
 
 CONTENT = {"hunter_0": {"verdict": None}, "hunter_1": {"verdict": 3}}
@@ -82,9 +82,9 @@ def test_parts_stand_in_the_order_of_the_rulebook():
     """They are named one by one."""
     env = parallel_env("standard")
     env.reset(seed=5)
-    env._parts[0] = range(6)
+    env._engine.parts[0] = range(6)
 
-    assert list(env._infos()["hunter_0"]["reward_parts"].items()) == list(zip(PART_NAMES, range(6), strict=True))
+    assert list(env._told()[1]["hunter_0"]["reward_parts"].items()) == list(zip(PART_NAMES, range(6), strict=True))
 
 
 def test_infos_tell_of_their_own_step():

@@ -34,6 +34,7 @@ HUNTER = [
     "WITHDRAWN",
     "SINE",
     "COSINE",
+    "SEEN",
     "WANTED",
     "REQUEST",
     "VERDICT",

@@ -149,7 +149,7 @@ def test_more_threads_than_there_is_work_for_cost_nothing():
     before = set(threading.enumerate())  # some of them, from other tests, may end meanwhile
     arena.step(np.zeros((2000, 5), dtype=int))
 
-    assert len(arena._engine._scratch) == 2
+    assert arena._engine.threads.size == 2
     (started,) = set(threading.enumerate()) - before
     for _ in range(2):
         arena.close()
@@ -469,7 +469,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
         arena.restore_row(0, larger.save())
     with pytest.raises(ConfigError, match="a saved state must be one of 3 arenas here, got one of a single row"):
         arena.restore(arena.save_row(0))
-    with pytest.raises(ConfigError, match=re.escape("a saved state must have the shape (1, 3712), got (2, 3712)")):
+    with pytest.raises(ConfigError, match=re.escape("a saved state must have the shape (1, 3776), got (2, 3776)")):
         arena.restore(arena.save()._replace(memory=larger.save().memory))
     with pytest.raises(ConfigError, match="seat must be a whole number from 0 to 1, got 2"):
         arena.action_space(2)

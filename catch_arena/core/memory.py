@@ -1,0 +1,193 @@
+"""An engine's memory: one piece of bytes, which compiled code gets by one address. An array for each of its sections
+would cost a microsecond a call to hand over.
+
+It begins with its directory: for each field of `Sections` where the section begins and how many numbers it has.
+`Settings` are a section, and have no numbering either: names, order and types stand in these two classes alone.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Final, NamedTuple, get_args
+
+import numba.core.types
+import numpy as np
+from llvmlite import ir
+from numba.np import numpy_support
+from numpy.typing import NDArray
+
+from catch_arena.core.state import Settings
+from catch_arena.core.vectors import compiled_as
+
+types: Any = numba.core.types  # typed here and there, and not where it matters
+
+Bytes = NDArray[np.uint8]
+
+CACHE_LINE: Final = 64
+"""[bytes] Each section begins with one: of what begins anywhere every second SIMD access would straddle two."""
+
+
+class Sections(NamedTuple):
+    """B arenas in blocks, H hunters, D columns, K targets seen; T threads.
+
+    Of each array its type and how many dimensions it has. What a scenario or a batch does not need has no numbers.
+    """
+
+    settings: Annotated[NDArray[np.float64], 1]
+    """`Settings`, in the order of its fields."""
+    start_poses: Annotated[NDArray[np.float64], 2]
+    """(H, 3), or (0, 3) for the fair circle (R2.6)."""
+    controls: Annotated[NDArray[np.int64], 1]
+    """(H,): see `controllers`."""
+    target_network: Annotated[NDArray[np.int64], 2]
+    """(comparators, 2): see `ranking.selection_network`."""
+    rival_network: Annotated[NDArray[np.int64], 2]
+    keys: Annotated[NDArray[np.int32], 2]
+    """(T, numbers), as those that follow: see `workspace.Scratch`."""
+    ages: Annotated[NDArray[np.float32], 2]
+    target_pictures: Annotated[NDArray[np.float32], 2]
+    rival_pictures: Annotated[NDArray[np.float32], 2]
+    views: Annotated[NDArray[np.float32], 2]
+    docket: Annotated[NDArray[np.int64], 3]
+    rows: Annotated[NDArray[np.float64], 2]
+    orders: Annotated[NDArray[np.float64], 2]
+    aims: Annotated[NDArray[np.float64], 2]
+    kept: Annotated[NDArray[np.float64], 2]
+    blocks: Annotated[NDArray[np.float64], 2]
+    """(blocks, rows * LANES): see `state`."""
+    parts: Annotated[NDArray[np.float64], 3]
+    """(B, H, 7): the reward, and R6.2's parts in the order of `rewards.PART_NAMES`; or none, and then `rewards`."""
+    evidence: Annotated[NDArray[np.float64], 3]
+    """(B, H, 4): the answer to each hunter's request, in the order of `state.EVIDENCE`; or none."""
+    observations: Annotated[NDArray[np.float32], 3]
+    """R7.1: (B, H, D)."""
+    masks: Annotated[NDArray[np.int8], 3]
+    """R7.2: (B, H, K + 1)."""
+    ends: Annotated[NDArray[np.int8], 1]
+    """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED, (B,)."""
+    rewards: Annotated[NDArray[np.float32], 2]
+    """(B, H), or none where there are parts."""
+    last_observations: Annotated[NDArray[np.float32], 3]
+    """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""
+    records: Annotated[NDArray[np.float32], 3]
+    """(B, H, RECORD_COLUMNS): that episode in figures, see `episodes`."""
+
+
+DTYPES: Final = {
+    name: np.dtype(get_args(get_args(kind.__origin__)[1])[0]) for name, kind in Sections.__annotations__.items()
+}
+NDIMS: Final = tuple(kind.__metadata__[0] for kind in Sections.__annotations__.values())
+_DIRECTORY: Final = sum(1 + ndim for ndim in NDIMS)
+"""How many numbers of int64: where each section begins, and its shape."""
+
+
+def zeros(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
+    """For `lay_out`: a section that takes no memory yet."""
+    return np.broadcast_to(np.zeros((), dtype=dtype), shape)
+
+
+def lay_out(wanted: Sections) -> tuple[Bytes, Sections]:
+    """The bytes with sections of these shapes and values, and the sections as they lie there.
+
+    Raises: TypeError for a section that is not of its field's type.
+    """
+    arrays: tuple[NDArray[Any], ...] = wanted
+    for (name, dtype), ndim, array in zip(DTYPES.items(), NDIMS, arrays, strict=True):
+        if array.dtype != dtype or array.ndim != ndim:
+            raise TypeError(
+                f"{name} must be of {dtype} and {ndim} dimensions, got {array.dtype} and {array.ndim} dimensions"
+            )
+    size = _whole_lines(8 * _DIRECTORY)
+    directory: list[int] = []
+    for array in arrays:
+        directory += [size, *array.shape]
+        size += _whole_lines(array.nbytes)
+    raw = np.zeros(size + CACHE_LINE, dtype=np.uint8)
+    memory = raw[-raw.ctypes.data % CACHE_LINE :][:size]
+    memory[: 8 * _DIRECTORY].view(np.int64)[:] = directory
+    sections = sections_of(memory)
+    own: tuple[NDArray[Any], ...] = sections
+    for section, array in zip(own, arrays, strict=True):
+        if any(array.strides):  # the others are zeros, as all is
+            section[:] = array
+    return memory, sections
+
+
+def _whole_lines(size: int) -> int:
+    return -(-size // CACHE_LINE) * CACHE_LINE
+
+
+def sections_of(memory: Bytes) -> Sections:
+    """The sections of a memory."""
+    directory = iter(memory[: 8 * _DIRECTORY].view(np.int64).tolist())
+    sections = []
+    for dtype, ndim in zip(DTYPES.values(), NDIMS, strict=True):
+        begin, *shape = (next(directory) for _ in range(1 + ndim))
+        end = begin + math.prod(shape) * dtype.itemsize
+        sections.append(memory[begin:end].view(dtype).reshape(shape))
+    return Sections(*sections)
+
+
+def settings_in(numbers: NDArray[np.float64]) -> Settings:
+    """The settings from their section."""
+    kinds = Settings.__annotations__.values()
+    return Settings(*(kind(number) for kind, number in zip(kinds, numbers.tolist(), strict=True)))
+
+
+# ---- for the compiler ----
+
+_INT64: Final = ir.IntType(64)
+_SECTIONS: Final = types.NamedTuple(
+    [
+        types.Array(numpy_support.from_dtype(dtype), ndim, "C")
+        for dtype, ndim in zip(DTYPES.values(), NDIMS, strict=True)
+    ],
+    Sections,
+)
+_SETTINGS: Final = types.NamedTuple(
+    [types.int64 if kind is int else types.float64 for kind in Settings.__annotations__.values()], Settings
+)
+
+
+def _type_of_sections(memory: Any) -> Any:
+    return _SECTIONS(memory)
+
+
+@compiled_as(sections_of, _type_of_sections, 1)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    memory = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    numbers = _numbers_at(builder, builder.bitcast(memory, _INT64.as_pointer()), _DIRECTORY)
+    sections = []
+    for kind in _SECTIONS:
+        begin, *shape = (next(numbers) for _ in range(1 + kind.ndim))
+        strides = [context.get_constant(types.intp, kind.dtype.bitwidth // 8)]
+        for extent in shape[:0:-1]:
+            strides.insert(0, builder.mul(strides[0], extent))
+        array = context.make_array(kind)(context, builder)
+        context.populate_array(
+            array,
+            data=builder.bitcast(builder.gep(memory, [begin]), array.data.type),
+            shape=shape,
+            strides=strides,
+            itemsize=strides[-1],
+            meminfo=None,
+        )
+        sections.append(array._getvalue())  # noqa: SLF001
+    return context.make_tuple(builder, signature.return_type, sections)
+
+
+def _type_of_settings(numbers: Any) -> Any:
+    return _SETTINGS(numbers)
+
+
+@compiled_as(settings_in, _type_of_settings, 1)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    numbers = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    settings = [
+        number if kind is types.float64 else builder.fptosi(number, _INT64)
+        for kind, number in zip(_SETTINGS, _numbers_at(builder, numbers, len(_SETTINGS)), strict=True)
+    ]
+    return context.make_tuple(builder, signature.return_type, settings)
+
+
+def _numbers_at(builder: Any, pointer: Any, count: int) -> Iterator[Any]:
+    return (builder.load(builder.gep(pointer, [_INT64(place)])) for place in range(count))

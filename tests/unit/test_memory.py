@@ -1,0 +1,83 @@
+"""An engine's memory: what Python lays out and what compiled code finds there are the same arrays."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from catch_arena.core.jit import INTERPRETED, unkept_entry
+from catch_arena.core.memory import CACHE_LINE, DTYPES, NDIMS, Sections, lay_out, sections_of, settings_in, zeros
+from catch_arena.core.state import Settings
+
+
+def some_sections() -> Sections:
+    """Each of another size, with other numbers."""
+    made = {}
+    for place, ((name, dtype), ndim) in enumerate(zip(DTYPES.items(), NDIMS, strict=True)):
+        shape = (1 + place % 4, 3, 5)[:ndim]
+        made[name] = (np.arange(np.prod(shape)) + place).astype(dtype).reshape(shape)
+    return Sections(**made)
+
+
+def test_sections_lie_where_the_directory_says():
+    """Each from a cache line on, none over another, and all of their own values."""
+    wanted = some_sections()
+    memory, sections = lay_out(wanted)
+
+    for name, section, array in zip(Sections._fields, sections, wanted, strict=True):
+        assert section.tobytes() == array.tobytes(), name
+        assert section.shape == array.shape, name
+        assert section.ctypes.data % CACHE_LINE == 0, name
+    places = sorted((section.ctypes.data, section.nbytes) for section in sections)
+    assert all(begin + size <= after for (begin, size), (after, _) in itertools.pairwise(places))
+    assert memory.ctypes.data <= places[0][0]
+    assert places[-1][0] + places[-1][1] <= memory.ctypes.data + memory.nbytes
+
+
+def test_compiled_code_finds_the_same_sections():
+    """It reads the last number of each, and writes the first."""
+    wanted = some_sections()
+    memory, sections = lay_out(wanted)
+
+    @unkept_entry
+    def look(memory, shapes):
+        found = sections_of(memory)
+        shapes[0, 0], shapes[0, 1], shapes[0, 2] = found.docket.shape
+        shapes[1, 0], shapes[1, 1] = found.blocks.shape
+        total = found.docket[-1, -1, -1] + found.blocks[-1, -1] + found.masks[-1, -1, -1] + found.rewards[-1, -1]
+        found.rewards[0, 1] = 77.0
+        found.masks[0, 2, 1] = 7
+        return total
+
+    shapes = np.zeros((2, 3), dtype=np.int64)
+    total = look(memory, shapes)
+
+    assert total == sum(float(getattr(wanted, name).flat[-1]) for name in ("docket", "blocks", "masks", "rewards"))
+    assert shapes.tolist() == [list(wanted.docket.shape), [*wanted.blocks.shape, 0]]
+    assert sections.rewards[0, 1] == 77.0
+    assert sections.masks[0, 2, 1] == 7
+
+
+def test_settings_come_back_as_they_were_whatever_their_order():
+    """Whole numbers as whole numbers, compiled and interpreted."""
+    numbers = np.arange(len(Settings._fields)) + 0.5
+
+    @unkept_entry
+    def read(numbers):
+        return settings_in(numbers)
+
+    for settings in (settings_in(numbers), read(numbers)):
+        assert isinstance(settings, Settings)
+        for kind, number, setting in zip(Settings.__annotations__.values(), numbers, settings, strict=True):
+            assert type(setting) is kind
+            assert setting == kind(number)
+    assert INTERPRETED or read.signatures
+
+
+def test_a_section_of_another_type_is_refused():
+    """The directory holds shapes, not types."""
+    wanted = some_sections()
+    with pytest.raises(TypeError, match="masks must be of int8 and 3 dimensions, got int64 and 3 dimensions"):
+        lay_out(wanted._replace(masks=zeros(1, 2, 3, dtype=np.int64)))
+    with pytest.raises(TypeError, match="ends must be of int8 and 1 dimensions, got int8 and 2 dimensions"):
+        lay_out(wanted._replace(ends=zeros(1, 2, dtype=np.int8)))
