@@ -62,16 +62,19 @@ _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
 """What stands in each phase's place."""
 _CALLER = "run"
 """What the engine calls."""
-_OBSERVING = "observe"
-"""What it has written out in itself, and the phases of `observations` in that."""
+_WRITTEN_OUT = ("play", "observe")
+"""What it has written out in itself, with all other phases in these two."""
 
 
 def _compiled_without(title: str) -> Any:
-    """The step without that phase. Numba reads the names in a module when it compiles, at the first call."""
+    """The step without that phase. Numba reads the names in a module when it compiles, at the first call; what it has
+    compiled it keeps, so that all that has the phase written out is made anew.
+    """
     module, stand_ins = _PHASES[title]
     for name, stand_in in stand_ins.items():
         setattr(module, name, stand_in)
-    setattr(tick, _OBSERVING, passage(getattr(tick, _OBSERVING).py_func))
+    for name in _WRITTEN_OUT:
+        setattr(tick, name, passage(getattr(tick, name).py_func))
     setattr(tick, _CALLER, unkept_entry(getattr(tick, _CALLER).py_func))
     return getattr(tick, _CALLER)
 
@@ -103,7 +106,8 @@ def phases(*, quick: bool) -> list[dict[str, Any]]:
     traffic of the same size.
     """
     titles = list(_PHASES)[:1] if quick else list(_PHASES)
-    changed = [(tick, _OBSERVING), (tick, _CALLER)]
+    _at_play(33)  # the whole step is compiled, and kept for other processes, before anything stands in for a phase
+    changed = [(tick, name) for name in (*_WRITTEN_OUT, _CALLER)]
     changed += [(module, name) for module, stand_ins in _PHASES.values() for name in stand_ins]
     originals = [(module, name, getattr(module, name)) for module, name in changed]
     variants = {"": getattr(tick, _CALLER)}

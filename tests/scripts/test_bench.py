@@ -111,10 +111,21 @@ def test_a_target_is_met_or_missed_by_the_digits_that_are_shown(bound, at_most, 
     assert module("wanted", monkeypatch).Wanted(bound, at_most).said(measured) == said
 
 
+PLAYED = """
+import numpy, catch_arena
+engine = catch_arena.Engine(catch_arena.scenario("standard"), 33)
+engine.reset(range(33))
+for _ in range(60):
+    engine.step(numpy.ones((33, 4), int), numpy.zeros((33, 4, 2), numpy.float32))
+print([engine.digest(arena).hex() for arena in range(33)], engine.rewards.tobytes().hex())
+"""
+
+
 @pytest.mark.nightly
 def test_the_phases_of_a_step_add_up_to_the_whole(tmp_path):
     """As far as rounding goes; the rest has a row of its own, and what only moves memory stands below."""
-    done = bench("--quick", "--only", "phases", "--json", tmp_path / "bench.json")
+    empty = {**COMPILED, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    done = bench("--quick", "--only", "phases", "--json", tmp_path / "bench.json", environment=empty)
     assert done.returncode == 0, done.stderr
     rows = [row[0] for row in table(done.stdout, "Where a step's time goes")]
     for batch in json.loads((tmp_path / "bench.json").read_text())["phases"]:
@@ -123,6 +134,11 @@ def test_the_phases_of_a_step_add_up_to_the_whole(tmp_path):
         assert {*phases, whole} <= {*rows}
         spent = batch["ns_per_agent_step"]
         assert sum(spent[name] for name in phases) == pytest.approx(spent[whole])
+    played = [
+        subprocess.run([sys.executable, "-c", PLAYED], env=environment, check=True, capture_output=True).stdout
+        for environment in (empty, {**COMPILED, "NUMBA_DISABLE_JIT": "1"})
+    ]
+    assert played[0] == played[1], "a stand-in for a phase was kept as compiled code"
 
 
 def test_the_work_of_a_step_stands_beside_its_rate(run):
