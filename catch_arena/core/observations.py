@@ -10,6 +10,7 @@ from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import note_order, rank_rivals, rank_targets, resolve_ties, rival_at
 from catch_arena.core.state import (
+    ABSENT,
     ACTIVE,
     ALIVE,
     BEARING_INTEGRAL,
@@ -57,6 +58,8 @@ SELF_WIDTH: Final = len(SelfSeen._fields)
 TARGET_WIDTH: Final = len(TargetSeen._fields)
 RIVAL_WIDTH: Final = len(RivalSeen._fields)
 
+_MANY: Final = 4
+"""As many hunters for each that is seen: then what is seen of them is found out one by one."""
 _STREAMED: Final = 1 << 21
 """From so many numbers on, what a batch sees would push everything else out of the caches."""
 
@@ -195,6 +198,21 @@ def write_ranked(
 
 
 @phase
+def write_rivals(block: Block, seat: int, order: Block, ranks: int, lane: int, out: Numbers, at: int) -> None:
+    """R7.1: the rivals of one lane, each seen when its rank is written: for a few of very many, of whom it would take
+    longer to make all the pictures.
+    """
+    for rank in range(ranks):
+        other = item_at(order, rank, lane)
+        if other == ABSENT:
+            for column in range(RIVAL_WIDTH):
+                out[at + column] = 0.0
+        else:
+            put_rows(out, at, PICTURE, rival_at(block, seat, other, lane))
+        at += RIVAL_WIDTH
+
+
+@phase
 def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
     """R7.2: hold and the ranks that have a target. They change rarely, and then for all seats of an arena."""
     ranks = s.targets_seen
@@ -231,6 +249,7 @@ def write(
     note_time_left(block, s, width, time_left)
     rivals_at = SELF_WIDTH + s.targets_seen * TARGET_WIDTH
     columns = rivals_at + s.hunters_seen * RIVAL_WIDTH
+    few_of_many = s.hunters > _MANY * s.hunters_seen
     stride = s.hunters * columns
     for first in range(0, span(width), len(width)):
         if first >= lanes:
@@ -242,7 +261,8 @@ def write(
             me, view, rivals = seat_of(block, seat), view_of(block, seat, s), order_of(scratch, seat)
             write_self(me, time_left, first, width, to, begin + seat * columns, stride)
             picture_targets(me, targets, scratch.ages, first, width, slots, scratch.target_pictures)
-            picture_rivals(block, seat, first, width, s, scratch.rival_pictures)
+            if not few_of_many:
+                picture_rivals(block, seat, first, width, s, scratch.rival_pictures)
             for lane in range(first, first + len(width)):
                 at = begin + (lane - first) * stride + seat * columns
                 write_ranked(
@@ -256,9 +276,20 @@ def write(
                     to,
                     at + SELF_WIDTH,
                 )
-                write_ranked(
-                    rivals, s.hunters_seen, True, lane, scratch.rival_pictures, width, RIVAL_WIDTH, to, at + rivals_at
-                )
+                if few_of_many:
+                    write_rivals(block, seat, rivals, s.hunters_seen, lane, to, at + rivals_at)
+                else:
+                    write_ranked(
+                        rivals,
+                        s.hunters_seen,
+                        True,
+                        lane,
+                        scratch.rival_pictures,
+                        width,
+                        RIVAL_WIDTH,
+                        to,
+                        at + rivals_at,
+                    )
         if apart:
             hand_out(scratch.views, min(len(width), lanes - first) * stride, out, (arena + first) * stride)
 

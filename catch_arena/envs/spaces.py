@@ -27,7 +27,7 @@ def observation_space(config: ArenaConfig, control: Control) -> spaces.Space[Any
 
 def action_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
     """R4.1, R4.4: what a hunter of that control may do."""
-    choice = spaces.Discrete(config.targets_seen + 1)
+    choice: spaces.Space[Any] = spaces.Discrete(config.targets_seen + 1)
     if control == "target":
         return choice
     command = spaces.Box(-1.0, 1.0, (2,), dtype=np.float32)

@@ -4,14 +4,34 @@ It knows only what `ours` does: what both versions offer in public.
 """
 
 import json
+import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
 import ours
 from measure import Subject, play_round
 from wanted import BATCH, LARGE
+
+_THREADED = f"{LARGE}, two threads"
+
+
+@contextmanager
+def _on_one_processor() -> Iterator[None]:
+    """Both sides play on the same one: what a shared machine's processors give differs by a third at times, and for
+    minutes.
+    """
+    if not hasattr(os, "sched_setaffinity"):  # elsewhere than on Linux
+        yield
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {max(before)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
 
 
 class Side:
@@ -24,7 +44,7 @@ class Side:
         self._makers: dict[str, Callable[[], Subject]] = {
             BATCH: lambda: ours.batch(small),
             LARGE: lambda: ours.batch(large),
-            f"{LARGE}, two threads": lambda: ours.batch(large, threads=2),
+            _THREADED: lambda: ours.batch(large, threads=2),
             f"{LARGE}, velocity control": lambda: ours.batch(large, control="velocity"),
             f"{LARGE}, full control": lambda: ours.batch(large, control="full"),
             "4 hunters": lambda: ours.by_hunters(4, at_once // 4),
@@ -50,7 +70,8 @@ class Side:
     def time(self, what: str, seconds: float) -> dict[str, float]:
         """Seconds of a step of one arena, or of one agent's step in a batch: of all threads, and on the wall."""
         subject = self._made[what]
-        played = play_round(subject, seconds)
+        with nullcontext() if what == _THREADED else _on_one_processor():
+            played = play_round(subject, seconds)
         steps = played.calls * (1 if subject.envs == 1 else subject.envs * subject.agents)
         return {"cpu_s": played.cpu_s / steps, "wall_s": played.wall_s / steps}
 
