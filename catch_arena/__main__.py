@@ -11,7 +11,9 @@ if TYPE_CHECKING:
 def main(words: "Sequence[str] | None" = None, name: str = "catch-arena") -> "NoReturn":
     """Run the command line, and exit.
 
-    Args: `words`, those that the process was started with if None; `name`, the one that usage messages show.
+    Args:
+        words: those that the process was started with if None.
+        name: the one that usage messages show.
     """
     interrupts.listen()  # before anything that takes time is imported
     from catch_arena.cli import main as command

@@ -35,14 +35,26 @@ def arbitrate(
 ) -> list[Ruling]:
     """The verdicts of chapter 5 on the requests of one step.
 
-    Args: `hunters`, (x, y) [m] by seat; `targets`, name -> (x, y) [m] of those alive, numbered from 1 in their order
-    for the lots of R5.5; `requests`, (seat, name) in any order, where any object may stand for the name; `reach_m`
-    (R5.3); `policy` (R5.9); `seed` in [0, 2^64) and `step` from 0, which the lots are drawn from; `caught`, names
-    caught in earlier steps; `inactive`, seats that are withdrawn; `kill_service_up`; `kill_refused`, names whose kill
-    the simulator refuses; `match_over`.
-    Returns: one Ruling for each request, in the order of the requests.
-    Raises: ActionError for a seat that does not exist or a position that is not two finite numbers; ConfigError for
-    any other argument that cannot be.
+    Args:
+        hunters: (x, y) [m] by seat.
+        targets: name -> (x, y) [m] of those alive, numbered from 1 in their order for the lots of R5.5.
+        requests: (seat, name) in any order, where any object may stand for the name.
+        reach_m: a target is within reach strictly below this distance (R5.3).
+        policy: "nearest", "first_come" or "capstone" (R5.9).
+        seed: a whole number in [0, 2^64), from which the lots are drawn.
+        step: a whole number from 0, from which they are drawn too.
+        caught: names caught in earlier steps.
+        inactive: seats that are withdrawn.
+        kill_service_up: whether the simulator's kill service answers.
+        kill_refused: names whose kill the simulator refuses.
+        match_over: whether the episode has ended.
+
+    Returns:
+        one Ruling for each request, in the order of the requests.
+
+    Raises:
+        ActionError: for a seat that does not exist or a position that is not two finite numbers.
+        ConfigError: for any other argument that cannot be.
     """
     for field, given in (("hunters", hunters), ("requests", requests), ("caught", caught), ("inactive", inactive)):
         if isinstance(given, str) or not isinstance(given, Collection):
@@ -62,24 +74,24 @@ def arbitrate(
     if isinstance(step, bool) or not isinstance(step, int) or not 0 <= step < 2**53:
         raise ConfigError(f"step must be a whole number from 0, got {step!r}")
     numbers = {name: number for number, name in enumerate(alive, start=1)}
-    docket = np.zeros((len(requests), arbiter.DOCKET_COLUMNS), dtype=np.int64)
-    for row, request in zip(docket, requests, strict=True):
+    table = np.zeros((len(requests), arbiter.REQUEST_COLUMNS), dtype=np.int64)
+    for row, request in zip(table, requests, strict=True):
         seat, name = _checked_request(request, seats)
-        row[arbiter.SEAT] = seat
-        row[arbiter.INACTIVE] = seat in out
-        row[arbiter.DISTANCE] = -1
+        row[arbiter.REQUEST_SEAT] = seat
+        row[arbiter.REQUEST_INACTIVE] = seat in out
+        row[arbiter.REQUEST_DISTANCE] = -1
         if not isinstance(name, str) or len(name) > _LONGEST_NAME:
-            row[arbiter.TARGET] = arbiter.NO_SUCH_RANK
+            row[arbiter.REQUEST_TARGET] = arbiter.NO_SUCH_RANK
         elif name in alive:
             (x, y), (target_x, target_y) = places[seat], alive[name]
-            row[arbiter.TARGET] = row[arbiter.TARGET_NUMBER] = numbers[name]
-            row[arbiter.DISTANCE] = arbiter.distance_um(target_x - x, target_y - y)
-            row[arbiter.REFUSED] = name in refused
+            row[arbiter.REQUEST_TARGET] = row[arbiter.REQUEST_NUMBER] = numbers[name]
+            row[arbiter.REQUEST_DISTANCE] = arbiter.distance_um(target_x - x, target_y - y)
+            row[arbiter.REQUEST_KILL_REFUSED] = name in refused
         else:
-            row[arbiter.TARGET] = arbiter.ALREADY_GONE if name in gone else arbiter.NEVER_SPAWNED
+            row[arbiter.REQUEST_TARGET] = arbiter.ALREADY_GONE if name in gone else arbiter.NEVER_SPAWNED
     reach_um = max(1, math.floor(1e6 * reach_m + 0.5))
     arbiter.judge(
-        docket,
+        table,
         arbiter.POLICIES[policy],
         np.uint64(checked_seed(seed)),
         step,
@@ -89,13 +101,13 @@ def arbitrate(
     )
     return [
         Ruling(
-            verdict=Verdict(row[arbiter.VERDICT]),
-            hunter=row[arbiter.SEAT],
+            verdict=Verdict(row[arbiter.REQUEST_VERDICT]),
+            hunter=row[arbiter.REQUEST_SEAT],
             target=name,
-            distance_um=None if row[arbiter.DISTANCE] < 0 else row[arbiter.DISTANCE],
-            winner=None if row[arbiter.WINNER] < 0 else row[arbiter.WINNER],
+            distance_um=None if row[arbiter.REQUEST_DISTANCE] < 0 else row[arbiter.REQUEST_DISTANCE],
+            winner=None if row[arbiter.REQUEST_WINNER] < 0 else row[arbiter.REQUEST_WINNER],
         )
-        for row, (_, name) in zip(docket.tolist(), requests, strict=True)
+        for row, (_, name) in zip(table.tolist(), requests, strict=True)
     ]
 
 

@@ -34,8 +34,9 @@ class Estimate(event.Listener):
     """How long compiling takes. It hears of each function that Numba compiles, and of none that comes from its cache:
     nobody else knows for certain what is kept for this Python, this Numba and this processor.
 
-    Args: `inner`, the names of the functions that are compiled before those that call them; `total_s`, how long it
-    took the last time, or None.
+    Args:
+        inner: the names of the functions that are compiled before those that call them.
+        total_s: how long it took the last time, or None.
     """
 
     def __init__(self, inner: set[str], total_s: float | None) -> None:
@@ -70,7 +71,7 @@ class Estimate(event.Listener):
 
 
 @contextmanager
-def told() -> Iterator[None]:
+def progress_shown() -> Iterator[None]:
     """Whoever waits for the compiler in this block reads how long, on the standard error stream."""
     estimate = Estimate(INNER, _last_time_s())
     over = threading.Event()

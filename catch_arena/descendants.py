@@ -21,8 +21,15 @@ _PAUSE_S: Final = 0.002
 def start(module: str, channel: int, **options: Any) -> subprocess.Popen[bytes]:
     """A process that runs the `main` of a module of ours, with the same modules to import as this one.
 
-    It has a session of its own, so that Ctrl-C is for this process alone. Args: `channel`, a socket, which is its
-    standard input; `options`, more of those of Popen. Raises: OSError.
+    It has a session of its own, so that Ctrl-C is for this process alone.
+
+    Args:
+        module: what it runs, by its full name; it has a function `main`.
+        channel: a socket, which is its standard input.
+        options: more of those of Popen.
+
+    Raises:
+        OSError: where no process can be started.
     """
     code = f"import sys; sys.path[:] = sys.argv[1:]; from {module} import main; main()"
     path = [str(Path(entry).absolute()) for entry in (*sys.path, "")]

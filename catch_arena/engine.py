@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.compiling import told
+from catch_arena.compiling import progress_shown
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core import spawner, tick
 from catch_arena.core import state as rows
@@ -25,10 +25,10 @@ from catch_arena.core.episodes import RECORD_COLUMNS
 from catch_arena.core.jit import INTERPRETED
 from catch_arena.core.math import wrap
 from catch_arena.core.memory import DTYPES, Sections, lay_out, zeros
-from catch_arena.core.random import go_on, spread
+from catch_arena.core.random import advance_seeds, derive_row_seeds
 from catch_arena.core.ranking import selection_network
 from catch_arena.core.rewards import PART_NAMES
-from catch_arena.core.state import LANES, Settings, block_rows, view_rows
+from catch_arena.core.state import LANES, Settings, block_rows, target_order_rows
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.errors import ConfigError
@@ -96,9 +96,13 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
 class Engine:
     """A batch of arenas of one config, played in lockstep.
 
-    Args: `config`; `num_arenas`, B, from 1 up; `infos_wanted`, whether R6.2's parts are kept beside their sum;
-    `auto_reset`, whether the next episode begins at once where one has ended; `num_threads`, how many may play.
-    All arrays below are the engine's own and change with every step: copy what is to be kept.
+    Args:
+        config: the arena's settings.
+        num_arenas: B, from 1 up.
+        infos_wanted: whether R6.2's parts are kept beside their sum.
+        auto_reset: whether the next episode begins at once where one has ended.
+        num_threads: how many may play. All arrays below are the engine's own and change with every step: copy what is
+            to be kept.
     """
 
     def __init__(
@@ -119,7 +123,7 @@ class Engine:
         blocks, block = -(-num_arenas // LANES), block_rows(hunters, config.max_targets, seen)
         self._shares = blocks * LANES * hunters // _HUNTERS_A_PART
         self.threads = Threads(max(1, min(num_threads, self._shares)))
-        told = num_arenas if infos_wanted else 0
+        with_infos = num_arenas if infos_wanted else 0
         kept = num_arenas if auto_reset else 0
         scratch = scratch_shapes(hunters, block, width(config))
         self._memory, sections = lay_out(
@@ -131,12 +135,12 @@ class Engine:
                 # one rank more than is seen: a tie at the edge of the view has to be noticed
                 rival_network=_network(hunters, min(hunters, config.hunters_seen + 1)),
                 blocks=zeros(blocks, block * LANES),
-                parts=zeros(told, hunters, 1 + len(PART_NAMES)),
-                evidence=zeros(told, hunters, len(rows.EVIDENCE)),
+                parts=zeros(with_infos, hunters, 1 + len(PART_NAMES)),
+                evidence=zeros(with_infos, hunters, len(rows.EVIDENCE)),
                 observations=zeros(num_arenas, hunters, width(config), dtype=np.float32),
                 masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
                 ends=zeros(num_arenas, dtype=np.int8),
-                rewards=zeros(num_arenas - told, hunters, dtype=np.float32),
+                rewards=zeros(num_arenas - with_infos, hunters, dtype=np.float32),
                 last_observations=zeros(kept, hunters, width(config), dtype=np.float32),
                 records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
                 **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
@@ -161,7 +165,7 @@ class Engine:
         self.records = sections.records
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
         begin, end = (section.ctypes.data - self._memory.ctypes.data for section in (sections.parts, sections.ends))
-        self.told = self._memory[begin:end].view(np.float32)
+        self.outputs = self._memory[begin:end].view(np.float32)
         """`parts`, `evidence`, `observations` and `masks` as they lie one behind the other: copied, all at once."""
         self.evidence = sections.evidence
         """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
@@ -176,8 +180,8 @@ class Engine:
         self._targets = self._fields[:, first : first + config.max_targets * rows.TARGET_ROWS].reshape(
             blocks, rows.TARGET_ROWS, config.max_targets, LANES
         )
-        self._views = self._fields[:, first + config.max_targets * rows.TARGET_ROWS :].reshape(
-            blocks, hunters, view_rows(seen), LANES
+        self._target_orders = self._fields[:, first + config.max_targets * rows.TARGET_ROWS :].reshape(
+            blocks, hunters, target_order_rows(seen), LANES
         )
 
     # playing
@@ -185,7 +189,11 @@ class Engine:
     def reset(
         self, seeds: Sequence[int] | NDArray[np.uint64], arenas: Sequence[int] | NDArray[np.int64] | None = None
     ) -> None:
-        """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each. Raises: ConfigError."""
+        """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each.
+
+        Raises:
+            ConfigError: for an argument that cannot be.
+        """
         chosen = np.arange(self.num_arenas) if arenas is None else np.asarray(arenas, dtype=np.int64)
         if len(seeds) != len(chosen):
             raise ConfigError(f"seeds must be one for each of {len(chosen)} arenas, got {len(seeds)}")
@@ -210,9 +218,10 @@ class Engine:
     def step(self, choices: NDArray[np.int64], commands: NDArray[np.float32]) -> None:
         """R1.4: one step of every arena.
 
-        Args: `choices` (B, H) int64: the rank chosen under target control, or requested under full control, 0 for
-        none; `commands` (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What no
-        seat's control reads may be an empty array.
+        Args:
+            choices: (B, H) int64: the rank chosen under target control, or requested under full control, 0 for none.
+            commands: (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What no
+                seat's control reads may be an empty array.
         """
         blocks, parts = len(self.memory), self._shares
         if self.threads.size == 1:
@@ -303,7 +312,7 @@ class Engine:
             verdict = int(me[rows.VERDICT // LANES])
             if verdict == NO_REQUEST:
                 continue
-            number = int(me[rows.REQUEST // LANES])
+            number = int(me[rows.REQUESTED_NUMBER // LANES])
             distance = int(me[rows.DISTANCE_UM // LANES])
             winner = int(me[rows.WINNER // LANES])
             found.append(
@@ -354,7 +363,7 @@ class Engine:
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
         block, lane = divmod(arena, LANES)
-        view = self._views[block, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_A_WORD
+        view = self._target_orders[block, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_PER_WORD
         for rank in range(int(self.hunter_rows(arena)[seat, rows.SEEN // LANES])):
             slot = view[rank]
             if self.config.target_name(int(self._targets[block, 0, slot, lane])) == name:
@@ -425,14 +434,14 @@ class Engine:
 def next_seeds(seeds: NDArray[np.uint64]) -> NDArray[np.uint64]:
     """A.5: the seeds of the episodes that follow, where a reset names none: (n,)."""
     following = seeds.copy()
-    go_on(following)
+    advance_seeds(following)
     return following
 
 
 def batch_seeds(seed: int, num_arenas: int) -> NDArray[np.uint64]:
     """A.5: the seeds of a batch's rows from one seed: (B,)."""
     seeds = np.zeros(num_arenas, dtype=np.uint64)
-    spread(np.uint64(seed), seeds)
+    derive_row_seeds(np.uint64(seed), seeds)
     return seeds
 
 
@@ -448,7 +457,7 @@ def _compile_once(*, one: bool) -> None:
         return
     _compiled.add(one)
     with (
-        told(),
+        progress_shown(),
         quick_typing(),
         _without_garbage_collection(),  # which would look at the compiler's many objects again and again
     ):

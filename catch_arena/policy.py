@@ -119,8 +119,10 @@ class SeenHunter(NamedTuple):
 class View:
     """One observation under names: what the hunter senses, its mask and its limits, and nothing else of the world.
 
-    Args: `observation`, D numbers (R7.1's layout); `mask`, the legal choices (empty under velocity control);
-    `limits`.
+    Args:
+        observation: D numbers (R7.1's layout).
+        mask: the legal choices (empty under velocity control).
+        limits: .
     """
 
     def __init__(self, observation: Sequence[float], mask: Sequence[int], limits: Limits) -> None:

@@ -39,9 +39,12 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
 def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
     """The named scenario's settings, or those given, with any of them overridden.
 
-    Args: `name`, one of `SCENARIOS`, or a config; `overrides`, fields of `ArenaConfig` (`gains`, `rewards` and
-    `faults` also as partial dicts).
-    Raises: ConfigError that names the nearest right name, or the setting, the requirement and the value.
+    Args:
+        name: one of `SCENARIOS`, or a config.
+        overrides: fields of `ArenaConfig` (`gains`, `rewards` and `faults` also as partial dicts).
+
+    Raises:
+        ConfigError: that names the nearest right name, or the setting, the requirement and the value.
     """
     if isinstance(name, ArenaConfig):
         return name.replace(**overrides)

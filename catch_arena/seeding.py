@@ -10,7 +10,11 @@ SEED_LIMIT: Final = 2**64
 
 
 def checked_seed(seed: object) -> int:
-    """The seed as an int. Raises: ConfigError unless it is a whole number in [0, 2^64)."""
+    """The seed as an int.
+
+    Raises:
+        ConfigError: unless it is a whole number in [0, 2^64).
+    """
     try:
         number = seed.__index__()  # type: ignore[attr-defined]
     except (AttributeError, TypeError):  # an array has the method, but not always an index

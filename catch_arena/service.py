@@ -20,8 +20,9 @@ class ArenaService:
 
     The requests of one step are judged together, on the state before it (R5.1), whatever order they come in.
 
-    Args: `scenario`, a name or a config, and `overrides` as for `parallel_env`; all hunters are under full control, and
-    see every target, so that each alive name has a rank.
+    Args:
+        scenario: a name or a config, and `overrides` as for `parallel_env`; all hunters are under full control, and see
+            every target, so that each alive name has a rank.
     """
 
     def __init__(self, scenario: str | ArenaConfig = "standard", **overrides: object) -> None:
@@ -73,10 +74,15 @@ class ArenaService:
     ) -> list[Ruling]:
         """R1.4: one control period.
 
-        Args: `cmd_vel`, Twists [m/s, rad/s] by hunter, limited as R2.5 says, at rest where none is given; `requests`,
-        (hunter, request) in any order. After the end nothing moves, and every request is MATCH_OVER.
-        Returns: one ruling for each request; `response` makes the service's answer of it.
-        Raises: ActionError for a hunter that does not exist, or a Twist that is not finite; nothing has moved then.
+        Args:
+            cmd_vel: Twists [m/s, rad/s] by hunter, limited as R2.5 says, at rest where none is given.
+            requests: (hunter, request) in any order. After the end nothing moves, and every request is MATCH_OVER.
+
+        Returns:
+            one ruling for each request; `response` makes the service's answer of it.
+
+        Raises:
+            ActionError: for a hunter that does not exist, or a Twist that is not finite; nothing has moved then.
         """
         asked = [(self._seat(hunter), request.name) for hunter, request in requests]
         commands = {self._seat(hunter): twist for hunter, twist in (cmd_vel or {}).items()}

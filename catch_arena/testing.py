@@ -32,13 +32,21 @@ def run_conformance(
 ) -> Report:
     """Try an arbiter, an arena or both with the cases of the suite.
 
-    Args: `adapter` takes `arbitrate`'s keyword arguments and returns its rulings; `arena` plays the cases that need
-    one, and those of arbiters that can be staged; `only`, ids or beginnings of ids; `evidence` false compares verdicts
-    alone; `exact_lots` requires of lots what the rulebook's appendix draws, where any one of the tied would do;
-    `limit_s`, how long a case may take before it is given up: without a limit, code that loops for ever is waited for.
-    Returns: a report with `passed`, `failures` and `diagnoses`, which are the failures by mistake. Whatever the adapter
-    does wrong stands in it.
-    Raises: ConfigError where there is nothing to try, or no such case.
+    Args:
+        adapter: takes `arbitrate`'s keyword arguments and returns its rulings.
+        arena: plays the cases that need one, and those of arbiters that can be staged.
+        only: ids or beginnings of ids.
+        evidence: false compares verdicts alone.
+        exact_lots: requires of lots what the rulebook's appendix draws, where any one of the tied would do.
+        limit_s: how long a case may take before it is given up: without a limit, code that loops for ever is waited
+            for.
+
+    Returns:
+        a report with `passed`, `failures` and `diagnoses`, which are the failures by mistake. Whatever the adapter does
+        wrong stands in it.
+
+    Raises:
+        ConfigError: where there is nothing to try, or no such case.
     """
     if adapter is None and arena is None:
         raise ConfigError("an arbiter or an arena must be given")
@@ -51,7 +59,8 @@ def run_conformance(
 def chosen(only: Sequence[str] = ()) -> tuple[ArbiterCase | WorldCase, ...]:
     """The cases with these ids; where a word is no id, those whose ids begin with it; all without words.
 
-    Raises: ConfigError for a word without a case.
+    Raises:
+        ConfigError: for a word without a case.
     """
     cases = load_cases()
     ids = {case.id for case in cases}

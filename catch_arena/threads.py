@@ -13,7 +13,8 @@ class Threads:
     """A team of threads, this one among them, that take parts of the work as they come free: a thread that the
     machine holds up delays one part, not a whole share.
 
-    Args: `size`, from 1 up; 1 starts no thread.
+    Args:
+        size: from 1 up; 1 starts no thread.
     """
 
     def __init__(self, size: int) -> None:

@@ -1,8 +1,8 @@
 """Rulebook chapter 5: who caught what.
 
-The arbiter judges a *docket*: one row for each request of one step in one arena, in the columns below. It reads
+The arbiter judges a *request table*: one row for each request of one step in one arena, in the columns below. It reads
 distances and eligibility from there alone, so nothing that it grants can change another request (R5.1). The engine
-and `catch_arena.arbitrate` fill the docket; both are judged by the same code.
+and `catch_arena.arbitrate` fill the table; both are judged by the same code.
 """
 
 from typing import Final
@@ -15,18 +15,18 @@ from catch_arena.core.random import service_lot, ticket
 from catch_arena.core.vectors import floor, sqrt
 from catch_arena.verdicts import Verdict
 
-Docket = NDArray[np.int64]
-"""(requests, DOCKET_COLUMNS)."""
+RequestTable = NDArray[np.int64]
+"""(requests, REQUEST_COLUMNS)."""
 
-SEAT: Final = 0
-TARGET: Final = 1  # which target is asked for: any number that tells targets apart, or one of the three below
-TARGET_NUMBER: Final = 2  # its spawn number, for the lot
-DISTANCE: Final = 3  # [micrometres]; -1 where reach was not tested (an output there)
-INACTIVE: Final = 4  # flag: the hunter is withdrawn
-REFUSED: Final = 5  # flag: the simulator would refuse this kill
-VERDICT: Final = 6  # output
-WINNER: Final = 7  # output: seat, -1 for none
-DOCKET_COLUMNS: Final = 8
+REQUEST_SEAT: Final = 0
+REQUEST_TARGET: Final = 1  # which target is asked for: any number that tells targets apart, or one of the three below
+REQUEST_NUMBER: Final = 2  # its spawn number, for the lot
+REQUEST_DISTANCE: Final = 3  # [micrometres]; -1 where reach was not tested (an output there)
+REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn
+REQUEST_KILL_REFUSED: Final = 5  # flag: the simulator would refuse this kill
+REQUEST_VERDICT: Final = 6  # output
+REQUEST_WINNER: Final = 7  # output: seat, -1 for none
+REQUEST_COLUMNS: Final = 8
 
 NO_SUCH_RANK: Final = -2
 NEVER_SPAWNED: Final = -3
@@ -70,7 +70,7 @@ def within_reach(um: float, reach_um: float) -> bool:
 
 
 @rule
-def standing(target: int, inactive: bool, over: bool) -> int:
+def common_checks(target: int, inactive: bool, over: bool) -> int:
     """R5.2, R9.1: the tests that every policy makes first; 0 where none fails."""
     if over:
         return _MATCH_OVER
@@ -86,7 +86,7 @@ def eligibility(
     target: int, micrometres: int, reach_um: int, inactive: bool, duplicate: bool, over: bool, service_up: bool
 ) -> int:
     """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way."""
-    failed = standing(target, inactive, over)
+    failed = common_checks(target, inactive, over)
     if failed != _ELIGIBLE:
         return failed
     if duplicate:
@@ -105,7 +105,7 @@ def eligibility(
 @rule
 def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
     """R9.1: the original's service says yes to everybody whom it can answer at all."""
-    failed = standing(target, inactive, over)
+    failed = common_checks(target, inactive, over)
     if failed != _ELIGIBLE:
         return failed
     if not service_up:
@@ -139,53 +139,61 @@ def is_preferred(
 
 
 @entry
-def judge(docket: Docket, policy: int, seed: np.uint64, step: int, reach_um: int, over: bool, service_up: bool) -> None:
+def judge(
+    requests: RequestTable, policy: int, seed: np.uint64, step: int, reach_um: int, over: bool, service_up: bool
+) -> None:
     """R5.1 to R5.7: writes the verdict and the winner of every request of one step."""
-    for i in range(len(docket)):
+    for i in range(len(requests)):
         duplicate = False
         for j in range(i):
-            duplicate = duplicate or docket[j, SEAT] == docket[i, SEAT]
-        inactive = docket[i, INACTIVE] != 0
+            duplicate = duplicate or requests[j, REQUEST_SEAT] == requests[i, REQUEST_SEAT]
+        inactive = requests[i, REQUEST_INACTIVE] != 0
         if policy == CAPSTONE:
-            verdict = capstone_verdict(docket[i, TARGET], inactive, over, service_up)
+            verdict = capstone_verdict(requests[i, REQUEST_TARGET], inactive, over, service_up)
         else:
             verdict = eligibility(
-                docket[i, TARGET], docket[i, DISTANCE], reach_um, inactive, duplicate, over, service_up
+                requests[i, REQUEST_TARGET],
+                requests[i, REQUEST_DISTANCE],
+                reach_um,
+                inactive,
+                duplicate,
+                over,
+                service_up,
             )
-        docket[i, VERDICT] = verdict
-        docket[i, WINNER] = docket[i, SEAT] if verdict == _GRANTED else -1
+        requests[i, REQUEST_VERDICT] = verdict
+        requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == _GRANTED else -1
         if verdict not in (_ELIGIBLE, _OUT_OF_REACH):
-            docket[i, DISTANCE] = -1  # R5.6: reach was not tested
-    for i in range(len(docket)):
-        if docket[i, VERDICT] == _ELIGIBLE:
-            decide_contest(docket, i, policy, seed, step)
+            requests[i, REQUEST_DISTANCE] = -1  # R5.6: reach was not tested
+    for i in range(len(requests)):
+        if requests[i, REQUEST_VERDICT] == _ELIGIBLE:
+            decide_contest(requests, i, policy, seed, step)
 
 
 @rare
-def decide_contest(docket: Docket, first: int, policy: int, seed: np.uint64, step: int) -> None:
+def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uint64, step: int) -> None:
     """R5.4 to R5.7: the verdicts of all requests that may catch the same target as the request `first`."""
     best = first
     claimants = 0
-    for i in range(len(docket)):
-        if docket[i, VERDICT] == _ELIGIBLE and docket[i, TARGET] == docket[first, TARGET]:
+    for i in range(len(requests)):
+        if requests[i, REQUEST_VERDICT] == _ELIGIBLE and requests[i, REQUEST_TARGET] == requests[first, REQUEST_TARGET]:
             claimants += 1
             if i != best and is_preferred(
                 policy,
                 seed,
                 step,
-                docket[i, TARGET_NUMBER],
-                docket[i, SEAT],
-                docket[i, DISTANCE],
-                docket[best, SEAT],
-                docket[best, DISTANCE],
+                requests[i, REQUEST_NUMBER],
+                requests[i, REQUEST_SEAT],
+                requests[i, REQUEST_DISTANCE],
+                requests[best, REQUEST_SEAT],
+                requests[best, REQUEST_DISTANCE],
             ):
                 best = i
-    target = docket[first, TARGET]
-    winner = docket[best, SEAT]
-    for i in range(len(docket)):
-        if docket[i, VERDICT] == _ELIGIBLE and docket[i, TARGET] == target:
-            docket[i, VERDICT] = _LOST_CONTEST
-            docket[i, WINNER] = winner
-    docket[best, VERDICT] = _KILL_FAILED if docket[best, REFUSED] != 0 else _GRANTED
-    if docket[best, REFUSED] != 0 and claimants == 1:
-        docket[best, WINNER] = -1  # R5.6: neither a grant nor a contest
+    target = requests[first, REQUEST_TARGET]
+    winner = requests[best, REQUEST_SEAT]
+    for i in range(len(requests)):
+        if requests[i, REQUEST_VERDICT] == _ELIGIBLE and requests[i, REQUEST_TARGET] == target:
+            requests[i, REQUEST_VERDICT] = _LOST_CONTEST
+            requests[i, REQUEST_WINNER] = winner
+    requests[best, REQUEST_VERDICT] = _KILL_FAILED if requests[best, REQUEST_KILL_REFUSED] != 0 else _GRANTED
+    if requests[best, REQUEST_KILL_REFUSED] != 0 and claimants == 1:
+        requests[best, REQUEST_WINNER] = -1  # R5.6: neither a grant nor a contest

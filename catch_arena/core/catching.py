@@ -1,6 +1,4 @@
-"""Rulebook R1.4's phases 3 and 4: the requests of a step become dockets, are judged (core/arbiter.py), and what was
-granted is done.
-"""
+"""Rulebook R1.4's phases 3 and 4: the requests of a step are judged (core/arbiter.py), and what was granted is done."""
 
 from typing import Final
 
@@ -8,22 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import (
-    DISTANCE,
-    INACTIVE,
     NO_SUCH_RANK,
-    REFUSED,
-    SEAT,
-    TARGET,
-    TARGET_NUMBER,
-    Docket,
+    REQUEST_DISTANCE,
+    REQUEST_INACTIVE,
+    REQUEST_KILL_REFUSED,
+    REQUEST_NUMBER,
+    REQUEST_SEAT,
+    REQUEST_TARGET,
+    REQUEST_VERDICT,
+    REQUEST_WINNER,
+    RequestTable,
     distance_um,
     judge,
 )
-from catch_arena.core.arbiter import VERDICT as DOCKET_VERDICT
-from catch_arena.core.arbiter import WINNER as DOCKET_WINNER
-from catch_arena.core.jit import Block, passage, phase
+from catch_arena.core.jit import Block, inlined, phase
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
-from catch_arena.core.rewards import aim_again
+from catch_arena.core.rewards import renew_progress_reference
 from catch_arena.core.spawner import remove_target
 from catch_arena.core.state import (
     ALIVE,
@@ -33,7 +31,8 @@ from catch_arena.core.state import (
     EVIDENCE,
     LANES,
     NO_TARGET,
-    REQUEST,
+    REQUESTED_NUMBER,
+    REQUESTED_SLOT,
     RUNNING,
     SCORE,
     SEED_HIGH,
@@ -41,7 +40,6 @@ from catch_arena.core.state import (
     STEP,
     TALLIES,
     VERDICT,
-    WANTED,
     WINNER,
     WITHDRAWN,
     Settings,
@@ -52,74 +50,79 @@ from catch_arena.core.state import (
     span,
 )
 from catch_arena.core.vectors import Width, any_of, group, select
-from catch_arena.core.workspace import Scratch, aim_of
+from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 
 
-@passage
+@inlined
 def clear_evidence(block: Block, s: Settings, width: Width, asked: Block) -> None:
-    """No verdict yet; `asked` counts the wishes of each lane."""
+    """No verdict yet; `asked` counts the requests of each lane."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        wishes = 0.0
+        requests = 0.0
         judged = False
         for seat in range(s.hunters):
             me = seat_of(block, seat)
-            wishes = wishes + select(me[WANTED + lane] == float(NO_TARGET), 0.0, 1.0)
+            requests = requests + select(me[REQUESTED_SLOT + lane] == float(NO_TARGET), 0.0, 1.0)
             judged = judged | (me[VERDICT + lane] > 0.0)
-        asked[lane] = wishes
+        asked[lane] = requests
         if any_of(judged):  # most steps leave nothing to be cleared
             for seat in range(s.hunters):
                 me = seat_of(block, seat)
-                me[REQUEST + lane] = 0.0
+                me[REQUESTED_NUMBER + lane] = 0.0
                 me[VERDICT + lane] = 0.0
                 me[DISTANCE_UM + lane] = -1.0
                 me[WINNER + lane] = -1.0
 
 
-@passage
-def arbitrate(block: Block, s: Settings, lane: int, targets: Targets, docket: Docket) -> None:
-    """R1.4's phase 3 in one lane: the docket is filled from S_t, judged, and the evidence noted."""
+@inlined
+def judge_requests(block: Block, s: Settings, lane: int, targets: Targets, requests: RequestTable) -> None:
+    """R1.4's phase 3 in one lane: the request table is filled from S_t and judged, and the evidence noted."""
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step = block[STEP + lane]
-    requests = 0
+    count = 0
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        wanted = int(me[WANTED + lane])
-        if wanted == NO_TARGET:
+        slot = int(me[REQUESTED_SLOT + lane])
+        if slot == NO_TARGET:
             continue
-        docket[requests, SEAT] = seat
-        docket[requests, TARGET] = wanted
-        docket[requests, TARGET_NUMBER] = 0
-        docket[requests, DISTANCE] = -1
-        docket[requests, INACTIVE] = int(me[WITHDRAWN + lane])
-        docket[requests, REFUSED] = 0
-        if wanted != NO_SUCH_RANK:
-            at = wanted * LANES + lane
+        requests[count, REQUEST_SEAT] = seat
+        requests[count, REQUEST_TARGET] = slot
+        requests[count, REQUEST_NUMBER] = 0
+        requests[count, REQUEST_DISTANCE] = -1
+        requests[count, REQUEST_INACTIVE] = int(me[WITHDRAWN + lane])
+        requests[count, REQUEST_KILL_REFUSED] = 0
+        if slot != NO_SUCH_RANK:
+            at = slot * LANES + lane
             number = targets.number[at]
-            me[REQUEST + lane] = number
-            docket[requests, TARGET_NUMBER] = int(number)
-            docket[requests, DISTANCE] = int(distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane]))
-            docket[requests, REFUSED] = int(kill_refused(seed, step, number, s.kill_refused_rate))
-        requests += 1
+            me[REQUESTED_NUMBER + lane] = number
+            requests[count, REQUEST_NUMBER] = int(number)
+            requests[count, REQUEST_DISTANCE] = int(
+                distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane])
+            )
+            requests[count, REQUEST_KILL_REFUSED] = int(kill_refused(seed, step, number, s.kill_refused_rate))
+        count += 1
     service_up = not kill_service_down(seed, step, s.kill_down_rate)
-    judge(docket[:requests], s.policy, seed, int(step), int(s.reach_um), block[ENDED + lane] != RUNNING, service_up)
-    for i in range(requests):
-        me = seat_of(block, docket[i, SEAT])
-        me[VERDICT + lane] = docket[i, DOCKET_VERDICT]
-        me[DISTANCE_UM + lane] = docket[i, DISTANCE]
-        me[WINNER + lane] = docket[i, DOCKET_WINNER]
-        me[TALLIES + (docket[i, DOCKET_VERDICT] - 1) * LANES + lane] += 1.0
-        for j in range(requests):
-            if docket[j, DOCKET_VERDICT] == _LOST_CONTEST and docket[j, DOCKET_WINNER] == docket[i, SEAT]:
+    judge(requests[:count], s.policy, seed, int(step), int(s.reach_um), block[ENDED + lane] != RUNNING, service_up)
+    for i in range(count):
+        me = seat_of(block, requests[i, REQUEST_SEAT])
+        me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
+        me[DISTANCE_UM + lane] = requests[i, REQUEST_DISTANCE]
+        me[WINNER + lane] = requests[i, REQUEST_WINNER]
+        me[TALLIES + (requests[i, REQUEST_VERDICT] - 1) * LANES + lane] += 1.0
+        for j in range(count):
+            if (
+                requests[j, REQUEST_VERDICT] == _LOST_CONTEST
+                and requests[j, REQUEST_WINNER] == requests[i, REQUEST_SEAT]
+            ):
                 me[CONTESTS_WON + lane] += 1.0
                 break
 
 
-@passage
+@inlined
 def commit(block: Block, s: Settings, lane: int, targets: Targets, scratch: Scratch) -> None:
     """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8)."""
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
@@ -129,7 +132,7 @@ def commit(block: Block, s: Settings, lane: int, targets: Targets, scratch: Scra
         caught = False
         for seat in range(s.hunters):
             me = seat_of(block, seat)
-            caught = caught or (me[VERDICT + lane] == _GRANTED and me[REQUEST + lane] == number)
+            caught = caught or (me[VERDICT + lane] == _GRANTED and me[REQUESTED_NUMBER + lane] == number)
         if caught and not kill_refused(seed, block[STEP + lane], number, s.kill_refused_rate):
             remove_target(block, targets, lane, slot)
             removed += 1
@@ -138,22 +141,22 @@ def commit(block: Block, s: Settings, lane: int, targets: Targets, scratch: Scra
         me[SCORE + lane] += 1.0 if me[VERDICT + lane] == _GRANTED else 0.0
     if removed > 0 and s.progress_wanted:
         for seat in range(s.hunters):
-            aim_again(block, seat_of(block, seat), targets, lane, aim_of(scratch, seat))
+            renew_progress_reference(block, seat_of(block, seat), targets, lane, progress_reference_of(scratch, seat))
 
 
-@passage
-def settle(block: Block, s: Settings, width: Width, lanes: int, targets: Targets, scratch: Scratch) -> None:
+@inlined
+def resolve_requests(block: Block, s: Settings, width: Width, lanes: int, targets: Targets, scratch: Scratch) -> None:
     """R1.4's phases 3 and 4 in every lane in which somebody asks for a target."""
     asked = scratch.rows[:LANES]
     clear_evidence(block, s, width, asked)
     for lane in range(lanes):
         if asked[lane] > 0.0:
-            arbitrate(block, s, lane, targets, scratch.docket)
+            judge_requests(block, s, lane, targets, scratch.requests)
             commit(block, s, lane, targets, scratch)
 
 
 @phase
-def note_evidence(block: Block, s: Settings, lanes: int, evidence: NDArray[np.float64]) -> None:
+def write_evidence(block: Block, s: Settings, lanes: int, evidence: NDArray[np.float64]) -> None:
     """R5.6: the answers to the requests of this step, for those who look from outside; (lanes, H, 4), or none."""
     for lane in range(min(lanes, len(evidence))):
         for seat in range(s.hunters):

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import NO_SUCH_RANK, distance_um, micrometres, within_reach
-from catch_arena.core.jit import Block, passage, phase, rule
+from catch_arena.core.jit import Block, inlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
-from catch_arena.core.rewards import aim_at_nearest
+from catch_arena.core.rewards import set_progress_reference
 from catch_arena.core.state import (
     ACTIVE,
     BEARING_INTEGRAL,
@@ -16,24 +16,24 @@ from catch_arena.core.state import (
     DISTANCE_INTEGRAL,
     LANES,
     NO_TARGET,
+    REQUESTED_SLOT,
     SEEN,
     SINE,
     SPEED,
     TURN_RATE,
-    WANTED,
     WITHDRAWN,
     Settings,
     Targets,
     X,
     Y,
-    item_at,
     seat_of,
+    slot_at_rank,
     span,
+    target_order_of,
     targets_of,
-    view_of,
 )
 from catch_arena.core.vectors import Width, group, select, sqrt
-from catch_arena.core.workspace import Scratch, aim_of
+from catch_arena.core.workspace import Scratch, progress_reference_of
 
 TARGET_CONTROL: Final = 0
 VELOCITY_CONTROL: Final = 1
@@ -57,7 +57,7 @@ def pi_step(
 @phase
 def choose(
     me: Block,
-    view: Block,
+    order: Block,
     targets: Targets,
     ranks: NDArray[np.int64],
     lanes: int,
@@ -72,10 +72,10 @@ def choose(
         rank = ranks[lane]
         there = int(me[SEEN + lane])
         seen = (rank > 0) & (rank <= there)
-        slot = select(seen, item_at(view, select(seen, rank - 1, 0), lane), 0)
+        slot = select(seen, slot_at_rank(order, select(seen, rank - 1, 0), lane), 0)
         place = np.uint64(slot) * np.uint64(LANES) + np.uint64(lane)
         unseen = select(rank > there, float(NO_SUCH_RANK), float(NO_TARGET))
-        me[WANTED + lane] = select(seen, float(slot), unseen)
+        me[REQUESTED_SLOT + lane] = select(seen, float(slot), unseen)
         goals[lane] = targets.x[place]
         goals[LANES + lane] = targets.y[place]
         goals[2 * LANES + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets.number[place], 0.0)
@@ -117,20 +117,20 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings) -> None:
         me[BEARING_INTEGRAL + lane] = select(holds, 0.0, bearing_integral)
         me[ACTIVE + lane] = number
         near = within_reach(micrometres(distance), s.reach_um)
-        wanted = me[WANTED + lane]
-        me[WANTED + lane] = select(near | (wanted < 0.0), wanted, float(NO_TARGET))
+        wanted = me[REQUESTED_SLOT + lane]
+        me[REQUESTED_SLOT + lane] = select(near | (wanted < 0.0), wanted, float(NO_TARGET))
 
 
 @phase
-def request_nearest(me: Block, view: Block, targets: Targets, lanes: int, s: Settings) -> None:
+def request_nearest(me: Block, order: Block, targets: Targets, lanes: int, s: Settings) -> None:
     """R4.4: under velocity control the nearest target is requested whenever it is within reach."""
     for lane in range(lanes):
-        me[WANTED + lane] = NO_TARGET
+        me[REQUESTED_SLOT + lane] = NO_TARGET
         if me[SEEN + lane] > 0.0:
-            slot = item_at(view, 0, lane)
+            slot = slot_at_rank(order, 0, lane)
             at = slot * LANES + lane
             if within_reach(distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane]), s.reach_um):
-                me[WANTED + lane] = slot
+                me[REQUESTED_SLOT + lane] = slot
 
 
 @phase
@@ -151,15 +151,15 @@ def drive_by_command(me: Block, commands: NDArray[np.float32], width: Width, lan
         me[TURN_RATE + lane] = np.float64(commands[lane, 1]) * s.max_turn_rate
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        holds = (me[WANTED + lane] == float(NO_SUCH_RANK)) | (me[WITHDRAWN + lane] > 0.0)
+        holds = (me[REQUESTED_SLOT + lane] == float(NO_SUCH_RANK)) | (me[WITHDRAWN + lane] > 0.0)
         speed = clamp(me[SPEED + lane], s.min_speed, s.max_speed)
         turn_rate = clamp(me[TURN_RATE + lane], -s.max_turn_rate, s.max_turn_rate)
         me[SPEED + lane] = select(holds, 0.0, speed)
         me[TURN_RATE + lane] = select(holds, 0.0, turn_rate)
 
 
-@passage
-def take_in(
+@inlined
+def apply_actions(
     block: Block,
     s: Settings,
     width: Width,
@@ -169,20 +169,20 @@ def take_in(
     commands: NDArray[np.float32],
     scratch: Scratch,
 ) -> None:
-    """R1.4's phases 1 and 2: from actions to velocities and wishes, on S_t."""
+    """R1.4's phases 1 and 2: from actions to velocities and requested slots, on S_t."""
     targets = targets_of(block, s)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        view = view_of(block, seat, s)
+        order = target_order_of(block, seat, s)
         if controls[seat] == TARGET_CONTROL:
-            choose(me, view, targets, choices[:, seat], lanes, scratch.rows)
+            choose(me, order, targets, choices[:, seat], lanes, scratch.rows)
             drive_to_goal(me, scratch.rows, width, s)
         elif controls[seat] == VELOCITY_CONTROL:
-            request_nearest(me, view, targets, lanes, s)
+            request_nearest(me, order, targets, lanes, s)
             drive_by_command(me, commands[:, seat], width, lanes, s)
         else:
-            choose(me, view, targets, choices[:, seat], lanes, scratch.rows)
+            choose(me, order, targets, choices[:, seat], lanes, scratch.rows)
             mark_active(me, scratch.rows, width)
             drive_by_command(me, commands[:, seat], width, lanes, s)
         if s.progress_wanted:
-            aim_at_nearest(me, view, targets, lanes, aim_of(scratch, seat))
+            set_progress_reference(me, order, targets, lanes, progress_reference_of(scratch, seat))

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, passage, phase, rare
+from catch_arena.core.jit import Block, inlined, phase, rare
 from catch_arena.core.math import PI, TAU, sincos, wrap
 from catch_arena.core.memory import Sections
 from catch_arena.core.random import START, draw, fraction, next_seed, seed_of, stream
@@ -18,7 +18,8 @@ from catch_arena.core.state import (
     ENDED,
     LANES,
     NO_TARGET,
-    REQUEST,
+    REQUESTED_NUMBER,
+    REQUESTED_SLOT,
     RETURN,
     RUNNING,
     SCORE,
@@ -31,7 +32,6 @@ from catch_arena.core.state import (
     TIME,
     TRUNCATED,
     VERDICT,
-    WANTED,
     WINNER,
     Settings,
     X,
@@ -94,7 +94,7 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
             me[X + lane] = s.side / 2.0 + s.start_radius * cosine
             me[Y + lane] = s.side / 2.0 + s.start_radius * sine
             me[THETA + lane] = wrap(angle + PI)
-        me[WANTED + lane] = NO_TARGET
+        me[REQUESTED_SLOT + lane] = NO_TARGET
         me[DISTANCE_UM + lane] = -1.0
         me[WINNER + lane] = -1.0
     targets = targets_of(block, s)
@@ -102,7 +102,7 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
         spawn_next(block, targets, lane, seed, s, 0.0)
 
 
-@passage
+@inlined
 def end_test(block: Block, s: Settings, width: Width) -> None:
     """R1.1, R1.5, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
     for first in range(0, span(width), len(width)):
@@ -124,32 +124,32 @@ def some_ended(block: Block, lanes: int) -> bool:
 
 
 @phase
-def note_ends(block: Block, lanes: int, ends: NDArray[np.int8]) -> None:
+def write_ends(block: Block, lanes: int, ends: NDArray[np.int8]) -> None:
     """R1.5: for those who look from outside."""
     for lane in range(lanes):
         ends[lane] = np.int8(block[ENDED + lane])
 
 
 @phase
-def keep(block: Block, kept: Block) -> None:
+def take_snapshot(block: Block, snapshot: Block) -> None:
     """The block as it is."""
     for i in range(len(block)):
-        kept[i] = block[i]
+        snapshot[i] = block[i]
 
 
-@passage
-def put_back_ended(block: Block, s: Settings, lanes: int, kept: Block, rewards: Rewards, parts: Parts) -> None:
+@inlined
+def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rewards: Rewards, parts: Parts) -> None:
     """R5.2: arenas that had ended are played with the others of their block, and then put back as they were kept:
     nothing moves after the end, and every request is MATCH_OVER.
     """
     for lane in range(lanes):
-        if kept[ENDED + lane] == RUNNING:
+        if snapshot[ENDED + lane] == RUNNING:
             continue
         for seat in range(s.hunters):
-            now, then = seat_of(block, seat), seat_of(kept, seat)
-            then[WANTED + lane] = now[WANTED + lane]
-            then[REQUEST + lane] = now[REQUEST + lane]
-            then[VERDICT + lane] = 0.0 if now[WANTED + lane] == NO_TARGET else _MATCH_OVER
+            now, then = seat_of(block, seat), seat_of(snapshot, seat)
+            then[REQUESTED_SLOT + lane] = now[REQUESTED_SLOT + lane]
+            then[REQUESTED_NUMBER + lane] = now[REQUESTED_NUMBER + lane]
+            then[VERDICT + lane] = 0.0 if now[REQUESTED_SLOT + lane] == NO_TARGET else _MATCH_OVER
             then[DISTANCE_UM + lane] = -1.0
             then[WINNER + lane] = -1.0
             if len(parts) == 0:
@@ -157,10 +157,10 @@ def put_back_ended(block: Block, s: Settings, lanes: int, kept: Block, rewards: 
             for column in range(parts.shape[2] if len(parts) > 0 else 0):
                 parts[lane, seat, column] = 0.0
         for row in range(len(block) // LANES):
-            block[row * LANES + lane] = kept[row * LANES + lane]
+            block[row * LANES + lane] = snapshot[row * LANES + lane]
 
 
-@passage
+@inlined
 def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sections) -> None:
     """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins."""
     for lane in range(last - first):

@@ -115,7 +115,7 @@ def phase(function: F) -> F:
     return _inner(function, forceinline=True, **_INNER)
 
 
-def passage(function: F) -> F:
+def inlined(function: F) -> F:
     """Phases in their order, or a name for a part of the memory."""
     if not USABLE:  # Numba's own way lets no function return a part of an array without `_nrt`: it is copied instead
         return _inner(function, inline="always", **_INNER)

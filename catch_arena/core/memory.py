@@ -44,14 +44,14 @@ class Sections(NamedTuple):
     keys: Annotated[NDArray[np.int32], 2]
     """(T, numbers), as those that follow: see `workspace.Scratch`."""
     ages: Annotated[NDArray[np.float32], 2]
-    target_pictures: Annotated[NDArray[np.float32], 2]
-    rival_pictures: Annotated[NDArray[np.float32], 2]
-    views: Annotated[NDArray[np.float32], 2]
-    docket: Annotated[NDArray[np.int64], 3]
+    target_features: Annotated[NDArray[np.float32], 2]
+    rival_features: Annotated[NDArray[np.float32], 2]
+    staging: Annotated[NDArray[np.float32], 2]
+    requests: Annotated[NDArray[np.int64], 3]
     rows: Annotated[NDArray[np.float64], 2]
-    orders: Annotated[NDArray[np.float64], 2]
-    aims: Annotated[NDArray[np.float64], 2]
-    kept: Annotated[NDArray[np.float64], 2]
+    rival_orders: Annotated[NDArray[np.float64], 2]
+    progress_references: Annotated[NDArray[np.float64], 2]
+    snapshot: Annotated[NDArray[np.float64], 2]
     blocks: Annotated[NDArray[np.float64], 2]
     """(blocks, rows * LANES): see `state`."""
     parts: Annotated[NDArray[np.float64], 3]
@@ -88,7 +88,8 @@ def zeros(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
 def lay_out(wanted: Sections) -> tuple[Bytes, Sections]:
     """The bytes with sections of these shapes and values, and the sections as they lie there.
 
-    Raises: TypeError for a section that is not of its field's type.
+    Raises:
+        TypeError: for a section that is not of its field's type.
     """
     arrays: tuple[NDArray[Any], ...] = wanted
     for (name, dtype), ndim, array in zip(DTYPES.items(), NDIMS, arrays, strict=True):

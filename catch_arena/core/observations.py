@@ -5,10 +5,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, passage, phase
+from catch_arena.core.jit import Block, inlined, phase
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
-from catch_arena.core.ranking import note_order, rank_rivals, rank_targets, resolve_ties, rival_at
+from catch_arena.core.ranking import pack_order, rank_rivals, rank_targets, resolve_ties, rival_at
 from catch_arena.core.state import (
     ABSENT,
     ACTIVE,
@@ -17,7 +17,7 @@ from catch_arena.core.state import (
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
-    RANKS_A_WORD,
+    RANKS_PER_WORD,
     SCORE,
     SEEN,
     SINE,
@@ -29,13 +29,13 @@ from catch_arena.core.state import (
     Targets,
     X,
     Y,
-    item_at,
-    item_in,
     seat_of,
+    slot_at_rank,
+    slot_in_word,
     span,
+    target_order_of,
     targets_of,
-    view_of,
-    word_at,
+    word_of_rank,
 )
 from catch_arena.core.vectors import (
     Width,
@@ -47,7 +47,7 @@ from catch_arena.core.vectors import (
     single,
     stream_eight,
 )
-from catch_arena.core.workspace import PICTURE, Scratch, order_of
+from catch_arena.core.workspace import FEATURE_STRIDE, Scratch, rival_order_of
 from catch_arena.layout import RivalSeen, SelfSeen, TargetSeen
 
 Masks = NDArray[np.int8]
@@ -65,8 +65,13 @@ _STREAMED: Final = 1 << 21
 
 
 @phase
-def face(me: Block, width: Width) -> None:
-    """The heading's sine and cosine, which the observation and the next step's controller read."""
+def update_heading(me: Block, width: Width) -> None:
+    """The heading's sine and cosine, which the observation and the next step's controller read.
+
+    Args:
+        me: the rows of one seat; SINE and COSINE are written.
+        width: how many lanes a group has.
+    """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         sine, cosine = sincos(me[THETA + lane])
@@ -76,7 +81,14 @@ def face(me: Block, width: Width) -> None:
 
 @phase
 def count_seen(arena: Block, me: Block, s: Settings, width: Width) -> None:
-    """R7.1: how many targets a seat sees, nearest first: those have a rank."""
+    """R7.1: how many targets a seat sees, nearest first: those have a rank.
+
+    Args:
+        arena: the block, for its row ALIVE.
+        me: the rows of one seat; SEEN is written.
+        s: the settings.
+        width: how many lanes a group has.
+    """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         alive = arena[ALIVE + lane]
@@ -85,7 +97,7 @@ def count_seen(arena: Block, me: Block, s: Settings, width: Width) -> None:
 
 @phase
 def most_alive(arena: Block, lanes: int) -> int:
-    """In any lane."""
+    """How many targets are alive in the lane that has most; `lanes`, how many lanes are arenas."""
     most = 0.0
     for lane in range(lanes):
         most = arena[ALIVE + lane] if arena[ALIVE + lane] > most else most
@@ -93,8 +105,16 @@ def most_alive(arena: Block, lanes: int) -> int:
 
 
 @phase
-def note_ages(arena: Block, targets: Targets, width: Width, slots: int, ages: Numbers) -> None:
-    """R7.1: how long each target has been there [s]."""
+def compute_ages(arena: Block, targets: Targets, width: Width, slots: int, ages: Numbers) -> None:
+    """R7.1: how long each target has been there.
+
+    Args:
+        arena: the block, for its row TIME [ms].
+        targets: the slots of the block.
+        width: how many lanes a group has.
+        slots: how many slots are in use in any lane.
+        ages: the result [s], (slots * LANES,).
+    """
     for slot in range(slots):
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
@@ -103,8 +123,15 @@ def note_ages(arena: Block, targets: Targets, width: Width, slots: int, ages: Nu
 
 
 @phase
-def note_time_left(arena: Block, s: Settings, width: Width, time_left: Block) -> None:
-    """R7.1: until the time limit [s]."""
+def compute_time_left(arena: Block, s: Settings, width: Width, time_left: Block) -> None:
+    """R7.1: until the time limit.
+
+    Args:
+        arena: the block, for its row TIME [ms].
+        s: the settings.
+        width: how many lanes a group has.
+        time_left: the result [s], one row, (LANES,).
+    """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         remaining = s.time_limit - arena[TIME + lane]
@@ -112,10 +139,21 @@ def note_time_left(arena: Block, s: Settings, width: Width, time_left: Block) ->
 
 
 @phase
-def picture_targets(
-    me: Block, targets: Targets, ages: Numbers, first: int, width: Width, slots: int, pictures: Numbers
+def compute_target_features(
+    me: Block, targets: Targets, ages: Numbers, first: int, width: Width, slots: int, features: Numbers
 ) -> None:
-    """R7.1: every target as one seat sees it, in the lanes of one group."""
+    """R7.1: every target as one seat sees it, in the lanes of one group.
+
+    Args:
+        me: the rows of the seat.
+        targets: the slots of the block.
+        ages: how long each has been there [s], (slots * LANES,).
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        slots: how many slots are in use in any lane.
+        features: the result, the columns of `layout.TargetSeen`: those of slot s in the group's lane l from
+            features[(s * len(width) + l) * FEATURE_STRIDE] on.
+    """
     lane = group(first, width)
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
     active = me[ACTIVE + lane]
@@ -129,21 +167,41 @@ def picture_targets(
             age=ages[at],
             active=select(targets.number[at] == active, 1.0, 0.0),
         )
-        put_rows(pictures, slot * len(width) * PICTURE, PICTURE, seen)
+        put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 
 
 @phase
-def picture_rivals(block: Block, seat: int, first: int, width: Width, s: Settings, pictures: Numbers) -> None:
-    """R7.1: every rival as one seat sees it, in the lanes of one group."""
+def compute_rival_features(block: Block, seat: int, first: int, width: Width, s: Settings, features: Numbers) -> None:
+    """R7.1: every rival as one seat sees it, in the lanes of one group.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        s: the settings.
+        features: the result, the columns of `layout.RivalSeen`: those of seat r in the group's lane l from
+            features[(r * len(width) + l) * FEATURE_STRIDE] on.
+    """
     for other in range(s.hunters):
         if other != seat:
             seen = rival_at(block, seat, other, group(first, width))
-            put_rows(pictures, other * len(width) * PICTURE, PICTURE, seen)
+            put_rows(features, other * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 
 
 @phase
 def write_self(me: Block, time_left: Block, first: int, width: Width, out: Numbers, at: int, stride: int) -> None:
-    """R7.1: what a hunter knows of itself, in the lanes of one group: the first one's from out[at] on."""
+    """R7.1: what a hunter knows of itself, in the lanes of one group.
+
+    Args:
+        me: the rows of its seat.
+        time_left: until the time limit [s], one row, (LANES,).
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        out: observations, flat; the columns of `layout.SelfSeen` are written.
+        at: where in `out` those of the first lane begin.
+        stride: how far behind them those of the next lane begin.
+    """
     lane = group(first, width)
     seen = SelfSeen(
         x=me[X + lane],
@@ -166,55 +224,81 @@ def write_ranked(
     ranks: int,
     exactly: bool,
     lane: int,
-    pictures: Numbers,
+    features: Numbers,
     width: Width,
     columns: int,
     out: Numbers,
     at: int,
 ) -> None:
-    """R7.1: the pictures of one lane in the order of their ranks, from out[at] on.
+    """R7.1: the features of one lane's targets or rivals, in the order of their ranks.
 
-    Each is copied with what is too much, which the next one is written over; the last one only so far as it goes, where
-    that is to be `exactly`.
+    Each is copied with what is too much, which the next one is written over.
+
+    Args:
+        order: slots or seats by rank, packed: see `state.slot_at_rank`.
+        ranks: how many ranks are seen.
+        exactly: whether the last one is copied only so far as it goes, since nothing is written behind it.
+        lane: the lane.
+        features: of every slot or seat: see `compute_target_features`.
+        width: how many lanes the group has in which they were computed.
+        columns: how many columns there are of each, at most FEATURE_STRIDE.
+        out: observations, flat.
+        at: where in `out` the columns of rank 1 begin.
     """
     mine = lane % len(width)
     copied = ranks - 1 if exactly else ranks
     rank = 0
-    while rank + RANKS_A_WORD <= copied:
-        word = word_at(order, rank, lane)
-        for place in range(RANKS_A_WORD):  # as often as the compiler knows: eight copies without a loop
-            picture = (item_in(word, place) * len(width) + mine) * PICTURE
-            copy_eight(out, at + place * columns, pictures, picture)
-        at += RANKS_A_WORD * columns
-        rank += RANKS_A_WORD
+    while rank + RANKS_PER_WORD <= copied:
+        word = word_of_rank(order, rank, lane)
+        for place in range(RANKS_PER_WORD):  # as often as the compiler knows: eight copies without a loop
+            source = (slot_in_word(word, place) * len(width) + mine) * FEATURE_STRIDE
+            copy_eight(out, at + place * columns, features, source)
+        at += RANKS_PER_WORD * columns
+        rank += RANKS_PER_WORD
     while rank < copied:
-        copy_eight(out, at, pictures, (item_at(order, rank, lane) * len(width) + mine) * PICTURE)
+        copy_eight(out, at, features, (slot_at_rank(order, rank, lane) * len(width) + mine) * FEATURE_STRIDE)
         at += columns
         rank += 1
     if rank < ranks:
-        picture = (item_at(order, rank, lane) * len(width) + mine) * PICTURE
-        copy_four(out, at, pictures, picture)
-        copy_four(out, at + columns - 4, pictures, picture + columns - 4)
+        source = (slot_at_rank(order, rank, lane) * len(width) + mine) * FEATURE_STRIDE
+        copy_four(out, at, features, source)
+        copy_four(out, at + columns - 4, features, source + columns - 4)
 
 
 @phase
 def write_rivals(block: Block, seat: int, order: Block, ranks: int, lane: int, out: Numbers, at: int) -> None:
-    """R7.1: the rivals of one lane, each seen when its rank is written: for a few of very many, of whom it would take
-    longer to make all the pictures.
+    """R7.1: the rivals of one lane, each looked at when its rank is written: for a few of very many, of whom it would
+    take longer to compute all features.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        order: seats by rank, packed: see `state.slot_at_rank`.
+        ranks: how many ranks are seen.
+        lane: the lane.
+        out: observations, flat.
+        at: where in `out` the columns of rank 1 begin.
     """
     for rank in range(ranks):
-        other = item_at(order, rank, lane)
+        other = slot_at_rank(order, rank, lane)
         if other == ABSENT:
             for column in range(RIVAL_WIDTH):
                 out[at + column] = 0.0
         else:
-            put_rows(out, at, PICTURE, rival_at(block, seat, other, lane))
+            put_rows(out, at, FEATURE_STRIDE, rival_at(block, seat, other, lane))
         at += RIVAL_WIDTH
 
 
 @phase
 def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
-    """R7.2: hold and the ranks that have a target. They change rarely, and then for all seats of an arena."""
+    """R7.2: hold and the ranks that have a target. They change rarely, and then for all seats of an arena.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lanes: how many of its lanes are arenas.
+        masks: the result, (lanes, H, K + 1).
+    """
     ranks = s.targets_seen
     for lane in range(lanes):
         there = int(seat_of(block, 0)[SEEN + lane])
@@ -225,28 +309,45 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
 
 
 @phase
-def hand_out(views: Numbers, count: int, out: Numbers, at: int) -> None:
-    """Observations that were put together apart from where they belong. Whole groups go past the caches."""
-    whole = count - count % PICTURE
-    for place in range(0, whole, PICTURE):
-        stream_eight(out, at + place, views, place)
+def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) -> None:
+    """Observations that were put together apart from where they belong; they go past the caches.
+
+    Args:
+        staging: the observations of a group of lanes.
+        count: how many numbers they are.
+        out: observations, flat.
+        at: where in `out` they belong.
+    """
+    whole = count - count % FEATURE_STRIDE
+    for place in range(0, whole, FEATURE_STRIDE):
+        stream_eight(out, at + place, staging, place)
     for place in range(whole, count):
-        out[at + place] = views[place]
+        out[at + place] = staging[place]
 
 
-@passage
+@inlined
 def write(
     block: Block, s: Settings, width: Width, lanes: int, slots: int, scratch: Scratch, out: Numbers, arena: int
 ) -> None:
-    """R7.1: the observations of a block, one group of lanes after the other; its first lane is `arena` of the batch.
+    """R7.1: the observations of a block, one group of lanes after the other.
 
     They are written in their place, unless the group has lanes that are no arenas, or the batch is so large that they
     had better go past the caches, in the order of the memory.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        lanes: how many of its lanes are arenas.
+        slots: how many slots are in use in any lane.
+        scratch: see `workspace.Scratch`.
+        out: the observations of the whole batch, flat.
+        arena: which of the batch is the first lane.
     """
     targets = targets_of(block, s)
     time_left = scratch.rows[:LANES]
-    note_ages(block, targets, width, slots, scratch.ages)
-    note_time_left(block, s, width, time_left)
+    compute_ages(block, targets, width, slots, scratch.ages)
+    compute_time_left(block, s, width, time_left)
     rivals_at = SELF_WIDTH + s.targets_seen * TARGET_WIDTH
     columns = rivals_at + s.hunters_seen * RIVAL_WIDTH
     few_of_many = s.hunters > _MANY * s.hunters_seen
@@ -255,46 +356,52 @@ def write(
         if first >= lanes:
             break
         apart = lanes - first < len(width) or len(out) > _STREAMED
-        to = scratch.views if apart else out
+        to = scratch.staging if apart else out
         begin = 0 if apart else (arena + first) * stride
         for seat in range(s.hunters):
-            me, view, rivals = seat_of(block, seat), view_of(block, seat, s), order_of(scratch, seat)
+            me, targets_seen, rivals_seen = (
+                seat_of(block, seat),
+                target_order_of(block, seat, s),
+                rival_order_of(scratch, seat),
+            )
             write_self(me, time_left, first, width, to, begin + seat * columns, stride)
-            picture_targets(me, targets, scratch.ages, first, width, slots, scratch.target_pictures)
+            compute_target_features(me, targets, scratch.ages, first, width, slots, scratch.target_features)
             if not few_of_many:
-                picture_rivals(block, seat, first, width, s, scratch.rival_pictures)
+                compute_rival_features(block, seat, first, width, s, scratch.rival_features)
             for lane in range(first, first + len(width)):
                 at = begin + (lane - first) * stride + seat * columns
                 write_ranked(
-                    view,
+                    targets_seen,
                     s.targets_seen,
                     s.hunters_seen == 0,
                     lane,
-                    scratch.target_pictures,
+                    scratch.target_features,
                     width,
                     TARGET_WIDTH,
                     to,
                     at + SELF_WIDTH,
                 )
                 if few_of_many:
-                    write_rivals(block, seat, rivals, s.hunters_seen, lane, to, at + rivals_at)
+                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, to, at + rivals_at)
                 else:
                     write_ranked(
-                        rivals,
+                        rivals_seen,
                         s.hunters_seen,
                         True,
                         lane,
-                        scratch.rival_pictures,
+                        scratch.rival_features,
                         width,
                         RIVAL_WIDTH,
                         to,
                         at + rivals_at,
                     )
         if apart:
-            hand_out(scratch.views, min(len(width), lanes - first) * stride, out, (arena + first) * stride)
+            copy_to_observations(
+                scratch.staging, min(len(width), lanes - first) * stride, out, (arena + first) * stride
+            )
 
 
-@passage
+@inlined
 def observe(
     block: Block, s: Settings, width: Width, first: int, last: int, sections: Sections, scratch: Scratch
 ) -> None:
@@ -307,15 +414,15 @@ def observe(
     targets = targets_of(block, s)
     slots = most_alive(block, lanes)
     for seat in range(s.hunters):
-        face(seat_of(block, seat), width)
+        update_heading(seat_of(block, seat), width)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         count_seen(block, me, s, width)
         rank_targets(block, me, targets, width, slots, sections.target_network, scratch.keys)
-        note_order(scratch.keys, slots, s.targets_seen, width, view_of(block, seat, s))
+        pack_order(scratch.keys, slots, s.targets_seen, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
             rank_rivals(block, seat, width, sections.rival_network, s, scratch.keys)
             resolve_ties(block, seat, width, lanes, s, scratch.keys)
-            note_order(scratch.keys, s.hunters, s.hunters_seen, width, order_of(scratch, seat))
+            pack_order(scratch.keys, s.hunters, s.hunters_seen, width, rival_order_of(scratch, seat))
     write(block, s, width, lanes, slots, scratch, sections.observations.reshape(-1), first)
     write_masks(block, s, lanes, sections.masks[first:last])

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from catch_arena.core.jit import Block, passage, phase, rare, rule
+from catch_arena.core.jit import Block, inlined, phase, rare, rule
 from catch_arena.core.math import clamp, sincos, wrap
 from catch_arena.core.state import (
     AT_WALL,
@@ -41,7 +41,15 @@ def next_pose(
 ) -> tuple[float, float, float, float, bool]:
     """R2.2, R2.3: position and heading after one tick, and whether a wall held it; the heading turns first.
 
-    Args: `stride`, what a tick moves [m]; the sine and cosine of the heading, and of what a tick turns it.
+    Args:
+        x: the position [m].
+        y: the position [m].
+        sine: of the heading.
+        cosine: of the heading.
+        stride: what a tick moves [m].
+        turn_sine: of the angle by which a tick turns.
+        turn_cosine: of the same.
+        side: of the arena [m].
     """
     next_sine = sine * turn_cosine + cosine * turn_sine
     next_cosine = cosine * turn_cosine - sine * turn_sine
@@ -104,7 +112,7 @@ def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -
             me[TURN_RATE + lane] = select(stale[lane] > 0.0, 0.0, me[TURN_RATE + lane])
 
 
-@passage
+@inlined
 def move(block: Block, s: Settings, width: Width, lanes: int, scratch: Block) -> None:
     """R1.3: all ticks in (t, t + period], one after the other; `scratch` has two rows.
 

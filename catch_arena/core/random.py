@@ -103,14 +103,14 @@ def next_seed(seed: np.uint64) -> np.uint64:
 
 
 @entry
-def go_on(seeds: NDArray[np.uint64]) -> None:
+def advance_seeds(seeds: NDArray[np.uint64]) -> None:
     """A.5: each seed gives way to that of the next episode: (n,)."""
     for i in range(len(seeds)):
         seeds[i] = next_seed(seeds[i])
 
 
 @entry
-def spread(seed: np.uint64, seeds: NDArray[np.uint64]) -> None:
+def derive_row_seeds(seed: np.uint64, seeds: NDArray[np.uint64]) -> None:
     """A.5: the seeds of a batch's rows from the one seed that it was reset with: (B,), an output."""
     for row in range(len(seeds)):
         seeds[row] = draw(stream(seed, BATCH_ROW), np.uint64(row))

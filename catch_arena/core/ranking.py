@@ -12,9 +12,9 @@ from catch_arena.core.state import (
     ABSENT,
     ALIVE,
     COSINE,
-    ITEM_BITS,
     LANES,
-    RANKS_A_WORD,
+    RANK_BITS,
+    RANKS_PER_WORD,
     SCORE,
     SINE,
     SPEED,
@@ -120,8 +120,15 @@ def rival_at(block: Block, seat: int, other: int, lane: int) -> RivalSeen:
 
 
 @phase
-def order(keys: Keys, network: NDArray[np.int64], width: Width, wires: int) -> None:
-    """Sort the keys of every lane, as far as the network goes; from wire `wires` on there are none."""
+def sort_keys(keys: Keys, network: NDArray[np.int64], width: Width, wires: int) -> None:
+    """Sort the keys of every lane, as far as the network goes.
+
+    Args:
+        keys: by slot or seat, rows of LANES; sorted in place, the smallest first.
+        network: (comparators, 2): see `selection_network`.
+        width: how many lanes a group has.
+        wires: how many rows have keys.
+    """
     for comparator in range(len(network)):
         if network[comparator, 1] >= wires:
             continue
@@ -136,19 +143,27 @@ def order(keys: Keys, network: NDArray[np.int64], width: Width, wires: int) -> N
 
 
 @phase
-def note_order(keys: Keys, there: int, ranks: int, width: Width, words: Block) -> None:
-    """The slots or seats of the first keys, as `state.item_at` reads them; from `there` on there are none."""
-    for rank in range(0, ranks, RANKS_A_WORD):
+def pack_order(keys: Keys, there: int, ranks: int, width: Width, packed: Block) -> None:
+    """The slots or seats of the first keys, packed as `state.slot_at_rank` reads them.
+
+    Args:
+        keys: sorted as far as they are read: rows of LANES.
+        there: how many rows have keys.
+        ranks: how many ranks are wanted.
+        width: how many lanes a group has.
+        packed: the result, rows of LANES, RANKS_PER_WORD ranks in each.
+    """
+    for rank in range(0, ranks, RANKS_PER_WORD):
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
             word = long(keys[lane] & 0)
-            for place in range(RANKS_A_WORD):
+            for place in range(RANKS_PER_WORD):
                 if rank + place < min(there, ranks):
                     item = long(item_of(keys[(rank + place) * LANES + lane]))
-                    word = word | (item << (ITEM_BITS * place))
+                    word = word | (item << (RANK_BITS * place))
                 else:
-                    word = word | (ABSENT << (ITEM_BITS * place))
-            words[rank // RANKS_A_WORD * LANES + lane] = number_of(word)
+                    word = word | (ABSENT << (RANK_BITS * place))
+            packed[rank // RANKS_PER_WORD * LANES + lane] = number_of(word)
 
 
 @phase
@@ -161,7 +176,17 @@ def rank_targets(
     network: NDArray[np.int64],
     keys: Keys,
 ) -> None:
-    """R7.1: the alive targets by distance, then by spawn number; slots are in spawning order."""
+    """R7.1: the alive targets by distance, then by spawn number; slots are in spawning order.
+
+    Args:
+        arena: the block, for its row ALIVE.
+        me: the rows of the seat that sees them.
+        targets: the slots of the block.
+        width: how many lanes a group has.
+        slots: how many slots are in use in any lane.
+        network: (comparators, 2): see `selection_network`.
+        keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
+    """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         x, y = me[X + lane], me[Y + lane]
@@ -169,12 +194,21 @@ def rank_targets(
         for slot in range(slots):
             at = slot * LANES + lane
             keys[at] = select(alive > slot, key_of(targets.x[at] - x, targets.y[at] - y, slot), FAR)
-    order(keys, network, width, slots)
+    sort_keys(keys, network, width, slots)
 
 
 @phase
 def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64], s: Settings, keys: Keys) -> None:
-    """R7.1, R1.6: the other hunters by distance; `resolve_ties` puts right those who are equally far."""
+    """R7.1, R1.6: the other hunters by distance; `resolve_ties` puts right those who are equally far.
+
+    Args:
+        block: the block.
+        seat: who sees them.
+        width: how many lanes a group has.
+        network: (comparators, 2): see `selection_network`.
+        s: the settings.
+        keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
+    """
     me = seat_of(block, seat)
     for other in range(s.hunters):
         rival = seat_of(block, other)
@@ -183,7 +217,7 @@ def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64
             key = key_of(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane], other)
             unseen = (rival[WITHDRAWN + lane] > 0.0) | (other == seat)
             keys[other * LANES + lane] = select(unseen, FAR, key)
-    order(keys, network, width, s.hunters)
+    sort_keys(keys, network, width, s.hunters)
 
 
 @rule
@@ -206,8 +240,10 @@ def precedes(a: RivalSeen, b: RivalSeen) -> bool:
 
 @rare
 def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
-    """R7.1: who is as far as the first rival beyond the view comes right after it. Returns: how many keys there are so
-    far; the others are farther, in any order.
+    """R7.1: who is as far as the first rival beyond the view comes right after it.
+
+    Returns:
+        how many keys there are so far; the others are farther, in any order.
     """
     count = ranks + 1
     edge = keys[ranks * LANES + lane]

@@ -18,12 +18,12 @@ from catch_arena.core.state import (
     Targets,
     X,
     Y,
-    item_at,
     seat_of,
+    slot_at_rank,
     span,
 )
 from catch_arena.core.vectors import Width, group, select, sqrt
-from catch_arena.core.workspace import Scratch, aim_of
+from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
 PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time")
@@ -39,22 +39,22 @@ Parts = NDArray[np.float64]
 
 
 @phase
-def aim_at_nearest(me: Block, view: Block, targets: Targets, lanes: int, aim: Block) -> None:
+def set_progress_reference(me: Block, order: Block, targets: Targets, lanes: int, reference: Block) -> None:
     """R6.2's progress: the nearest target of S_t, from where the hunter stands."""
     for lane in range(lanes):
         there = me[SEEN + lane] > 0.0
-        at = select(there, item_at(view, 0, lane), 0) * LANES + lane
+        at = select(there, slot_at_rank(order, 0, lane), 0) * LANES + lane
         dx = targets.x[at] - me[X + lane]
         dy = targets.y[at] - me[Y + lane]
-        aim[lane] = targets.x[at]
-        aim[LANES + lane] = targets.y[at]
-        aim[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), -1.0)
+        reference[lane] = targets.x[at]
+        reference[LANES + lane] = targets.y[at]
+        reference[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), -1.0)
 
 
 @rare
-def aim_again(arena: Block, me: Block, targets: Targets, lane: int, aim: Block) -> None:
+def renew_progress_reference(arena: Block, me: Block, targets: Targets, lane: int, reference: Block) -> None:
     """The same in one lane where targets have just left: among those that are alive after the commit."""
-    aim[2 * LANES + lane] = -1.0
+    reference[2 * LANES + lane] = -1.0
     nearest = FAR
     for slot in range(int(arena[ALIVE + lane])):
         dx = targets.x[slot * LANES + lane] - me[X + lane]
@@ -62,9 +62,9 @@ def aim_again(arena: Block, me: Block, targets: Targets, lane: int, aim: Block) 
         key = key_of(dx, dy, slot)
         if key < nearest:
             nearest = key
-            aim[lane] = targets.x[slot * LANES + lane]
-            aim[LANES + lane] = targets.y[slot * LANES + lane]
-            aim[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
+            reference[lane] = targets.x[slot * LANES + lane]
+            reference[LANES + lane] = targets.y[slot * LANES + lane]
+            reference[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
 
 
 @phase
@@ -83,7 +83,7 @@ def reward(
         catches[lane] = granted
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        aim = aim_of(scratch, seat)
+        reference = progress_reference_of(scratch, seat)
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
             counts = select(me[WITHDRAWN + lane] == 0.0, 1.0, 0.0)
@@ -95,10 +95,10 @@ def reward(
             rejected = select(refused, counts, 0.0)
             progress = 0.0
             if s.progress_wanted:
-                dx = aim[lane] - me[X + lane]
-                dy = aim[LANES + lane] - me[Y + lane]
-                gained = aim[2 * LANES + lane] - sqrt(dx * dx + dy * dy)
-                progress = select((aim[2 * LANES + lane] >= 0.0) & (counts > 0.0), gained, 0.0)
+                dx = reference[lane] - me[X + lane]
+                dy = reference[LANES + lane] - me[Y + lane]
+                gained = reference[2 * LANES + lane] - sqrt(dx * dx + dy * dy)
+                progress = select((reference[2 * LANES + lane] >= 0.0) & (counts > 0.0), gained, 0.0)
             elapsed = counts * s.period_s
             total = (
                 s.catch_weight * granted

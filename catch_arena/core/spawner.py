@@ -11,12 +11,12 @@ from catch_arena.core.state import (
     FIRINGS,
     LANES,
     NUMBERS,
-    REFUSED,
     SEED_HIGH,
     SEED_LOW,
     SKIPPED_DOWN,
     SKIPPED_FULL,
     SPAWNED,
+    SPAWNS_REFUSED,
     TIME,
     Settings,
     Targets,
@@ -25,7 +25,7 @@ from catch_arena.core.state import (
 
 
 @rule
-def place(seed: np.uint64, number: float, low: float, high: float, last: float) -> tuple[float, float, float]:
+def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: float) -> tuple[float, float, float]:
     """R3.2, R3.3: where the target of that number appears: x, y [m], theta [rad] in [0, 2 pi)."""
     key = stream(seed, PLACE)
     first = np.uint64(3) * (np.uint64(number) - np.uint64(1))
@@ -73,7 +73,7 @@ def remove_target(arena: Block, targets: Targets, lane: int, slot: int) -> None:
 def spawn_next(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Settings, time_ms: float) -> None:
     """R3.3: the place of the next number, taken."""
     arena[NUMBERS + lane] += 1.0
-    x, y, theta = place(seed, arena[NUMBERS + lane], s.spawn_low, s.spawn_high, s.spawn_last)
+    x, y, theta = spawn_pose(seed, arena[NUMBERS + lane], s.spawn_low, s.spawn_high, s.spawn_last)
     add_target(arena, targets, lane, x, y, theta, time_ms)
 
 
@@ -89,7 +89,7 @@ def fire(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Settings
         arena[SKIPPED_DOWN + lane] += 1.0
     elif spawn_refused(seed, arena[NUMBERS + lane] + 1.0, s.spawn_refused_rate):
         arena[NUMBERS + lane] += 1.0
-        arena[REFUSED + lane] += 1.0
+        arena[SPAWNS_REFUSED + lane] += 1.0
     else:
         spawn_next(arena, targets, lane, seed, s, arena[FIRINGS + lane] * s.spawn_period)
 
@@ -108,7 +108,11 @@ def spawn_through(arena: Block, targets: Targets, lanes: int, s: Settings) -> No
 
 @entry
 def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int:
-    """R8.1: a target outside the timer. Returns: its number; 0 where the arena is full (R3.5)."""
+    """R8.1: a target outside the timer.
+
+    Returns:
+        its number; 0 where the arena is full (R3.5).
+    """
     sections = sections_of(memory)
     s = settings_in(sections.settings)
     block, lane = sections.blocks[arena // LANES], arena % LANES

@@ -8,7 +8,7 @@ fill the slots from 0 in spawning order (R8.2), all others are zero.
 
 from typing import Final, NamedTuple
 
-from catch_arena.core.jit import Block, passage, rule
+from catch_arena.core.jit import Block, inlined, rule
 from catch_arena.core.vectors import Width, bits_of
 from catch_arena.verdicts import Verdict
 
@@ -32,7 +32,7 @@ NUMBERS: Final = 3 * LANES  # numbers used up
 FIRINGS: Final = 4 * LANES  # of the spawn timer
 SKIPPED_FULL: Final = 5 * LANES  # R3.5
 SKIPPED_DOWN: Final = 6 * LANES  # R3.6
-REFUSED: Final = 7 * LANES  # R3.6
+SPAWNS_REFUSED: Final = 7 * LANES  # R3.6
 ARENA_DIGEST_ROWS: Final = 8
 ALIVE: Final = 8 * LANES  # targets alive: slots in use
 ENDED: Final = 9 * LANES  # RUNNING, TERMINATED or TRUNCATED (R1.5)
@@ -56,8 +56,8 @@ HUNTER_DIGEST_ROWS: Final = 11
 SINE: Final = 11 * LANES  # of theta
 COSINE: Final = 12 * LANES
 SEEN: Final = 13 * LANES  # how many targets it sees: those have a rank
-WANTED: Final = 14 * LANES  # slot requested in this step, NO_TARGET or NO_SUCH_RANK
-REQUEST: Final = 15 * LANES  # number of the target requested, 0 for none
+REQUESTED_SLOT: Final = 14 * LANES  # slot requested in this step, NO_TARGET or NO_SUCH_RANK
+REQUESTED_NUMBER: Final = 15 * LANES  # number of the target requested, 0 for none
 VERDICT: Final = 16 * LANES  # R5.2, 0 for no request
 DISTANCE_UM: Final = 17 * LANES  # the verdict's evidence [micrometres], -1 for none
 WINNER: Final = 18 * LANES  # seat, -1 for none
@@ -66,7 +66,7 @@ CONTESTS_WON: Final = 20 * LANES  # in this episode: kills granted or refused th
 TALLIES: Final = 21 * LANES  # how often each verdict was met in this episode, in the order of Verdict
 HUNTER_ROWS: Final = 21 + len(Verdict)
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
-EVIDENCE: Final = (REQUEST, VERDICT, DISTANCE_UM, WINNER)
+EVIDENCE: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE_UM, WINNER)
 """The answer to a request (R5.6)."""
 
 # rows of a target slot; all five stand in the digest in this order (A.8)
@@ -129,26 +129,26 @@ class Settings(NamedTuple):
     time_weight: float
 
 
-RANKS_A_WORD: Final = 8
+RANKS_PER_WORD: Final = 8
 """Slots or seats in an order are kept eight to a number, a byte each, the first in the lowest bits."""
-ITEM_BITS: Final = 8
+RANK_BITS: Final = 8
 ABSENT: Final = 64
 """In the place of a slot or seat: nothing has this rank. There are at most as many of each."""
 
 
 @rule
-def view_rows(targets_seen: int) -> int:
+def target_order_rows(targets_seen: int) -> int:
     """How many numbers a view has."""
-    return (targets_seen + RANKS_A_WORD - 1) // RANKS_A_WORD
+    return (targets_seen + RANKS_PER_WORD - 1) // RANKS_PER_WORD
 
 
 @rule
 def block_rows(hunters: int, slots: int, targets_seen: int) -> int:
     """How many rows a block has."""
-    return ARENA_ROWS + hunters * HUNTER_ROWS + slots * TARGET_ROWS + hunters * view_rows(targets_seen)
+    return ARENA_ROWS + hunters * HUNTER_ROWS + slots * TARGET_ROWS + hunters * target_order_rows(targets_seen)
 
 
-@passage
+@inlined
 def targets_of(block: Block, s: Settings) -> Targets:
     """The target slots of a block."""
     first = (ARENA_ROWS + s.hunters * HUNTER_ROWS) * LANES
@@ -162,34 +162,34 @@ def targets_of(block: Block, s: Settings) -> Targets:
     )
 
 
-@passage
+@inlined
 def seat_of(block: Block, seat: int) -> Block:
     """The rows of one seat."""
     first = ARENA_ROWS * LANES + seat * SEAT_SIZE
     return block[first : first + SEAT_SIZE]
 
 
-@passage
-def view_of(block: Block, seat: int, s: Settings) -> Block:
-    """What one seat sees, by rank: see `item_at`."""
-    rows = view_rows(s.targets_seen)
+@inlined
+def target_order_of(block: Block, seat: int, s: Settings) -> Block:
+    """What one seat sees, by rank: see `slot_at_rank`."""
+    rows = target_order_rows(s.targets_seen)
     first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + s.slots * TARGET_ROWS + seat * rows) * LANES
     return block[first : first + rows * LANES]
 
 
 @rule
-def word_at(words: Block, rank: int, lane: int) -> int:
-    """The word that holds a rank, and those that follow in it: see `RANKS_A_WORD`."""
-    return bits_of(words[rank // RANKS_A_WORD * LANES + lane])
+def word_of_rank(packed: Block, rank: int, lane: int) -> int:
+    """The word that holds a rank, and those that follow in it: see `RANKS_PER_WORD`."""
+    return bits_of(packed[rank // RANKS_PER_WORD * LANES + lane])
 
 
 @rule
-def item_in(word: int, rank: int) -> int:
+def slot_in_word(word: int, rank: int) -> int:
     """The slot or seat at a rank, in the word that holds it."""
-    return (word >> (ITEM_BITS * (rank % RANKS_A_WORD))) & 255
+    return (word >> (RANK_BITS * (rank % RANKS_PER_WORD))) & 255
 
 
 @rule
-def item_at(words: Block, rank: int, lane: int) -> int:
+def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
     """The slot or seat at a rank, counted from 0, in a view or another order that is kept in this way."""
-    return item_in(word_at(words, rank, lane), rank)
+    return slot_in_word(word_of_rank(packed, rank, lane), rank)

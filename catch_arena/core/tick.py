@@ -3,10 +3,18 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.catching import note_evidence, settle
-from catch_arena.core.controllers import take_in
-from catch_arena.core.episodes import begin, begin_again, end_test, keep, note_ends, put_back_ended, some_ended
-from catch_arena.core.jit import Block, entry, passage
+from catch_arena.core.catching import resolve_requests, write_evidence
+from catch_arena.core.controllers import apply_actions
+from catch_arena.core.episodes import (
+    begin,
+    begin_again,
+    end_test,
+    restore_finished,
+    some_ended,
+    take_snapshot,
+    write_ends,
+)
+from catch_arena.core.jit import Block, entry, inlined
 from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.observations import observe
 from catch_arena.core.physics import move
@@ -17,7 +25,7 @@ from catch_arena.core.vectors import Width
 from catch_arena.core.workspace import Scratch, scratch_of
 
 
-@passage
+@inlined
 def play(
     block: Block,
     s: Settings,
@@ -35,16 +43,16 @@ def play(
     rewards, parts = sections.rewards[first:last], sections.parts[first:last]
     had_ended = some_ended(block, lanes)
     if had_ended:
-        keep(block, scratch.kept)
-    take_in(block, s, width, lanes, sections.controls, choices[first:last], commands[first:last], scratch)
-    settle(block, s, width, lanes, targets, scratch)
+        take_snapshot(block, scratch.snapshot)
+    apply_actions(block, s, width, lanes, sections.controls, choices[first:last], commands[first:last], scratch)
+    resolve_requests(block, s, width, lanes, targets, scratch)
     move(block, s, width, lanes, scratch.rows)
     spawn_through(block, targets, lanes, s)
     end_test(block, s, width)
     reward(block, s, width, lanes, scratch, rewards, parts)
     if had_ended:
-        put_back_ended(block, s, lanes, scratch.kept, rewards, parts)
-    note_ends(block, lanes, sections.ends[first:last])
+        restore_finished(block, s, lanes, scratch.snapshot, rewards, parts)
+    write_ends(block, lanes, sections.ends[first:last])
 
 
 @entry
@@ -63,9 +71,17 @@ def run(
     """Episodes begin where that is asked for, then one step of every arena (R1.4) where there is play, and then all
     observe.
 
-    Args: `width` and `view_width`, how many lanes play and observe at a time; `memory`, see core/memory.py; `thread`,
-    whose scratch memory is used; the blocks from `begin_block` up to, but not including, `end_block`; `resets` (n, 2),
-    arenas and seeds; the actions `choices` (B, H) and `commands` (B, H, 2).
+    Args:
+        width: how many lanes play at a time.
+        view_width: how many lanes observe at a time.
+        memory: see core/memory.py.
+        thread: whose scratch memory is used, from 0 up.
+        begin_block: the first block.
+        end_block: the block after the last one.
+        resets: (n, 2), arenas and the seeds with which they begin.
+        playing: whether a step is played, or the arenas only observe.
+        choices: (B, H), ranks or 0; may be empty where no seat's control reads them.
+        commands: (B, H, 2), fractions of the limits in [-1, 1]; may be empty in the same way.
     """
     sections = sections_of(memory)
     s = settings_in(sections.settings)
@@ -84,4 +100,4 @@ def run(
             observe(block, s, view_width, first, last, sections, scratch)
             if last_view > 0:
                 begin_again(block, s, first, last, sections)
-        note_evidence(block, s, last - first, sections.evidence[first:last])
+        write_evidence(block, s, last - first, sections.evidence[first:last])

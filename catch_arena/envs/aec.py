@@ -29,12 +29,21 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         return self._parallel._repr_html_()
 
     def step(self, action: Any) -> None:
-        """The action of the hunter whose turn it is. Raises: ActionError, EpisodeError; nothing has changed then."""
+        """The action of the hunter whose turn it is.
+
+        Raises:
+            ActionError: for an action that is not legal.
+            EpisodeError: ; nothing has changed then.
+        """
         self._require_turn("step")
         super().step(action)
 
     def last(self, observe: bool = True) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """What the hunter whose turn it is sees. Raises: EpisodeError."""
+        """What the hunter whose turn it is sees.
+
+        Raises:
+            EpisodeError: outside an episode.
+        """
         self._require_turn("last")
         result: tuple[Any, float, bool, bool, dict[str, Any]] = super().last(observe)
         return result

@@ -1,12 +1,12 @@
-"""Infos that are made when somebody asks for them: most steps' are never looked at."""
+"""LazyInfos that are made when somebody asks for them: most steps' are never looked at."""
 
 from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
 
-class ToldInfos(dict[str, Any]):
-    """Infos by agent, an ordinary dict; copied and pickled as one."""
+class MaterializedInfos(dict[str, Any]):
+    """LazyInfos by agent, an ordinary dict; copied and pickled as one."""
 
     __slots__ = ("make",)
 
@@ -17,9 +17,9 @@ class ToldInfos(dict[str, Any]):
         return dict, (dict(self),)
 
 
-class Infos(ToldInfos):
-    """A dict of infos by agent that is filled when it is used for the first time, and then a ToldInfos, read as fast
-    as any dict.
+class LazyInfos(MaterializedInfos):
+    """A dict of infos by agent that is filled when it is used for the first time, and then a MaterializedInfos, read
+    as fast as any dict.
 
     It is born with its keys, for what is written in C looks at a dict's size before it asks for more; `make` is to be
     set before it is used.
@@ -30,14 +30,14 @@ class Infos(ToldInfos):
     def _fill(self) -> None:
         super().update(self.make())
         del self.make  # with the arrays that it holds
-        self.__class__ = ToldInfos  # type: ignore[assignment]  # of the same layout
+        self.__class__ = MaterializedInfos  # type: ignore[assignment]  # of the same layout
 
 
 def _filling(name: str) -> Callable[..., Any]:
     method = getattr(dict, name)
 
     @wraps(method)
-    def filled(self: Infos, *arguments: Any, **named: Any) -> Any:
+    def filled(self: LazyInfos, *arguments: Any, **named: Any) -> Any:
         self._fill()
         return method(self, *arguments, **named)
 
@@ -50,4 +50,4 @@ for _name in (
     *("__len__", "__lt__", "__ne__", "__or__", "__repr__", "__reversed__", "__ror__", "__setitem__"),
     *("clear", "copy", "get", "items", "keys", "pop", "popitem", "setdefault", "update", "values"),
 ):
-    setattr(Infos, _name, _filling(_name))
+    setattr(LazyInfos, _name, _filling(_name))

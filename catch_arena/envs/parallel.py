@@ -17,7 +17,7 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.core import state as rows
 from catch_arena.core.rewards import PART_NAMES
 from catch_arena.engine import Engine, next_seeds
-from catch_arena.envs.infos import Infos
+from catch_arena.envs.infos import LazyInfos
 from catch_arena.envs.spaces import (
     action_space,
     checked_choice,
@@ -46,9 +46,13 @@ def parallel_env(
 ) -> "CatchArenaEnv":
     """The arena as a PettingZoo parallel environment.
 
-    Args: `scenario`, a name or a config; `render_mode`, None, "rgb_array" or "human"; `overrides`, fields of
-    ArenaConfig.
-    Raises: ConfigError that names the setting, the requirement and the value.
+    Args:
+        scenario: a name or a config.
+        render_mode: None, "rgb_array" or "human".
+        overrides: fields of ArenaConfig.
+
+    Raises:
+        ConfigError: that names the setting, the requirement and the value.
     """
     return CatchArenaEnv(arena_config(scenario, **overrides), render_mode)
 
@@ -103,10 +107,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._window: Any = None
 
     def _look_at_the_engine(self) -> None:
-        """Note where in the engine's `told` each thing lies, in numbers of float32."""
+        """Note where in the engine's `outputs` each thing lies, in numbers of float32."""
         engine = self._engine
         begin, seen, masks, end = (
-            (section.ctypes.data - engine.told.ctypes.data) // engine.told.itemsize
+            (section.ctypes.data - engine.outputs.ctypes.data) // engine.outputs.itemsize
             for section in (engine.evidence, engine.observations, engine.masks, engine.ends)
         )
         width = engine.observations.shape[2]
@@ -153,10 +157,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Begin an episode.
 
-        Args: `seed`, a whole number in [0, 2^64); without one the first episode's is the operating system's, and each
-        further one follows from the one before (A.5), so that a run is repeated by its first seed. `options` are not
-        used.
-        Returns: observations and infos by agent.
+        Args:
+            seed: a whole number in [0, 2^64); without one the first episode's is the operating system's, and each
+                further one follows from the one before (A.5), so that a run is repeated by its first seed.
+            options: not used.
+
+        Returns:
+            observations and infos by agent.
         """
         del options
         if seed is not None:
@@ -174,21 +181,22 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._replay.note(self._engine)
         if self.render_mode == "human":
             self.render()
-        return self._told()
+        return self._observations_and_infos()
 
     def step(
         self, actions: Mapping[str, Any]
     ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
         """R1.4: one control period; an action for each of `agents`.
 
-        Returns: observations, rewards, terminations, truncations and infos by agent.
+        Returns:
+            observations, rewards, terminations, truncations and infos by agent.
         """
         if self._over:
             raise EpisodeError(
                 "step must follow a reset: "
                 + ("no episode has begun" if self._seed is None else "this episode is over")
             )
-        self._take_in(actions)
+        self._apply_actions(actions)
         engine = self._engine
         engine.step(self._choices, self._commands)
         if self._replay is not None:
@@ -200,7 +208,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         rewards = dict(zip(self.possible_agents, self._rewards.tolist(), strict=True))
         if len(agents) < len(self.possible_agents):
             rewards = {agent: rewards[agent] for agent in agents}
-        observations, infos = self._told()
+        observations, infos = self._observations_and_infos()
         if ended:
             self._over = True
             self.agents = []
@@ -272,8 +280,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._engine.digest()
 
     def record(self, names: Sequence[str] | None = None, title: str = "") -> None:
-        """Keep every episode from the next reset on; `names` are the agents' names by seat. Raises: ConfigError for a
-        name or a title that is not at most 200 printable characters.
+        """Keep every episode from the next reset on; `names` are the agents' names by seat.
+
+        Raises:
+            ConfigError: for a name or a title that is not at most 200 printable characters.
         """
         names = tuple(names) if names is not None else self.config.hunter_names
         if len(names) != self.config.hunters:
@@ -340,7 +350,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._seed is None:
             raise EpisodeError(f"{what} must follow a reset: no episode has begun")
 
-    def _take_in(self, actions: Mapping[str, Any]) -> None:
+    def _apply_actions(self, actions: Mapping[str, Any]) -> None:
         if type(actions) is not dict and not isinstance(actions, Mapping):  # the first is known at once
             raise ActionError(f"actions must map each agent to its action, got {actions!r}")
         agents = self.agents
@@ -368,7 +378,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 self._commands[0, seats[agent]] = 0.0
 
     def _checked(self, agent: str, seat: int, action: Any) -> tuple[int, tuple[float, float]]:
-        """A seat's choice and command. Raises: ActionError."""
+        """A seat's choice and command.
+
+        Raises:
+            ActionError: for an action that is not legal.
+        """
         control = self._controls[seat]
         if control == "velocity":
             return 0, checked_command(agent, "an action", action)
@@ -385,33 +399,33 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         missing = [agent for agent in self.agents if agent not in actions]
         raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
 
-    def _told(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
+    def _observations_and_infos(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Observations and infos by agent, both from one copy of what the engine tells."""
-        told, agents, seen = self._engine.told.copy(), self.agents, self._seen
-        infos = Infos(dict.fromkeys(agents))
-        infos.make = lambda: self._infos(agents, told)
+        outputs, agents, seen = self._engine.outputs.copy(), self.agents, self._seen
+        infos = LazyInfos(dict.fromkeys(agents))
+        infos.make = lambda: self._infos(agents, outputs)
         if not self.config.mask_in_observation:
-            return {agent: told[seen[agent]] for agent in agents}, infos
-        masks = self._masks_in(told).copy()
+            return {agent: outputs[seen[agent]] for agent in agents}, infos
+        masks = self._masks_in(outputs).copy()
         observations = {
-            agent: {"observation": told[seen[agent]], "action_mask": masks[self._seats[agent]]}
+            agent: {"observation": outputs[seen[agent]], "action_mask": masks[self._seats[agent]]}
             if self._controls[self._seats[agent]] == "target"
-            else told[seen[agent]]
+            else outputs[seen[agent]]
             for agent in agents
         }
         return observations, infos
 
-    def _masks_in(self, told: NDArray[np.float32]) -> NDArray[np.int8]:
+    def _masks_in(self, outputs: NDArray[np.float32]) -> NDArray[np.int8]:
         shape = self._engine.masks.shape[1:]
-        return told[self._masks].view(np.int8)[: math.prod(shape)].reshape(shape)
+        return outputs[self._masks].view(np.int8)[: math.prod(shape)].reshape(shape)
 
-    def _infos(self, agents: Sequence[str], told: NDArray[np.float32]) -> dict[str, dict[str, Any]]:
-        """The infos of a step by agent, from what the engine told."""
+    def _infos(self, agents: Sequence[str], outputs: NDArray[np.float32]) -> dict[str, dict[str, Any]]:
+        """The infos of a step by agent, from what the engine put out."""
         infos = {}
-        masks = self._masks_in(told)
+        masks = self._masks_in(outputs)
         hunters = self.config.hunters
-        answers = told[self._evidence].view(np.float64)[: hunters * len(rows.EVIDENCE)].reshape(hunters, -1).tolist()
-        shares = told[self._parts].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
+        answers = outputs[self._evidence].view(np.float64)[: hunters * len(rows.EVIDENCE)].reshape(hunters, -1).tolist()
+        shares = outputs[self._parts].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
         for agent in agents:
             seat = self._seats[agent]
             number, verdict, distance, winner = answers[seat]

@@ -45,7 +45,11 @@ def state_space(config: ArenaConfig) -> spaces.Box:
 
 
 def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:
-    """A rank from 0 to `ranks`. Raises: ActionError."""
+    """A rank from 0 to `ranks`.
+
+    Raises:
+        ActionError: for an action that is not legal.
+    """
     number = action if type(action) is int else _whole_number(action)
     if number is None or not 0 <= number <= ranks:
         raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {action!r}")
@@ -61,7 +65,11 @@ def _whole_number(action: object) -> int | None:
 
 
 def checked_command(agent: str, what: str, action: Any) -> tuple[float, float]:
-    """Two numbers in [-1, 1]. Raises: ActionError."""
+    """Two numbers in [-1, 1].
+
+    Raises:
+        ActionError: for an action that is not legal.
+    """
     pair = action.tolist() if isinstance(action, np.ndarray) else action
     if isinstance(pair, (list, tuple)) and len(pair) == 2:
         speed, turn_rate = pair
@@ -75,7 +83,11 @@ def checked_command(agent: str, what: str, action: Any) -> tuple[float, float]:
 
 
 def checked_full(agent: str, action: Any, ranks: int) -> tuple[int, tuple[float, float]]:
-    """{"cmd_vel": two numbers in [-1, 1], "catch": a rank}: the rank, and the two. Raises: ActionError."""
+    """{"cmd_vel": two numbers in [-1, 1], "catch": a rank}: the rank, and the two.
+
+    Raises:
+        ActionError: for an action that is not legal.
+    """
     named = type(action) is dict or isinstance(action, Mapping)
     if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
         raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {action!r}")

@@ -65,9 +65,16 @@ class VectorArena:
     Everything that is returned lies in buffers that the next call fills anew; `copy=True` returns arrays of their
     own. A step allocates no memory, unless actions come in other types than int64 and float32.
 
-    Args: `scenario`, a name or a config; `num_envs`, B; `num_threads`, how many threads play, at least 4096
-    hunters each (results do not depend on it); `auto_reset`; `copy`; `overrides`, fields of ArenaConfig.
-    Raises: ConfigError.
+    Args:
+        scenario: a name or a config.
+        num_envs: B.
+        num_threads: how many threads play, at least 4096 hunters each (results do not depend on it).
+        auto_reset: whether ended episodes begin anew at once.
+        copy: whether arrays of their own are returned.
+        overrides: fields of ArenaConfig.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
     """
 
     def __init__(
@@ -153,11 +160,17 @@ class VectorArena:
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begin episodes.
 
-        Args: `seed`, one whole number in [0, 2^64), from which each row's own follows (A.5), or one for each arena;
-        without it each arena goes on to the episode after its own, and the first seed is the operating system's;
-        `arenas`, the rows to begin anew, as numbers or as a (B,) mask; all without it.
-        Returns: observations and infos, see above.
-        Raises: ConfigError, also for a row that is named twice; EpisodeError for single rows before all have begun.
+        Args:
+            seed: one whole number in [0, 2^64), from which each row's own follows (A.5), or one for each arena; without
+                it each arena goes on to the episode after its own, and the first seed is the operating system's.
+            arenas: the rows to begin anew, as numbers or as a (B,) mask; all without it.
+
+        Returns:
+            observations and infos, see above.
+
+        Raises:
+            ConfigError: also for a row that is named twice.
+            EpisodeError: for single rows before all have begun.
         """
         chosen = self._rows(arenas)
         if not self._begun and len(chosen) < self.num_envs:
@@ -182,16 +195,20 @@ class VectorArena:
     def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> Results:
         """R1.4: one step of every arena.
 
-        Args: `actions`, see above.
-        Returns: observations (B, H, D) float32, rewards (B, H) float32, terminations (B,) and truncations (B,) bool,
-        infos.
-        Raises: ActionError that names the first arena and hunter whose action is not legal; nothing has moved then.
-        EpisodeError before the first reset.
+        Args:
+            actions: see above.
+
+        Returns:
+            observations (B, H, D) float32, rewards (B, H) float32, terminations (B,) and truncations (B,) bool, infos.
+
+        Raises:
+            ActionError: that names the first arena and hunter whose action is not legal; nothing has moved then.
+            EpisodeError: before the first reset.
         """
         if not self._begun:
             raise EpisodeError("step must follow a reset: no episode has begun")
         engine = self._engine
-        engine.step(*self._taken_in(actions))
+        engine.step(*self._checked_actions(actions))
         np.equal(engine.ends, _TERMINATED, out=self._terminations)
         np.equal(engine.ends, _TRUNCATED, out=self._truncations)
         np.logical_or(self._terminations, self._truncations, out=self._ended)
@@ -199,7 +216,9 @@ class VectorArena:
             (engine.observations, engine.rewards, self._terminations, self._truncations, dict(self._infos))
         )
 
-    def _taken_in(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    def _checked_actions(
+        self, actions: ArrayLike | Mapping[str, ArrayLike]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
         controls = set(self.config.controls)
         if controls == {"target"}:
             return self._checked_choices("actions", actions), self._commands
@@ -272,13 +291,21 @@ class VectorArena:
     def save(self) -> SavedState:
         """R10.2: the state of all arenas; `restore` takes it back, here or in an arena of equal config and size.
 
-        Raises: EpisodeError before the first reset.
+        Raises:
+            EpisodeError: before the first reset.
         """
         self._require_begun()
         return SavedState(self.config.digest, self.num_envs, self._engine.save())
 
     def restore(self, saved: SavedState) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Go on from a saved state, bit for bit. Returns: observations and infos, as `reset`. Raises: ConfigError."""
+        """Go on from a saved state, bit for bit.
+
+        Returns:
+            observations and infos, as `reset`.
+
+        Raises:
+            ConfigError: for an argument that cannot be.
+        """
         self._engine.restore(self._memory_of(saved, self.num_envs, self._engine.memory.shape))
         self._begun = True
         self._ended[:] = False
@@ -289,7 +316,14 @@ class VectorArena:
         return SavedState(self.config.digest, None, self._engine.save_row(self._row(arena)))
 
     def restore_row(self, arena: int, saved: SavedState) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Go on, in one arena, from a saved row. Returns: observations and infos, as `reset`. Raises: ConfigError."""
+        """Go on, in one arena, from a saved row.
+
+        Returns:
+            observations and infos, as `reset`.
+
+        Raises:
+            ConfigError: for an argument that cannot be.
+        """
         arena = self._row(arena)
         self._engine.restore_row(arena, self._memory_of(saved, None, self._engine.save_row(arena).shape))
         self._ended[arena] = False

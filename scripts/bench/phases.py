@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import catch_arena
 from catch_arena.core import observations, tick
-from catch_arena.core.jit import Block, passage, phase, unkept_entry
+from catch_arena.core.jit import Block, inlined, phase, unkept_entry
 from catch_arena.core.ranking import Keys
 from catch_arena.core.state import LANES, Settings, Targets, span
 from catch_arena.core.vectors import Width
@@ -50,8 +50,8 @@ def _rivals_as_they_sit(
 
 
 _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
-    "intake and hosted controllers": (tick, {"take_in": _nothing}),
-    "arbiter and commit": (tick, {"settle": _nothing}),
+    "intake and hosted controllers": (tick, {"apply_actions": _nothing}),
+    "arbiter and commit": (tick, {"resolve_requests": _nothing}),
     "motion": (tick, {"move": _nothing}),
     "spawning": (tick, {"spawn_through": _nothing}),
     "rewards": (tick, {"reward": _nothing}),
@@ -74,7 +74,7 @@ def _compiled_without(title: str) -> Any:
     for name, stand_in in stand_ins.items():
         setattr(module, name, stand_in)
     for name in _WRITTEN_OUT:
-        setattr(tick, name, passage(getattr(tick, name).py_func))
+        setattr(tick, name, inlined(getattr(tick, name).py_func))
     setattr(tick, _CALLER, unkept_entry(getattr(tick, _CALLER).py_func))
     return getattr(tick, _CALLER)
 

@@ -16,13 +16,13 @@ import sys
 import numpy as np
 import catch_arena.core.compiler as compiler
 compiler.USABLE = compiler.USABLE and "numba's own way" not in sys.argv
-from catch_arena.core.jit import entry, passage, phase, rare, rule
+from catch_arena.core.jit import entry, inlined, phase, rare, rule
 
 @rule
 def thrice(value):
     return 3.0 * value + 0.1
 
-@passage
+@inlined
 def part_of(block, which):
     return block[4 * which : 4 * which + 4]
 

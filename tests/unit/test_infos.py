@@ -1,4 +1,4 @@
-"""Infos that are made when they are asked for behave as the dicts that they stand for."""
+"""LazyInfos that are made when they are asked for behave as the dicts that they stand for."""
 
 import copy
 import json
@@ -8,13 +8,13 @@ import pytest
 
 from catch_arena import parallel_env
 from catch_arena.core.rewards import PART_NAMES
-from catch_arena.envs.infos import Infos
+from catch_arena.envs.infos import LazyInfos
 
 CONTENT = {"hunter_0": {"verdict": None}, "hunter_1": {"verdict": 3}}
 
 
 def untold():
-    infos = Infos(dict.fromkeys(CONTENT))
+    infos = LazyInfos(dict.fromkeys(CONTENT))
     infos.make = lambda: {name: dict(info) for name, info in CONTENT.items()}
     return infos
 
@@ -84,7 +84,9 @@ def test_parts_stand_in_the_order_of_the_rulebook():
     env.reset(seed=5)
     env._engine.parts[0] = range(6)
 
-    assert list(env._told()[1]["hunter_0"]["reward_parts"].items()) == list(zip(PART_NAMES, range(6), strict=True))
+    assert list(env._observations_and_infos()[1]["hunter_0"]["reward_parts"].items()) == list(
+        zip(PART_NAMES, range(6), strict=True)
+    )
 
 
 def test_infos_tell_of_their_own_step():

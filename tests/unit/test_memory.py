@@ -42,9 +42,9 @@ def test_compiled_code_finds_the_same_sections():
     @unkept_entry
     def look(memory, shapes):
         found = sections_of(memory)
-        shapes[0, 0], shapes[0, 1], shapes[0, 2] = found.docket.shape
+        shapes[0, 0], shapes[0, 1], shapes[0, 2] = found.requests.shape
         shapes[1, 0], shapes[1, 1] = found.blocks.shape
-        total = found.docket[-1, -1, -1] + found.blocks[-1, -1] + found.masks[-1, -1, -1] + found.rewards[-1, -1]
+        total = found.requests[-1, -1, -1] + found.blocks[-1, -1] + found.masks[-1, -1, -1] + found.rewards[-1, -1]
         found.rewards[0, 1] = 77.0
         found.masks[0, 2, 1] = 7
         return total
@@ -52,8 +52,8 @@ def test_compiled_code_finds_the_same_sections():
     shapes = np.zeros((2, 3), dtype=np.int64)
     total = look(memory, shapes)
 
-    assert total == sum(float(getattr(wanted, name).flat[-1]) for name in ("docket", "blocks", "masks", "rewards"))
-    assert shapes.tolist() == [list(wanted.docket.shape), [*wanted.blocks.shape, 0]]
+    assert total == sum(float(getattr(wanted, name).flat[-1]) for name in ("requests", "blocks", "masks", "rewards"))
+    assert shapes.tolist() == [list(wanted.requests.shape), [*wanted.blocks.shape, 0]]
     assert sections.rewards[0, 1] == 77.0
     assert sections.masks[0, 2, 1] == 7
 
