@@ -80,15 +80,12 @@ def arbitrate(
         row[arbiter.REQUEST_SEAT] = seat
         row[arbiter.REQUEST_INACTIVE] = seat in out
         row[arbiter.REQUEST_DISTANCE] = -1
-        if not isinstance(name, str) or len(name) > _LONGEST_NAME:
-            row[arbiter.REQUEST_TARGET] = arbiter.NO_SUCH_RANK
-        elif name in alive:
+        row[arbiter.REQUEST_TARGET] = target_asked_for(name, numbers, gone)
+        if isinstance(name, str) and row[arbiter.REQUEST_TARGET] > 0:
             (x, y), (target_x, target_y) = places[seat], alive[name]
-            row[arbiter.REQUEST_TARGET] = row[arbiter.REQUEST_NUMBER] = numbers[name]
+            row[arbiter.REQUEST_NUMBER] = numbers[name]
             row[arbiter.REQUEST_DISTANCE] = arbiter.distance_um(target_x - x, target_y - y)
             row[arbiter.REQUEST_KILL_REFUSED] = name in refused
-        else:
-            row[arbiter.REQUEST_TARGET] = arbiter.ALREADY_GONE if name in gone else arbiter.NEVER_SPAWNED
     reach_um = max(1, math.floor(1e6 * reach_m + 0.5))
     arbiter.judge(
         table,
@@ -99,6 +96,20 @@ def arbitrate(
         bool(match_over),
         bool(kill_service_up),
     )
+    return rulings_of(table, [name for _, name in requests], step)
+
+
+def target_asked_for(name: object, alive: Mapping[str, int], gone: Collection[str]) -> int:
+    """What stands in a request table for a name: the alive target's number or slot, or the code for none (R5.2)."""
+    if not isinstance(name, str) or len(name) > _LONGEST_NAME:
+        return arbiter.NO_SUCH_RANK
+    if name in alive:
+        return alive[name]
+    return arbiter.ALREADY_GONE if name in gone else arbiter.NEVER_SPAWNED
+
+
+def rulings_of(table: arbiter.RequestTable, names: Sequence[object], step: int) -> list[Ruling]:
+    """A judged table as rulings; `names` are what was asked for."""
     return [
         Ruling(
             verdict=Verdict(row[arbiter.REQUEST_VERDICT]),
@@ -106,8 +117,9 @@ def arbitrate(
             target=name,
             distance_um=None if row[arbiter.REQUEST_DISTANCE] < 0 else row[arbiter.REQUEST_DISTANCE],
             winner=None if row[arbiter.REQUEST_WINNER] < 0 else row[arbiter.REQUEST_WINNER],
+            step=step,
         )
-        for row, (_, name) in zip(table.tolist(), requests, strict=True)
+        for row, name in zip(table.tolist(), names, strict=True)
     ]
 
 

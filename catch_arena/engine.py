@@ -18,7 +18,7 @@ from catch_arena.compiling import progress_shown
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core import spawner, tick
 from catch_arena.core import state as rows
-from catch_arena.core.arbiter import POLICIES
+from catch_arena.core.arbiter import POLICIES, REQUEST_COLUMNS, RequestTable
 from catch_arena.core.compiler import quick_typing
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import RECORD_COLUMNS
@@ -45,6 +45,7 @@ _HUNTERS_A_PART: Final = 4096
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 _NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 _NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
+_NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
 _network: Final = cache(selection_network)
 """For engines that copy it."""
 _SPAWN_LOW_M: Final = 0.5
@@ -205,7 +206,7 @@ class Engine:
             self.parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         if arenas is None:
-            self._run(0, 0, len(self.memory), resets, False, _NO_CHOICES, _NO_COMMANDS)
+            self._run(0, 0, len(self.memory), resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
             return
         if not len(chosen):
             return
@@ -213,31 +214,35 @@ class Engine:
         gaps = np.flatnonzero(np.diff(resets[:, 0] // LANES) > 1) + 1
         for some in np.split(resets, gaps):  # one call for blocks that adjoin; the others keep what they observe
             first, last = (some[[0, -1], 0] // LANES).tolist()
-            self._run(0, first, last + 1, some, False, _NO_CHOICES, _NO_COMMANDS)
+            self._run(0, first, last + 1, some, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
 
-    def step(self, choices: NDArray[np.int64], commands: NDArray[np.float32]) -> None:
+    def step(
+        self, choices: NDArray[np.int64], commands: NDArray[np.float32], requests: RequestTable = _NO_REQUESTS
+    ) -> None:
         """R1.4: one step of every arena.
 
         Args:
             choices: (B, H) int64: the rank chosen under target control, or requested under full control, 0 for none.
             commands: (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What no
                 seat's control reads may be an empty array.
+            requests: of a single arena, in the place of what the hunters ask for: a table of `arbiter`, (n, columns),
+                of which REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all else is written.
         """
         blocks, parts = len(self.memory), self._shares
         if self.threads.size == 1:
-            tick.run(*self._widths, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands)
+            tick.run(*self._widths, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
             return
 
         def play(thread: int, part: int) -> None:
             first, last = part * blocks // parts, (part + 1) * blocks // parts
-            self._run(thread, first, last, _NO_RESETS, True, choices, commands)
+            self._run(thread, first, last, _NO_RESETS, True, choices, commands, requests)
 
         self.threads.run(parts, play)
 
     def observe(self, arena: int | None = None) -> None:
         """Write observations and masks as things stand, of all arenas or of those in one arena's block."""
         first, last = (0, len(self.memory)) if arena is None else (arena // LANES, arena // LANES + 1)
-        self._run(0, first, last, _NO_RESETS, False, _NO_CHOICES, _NO_COMMANDS)
+        self._run(0, first, last, _NO_RESETS, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
 
     def _run(self, *given: Any) -> None:
         tick.run(*self._widths, self._memory, *given)
@@ -308,6 +313,7 @@ class Engine:
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: the verdicts of the last step with their evidence, by seat."""
         found = []
+        steps = int(self._fields[arena // LANES, rows.STEP // LANES, arena % LANES])
         for seat, me in enumerate(self.hunter_rows(arena).tolist()):
             verdict = int(me[rows.VERDICT // LANES])
             if verdict == NO_REQUEST:
@@ -322,6 +328,7 @@ class Engine:
                     target=self.config.target_name(number) if number else None,
                     distance_um=None if distance < 0 else distance,
                     winner=None if winner < 0 else winner,
+                    step=steps if verdict == Verdict.MATCH_OVER else steps - 1,
                 )
             )
         return tuple(found)

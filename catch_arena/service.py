@@ -1,15 +1,19 @@
 """Rulebook chapter 8: the arena as the ROS 2 exercise knows it, by names and Twists in place of ranks and actions."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
 
-from catch_arena.arbitration import arbitrate
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.arbitration import rulings_of, target_asked_for
 from catch_arena.config import ArenaConfig
-from catch_arena.envs.parallel import parallel_env
-from catch_arena.errors import ActionError, ConfigError, suggest
+from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET
+from catch_arena.engine import Engine, next_seeds
+from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.seeding import checked_seed, fresh_seed
+from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
 AT_REST = Twist(0.0, 0.0)
@@ -18,56 +22,105 @@ AT_REST = Twist(0.0, 0.0)
 class ArenaService:
     """One arena by names: `spawn`, `kill`, `alive_turtles`, `pose`, and `step`, which answers catch_turtle.
 
-    The requests of one step are judged together, on the state before it (R5.1), whatever order they come in.
+    The requests of one step are judged together, on the state before it (R5.1), whatever order they come in. The
+    arena's own arbiter judges them, with its faults and lots, and what it grants is scored.
 
     Args:
-        scenario: a name or a config, and `overrides` as for `parallel_env`; all hunters are under full control, and see
-            every target, so that each alive name has a rank.
+        scenario: a name or a config; all hunters are under full control, and see every target.
+        overrides: fields of `ArenaConfig`, as for `parallel_env`.
+
+    Raises:
+        ConfigError: for a setting that cannot be, and for those that are the service's own.
     """
 
     def __init__(self, scenario: str | ArenaConfig = "standard", **overrides: object) -> None:
         if "control" in overrides or "observed_targets" in overrides:
             raise ConfigError("control and observed_targets must be left to the service: full, and all of them")
         config = arena_config(scenario, **overrides)
-        self._env = parallel_env(config, control="full", observed_targets=config.max_targets)
+        self._engine = Engine(config.replace(control="full", observed_targets=config.max_targets))
+        self._config = self._engine.config
+        self._seed: int | None = None
         self._appeared: set[str] = set()
+        self._subscribers: list[Callable[[TurtleArray], object]] = []
 
     def reset(self, seed: int | None = None) -> None:
-        """Begin an episode."""
-        self._env.reset(seed=seed)
-        self._appeared.clear()
-        self._note_alive()
+        """Begin an episode, and publish its targets.
+
+        Args:
+            seed: a whole number in [0, 2^64); without one the first episode's is the operating system's, and each
+                further one follows from the one before (A.5).
+        """
+        if seed is not None:
+            self._seed = checked_seed(seed)
+        else:
+            self._seed = fresh_seed() if self._seed is None else int(next_seeds(self._engine.seeds())[0])
+        self._engine.reset([self._seed])
+        self._appeared = {target.name for target in self.world.targets}
+        self._publish(self.alive_turtles())
 
     @property
     def world(self) -> World:
-        """The arena as it is."""
-        return self._env.world()
+        """The arena as it is. Raises: EpisodeError before the first reset."""
+        if self._seed is None:
+            raise EpisodeError("this must follow a reset: no episode has begun")
+        return self._engine.world()
 
     @property
     def over(self) -> bool:
-        """Whether the episode has ended (R1.5)."""
-        return not self._env.agents
+        """Whether the episode has ended (R1.5), or none has begun."""
+        return self._seed is None or bool(self._engine.ends[0])
 
     def alive_turtles(self) -> TurtleArray:
         """R8.2: the targets in spawning order."""
         return self.world.alive_turtles
+
+    def subscribe(self, on_alive_turtles: Callable[[TurtleArray], object]) -> None:
+        """Hear of the alive targets, as a subscriber of the exercise's topic does.
+
+        A step publishes the list once after its catches, however many they are, where some target left (R1.4), and
+        once after its spawns where some appeared. So do `reset`, and `spawn` and `kill` that change it.
+        """
+        self._subscribers.append(on_alive_turtles)
 
     def pose(self, hunter: str) -> Pose:
         """A hunter as turtlesim publishes it."""
         return self.world.hunters[self._seat(hunter)].pose
 
     def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
-        """A target outside the timer: its name, or "" where the arena is full, as turtlesim answers."""
-        name = self._env.spawn(x, y, theta)
-        self._note_alive()
+        """A target outside the timer: its name, or "" where the arena is full, as turtlesim answers.
+
+        Raises:
+            ActionError: for a place outside the arena, or a theta that is not finite.
+            EpisodeError: where no episode is under way.
+        """
+        self._require_play("spawn")
+        for axis, value in (("x", x), ("y", y)):
+            if not 0.0 <= value <= self._config.side_m:
+                raise ActionError(f"spawn: {axis} must lie in [0, {self._config.side_m:g}], got {value!r}")
+        if not -1e3 <= theta <= 1e3:
+            raise ActionError(f"spawn: theta must be a finite angle, got {theta!r}")
+        number = self._engine.spawn(0, x, y, theta)
+        if not number:
+            return ""
+        name = self._config.target_name(number)
+        self._appeared.add(name)
+        self._publish(self.alive_turtles())
         return name
 
     def kill(self, name: str) -> bool:
-        """A target leaves uncaught, and its name is unknown from then on; false where no such target is alive."""
-        killed = self._env.kill(name)
-        if killed:
-            self._appeared.discard(name)
-        return killed
+        """A target leaves uncaught, and its name is unknown from then on; false where no such target is alive.
+
+        Raises:
+            EpisodeError: where no episode is under way.
+        """
+        self._require_play("kill")
+        numbers = {target.name: target.number for target in self.world.targets}
+        if name not in numbers:
+            return False
+        self._engine.kill(0, numbers[name])
+        self._appeared.discard(name)
+        self._publish(self.alive_turtles())
+        return True
 
     def step(
         self, cmd_vel: Mapping[str, Twist] | None = None, requests: Sequence[tuple[str, CatchTurtleRequest]] = ()
@@ -83,64 +136,62 @@ class ArenaService:
 
         Raises:
             ActionError: for a hunter that does not exist, or a Twist that is not finite; nothing has moved then.
+            EpisodeError: before the first reset.
         """
-        asked = [(self._seat(hunter), request.name) for hunter, request in requests]
-        commands = {self._seat(hunter): twist for hunter, twist in (cmd_vel or {}).items()}
-        rulings = self._judged_by_name(asked)
-        if self.over:
-            return rulings
-        ranks = self._ranks(asked, rulings)
-        catches = {asked[place][0]: rank for place, rank in ranks.items()}
-        config = self._env.config
-        actions: dict[str, Any] = {}
-        for agent in self._env.agents:
-            seat = self._seat(agent)
-            twist = commands.get(seat, AT_REST)
-            actions[agent] = {
-                "cmd_vel": (
-                    _part(agent, "linear_x", twist.linear_x, config.max_speed_mps),
-                    _part(agent, "angular_z", twist.angular_z, config.max_turn_rate_radps),
-                ),
-                "catch": catches.get(seat, 0),
-            }
-        self._env.step(actions)
-        self._note_alive()
-        played = {ruling.hunter: ruling for ruling in self._env.world().rulings}
-        return [played[ruling.hunter] if place in ranks else ruling for place, ruling in enumerate(rulings)]
+        before = self.world
+        slots = {target.name: slot for slot, target in enumerate(before.targets)}
+        seats = [self._seat(hunter) for hunter, _ in requests]
+        names = [request.name for _, request in requests]
+        table = np.zeros((len(requests), REQUEST_COLUMNS), dtype=np.int64)
+        table[:, REQUEST_SEAT] = seats
+        table[:, REQUEST_TARGET] = [target_asked_for(name, slots, self._appeared) for name in names]
+        self._engine.step(self._active(table), self._commands(cmd_vel or {}), table)
+        self._publish_changes(before)
+        return rulings_of(table, names, before.step)
 
-    def _judged_by_name(self, asked: Sequence[tuple[int, object]]) -> list[Ruling]:
-        """What the names alone decide; the arena decides on those that are alive, with its own faults and lots."""
-        world = self._env.world()
-        alive = {target.name: (target.x, target.y) for target in world.targets}
-        return arbitrate(
-            hunters=[(hunter.x, hunter.y) for hunter in world.hunters],
-            targets=alive,
-            requests=asked,
-            reach_m=self._env.config.reach_m,
-            policy=self._env.config.policy,
-            step=world.step,
-            caught=self._appeared - alive.keys(),
-            inactive=[seat for seat, hunter in enumerate(world.hunters) if hunter.withdrawn],
-            match_over=self.over,
-        )
-
-    def _ranks(self, asked: Sequence[tuple[int, object]], rulings: Sequence[Ruling]) -> dict[int, int]:
-        """By place among the requests: the ranks of the hunters' first ones, where those name an alive target."""
-        ranks: dict[int, int] = {}
-        seen: set[int] = set()
-        for place, ((seat, name), ruling) in enumerate(zip(asked, rulings, strict=True)):
-            if seat not in seen and ruling.verdict > Verdict.ALREADY_CAUGHT:
-                rank = self._env.rank_of(seat, str(name))
-                if rank:
-                    ranks[place] = rank
-            seen.add(seat)
+    def _active(self, table: NDArray[np.int64]) -> NDArray[np.int64]:
+        """R4.4: the rank of the target that each hunter asks for first, which is its active one in this step."""
+        ranks = np.zeros((1, self._config.hunters), dtype=np.int64)
+        world = self._engine.world()
+        for seat, slot in table[::-1, [REQUEST_SEAT, REQUEST_TARGET]].tolist():
+            ranks[0, seat] = self._engine.rank_of(0, seat, world.targets[slot].name) if slot >= 0 else 0
         return ranks
 
-    def _note_alive(self) -> None:
-        self._appeared.update(target.name for target in self._env.world().targets)
+    def _commands(self, cmd_vel: Mapping[str, Twist]) -> NDArray[np.float32]:
+        """Twists as fractions of the limits, (1, H, 2)."""
+        limits = self._config.max_speed_mps, self._config.max_turn_rate_radps
+        commands = np.zeros((1, self._config.hunters, 2), dtype=np.float32)
+        for hunter, twist in cmd_vel.items():
+            seat = self._seat(hunter)
+            for place, (field, limit) in enumerate(zip(Twist._fields, limits, strict=True)):
+                velocity = twist[place]
+                if not -1e300 < velocity < 1e300:
+                    raise ActionError(f"{hunter}: {field} must be a finite number, got {velocity!r}")
+                commands[0, seat, place] = max(-1.0, min(1.0, velocity / limit))
+        return commands
+
+    def _publish_changes(self, before: World) -> None:
+        """R1.4: the targets without those that were caught, and then with those that have appeared."""
+        after = self.alive_turtles()
+        names = {turtle.name for turtle in after.turtles}
+        left = TurtleArray(tuple(turtle for turtle in before.alive_turtles.turtles if turtle.name in names))
+        if len(left.turtles) < len(before.targets):
+            self._publish(left)
+        if len(after.turtles) > len(left.turtles):
+            self._appeared |= names
+            self._publish(after)
+
+    def _publish(self, turtles: TurtleArray) -> None:
+        for on_alive_turtles in self._subscribers:
+            on_alive_turtles(turtles)
+
+    def _require_play(self, what: str) -> None:
+        if self.over:
+            why = "no episode has begun" if self._seed is None else "this episode is over"
+            raise EpisodeError(f"{what} must fall into an episode that is under way: {why}")
 
     def _seat(self, hunter: str) -> int:
-        names = self._env.config.hunter_names
+        names = self._config.hunter_names
         if hunter not in names:
             raise ActionError(f"unknown hunter {hunter!r}: {suggest(hunter, names)}")
         return names.index(hunter)
@@ -149,9 +200,3 @@ class ArenaService:
 def response(ruling: Ruling) -> CatchTurtleResponse:
     """R5.2: what catch_turtle answers."""
     return CatchTurtleResponse(ruling.success)
-
-
-def _part(agent: str, field: str, velocity: float, limit: float) -> float:
-    if not -1e300 < velocity < 1e300:
-        raise ActionError(f"{agent}: {field} must be a finite number, got {velocity!r}")
-    return max(-1.0, min(1.0, velocity / limit))

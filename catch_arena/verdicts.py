@@ -57,6 +57,8 @@ class Ruling:
     """Distance between the centres [micrometres] (R5.3); None unless reach was tested."""
     winner: int | None = None
     """The seat that won; None unless the request was granted or contested."""
+    step: int = 0
+    """The step in which it was judged, from 0."""
 
     @property
     def success(self) -> bool:

@@ -183,7 +183,8 @@ def _fields(given: object) -> dict[str, object]:
         return {name: getattr(given, name) for name in _FIELDS if hasattr(given, name)}
     if isinstance(given, Mapping):
         return {name: given[name] for name in _FIELDS if name in given}
-    if isinstance(given, Sequence) and not isinstance(given, str | bytes) and len(given) <= len(_FIELDS):
+    # one more may follow, the step, which is the case's own
+    if isinstance(given, Sequence) and not isinstance(given, str | bytes) and len(given) <= len(_FIELDS) + 1:
         return dict(zip(_FIELDS, given, strict=False))
     return {}
 

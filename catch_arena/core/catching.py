@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import (
-    NO_SUCH_RANK,
     REQUEST_DISTANCE,
     REQUEST_INACTIVE,
     REQUEST_KILL_REFUSED,
@@ -78,81 +77,121 @@ def clear_evidence(block: Block, s: Settings, width: Width, asked: Block) -> Non
                 me[WINNER + lane] = -1.0
 
 
-@inlined
-def judge_requests(block: Block, s: Settings, lane: int, targets: Targets, requests: RequestTable) -> None:
-    """R1.4's phase 3 in one lane: the request table is filled from S_t and judged, and the evidence noted."""
-    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-    step = block[STEP + lane]
+@phase
+def collect_requests(block: Block, s: Settings, lane: int, requests: RequestTable) -> int:
+    """Who asks for which slot, in one lane.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lane: the lane.
+        requests: the result, one row for each seat that asks; the other columns are `fill_requests`'.
+
+    Returns:
+        how many they are.
+    """
     count = 0
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        slot = int(me[REQUESTED_SLOT + lane])
-        if slot == NO_TARGET:
-            continue
-        requests[count, REQUEST_SEAT] = seat
-        requests[count, REQUEST_TARGET] = slot
-        requests[count, REQUEST_NUMBER] = 0
-        requests[count, REQUEST_DISTANCE] = -1
-        requests[count, REQUEST_INACTIVE] = int(me[WITHDRAWN + lane])
-        requests[count, REQUEST_KILL_REFUSED] = 0
-        if slot != NO_SUCH_RANK:
+        slot = int(seat_of(block, seat)[REQUESTED_SLOT + lane])
+        if slot != NO_TARGET:
+            requests[count, REQUEST_SEAT] = seat
+            requests[count, REQUEST_TARGET] = slot
+            count += 1
+    return count
+
+
+@inlined
+def fill_requests(block: Block, s: Settings, lane: int, targets: Targets, requests: RequestTable) -> None:
+    """What the arbiter has to know of each request, from S_t; its seat and its slot, or a code for none, are there."""
+    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+    step = block[STEP + lane]
+    for i in range(len(requests)):
+        me = seat_of(block, requests[i, REQUEST_SEAT])
+        slot = requests[i, REQUEST_TARGET]
+        requests[i, REQUEST_NUMBER] = 0
+        requests[i, REQUEST_DISTANCE] = -1
+        requests[i, REQUEST_INACTIVE] = int(me[WITHDRAWN + lane])
+        requests[i, REQUEST_KILL_REFUSED] = 0
+        if slot >= 0:
             at = slot * LANES + lane
             number = targets.number[at]
-            me[REQUESTED_NUMBER + lane] = number
-            requests[count, REQUEST_NUMBER] = int(number)
-            requests[count, REQUEST_DISTANCE] = int(
-                distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane])
-            )
-            requests[count, REQUEST_KILL_REFUSED] = int(kill_refused(seed, step, number, s.kill_refused_rate))
-        count += 1
+            requests[i, REQUEST_NUMBER] = int(number)
+            requests[i, REQUEST_DISTANCE] = int(distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane]))
+            requests[i, REQUEST_KILL_REFUSED] = int(kill_refused(seed, step, number, s.kill_refused_rate))
+
+
+@inlined
+def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable) -> None:
+    """R1.4's phase 3 in one lane: the request table is judged, and the evidence noted: of each hunter its first."""
+    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+    step = block[STEP + lane]
     service_up = not kill_service_down(seed, step, s.kill_down_rate)
-    judge(requests[:count], s.policy, seed, int(step), int(s.reach_um), block[ENDED + lane] != RUNNING, service_up)
-    for i in range(count):
+    judge(requests, s.policy, seed, int(step), int(s.reach_um), block[ENDED + lane] != RUNNING, service_up)
+    for i in range(len(requests) - 1, -1, -1):  # backwards: the first of a hunter's is written last
         me = seat_of(block, requests[i, REQUEST_SEAT])
+        me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
         me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
         me[DISTANCE_UM + lane] = requests[i, REQUEST_DISTANCE]
         me[WINNER + lane] = requests[i, REQUEST_WINNER]
         me[TALLIES + (requests[i, REQUEST_VERDICT] - 1) * LANES + lane] += 1.0
-        for j in range(count):
+        for j in range(len(requests)):
             if (
                 requests[j, REQUEST_VERDICT] == _LOST_CONTEST
                 and requests[j, REQUEST_WINNER] == requests[i, REQUEST_SEAT]
+                and requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
             ):
                 me[CONTESTS_WON + lane] += 1.0
                 break
 
 
 @inlined
-def commit(block: Block, s: Settings, lane: int, targets: Targets, scratch: Scratch) -> None:
+def commit(block: Block, s: Settings, lane: int, targets: Targets, requests: RequestTable, scratch: Scratch) -> None:
     """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8)."""
-    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+    for i in range(len(requests)):
+        seat_of(block, requests[i, REQUEST_SEAT])[SCORE + lane] += (
+            1.0 if requests[i, REQUEST_VERDICT] == _GRANTED else 0.0
+        )
     removed = 0
     for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: those behind a removed slot move up
-        number = targets.number[slot * LANES + lane]
         caught = False
-        for seat in range(s.hunters):
-            me = seat_of(block, seat)
-            caught = caught or (me[VERDICT + lane] == _GRANTED and me[REQUESTED_NUMBER + lane] == number)
-        if caught and not kill_refused(seed, block[STEP + lane], number, s.kill_refused_rate):
+        for i in range(len(requests)):
+            granted = requests[i, REQUEST_VERDICT] == _GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0
+            caught = caught or (granted and requests[i, REQUEST_TARGET] == slot)
+        if caught:
             remove_target(block, targets, lane, slot)
             removed += 1
-    for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        me[SCORE + lane] += 1.0 if me[VERDICT + lane] == _GRANTED else 0.0
     if removed > 0 and s.progress_wanted:
         for seat in range(s.hunters):
             renew_progress_reference(block, seat_of(block, seat), targets, lane, progress_reference_of(scratch, seat))
 
 
 @inlined
-def resolve_requests(block: Block, s: Settings, width: Width, lanes: int, targets: Targets, scratch: Scratch) -> None:
-    """R1.4's phases 3 and 4 in every lane in which somebody asks for a target."""
+def resolve_requests(
+    block: Block, s: Settings, width: Width, lanes: int, targets: Targets, named: RequestTable, scratch: Scratch
+) -> None:
+    """R1.4's phases 3 and 4 in every lane in which somebody asks for a target.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        targets: the slots of the block.
+        named: requests that take the place of what the hunters ask for, in a block of one arena: their seats and
+            slots, or the codes of `arbiter`; or none.
+        scratch: see `workspace.Scratch`.
+    """
     asked = scratch.rows[:LANES]
     clear_evidence(block, s, width, asked)
     for lane in range(lanes):
-        if asked[lane] > 0.0:
-            judge_requests(block, s, lane, targets, scratch.requests)
-            commit(block, s, lane, targets, scratch)
+        if len(named) == 0 and asked[lane] == 0.0:
+            continue
+        requests = named
+        if len(named) == 0:
+            requests = scratch.requests[: collect_requests(block, s, lane, scratch.requests)]
+        fill_requests(block, s, lane, targets, requests)
+        judge_requests(block, s, lane, requests)
+        commit(block, s, lane, targets, requests, scratch)
 
 
 @phase

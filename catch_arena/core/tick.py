@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core.arbiter import RequestTable
 from catch_arena.core.catching import resolve_requests, write_evidence
 from catch_arena.core.controllers import apply_actions
 from catch_arena.core.episodes import (
@@ -34,6 +35,7 @@ def play(
     last: int,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
+    named: RequestTable,
     sections: Sections,
     scratch: Scratch,
 ) -> None:
@@ -45,7 +47,7 @@ def play(
     if had_ended:
         take_snapshot(block, scratch.snapshot)
     apply_actions(block, s, width, lanes, sections.controls, choices[first:last], commands[first:last], scratch)
-    resolve_requests(block, s, width, lanes, targets, scratch)
+    resolve_requests(block, s, width, lanes, targets, named, scratch)
     move(block, s, width, lanes, scratch.rows)
     spawn_through(block, targets, lanes, s)
     end_test(block, s, width)
@@ -67,6 +69,7 @@ def run(
     playing: bool,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
+    named: RequestTable,
 ) -> None:
     """Episodes begin where that is asked for, then one step of every arena (R1.4) where there is play, and then all
     observe.
@@ -82,6 +85,7 @@ def run(
         playing: whether a step is played, or the arenas only observe.
         choices: (B, H), ranks or 0; may be empty where no seat's control reads them.
         commands: (B, H, 2), fractions of the limits in [-1, 1]; may be empty in the same way.
+        named: requests by name, of a single arena: see `catching.resolve_requests`; they are judged in place.
     """
     sections = sections_of(memory)
     s = settings_in(sections.settings)
@@ -94,7 +98,7 @@ def run(
         first = index * LANES
         last = min(first + LANES, len(sections.ends))
         if playing:
-            play(block, s, width, first, last, choices, commands, sections, scratch)
+            play(block, s, width, first, last, choices, commands, named, sections, scratch)
         renewing = playing and len(sections.records) > 0 and some_ended(block, last - first)
         for last_view in range(1 if renewing else 0, -1, -1):  # one call of `observe` is compiled once
             observe(block, s, view_width, first, last, sections, scratch)

@@ -17,7 +17,7 @@ from catch_arena.arbitration import arbitrate
 from catch_arena.errors import ConfigError
 from catch_arena.testing import run_conformance
 
-Fields = namedtuple("Fields", "target hunter verdict winner distance_um")  # noqa: PYI024 - in an order of its own
+Fields = namedtuple("Fields", "target hunter verdict step winner distance_um")  # noqa: PYI024 - in an order of its own
 
 
 def translated(form: Any) -> Any:
@@ -103,7 +103,7 @@ GRANTED = ("GRANTED", 0, "a", 100_000, 0)
         (lambda **_: [None], "the ruling", "None"),
         (lambda **_: ["GRANTED"], "the ruling", "'GRANTED'"),
         (lambda **_: [()], "the ruling", "()"),
-        (lambda **_: [(*GRANTED, 6)], "the ruling", "('GRANTED'"),
+        (lambda **_: [(*GRANTED, 0, 7)], "the ruling", "('GRANTED'"),
         (lambda **_: [Unreadable()], "the answer", "raised RuntimeError: broken property"),
         (lambda **_: [{"verdict": "GRANTED"}], "the ruling", "{'verdict': 'GRANTED'}"),
         (lambda **_: [("granted", 0, "a", 100_000, 0)], "verdict", "'granted'"),

@@ -33,7 +33,7 @@ def arena(request: pytest.FixtureRequest) -> ArenaFactory:
 
 def oracle_court(**case: Any) -> list[Ruling]:
     """The oracle's judgement as Rulings."""
-    return [Ruling(Verdict(verdict), *rest) for verdict, *rest in judge(**case)]
+    return [Ruling(Verdict(verdict), *rest, step=case.get("step", 0)) for verdict, *rest in judge(**case)]
 
 
 @pytest.fixture(params=[oracle_court, arbitrate], ids=["oracle", "arbitrate"])

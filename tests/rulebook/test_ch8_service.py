@@ -1,8 +1,12 @@
 """Chapter 8 by names: the arena as the ROS 2 exercise knows it."""
 
-import pytest
+from random import Random
 
-from catch_arena import ArenaService, Verdict
+import pytest
+from oracle.arena import judge
+from oracle.arithmetic import KILL_DOWN, KILL_REFUSED, draw, fraction, key
+
+from catch_arena import ArenaService, Ruling, Verdict
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Twist
 from catch_arena.service import response
@@ -109,3 +113,108 @@ def test_the_service_keeps_its_own_settings_and_times():
 
     with pytest.raises(EpisodeError, match="under way"):
         service.spawn(1.0, 1.0)
+
+
+def fails(seed, purpose, rate, *counters):
+    """R8.3: whether a fault's draw falls below its rate."""
+    drawn = key(seed, purpose)
+    for counter in counters:
+        drawn = draw(drawn, counter)
+    return fraction(drawn) < rate
+
+
+@pytest.mark.rule("R8.1", "R5.6", "R5.7", "R5.8", "R9.1")
+@pytest.mark.parametrize("policy", ["nearest", "first_come", "capstone"])
+@pytest.mark.parametrize("seed", [0, 1, 3])
+def test_r8_1_every_request_by_name_is_judged_and_scored_as_the_oracle_judges_it(policy, seed):
+    """Names of all kinds, several of one hunter in a step, services that fail: the rulings with their step, the score,
+    which counts grants, and who is still alive.
+    """
+    source = Random(seed)
+    service = ArenaService(
+        hunters=3,
+        hunter_poses=((4.0, 5.0, 0.0), (5.0, 5.0, 0.0), (6.0, 5.0, 0.0)),
+        policy=policy,
+        reach_m=4.0,
+        initial_targets=6,
+        max_targets=9,
+        spawn_frequency_hz=4.0,
+        faults={"kill_down": 0.2, "kill_refused": 0.3},
+    )
+    service.reset(seed=seed)
+    places, scores = {}, [0, 0, 0]
+    met = set()
+    for step in range(120):
+        before = service.world
+        places |= {target.name: (target.x, target.y) for target in before.targets}
+        numbers = {target.name: target.number for target in before.targets}
+        assert [int(name.rpartition("_")[2]) for name in places] == list(range(1, len(places) + 1))
+        wanted = [*[*numbers][:3] * 3, *places, "turtle1", "target_turtle_0", 7, "x" * 300]
+        asked = [(source.randrange(3), source.choice(wanted)) for _ in range(source.randrange(7))]
+        refused = [name for name, number in numbers.items() if fails(seed, KILL_REFUSED, 0.3, step, number)]
+        expected = judge(
+            hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
+            targets=places,
+            requests=asked,
+            reach_m=4.0,
+            policy=policy,
+            seed=seed,
+            step=step,
+            caught=places.keys() - numbers.keys(),
+            kill_service_up=not fails(seed, KILL_DOWN, 0.2, step),
+            kill_refused=refused,
+        )
+
+        rulings = service.step(requests=[(f"hunter_{seat}", NAMED(name)) for seat, name in asked])
+
+        assert rulings == [Ruling(Verdict(verdict), *rest, step=step) for verdict, *rest in expected]
+        granted = [ruling for ruling in rulings if ruling.success]
+        for ruling in granted:
+            scores[ruling.hunter] += 1
+        assert [hunter.score for hunter in service.world.hunters] == scores
+        stay = [name for name in numbers if name in refused or name not in {ruling.target for ruling in granted}]
+        assert [turtle.name for turtle in service.alive_turtles().turtles][: len(stay)] == stay
+        met |= {ruling.verdict for ruling in rulings}
+    assert met >= {Verdict.MALFORMED, Verdict.SERVICE_DOWN, Verdict.GRANTED}
+    assert policy == "capstone" or met >= set(Verdict) - {Verdict.MATCH_OVER, Verdict.HUNTER_INACTIVE}
+
+
+@pytest.mark.rule("R9.1")
+def test_r9_1_the_original_service_answers_only_while_it_is_up_and_its_grants_are_scored():
+    """An unknown name, and a second one of the same hunter; and nothing where the service is down."""
+    requests = [("hunter_0", NAMED("turtle1")), ("hunter_0", NAMED("turtle1"))]
+    up, down = ArenaService("capstone"), ArenaService("capstone", faults={"kill_down": 1.0})
+    for service in (up, down):
+        service.reset(seed=1)
+
+    assert [ruling.verdict for ruling in up.step(requests=requests)] == [Verdict.GRANTED] * 2
+    assert up.world.hunters[0].score == 2
+    assert [ruling.verdict for ruling in down.step(requests=requests)] == [Verdict.SERVICE_DOWN] * 2
+    assert down.world.hunters[0].score == 0
+
+
+@pytest.mark.rule("R1.4", "R8.2")
+def test_r1_4_the_alive_targets_are_published_once_for_all_catches_of_a_step():
+    """Two catches, one message; spawns come in one of their own; a step without either says nothing."""
+    service = a_service(reach_m=20.0)
+    heard = []
+    service.subscribe(lambda turtles: heard.append([turtle.name[-1] for turtle in turtles.turtles]))
+    names = [service.spawn(x, 3.0) for x in (1.0, 2.0, 3.0)]
+    assert heard == [["1"], ["1", "2"], ["1", "2", "3"]]
+    heard.clear()
+
+    service.step()
+    assert heard == []
+
+    service.step(requests=[("hunter_0", NAMED(names[0])), ("hunter_1", NAMED(names[1]))])
+    assert heard == [["3"]]
+
+    service.step(requests=[("hunter_0", NAMED(names[0]))])
+    assert heard == [["3"]]
+
+    for _ in range(98):  # the timer fires after ten seconds
+        service.step()
+    assert heard == [["3"], ["3", "4"]]
+
+    service.kill(names[2])
+    assert heard[2:] == [["4"]]
