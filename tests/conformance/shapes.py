@@ -36,7 +36,13 @@ def of_arbiter(case: ArbiterCase) -> Shape:
         if kind not in kinds[-1:]:
             kinds.append(kind)
     return (
-        (own["policy"], own["match_over"], own["kill_service_up"], bool(case.fair_over_steps), bool(case.standard)),
+        (
+            own["policy"],
+            own["match_over"],
+            own["kill_service_up"],
+            bool(case.fair_over_steps),
+            bool(case.under_nearest),
+        ),
         reach(own["reach_m"]),
         bool(set(own["kill_refused"]) - {ruling.target for ruling in case.expected if isinstance(ruling.target, str)}),
         (bool(case.hunters), bool(case.targets), has_nearer_bystander(case)),
