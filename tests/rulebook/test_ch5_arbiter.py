@@ -2,6 +2,8 @@
 
 import itertools
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -183,22 +185,62 @@ def test_r5_2_a_hunters_first_request_stands_whatever_its_verdict(arbiter: Arbit
     assert rulings[2].distance_um is rulings[2].winner is None
 
 
+BOOK = (Path(__file__).parents[2] / "docs" / "rulebook.md").read_text(encoding="utf-8")
+ORDER = [Verdict[name] for name in re.findall(r"^\| ([A-Z_]+) \|", BOOK, flags=re.MULTILINE)]
+"""R5.2's table."""
+
+REASONS_AGAINST: dict[Verdict, dict[str, Any]] = {
+    Verdict.MATCH_OVER: {"match_over": True},
+    Verdict.MALFORMED: {"name": None},
+    Verdict.HUNTER_INACTIVE: {"inactive": [1]},
+    Verdict.DUPLICATE: {"earlier": [(1, "b")]},
+    Verdict.UNKNOWN_TARGET: {"name": "nobody"},
+    Verdict.ALREADY_CAUGHT: {"name": "gone"},
+    Verdict.SERVICE_DOWN: {"kill_service_up": False},
+    Verdict.OUT_OF_REACH: {"reach_m": 0.07},
+    Verdict.LOST_CONTEST: {"earlier": [(0, "a")]},
+    Verdict.KILL_FAILED: {"kill_refused": ["a"]},
+    Verdict.GRANTED: {},
+}
+"""What must be so that hunter 1, 0.1 m from the target, gets each verdict when it asks."""
+
+
 @pytest.mark.rule("R5.2")
-def test_r5_2_the_tests_are_made_in_the_order_of_the_verdicts_numbers() -> None:
-    """The enum's order is the table's."""
-    assert [verdict.name for verdict in sorted(Verdict)] == [
-        "MATCH_OVER",
-        "MALFORMED",
-        "HUNTER_INACTIVE",
-        "DUPLICATE",
-        "UNKNOWN_TARGET",
-        "ALREADY_CAUGHT",
-        "SERVICE_DOWN",
-        "OUT_OF_REACH",
-        "LOST_CONTEST",
-        "KILL_FAILED",
-        "GRANTED",
+@pytest.mark.parametrize(
+    ("earlier", "later"),
+    [
+        (earlier, later)
+        for earlier, later in itertools.combinations(ORDER, 2)
+        # a request has one name
+        if not ("name" in REASONS_AGAINST[earlier] and "name" in REASONS_AGAINST[later])
+    ],
+    ids=lambda verdict: verdict.name,
+)
+def test_r5_2_the_tests_are_made_in_the_order_of_the_table(arbiter: Arbiter, earlier: Verdict, later: Verdict) -> None:
+    """Of two reasons, each of which would do alone, the first in the table names the verdict."""
+
+    def verdict_for(*reasons: Verdict) -> Verdict:
+        case: dict[str, Any] = {"name": "a", "earlier": []}
+        for reason in reasons:
+            against = REASONS_AGAINST[reason]
+            case |= against | {"earlier": [*case["earlier"], *against.get("earlier", [])]}
+        requests = [*case.pop("earlier"), (1, case.pop("name"))]
+        near = {"hunters": [(1.0, 1.05), (1.0, 1.1)], "targets": {"a": (1.0, 1.0), "b": (1.0, 1.2)}}
+        return arbiter(**near, caught=["gone"], requests=requests, **case)[-1].verdict
+
+    assert verdict_for(later) is later
+    assert verdict_for(earlier) is earlier
+    assert verdict_for(earlier, later) is earlier
+    assert verdict_for(later, earlier) is earlier
+
+
+@pytest.mark.rule("R5.2")
+def test_r5_2_the_verdicts_are_numbered_in_the_order_of_the_table() -> None:
+    """From 1, all eleven."""
+    assert [(verdict.name, verdict.value) for verdict in Verdict] == [
+        (name.name, number) for number, name in enumerate(ORDER, start=1)
     ]
+    assert len(ORDER) == 11
 
 
 @pytest.mark.rule("R5.2")
@@ -322,6 +364,7 @@ def test_r5_3_the_arena_measures_the_same_way(arena: ArenaFactory) -> None:
     match = arena(control=("full", "target"), hunters=2)
     for micrometre, verdict in ((299_999, Verdict.GRANTED), (300_000, Verdict.OUT_OF_REACH)):
         gap = 1e-6 * micrometre
+        match.reset(1)
         match.place(hunters=[(1.0, 1.0, 0.0), (5.0, 5.0, 0.0)], targets=[(1.0, 1.0 + gap), (5.0 + gap, 5.0)])
         match.step((STILL, 1), 1)
         assert match.evidence()[0] is not None
@@ -413,8 +456,10 @@ def test_r5_5_in_an_arena_the_ticket_bears_seed_step_number_and_seat(arena: Aren
     for seed in (3, 4, 5):
         match = arena(hunters=3, control="full", seed=seed)
         for step in range(4):
-            match.place(hunters=[(5.0, 5.0, 0.0)] * 3, targets=[(9.0, 9.0), (5.1, 5.0)])
-            number = match.alive[1]
+            match.reset(seed)
+            match.hold(step)
+            match.place(hunters=[(5.0, 5.0, 0.0)] * 3, targets=[*[(9.0, 9.0)] * (4 - step), (5.1, 5.0)])
+            number = 5 - step
             match.step((STILL, 1), (STILL, 1), (STILL, 0))
             expected = min((0, 1), key=lambda seat: ticket(seed, step, number, seat))
             assert match.verdicts[expected] is Verdict.GRANTED
@@ -624,6 +669,8 @@ def test_r5_9_first_come_in_an_arena(arena: ArenaFactory) -> None:
     for seed in range(6):
         match = arena(hunters=2, control="full", policy="first_come", seed=seed)
         for step in range(3):
+            match.reset(seed)
+            match.hold(step)
             match.place(hunters=[(5.0, 5.0, 0.0), (5.1, 5.0, 0.0)], targets=[(5.0, 5.0)])
             match.step((STILL, 1), (STILL, 1))
             expected = min((0, 1), key=lambda seat: lot(seed, step, seat))
