@@ -15,7 +15,9 @@ def test_a_golden_match_is_played_as_it_was(match: Match, kind: str) -> None:
     """Every step's poses and digest, every verdict, and who comes and goes."""
     kept = match.path.read_text(encoding="utf-8").splitlines()
     for number, (expected, played) in enumerate(zip_longest(kept, match.lines(kind)), start=1):
-        assert played == expected, f"{match.path.name}, line {number}, played by the {kind}"
+        if played != expected:
+            where = f"{match.path.name}, line {number}, played by the {kind}"
+            pytest.fail(f"{where}\nexpected: {expected}\nplayed:   {played}", pytrace=False)
 
 
 def test_the_golden_matches_have_all_controls_policies_ends_and_what_can_happen_in_an_arena() -> None:

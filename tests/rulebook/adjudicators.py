@@ -303,7 +303,7 @@ class EnvAdjudicator(Adjudicator):
 
     def place(self, hunters: Any, targets: Any = ()) -> None:
         """An env cannot move its hunters: another one begins with them there, and holds for as many steps as were
-        played. Where more than motion happened before, that is another state, and the digests differ.
+        played. Where more than motion happened before, that is another state, and fails.
         """
         self.oracle.place(hunters, targets)
         self._begin(self.config.replace(hunter_poses=tuple(hunters)))
@@ -312,14 +312,18 @@ class EnvAdjudicator(Adjudicator):
         for x, y in targets:
             self.env.spawn(x, y)
             self.is_shown = False
+        self._require_the_oracles_state()
 
     def look(self) -> None:
         """What no step has led to, an env cannot show."""
         if not self.is_shown:
             self.hold()
 
-    def numbers(self) -> list[float]:
+    def _require_the_oracles_state(self) -> None:
         assert self.env.digest() == self.oracle.digest(), "the env's state is not what the oracle's numbers say"
+
+    def numbers(self) -> list[float]:
+        self._require_the_oracles_state()
         return self.oracle.numbers()
 
     def digest(self) -> bytes:
