@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SPREAD := --numprocesses 2 --dist worksteal
 USUAL := not nightly and not extras
-RULES := tests/oracle tests/properties tests/rulebook tests/unit
+RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
 # The docs first: one of their tests is the longest.
 QUICK := tests/docs $(RULES) tests/agents tests/conformance tests/contract tests/vector
 SET_UP := $(PYTHON) scripts/set_up $(VENV)
@@ -70,6 +70,7 @@ check: $(VENV)/ready-dev ## format, lint, types, import contract
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/basedpyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports --no-cache
 
 format: $(VENV)/ready-dev ## put the sources into form
@@ -83,8 +84,10 @@ bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs
 pictures: $(VENV)/ready ## draw the README's picture and its animation
 	$(BIN)/python scripts/pictures.py
 
-golden: $(VENV)/ready-dev ## draw the frames anew that tests/render compares with
+golden: $(VENV)/ready-dev ## make anew what tests compare with: frames, golden matches, the census's counts
 	PYTHONPATH=tests $(BIN)/python tests/render/golden.py
+	PYTHONPATH=tests $(BIN)/python tests/golden/matches.py
+	PYTHONPATH=tests $(BIN)/python tests/rulebook/census/enumeration.py
 
 docs: $(VENV)/ready ## write the tables in docs/ that are made from code
 	$(BIN)/python scripts/write_docs.py
@@ -106,7 +109,7 @@ $(VENV)/ready: pyproject.toml $(VENV)/set_up.whole
 	@touch $@
 
 $(VENV)/ready-dev: $(VENV)/ready
-	@$(SET_UP) --group test --group check --download 120
+	@$(SET_UP) --group test --group check --download 195
 	@touch $@
 
 $(VENV)/ready-extras: $(VENV)/ready-dev

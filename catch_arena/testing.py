@@ -3,14 +3,13 @@ cases of the conformance suite. docs/conformance.md shows how.
 """
 
 import time
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from math import inf
 
-from catch_arena.conformance.answers import DiffersError, Raised, patience
-from catch_arena.conformance.arbiters import Arbiter, Court
-from catch_arena.conformance.arenas import ArenaUnderTest, Stage, can_be_staged
-from catch_arena.conformance.cases import ArbiterCase, WorldCase
+from catch_arena.conformance.answers import DiffersError, RaisedError, time_limit
+from catch_arena.conformance.arbiter_runner import Arbiter, ArbiterRunner
+from catch_arena.conformance.arena_runner import ArenaRunner, ArenaUnderTest, fits_into_an_arena
+from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.comparison import Strictness
 from catch_arena.conformance.diagnosis import Diagnosis
 from catch_arena.conformance.files import load_cases
@@ -18,7 +17,7 @@ from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, Result
 from catch_arena.errors import ConfigError, suggest
 
-__all__ = ["Arbiter", "ArenaUnderTest", "Diagnosis", "Failure", "Report", "Result", "chosen", "run_conformance"]
+__all__ = ["Arbiter", "ArenaUnderTest", "Diagnosis", "Failure", "Report", "Result", "run_conformance", "select_cases"]
 
 
 def run_conformance(
@@ -34,7 +33,7 @@ def run_conformance(
 
     Args:
         adapter: takes `arbitrate`'s keyword arguments and returns its rulings.
-        arena: plays the cases that need one, and those of arbiters that can be staged.
+        arena: plays the cases that need one, and those for arbiters that fit into one.
         only: ids or beginnings of ids.
         evidence: false compares verdicts alone.
         exact_lots: requires of lots what the rulebook's appendix draws, where any one of the tied would do.
@@ -53,10 +52,12 @@ def run_conformance(
     if limit_s is not None and not 0 < limit_s < inf:
         raise ConfigError(f"limit_s must be a positive number of seconds, got {limit_s!r}")
     strictness = Strictness(evidence=evidence, exact_lots=exact_lots)
-    return Report(tuple(_try(case, adapter, arena, strictness, limit_s) for case in chosen(only)), strictness)
+    return Report(
+        tuple(_run_case(case, adapter, arena, strictness, limit_s) for case in select_cases(only)), strictness
+    )
 
 
-def chosen(only: Sequence[str] = ()) -> tuple[ArbiterCase | WorldCase, ...]:
+def select_cases(only: Sequence[str] = ()) -> tuple[ArbiterCase | ArenaCase, ...]:
     """The cases with these ids; where a word is no id, those whose ids begin with it; all without words.
 
     Raises:
@@ -73,31 +74,29 @@ def chosen(only: Sequence[str] = ()) -> tuple[ArbiterCase | WorldCase, ...]:
     return tuple(case for case in cases if not only or case.id in wanted)
 
 
-def _try(
-    case: ArbiterCase | WorldCase,
+def _run_case(
+    case: ArbiterCase | ArenaCase,
     adapter: Arbiter | None,
     arena: ArenaUnderTest | None,
     strictness: Strictness,
     limit_s: float | None,
 ) -> Result:
     start = time.perf_counter()
-    trials: list[tuple[Court | Stage, Callable[[], None]]] = []
+    runners: list[ArbiterRunner | ArenaRunner] = []
     if adapter is not None and isinstance(case, ArbiterCase):
-        court = Court(adapter, strictness)
-        trials.append((court, partial(court.try_case, case)))
-    if arena is not None and (isinstance(case, WorldCase) or can_be_staged(case)):
-        stage = Stage(arena, strictness)
-        trials.append((stage, partial(stage.play, case)))
+        runners.append(ArbiterRunner(adapter, case, strictness))
+    if arena is not None and (isinstance(case, ArenaCase) or fits_into_an_arena(case)):
+        runners.append(ArenaRunner(arena, case, strictness))
     failure: Failure | None = None
-    for trial, play in trials:
+    for runner in runners:
         try:
-            with patience(limit_s):
-                play()
+            with time_limit(limit_s):
+                runner.run()
         except DiffersError as error:
-            failure = Failure(case, trial.how, error.differences)
+            failure = Failure(case, runner.how, error.differences)
             break
         except TimeoutError as error:  # between two calls
-            failure = Failure(case, trial.how, (Raised("the case", "an answer", str(error), "TimeoutError", ""),))
+            failure = Failure(case, runner.how, (RaisedError("the case", "an answer", str(error), "TimeoutError", ""),))
             break
-    calls = [] if not trials else trial.calls if failure else trials[0][0].calls[:1]
-    return Result(case, failure, time.perf_counter() - start, played=bool(trials), calls=tuple(calls))
+    calls = [] if not runners else runner.calls if failure else runners[0].calls[:1]
+    return Result(case, failure, time.perf_counter() - start, played=bool(runners), calls=tuple(calls))

@@ -46,10 +46,10 @@ def conformance(
     """
     from catch_arena.conformance.results import WIDTH, wrapped
     from catch_arena.replay import write_whole
-    from catch_arena.testing import chosen, run_conformance
+    from catch_arena.testing import run_conformance, select_cases
 
     if listing:
-        for case in chosen(only or ()):
+        for case in select_cases(only or ()):
             typer.echo(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
         return
     if arbiter is None and arena is None:

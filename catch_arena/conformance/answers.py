@@ -1,4 +1,4 @@
-"""What a stranger's code answers, read with patience: whatever is wrong with it becomes a difference in words."""
+"""A stranger's code is called, and its answer read: whatever is wrong with it becomes a difference in words."""
 
 import operator
 import reprlib
@@ -12,9 +12,9 @@ from pathlib import Path
 from threading import current_thread, main_thread
 from typing import Any, Final
 
-from catch_arena.conformance.cases import Asked
+from catch_arena.conformance.cases import ExpectedRuling
 from catch_arena.tournament.entrants import reason
-from catch_arena.verdicts import Verdict
+from catch_arena.verdicts import Ruling, Verdict
 
 _EVIDENCE: Final = ("distance_um", "winner")
 _FIELDS: Final = ("verdict", "hunter", "target", *_EVIDENCE)
@@ -35,7 +35,7 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
-class Unreadable(Difference):
+class UnreadableAnswer(Difference):
     """An answer, or a part of it, that is no ruling whatever it says."""
 
     looks_like: str
@@ -44,7 +44,7 @@ class Unreadable(Difference):
 
 
 @dataclass(frozen=True, slots=True)
-class Raised(Difference):
+class RaisedError(Difference):
     """An error in place of an answer."""
 
     error: str
@@ -62,26 +62,27 @@ class DiffersError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class OtherTarget:
+class WrongTarget:
     """Stands for the target of a ruling that does not repeat what was asked for."""
 
-    shown: str
+    in_short: str
+    """The target, as `in_short` writes it."""
 
 
-def answered(what: str, call: Callable[..., object], *arguments: object) -> Any:
-    """What a stranger's code returns. Raises: DiffersError, where it raises anything."""
+def call_adjudicator(what: str, function: Callable[..., object], *arguments: object) -> Any:
+    """What a stranger's code returns; `what` names the call. Raises: DiffersError, where it raises anything."""
     try:
-        return call(*arguments)
+        return function(*arguments)
     except DiffersError:
         raise
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         where = _where(error)
         raised = f"none: it raised {printable(reason(error))}{where}"
-        raise DiffersError(Raised(what, "an answer", raised, type(error).__name__, where)) from error
+        raise DiffersError(RaisedError(what, "an answer", raised, type(error).__name__, where)) from error
 
 
 @contextmanager
-def patience(seconds: float | None) -> Iterator[None]:
+def time_limit(seconds: float | None) -> Iterator[None]:
     """A stranger's code that takes longer is interrupted where it stands, by a TimeoutError.
 
     Only the main thread can be interrupted, and not on Windows: elsewhere it may take as long as it likes.
@@ -102,26 +103,26 @@ def patience(seconds: float | None) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def read_rulings(given: object, asked: Sequence[Asked]) -> list[Asked]:
-    """What an adjudicator answers to these requests, in the form of what is expected of it.
+def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruling]:
+    """What an adjudicator answers to these requests; the target of a ruling that names another one is a WrongTarget.
 
     Raises: DiffersError, for the first thing that cannot be read.
     """
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
-        too_few, got = given is None, shown(given)
+        too_few, got = given is None, in_short(given)
     else:
-        given = list(islice(given, len(asked) + 1))  # no more: it may never end
-        if len(given) == len(asked):
+        given = list(islice(given, len(expected) + 1))  # no more: it may never end
+        if len(given) == len(expected):
             return [
                 _ruling(place, one, ruling)
-                for place, (one, ruling) in enumerate(zip(asked, given, strict=True), start=1)
+                for place, (one, ruling) in enumerate(zip(expected, given, strict=True), start=1)
             ]
-        too_few = len(given) < len(asked)
+        too_few = len(given) < len(expected)
         got = f"{'' if too_few else 'at least '}{len(given)} of them"
     looks_like = "None or too few rulings are returned" if too_few else "too many rulings, or no list, are returned"
-    expected = f"{counted(len(asked), 'ruling')}, one for each request, in their order"
+    must = f"{counted(len(expected), 'ruling')}, one for each request, in their order"
     rule = "An answer is a list with one ruling for each request, in their order (docs/conformance.md)."
-    raise DiffersError(Unreadable("the answer", expected, got, looks_like, rule))
+    raise DiffersError(UnreadableAnswer("the answer", must, got, looks_like, rule))
 
 
 def counted(number: int, thing: str) -> str:
@@ -129,12 +130,12 @@ def counted(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
-def request(place: int, asked: Asked) -> str:
-    """Who asks for what, in words."""
-    return f"request {place}, hunter {asked.hunter} asks for {shown(asked.name)}"
+def request_in_words(place: int, one: ExpectedRuling) -> str:
+    """Who asks for what."""
+    return f"request {place}, hunter {one.hunter} asks for {in_short(one.target)}"
 
 
-def shown(value: object) -> str:
+def in_short(value: object) -> str:
     """A value as Python would write it, shortened, in one line."""
     return printable(" ".join(reprlib.repr(value).split()))
 
@@ -153,12 +154,14 @@ def _where(error: BaseException) -> str:
     return ""
 
 
-def _ruling(place: int, asked: Asked, given: object) -> Asked:
+def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
     """A ruling of an object with its attributes, of a mapping with its keys, or of a sequence in its order."""
 
     def wrong(field: str, must: str, value: object) -> DiffersError:
-        about = f"{request(place, asked)}: {field}"
-        return DiffersError(Unreadable(about, must, shown(value), f"{field} cannot be read", f"It must be {must}."))
+        about = f"{request_in_words(place, expected)}: {field}"
+        return DiffersError(
+            UnreadableAnswer(about, must, in_short(value), f"{field} cannot be read", f"It must be {must}.")
+        )
 
     fields = _fields(given)
     if not {"verdict", "hunter", "target"} <= fields.keys():
@@ -174,8 +177,8 @@ def _ruling(place: int, asked: Asked, given: object) -> Asked:
         if value is None and fields.get(field) is not None:
             raise wrong(field, "a whole number or None", fields[field])
     target = fields["target"]
-    name = asked.name if _repeats(asked.name, target) else OtherTarget(shown(target))
-    return Asked(hunter=hunter, name=name, verdict=verdict, **evidence)
+    repeated = expected.target if _repeats(expected.target, target) else WrongTarget(in_short(target))
+    return Ruling(verdict, hunter, repeated, **evidence)
 
 
 def _fields(given: object) -> dict[str, object]:
@@ -205,10 +208,10 @@ def _whole(value: object) -> int | None:
         return None
 
 
-def _repeats(name: object, target: object) -> bool:
+def _repeats(asked: object, target: object) -> bool:
     """Whether a ruling's target is what was asked for; by its looks, where that is no string: NaN does not equal
     itself.
     """
-    if isinstance(name, str):
-        return isinstance(target, str) and name == target
-    return repr(name) == repr(target)
+    if isinstance(asked, str):
+        return isinstance(target, str) and asked == target
+    return repr(asked) == repr(target)

@@ -39,11 +39,11 @@ READINGS: Final = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
+class ExpectedRuling:
     """One request, and the ruling that the rulebook gives it."""
 
     hunter: int
-    name: object
+    target: object
     """What was asked for: any object at all; of an arena, a spawn number, or 0 for a rank without a target."""
     verdict: Verdict | Literal["LOT"]
     distance_um: int | Literal["ANY"] | None
@@ -58,7 +58,7 @@ class Lot:
     """As in the requests for it."""
     seats: tuple[int, ...]
     drawn: int | None
-    """The seat that the appendix's hash draws; None in a rearranged case, whose lot nobody has worked out."""
+    """The seat that the appendix's hash draws; None in a variant of a case, whose lot nobody has worked out."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,13 +84,14 @@ class ArbiterCase(Case):
 
     hunters: tuple[tuple[float, float], ...]
     targets: Mapping[str, tuple[float, float]]
-    asked: tuple[Asked, ...]
+    expected: tuple[ExpectedRuling, ...]
+    """The requests in their order, each with its ruling."""
     circumstances: Mapping[str, Any]
-    """Every key of DEFAULTS."""
+    """The other arguments of `arbitrate`: every key of DEFAULTS."""
     lots: tuple[Lot, ...] = ()
     fair_over_steps: int = 0
     """How many steps the lots are drawn in: every one of their seats must win in some of them; 0 leaves that out."""
-    standard: tuple[Asked, ...] = ()
+    under_nearest: tuple[ExpectedRuling, ...] = ()
     """Of a case under another policy: what `nearest` answers to the same requests."""
 
     def arguments(self) -> dict[str, Any]:
@@ -99,14 +100,14 @@ class ArbiterCase(Case):
         return {
             "hunters": list(self.hunters),
             "targets": dict(self.targets),
-            "requests": [(asked.hunter, asked.name) for asked in self.asked],
+            "requests": [(one.hunter, one.target) for one in self.expected],
             **given,
         }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Beat:
-    """What happens next to an arena, in the order of these fields."""
+class CaseStep:
+    """One part of an arena's case: what happens to the arena next, in the order of these fields."""
 
     reset: bool = False
     hunters: tuple[tuple[float, float, float], ...] | None = None
@@ -116,16 +117,16 @@ class Beat:
     steps: int = 0
     """Steps in which nobody moves or asks."""
     drive: Mapping[int, tuple[float, float]]
-    """(v [m/s], w [rad/s]) by seat, in the step in which `asked` is asked."""
-    asked: tuple[Asked, ...] | None = None
-    """The requests of one more step; none at all where it is empty, and no step where it is None."""
+    """(v [m/s], w [rad/s]) by seat, in the step of the requests."""
+    expected: tuple[ExpectedRuling, ...] | None = None
+    """The requests of one more step, with their rulings: none at all where it is empty; no step where it is None."""
     read: Mapping[str, Any]
     """What stands in the arena then, by the words of READINGS."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WorldCase(Case):
+class ArenaCase(Case):
     """A piece of a match, for adjudicators that have an arena: spawning, time and identity."""
 
     settings: Mapping[str, Any]
-    play: tuple[Beat, ...]
+    play: tuple[CaseStep, ...]

@@ -2,19 +2,19 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from catch_arena.conformance.answers import (
     Difference,
     DiffersError,
-    OtherTarget,
-    answered,
+    WrongTarget,
+    call_adjudicator,
+    in_short,
     read_rulings,
-    request,
-    shown,
+    request_in_words,
 )
-from catch_arena.conformance.cases import ANY, LOT, Asked, Lot
-from catch_arena.verdicts import Verdict
+from catch_arena.conformance.cases import ANY, LOT, ExpectedRuling, Lot
+from catch_arena.verdicts import Ruling, Verdict
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,16 +28,16 @@ class Strictness:
 
 
 @dataclass(frozen=True, slots=True)
-class OtherRuling(Difference):
+class WrongRuling(Difference):
     """A ruling that is not the expected one."""
 
-    right: Asked
+    right: ExpectedRuling
     """Its lot is decided."""
-    given: Asked
+    given: Ruling
 
 
 @dataclass(frozen=True, slots=True)
-class OtherLot(Difference):
+class WrongLot(Difference):
     """A lot that does not give a target to one of the tied, or never to some of them."""
 
 
@@ -47,56 +47,59 @@ class Call:
 
     arguments: Mapping[str, Any]
     """Those of `catch_arena.arbitrate`."""
-    answered: tuple[Asked, ...]
+    rulings: tuple[Ruling, ...]
 
 
-def rulings(call: Callable[[], object], asked: Sequence[Asked]) -> tuple[Asked, ...]:
+def ask_for_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:
     """What an adjudicator answers. Raises: DiffersError where that cannot be read."""
-    given = answered("the call", call)
-    return tuple(answered("the answer", read_rulings, given, asked))
+    given = call_adjudicator("the call", function)
+    return tuple(call_adjudicator("the answer", read_rulings, given, expected))
 
 
 def compare(
-    given: Sequence[Asked],
-    asked: Sequence[Asked],
+    given: Sequence[Ruling],
+    expected: Sequence[ExpectedRuling],
     *,
     lots: Sequence[Lot],
     refused: Iterable[object],
     strictness: Strictness,
-) -> tuple[Asked, ...]:
+) -> tuple[ExpectedRuling, ...]:
     """The expected rulings, with the lots as the adjudicator drew them, where its answer agrees with them.
 
-    Args: `given`, its rulings; `asked`, with what is expected; `refused`, the targets whose kill is refused.
+    Args: `given`, its rulings; `refused`, the targets whose kill is refused.
     Raises: DiffersError, with every difference that can be told.
     """
-    by_lot = {one.name for one in asked if one.verdict == LOT}
-    winners = {lot.target: _winner(lot, asked, given, strictness) for lot in lots if lot.target in by_lot}
-    expected = _settled(asked, winners, set(refused))
+    by_lot = {one.target for one in expected if one.verdict == LOT}
+    winners = {lot.target: _winner(lot, expected, given, strictness) for lot in lots if lot.target in by_lot}
+    decided = _decide_lots(expected, winners, set(refused))
     differences = [
-        OtherRuling(
-            request(place, one), _describe(one, one, strictness), _describe(one, ruling, strictness), one, ruling
+        WrongRuling(
+            request_in_words(place, right),
+            _in_words(right, right, strictness),
+            _in_words(right, one, strictness),
+            right,
+            one,
         )
-        for place, (one, ruling) in enumerate(zip(expected, given, strict=True), start=1)
-        if compared(one, one, strictness) != compared(one, ruling, strictness)
+        for place, (right, one) in enumerate(zip(decided, given, strict=True), start=1)
+        if _compared(right, right, strictness) != _compared(right, one, strictness)
     ]
     if differences:
         raise DiffersError(*differences)
-    return expected
+    return decided
 
 
-def _winner(lot: Lot, asked: Sequence[Asked], rulings: Sequence[Asked], strictness: Strictness) -> int:
+def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling], strictness: Strictness) -> int:
     """Whom a lot drew: the one seat that the rulings let win."""
-    tied = [
-        (one, ruling)
-        for one, ruling in zip(asked, rulings, strict=True)
-        if one.verdict == LOT and one.name == lot.target
+    won = [
+        one.hunter
+        for one, ruling in zip(expected, given, strict=True)
+        if one.verdict == LOT and one.target == lot.target and ruling.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED}
     ]
-    won = [one.hunter for one, ruling in tied if ruling.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED}]
     allowed = (lot.drawn,) if strictness.exact_lots and lot.drawn is not None else lot.seats
     if len(won) != 1 or won[0] not in allowed:
         raise DiffersError(
-            OtherLot(
-                f"target {shown(lot.target)}",
+            WrongLot(
+                f"target {in_short(lot.target)}",
                 f"exactly one winner, drawn by lot: hunter {' or '.join(map(str, allowed))}",
                 f"won by {' and '.join(f'hunter {seat}' for seat in won) or 'nobody'}",
             )
@@ -104,39 +107,49 @@ def _winner(lot: Lot, asked: Sequence[Asked], rulings: Sequence[Asked], strictne
     return won[0]
 
 
-def _settled(asked: Sequence[Asked], winners: Mapping[object, int], refused: set[object]) -> tuple[Asked, ...]:
+def _decide_lots(
+    expected: Sequence[ExpectedRuling], winners: Mapping[object, int], refused: set[object]
+) -> tuple[ExpectedRuling, ...]:
     """The rulings that follow once it is known whom the lots drew."""
-    settled = []
-    for one in asked:
+    decided = []
+    for one in expected:
         verdict, winner = one.verdict, one.winner
         if winner == LOT:
-            winner = winners[one.name]
+            winner = winners[one.target]
         if verdict == LOT:
-            won = Verdict.KILL_FAILED if one.name in refused else Verdict.GRANTED
+            won = Verdict.KILL_FAILED if one.target in refused else Verdict.GRANTED
             verdict = won if one.hunter == winner else Verdict.LOST_CONTEST
-        settled.append(replace(one, verdict=verdict, winner=winner))
-    return tuple(settled)
+        decided.append(replace(one, verdict=verdict, winner=winner))
+    return tuple(decided)
 
 
-def compared(expected: Asked, one: Asked, strictness: Strictness) -> Asked:
-    """What of a ruling is compared."""
+class _Compared(NamedTuple):
+    """What of a ruling is compared; a tuple, in which a NaN is equal to itself."""
+
+    hunter: int
+    target: object
+    verdict: Verdict | str
+    distance_um: int | str | None
+    winner: int | str | None
+
+
+def _compared(right: ExpectedRuling, one: ExpectedRuling | Ruling, strictness: Strictness) -> _Compared:
     if not strictness.evidence:
-        return replace(one, distance_um=None, winner=None)
-    if expected.distance_um == ANY and one.distance_um is not None:
-        return replace(one, distance_um=ANY)
-    return one
+        return _Compared(one.hunter, one.target, one.verdict, None, None)
+    distance_um = ANY if right.distance_um == ANY and one.distance_um is not None else one.distance_um
+    return _Compared(one.hunter, one.target, one.verdict, distance_um, one.winner)
 
 
-def _describe(expected: Asked, one: Asked, strictness: Strictness) -> str:
-    """What of a ruling is compared, in words; its lot is decided."""
-    one = compared(expected, one, strictness)
-    words = [one.verdict.name if isinstance(one.verdict, Verdict) else one.verdict]
-    if one.distance_um is not None:
-        words.append("some distance away" if one.distance_um == ANY else f"{one.distance_um} um away")
-    if one.winner is not None:
-        words.append(f"won by hunter {one.winner}")
-    if one.hunter != expected.hunter:
-        words.append(f"for hunter {one.hunter}")
-    if isinstance(one.name, OtherTarget):
-        words.append(f"for target {one.name.shown}")
+def _in_words(right: ExpectedRuling, one: ExpectedRuling | Ruling, strictness: Strictness) -> str:
+    """What of a ruling is compared; its lot is decided."""
+    hunter, target, verdict, distance_um, winner = _compared(right, one, strictness)
+    words = [verdict.name if isinstance(verdict, Verdict) else verdict]
+    if distance_um is not None:
+        words.append("some distance away" if distance_um == ANY else f"{distance_um} um away")
+    if winner is not None:
+        words.append(f"won by hunter {winner}")
+    if hunter != right.hunter:
+        words.append(f"for hunter {hunter}")
+    if isinstance(target, WrongTarget):
+        words.append(f"for target {target.in_short}")
     return ", ".join(words)

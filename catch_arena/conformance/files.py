@@ -8,7 +8,17 @@ from importlib.resources import files
 from typing import Any, Final, get_args
 
 from catch_arena.config import ArbitrationPolicy
-from catch_arena.conformance.cases import ANY, DEFAULTS, LOT, READINGS, ArbiterCase, Asked, Beat, Lot, WorldCase
+from catch_arena.conformance.cases import (
+    ANY,
+    DEFAULTS,
+    LOT,
+    READINGS,
+    ArbiterCase,
+    ArenaCase,
+    CaseStep,
+    ExpectedRuling,
+    Lot,
+)
 from catch_arena.conformance.tables import (
     Table,
     flag,
@@ -27,14 +37,14 @@ from catch_arena.verdicts import Verdict
 
 
 @cache
-def load_cases() -> tuple[ArbiterCase | WorldCase, ...]:
+def load_cases() -> tuple[ArbiterCase | ArenaCase, ...]:
     """Every case of the suite, by file and in the files' order."""
     folder = files("catch_arena.conformance")
     names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
     return tuple(case for name in names for case in read_cases(name, (folder / name).read_text(encoding="utf-8")))
 
 
-def read_cases(name: str, written: str) -> list[ArbiterCase | WorldCase]:
+def read_cases(name: str, written: str) -> list[ArbiterCase | ArenaCase]:
     """The cases of one file.
 
     Args: `name`, the file's, and what is `written` in it; its stem begins the id of each of its cases.
@@ -45,8 +55,8 @@ def read_cases(name: str, written: str) -> list[ArbiterCase | WorldCase]:
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{name}: is no TOML: {error}") from None
     top = Table(name, content)
-    found: list[ArbiterCase | WorldCase] = []
-    for kind, read in (("case", _arbiter_case), ("world", _world_case)):
+    found: list[ArbiterCase | ArenaCase] = []
+    for kind, read in (("case", _arbiter_case), ("world", _arena_case)):
         for table in top.take(kind, "a list of tables", listed, []):
             place = table.get("id") if isinstance(table, dict) else None
             found.append(read(Table(f"{name}: {place or f'{kind} without an id'}", table), name.removesuffix(".toml")))
@@ -70,11 +80,13 @@ def _arbiter_case(table: Table, group: str) -> ArbiterCase:
         **own,
         hunters=hunters,
         targets=targets,
-        asked=table.take("requests", "a list of tables", lambda value: _asked(table.where, value, seat, "name")),
+        expected=table.take("requests", "a list of tables", lambda value: _rulings(table.where, value, seat, "name")),
         circumstances=_circumstances(table, seat),
         lots=table.take("lots", "a list of tables", lambda value: _lots(table.where, value, seat), ()),
         fair_over_steps=table.take("fair_over_steps", "a whole number", whole, 0),
-        standard=table.take("standard", "a list of tables", lambda value: _asked(table.where, value, seat, "name"), ()),
+        under_nearest=table.take(
+            "standard", "a list of tables", lambda value: _rulings(table.where, value, seat, "name"), ()
+        ),
     )
     table.finish()
     _require_sense(table.where, case)
@@ -89,29 +101,29 @@ def _require_sense(where: str, case: ArbiterCase) -> None:
         if lot.drawn not in lot.seats:
             raise ConfigError(f"{where}: drawn must be one of the seats {list(lot.seats)}, got {lot.drawn}")
     drawn_for = {lot.target: lot.seats for lot in case.lots}
-    for asked in case.asked:
-        seats = drawn_for.get(asked.name) if isinstance(asked.name, str) else None
-        if asked.winner == LOT and seats is None:
-            raise ConfigError(f"{where}: a ruling by lot must have its target among the lots, got {asked.name!r}")
-        if asked.verdict == LOT and (seats is None or asked.hunter not in seats):
-            raise ConfigError(f"{where}: verdict LOT must be for the lot's own seats, got hunter {asked.hunter}")
-    if case.standard and [(one.hunter, one.name) for one in case.standard] != [
-        (one.hunter, one.name) for one in case.asked
+    for one in case.expected:
+        seats = drawn_for.get(one.target) if isinstance(one.target, str) else None
+        if one.winner == LOT and seats is None:
+            raise ConfigError(f"{where}: a ruling by lot must have its target among the lots, got {one.target!r}")
+        if one.verdict == LOT and (seats is None or one.hunter not in seats):
+            raise ConfigError(f"{where}: verdict LOT must be for the lot's own seats, got hunter {one.hunter}")
+    if case.under_nearest and [(one.hunter, one.target) for one in case.under_nearest] != [
+        (one.hunter, one.target) for one in case.expected
     ]:
         raise ConfigError(f"{where}: standard must answer the very requests of the case")
     if case.fair_over_steps and not case.lots:
         raise ConfigError(f"{where}: fair_over_steps must come with lots")
 
 
-def _world_case(table: Table, group: str) -> WorldCase:
+def _arena_case(table: Table, group: str) -> ArenaCase:
     own = _about(table, group)
     settings = _settings(Table(f"{table.where}: settings", table.take("settings", "a table", tabled)))
     seat = _seat_of(settings["hunters"])
     play = table.take(
-        "play", "a list of tables", lambda value: tuple(_beat(table.where, beat, seat) for beat in listed(value))
+        "play", "a list of tables", lambda value: tuple(_case_step(table.where, step, seat) for step in listed(value))
     )
     table.finish()
-    return WorldCase(**own, settings=settings, play=play)
+    return ArenaCase(**own, settings=settings, play=play)
 
 
 def _about(table: Table, group: str) -> dict[str, Any]:
@@ -172,15 +184,15 @@ def _settings(table: Table) -> dict[str, Any]:
     return {key: value for key, value in found.items() if value is not None}
 
 
-def _asked(where: str, value: object, seat: Callable[[object], int], names: str) -> tuple[Asked, ...]:
-    """Requests with their rulings; `names` is the key that says what was asked for."""
+def _rulings(where: str, value: object, seat: Callable[[object], int], target_key: str) -> tuple[ExpectedRuling, ...]:
+    """Requests with their rulings; `target_key` is the key that says what was asked for."""
     found = []
     for place, entry in enumerate(listed(value), start=1):
         table = Table(f"{where}: request {place}", entry)
         found.append(
-            Asked(
+            ExpectedRuling(
                 hunter=table.take("hunter", "a seat", seat),
-                name=table.take(names, "given", lambda given: given),
+                target=table.take(target_key, "given", lambda given: given),
                 verdict=table.take(
                     "verdict", f"LOT or one of {', '.join(Verdict.__members__)}", word_or(LOT, _verdict)
                 ),
@@ -209,7 +221,7 @@ def _lots(where: str, value: object, seat: Callable[[object], int]) -> tuple[Lot
     return tuple(found)
 
 
-def _beat(where: str, value: object, seat: Callable[[object], int]) -> Beat:
+def _case_step(where: str, value: object, seat: Callable[[object], int]) -> CaseStep:
     table = Table(f"{where}: play", value)
 
     def poses(given: object) -> tuple[tuple[float, float, float], ...]:
@@ -221,24 +233,24 @@ def _beat(where: str, value: object, seat: Callable[[object], int]) -> Beat:
     def velocities(given: object) -> dict[int, tuple[float, float]]:
         return {seat(who): (number(v), number(w)) for who, v, w in listed(given)}
 
-    def numbered(given: object) -> tuple[Asked, ...]:
-        return _asked(table.where, given, seat, "number")
+    def numbered(given: object) -> tuple[ExpectedRuling, ...]:
+        return _rulings(table.where, given, seat, "number")
 
-    beat = Beat(
+    step = CaseStep(
         reset=table.take("reset", "true or false", flag, False),
         hunters=table.take("hunters", "a list of poses [x, y, theta]", poses, None),
         targets=table.take("targets", "a list of places [x, y]", lambda given: tuple(map(point, listed(given))), ()),
         withdraw=table.take("withdraw", "a seat", seat, None),
         steps=table.take("steps", "a whole number", whole, 0),
         drive=table.take("drive", "a list of [hunter, v, w]", velocities, {}),
-        asked=table.take("requests", "a list of tables", numbered, None),
+        expected=table.take("requests", "a list of tables", numbered, None),
         read=table.take("read", "a table", tabled, {}),
     )
     table.finish()
-    for word in beat.read:
+    for word in step.read:
         if word not in READINGS:
             raise ConfigError(f"{table.where}: nothing called {word!r} can be read: {suggest(word, READINGS)}")
-    return beat
+    return step
 
 
 def _pair(value: object) -> list[int]:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 from catch_arena.conformance import wrong_rules as wrong
-from catch_arena.conformance.rules import OF_CAPSTONE, ORDER, Claim, Rules, Step
+from catch_arena.conformance.rules import OF_CAPSTONE, ORDER, Request, Rules, Step
 from catch_arena.conformance.wrong_rules import Finish
 from catch_arena.verdicts import REASONS, Verdict
 
@@ -27,7 +27,7 @@ class Mistake(NamedTuple):
     """An idea is wrong; else a single verdict, or the order of the tests."""
 
 
-def bent(mistakes: Iterable[Mistake]) -> Rules:
+def rules_with(mistakes: Iterable[Mistake]) -> Rules:
     """The rules with these mistakes in them."""
     rules = Rules()
     for one in mistakes:
@@ -40,9 +40,11 @@ def bent(mistakes: Iterable[Mistake]) -> Rules:
 
 def mistaken_verdicts(seen: Iterable[tuple[object, object]]) -> Iterator[Mistake]:
     """One verdict for another; `seen`, pairs of what was expected and what was answered."""
-    for right, said in seen:
-        if right is not said and isinstance(right, Verdict) and isinstance(said, Verdict):
-            yield _slip(f"{said.name} where {right.name} is right", meaning(right), finish=wrong.says(said, right))
+    for right, given in seen:
+        if right is not given and isinstance(right, Verdict) and isinstance(given, Verdict):
+            yield _slip(
+                f"{given.name} where {right.name} is right", meaning(right), finish=wrong.replaces(given, right)
+            )
 
 
 def _mistake(looks_like: str, rule: str, **change: Any) -> Mistake:
@@ -54,9 +56,9 @@ def _slip(looks_like: str, rule: str, **change: Any) -> Mistake:
 
 
 def _in_turn(old: Finish, new: Finish) -> Finish:
-    def both(claim: Claim, step: Step) -> None:
-        old(claim, step)
-        new(claim, step)
+    def both(request: Request, step: Step) -> None:
+        old(request, step)
+        new(request, step)
 
     return both
 
@@ -109,19 +111,19 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake("last come, first served", _NEAREST, tied=wrong.everybody, drawn=wrong.last),
     _mistake("the lowest seat wins", _NEAREST, tied=wrong.everybody, drawn=wrong.low_seat),
     _mistake("the highest seat wins", _NEAREST, tied=wrong.everybody, drawn=wrong.high_seat),
-    _mistake("the farthest wins", _NEAREST, tied=wrong.least(lambda claim: -(claim.away_um or 0))),
+    _mistake("the farthest wins", _NEAREST, tied=wrong.least(lambda request: -(request.away_um or 0))),
     _mistake("everybody within reach wins", _NEAREST, finish=wrong.everybody_wins),
     _mistake("nobody wins where several ask", _NEAREST, finish=wrong.nobody_wins),
     _mistake(
         "the nearest is found in floats, not in whole micrometres",
         _NEAREST,
-        tied=wrong.least(lambda claim: claim.metres),
+        tied=wrong.least(lambda request: request.metres),
     ),
-    _mistake("the nearest is found by dx + dy", _NEAREST, tied=wrong.least(lambda claim: claim.dx + claim.dy)),
+    _mistake("the nearest is found by dx + dy", _NEAREST, tied=wrong.least(lambda request: request.dx + request.dy)),
     _mistake(
         "the nearest is found by the larger one of dx and dy",
         _NEAREST,
-        tied=wrong.least(lambda claim: max(claim.dx, claim.dy)),
+        tied=wrong.least(lambda request: max(request.dx, request.dy)),
     ),
     _mistake(
         "one after the other: who comes after a catch gets ALREADY_CAUGHT",
@@ -143,22 +145,28 @@ KNOWN: Final[Sequence[Mistake]] = (
         "a withdrawn hunter nearby wins without asking", _ELIGIBLE, finish=wrong.bystanders_compete(withdrawn=True)
     ),
     _mistake("a hunter nearby wins without asking", _ELIGIBLE, finish=wrong.bystanders_compete(withdrawn=False)),
-    _mistake("the nearest target is given, whichever was named", _ELIGIBLE, given=wrong.names(wrong.nearest_target)),
+    _mistake(
+        "the nearest target is given, whichever was named", _ELIGIBLE, given=wrong.with_names(wrong.nearest_target)
+    ),
     # Reach
-    _mistake("reach is tested in floats", _REACH, within=lambda claim, reach_m, _: claim.metres < reach_m),
-    _mistake("reach is tested in floats, with <=", _REACH, within=lambda claim, reach_m, _: claim.metres <= reach_m),
-    _mistake("within reach is tested with <=", _REACH, within=lambda claim, _, reach_um: claim.away_um <= reach_um),
-    _mistake("reach is tested by dx + dy", _REACH, within=lambda claim, reach_m, _: claim.dx + claim.dy < reach_m),
+    _mistake("reach is tested in floats", _REACH, within=lambda request, reach_m, _: request.metres < reach_m),
+    _mistake(
+        "reach is tested in floats, with <=", _REACH, within=lambda request, reach_m, _: request.metres <= reach_m
+    ),
+    _mistake("within reach is tested with <=", _REACH, within=lambda request, _, reach_um: request.away_um <= reach_um),
+    _mistake(
+        "reach is tested by dx + dy", _REACH, within=lambda request, reach_m, _: request.dx + request.dy < reach_m
+    ),
     _mistake(
         "reach is tested by the larger one of dx and dy",
         _REACH,
-        within=lambda claim, reach_m, _: max(claim.dx, claim.dy) < reach_m,
+        within=lambda request, reach_m, _: max(request.dx, request.dy) < reach_m,
     ),
-    _mistake("reach is 0.3 m whatever reach_m says", _REACH, within=lambda claim, *_: claim.away_um < 300_000),
+    _mistake("reach is 0.3 m whatever reach_m says", _REACH, within=lambda request, *_: request.away_um < 300_000),
     _mistake(
         "a reach of less than a micrometre lets nobody in",
         "reach_m counts as one micrometre at least (R5.3).",
-        within=lambda claim, reach_m, _: claim.away_um < math.floor(1e6 * reach_m + 0.5),
+        within=lambda request, reach_m, _: request.away_um < math.floor(1e6 * reach_m + 0.5),
     ),
     _mistake("reach is not tested", _REACH, within=lambda *_: True),
     _mistake("distances are cut off, not rounded", _DISTANCE, micrometres=lambda metres: int(1e6 * metres)),
@@ -173,54 +181,66 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake(
         "no evidence is given",
         "Compare with --verdicts-only until distances and winners are given (R5.6).",
-        finish=wrong.tells(distance=wrong.nothing, winner=wrong.nothing),
+        finish=wrong.gives_evidence(distance=wrong.nothing, winner=wrong.nothing),
     ),
-    _mistake("no distance is given", EVIDENCE, finish=wrong.tells(distance=wrong.nothing)),
-    _mistake("no winner is given", EVIDENCE, finish=wrong.tells(winner=wrong.nothing)),
+    _mistake("no distance is given", EVIDENCE, finish=wrong.gives_evidence(distance=wrong.nothing)),
+    _mistake("no winner is given", EVIDENCE, finish=wrong.gives_evidence(winner=wrong.nothing)),
     _mistake(
         "only who is granted learns the winner",
         EVIDENCE,
-        finish=wrong.tells(winner=lambda claim: claim.winner if claim.verdict is Verdict.GRANTED else None),
+        finish=wrong.gives_evidence(
+            winner=lambda request: request.winner if request.verdict is Verdict.GRANTED else None
+        ),
     ),
     _mistake(
         "losers do not learn the winner",
         EVIDENCE,
-        finish=wrong.tells(winner=lambda claim: None if claim.verdict is Verdict.LOST_CONTEST else claim.winner),
+        finish=wrong.gives_evidence(
+            winner=lambda request: None if request.verdict is Verdict.LOST_CONTEST else request.winner
+        ),
     ),
     _mistake(
         "only losers learn the winner",
         EVIDENCE,
-        finish=wrong.tells(winner=lambda claim: claim.winner if claim.verdict is Verdict.LOST_CONTEST else None),
+        finish=wrong.gives_evidence(
+            winner=lambda request: request.winner if request.verdict is Verdict.LOST_CONTEST else None
+        ),
     ),
     _mistake(
         "a refused kill without a rival has a winner",
         EVIDENCE,
-        finish=wrong.tells(winner=lambda claim: claim.hunter if claim.verdict is Verdict.KILL_FAILED else claim.winner),
+        finish=wrong.gives_evidence(
+            winner=lambda request: request.hunter if request.verdict is Verdict.KILL_FAILED else request.winner
+        ),
     ),
-    _mistake("a distance is given to everybody", EVIDENCE, finish=wrong.tells(distance=lambda claim: claim.away_um)),
+    _mistake(
+        "a distance is given to everybody",
+        EVIDENCE,
+        finish=wrong.gives_evidence(distance=lambda request: request.away_um),
+    ),
     _mistake(
         "no distance is given to those out of reach",
         EVIDENCE,
-        finish=wrong.tells(distance=lambda claim: claim.distance_um if claim.rivals else None),
+        finish=wrong.gives_evidence(distance=lambda request: request.distance_um if request.rivals else None),
     ),
     _mistake(
         "losers are given the winner's distance",
         EVIDENCE,
-        finish=wrong.tells(
-            distance=lambda claim: min((one.away_um or 0 for one in claim.rivals), default=claim.distance_um)
+        finish=wrong.gives_evidence(
+            distance=lambda request: min((one.away_um or 0 for one in request.rivals), default=request.distance_um)
         ),
     ),
-    _mistake("distances are in millimetres", _DISTANCE, finish=wrong.tells(distance=wrong.in_parts(1000))),
-    _mistake("distances are in whole metres", _DISTANCE, finish=wrong.tells(distance=wrong.in_parts(1))),
+    _mistake("distances are in millimetres", _DISTANCE, finish=wrong.gives_evidence(distance=wrong.in_units(1000))),
+    _mistake("distances are in whole metres", _DISTANCE, finish=wrong.gives_evidence(distance=wrong.in_units(1))),
     _mistake(
         "the rulings are not in the order of the requests",
         "There is one ruling for each request, in their order (docs/conformance.md).",
-        arrange=wrong.as_they_came,
+        arrange=wrong.in_the_answers_order,
     ),
     # The order of the tests
     *_out_of_order(),
     # Names
-    _mistake("anything is a name", _NAME, given=wrong.names(lambda _, name, __: str(name))),
+    _mistake("anything is a name", _NAME, given=wrong.with_names(lambda _, name, __: str(name))),
     _mistake(
         "names of 256 characters are allowed", _NAME, is_name=lambda name: isinstance(name, str) and len(name) <= 256
     ),
@@ -257,63 +277,67 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake(
         "a hunter's last request stands, not its first",
         _FIRST_STANDS,
-        duplicate=lambda claim, _, later: any(one.hunter == claim.hunter for one in later),
+        duplicate=lambda request, _, later: any(one.hunter == request.hunter for one in later),
     ),
     _mistake(
         "all requests of a hunter that asks twice are duplicates",
         _FIRST_STANDS,
-        duplicate=lambda claim, earlier, later: any(one.hunter == claim.hunter for one in (*earlier, *later)),
+        duplicate=lambda request, earlier, later: any(one.hunter == request.hunter for one in (*earlier, *later)),
     ),
     _mistake(
         "a refused request does not count as the first",
         _FIRST_STANDS,
-        duplicate=lambda claim, earlier, _: any(one.hunter == claim.hunter and one.verdict is None for one in earlier),
+        duplicate=lambda request, earlier, _: any(
+            one.hunter == request.hunter and one.verdict is None for one in earlier
+        ),
     ),
     _mistake(
         "a malformed request does not count as the first",
         _FIRST_STANDS,
-        duplicate=lambda claim, earlier, _: any(
-            one.hunter == claim.hunter and one.verdict is not Verdict.MALFORMED for one in earlier
+        duplicate=lambda request, earlier, _: any(
+            one.hunter == request.hunter and one.verdict is not Verdict.MALFORMED for one in earlier
         ),
     ),
     _mistake(
         "only a second request for the same target is a duplicate",
         _FIRST_STANDS,
-        duplicate=lambda claim, earlier, _: any(
-            (one.hunter, one.name) == (claim.hunter, claim.name) for one in earlier
+        duplicate=lambda request, earlier, _: any(
+            (one.hunter, one.name) == (request.hunter, request.name) for one in earlier
         ),
     ),
     # Kills
-    _mistake("a refused kill is credited", _REFUSED, given=wrong.given(kill_refused=lambda _: ())),
-    _mistake("a refused kill is GRANTED", _REFUSED, finish=wrong.says(Verdict.GRANTED, Verdict.KILL_FAILED)),
+    _mistake("a refused kill is credited", _REFUSED, given=wrong.with_arguments(kill_refused=lambda _: ())),
+    _mistake("a refused kill is GRANTED", _REFUSED, finish=wrong.replaces(Verdict.GRANTED, Verdict.KILL_FAILED)),
     _mistake(
         "one refused kill refuses all of its step",
         _REFUSED,
-        given=wrong.given(kill_refused=lambda given: given["kill_refused"] and list(given["targets"])),
+        given=wrong.with_arguments(kill_refused=lambda given: given["kill_refused"] and list(given["targets"])),
     ),
     _mistake("after a refused kill the next nearest wins", _REFUSED, finish=wrong.the_next_wins),
     _mistake("after a refused kill the others are told KILL_FAILED too", _REFUSED, finish=wrong.the_others_fail_too),
     # Policies
-    _mistake("the policy is always nearest", _POLICY, given=wrong.given(policy=lambda _: "nearest")),
-    _mistake("the policy is always capstone", _POLICY, given=wrong.given(policy=lambda _: "capstone")),
+    _mistake("the policy is always nearest", _POLICY, given=wrong.with_arguments(policy=lambda _: "nearest")),
+    _mistake("the policy is always capstone", _POLICY, given=wrong.with_arguments(policy=lambda _: "capstone")),
     _mistake("first_come goes by the order of the requests", _POLICY, tied=wrong.first_under_first_come),
     _mistake(
         "first_come is taken for nearest",
         _POLICY,
-        given=wrong.given(policy=lambda given: given["policy"].replace("first_come", "nearest")),
+        given=wrong.with_arguments(policy=lambda given: given["policy"].replace("first_come", "nearest")),
     ),
     _mistake(
         "capstone is taken for nearest",
         _POLICY,
-        given=wrong.given(policy=lambda given: given["policy"].replace("capstone", "nearest")),
+        given=wrong.with_arguments(policy=lambda given: given["policy"].replace("capstone", "nearest")),
     ),
     _mistake(
-        "under capstone no winner is given", _CAPSTONE, finish=wrong.tells(winner=wrong.nothing, policy="capstone")
+        "under capstone no winner is given",
+        _CAPSTONE,
+        finish=wrong.gives_evidence(winner=wrong.nothing, policy="capstone"),
     ),
     _mistake(
         "under capstone a distance is given",
         _CAPSTONE,
-        finish=wrong.tells(distance=lambda claim: claim.away_um, policy="capstone"),
+        finish=wrong.gives_evidence(distance=lambda request: request.away_um, policy="capstone"),
     ),
     *(
         _mistake(f"under capstone {verdict.name} is said too", _CAPSTONE, of_capstone=OF_CAPSTONE | {verdict})

@@ -62,28 +62,25 @@ class Report:
     def by_mistake(self, width: int) -> str:
         """The same, in lines of at most so many characters."""
         numbered = list(enumerate(self.diagnoses, start=1))
-        told = [self._told(number, one, width) for number, one in numbered[:_MOST_IN_FULL]]
+        paragraphs = [self._in_words(number, one, width) for number, one in numbered[:_MOST_IN_FULL]]
         if rest := numbered[_MOST_IN_FULL:]:
             lines = ["More mistakes, each with a case that --only shows in full:"]
             lines += [f"{number}. {_heading(one)}, as {one.failures[0].case.id}" for number, one in rest]
-            told.append("\n".join(wrapped(line, width, "", "   ") for line in lines))
-        return "\n\n".join([*told, *self._fared(width), self._summed_up(width)])
+            paragraphs.append("\n".join(wrapped(line, width, "", "   ") for line in lines))
+        return "\n\n".join([*paragraphs, *self._by_group(width), wrapped(self.summary, width, "", "  ")])
 
     def in_full(self, width: int = WIDTH) -> str:
         """Every failure, how each group of cases fared if any failed, and the summary."""
-        failures = (failure.told(width) for failure in self.failures)
-        return "\n\n".join([*failures, *self._fared(width), self._summed_up(width)])
+        failures = (failure.in_words(width) for failure in self.failures)
+        return "\n\n".join([*failures, *self._by_group(width), wrapped(self.summary, width, "", "  ")])
 
-    def _summed_up(self, width: int) -> str:
-        return wrapped(self.summary, width, "", "  ")
-
-    def _told(self, number: int, diagnosis: Diagnosis, width: int) -> str:
+    def _in_words(self, number: int, diagnosis: Diagnosis, width: int) -> str:
         """What failures look like, the first of them, and the names of the others."""
         first, *others = diagnosis.failures
         lines = [
             wrapped(f"{number}. {_heading(diagnosis)}", width, "", "   "),
             wrapped(diagnosis.rule, width, "   "),
-            textwrap.indent(first.told(width - 3, brief=True), "   "),
+            textwrap.indent(first.in_words(width - 3, brief=True), "   "),
         ]
         if others:
             names = f"{len(others)} more: {self._names(others)}"
@@ -91,7 +88,7 @@ class Report:
         return "\n".join(lines)
 
     def _names(self, failures: Sequence[Failure]) -> str:
-        """Their ids by group, which is said once; those of a group without a pass are not told one by one."""
+        """Their ids by group, which is said once; those of a group without a pass are not listed one by one."""
         names: dict[str, list[str]] = {}
         for failure in failures:
             names.setdefault(failure.case.group, []).append(failure.case.id.partition(".")[2])
@@ -104,11 +101,11 @@ class Report:
     def _groups(self) -> Counter[str]:
         return Counter(result.case.group for result in self.results if result.played)
 
-    def _fared(self, width: int) -> list[str]:
+    def _by_group(self, width: int) -> list[str]:
         """How many cases of each group were passed, in one paragraph."""
         failed = Counter(failure.case.group for failure in self.failures)
-        fared = ", ".join(f"{group} {count - failed[group]} of {count}" for group, count in self._groups.items())
-        return [wrapped(f"passed: {fared}", width, "", "  ")] if failed else []
+        passed = ", ".join(f"{group} {count - failed[group]} of {count}" for group, count in self._groups.items())
+        return [wrapped(f"passed: {passed}", width, "", "  ")] if failed else []
 
     def junit(self) -> str:
         """The report as JUnit XML, one test case for each case."""

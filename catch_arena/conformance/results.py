@@ -5,44 +5,44 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from catch_arena.conformance.answers import Difference, shown
-from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, Asked, Beat, WorldCase
-from catch_arena.conformance.comparison import Call, OtherRuling
+from catch_arena.conformance.answers import Difference, in_short
+from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
+from catch_arena.conformance.comparison import Call, WrongRuling
 
 WIDTH: Final = 100
 """Of a report, in characters, where nobody asks for another one."""
 _MOST_DIFFERENCES: Final = 6
 _BRIEF_DIFFERENCES, _BRIEF_LINES = 2, 3
-"""Of a large case, told briefly: how many differences, and lines of anything else."""
+"""Of a large case, in brief: how many differences, and lines of anything else."""
 
 
 @dataclass(frozen=True, slots=True)
 class Failure:
     """One case that an adjudicator answers otherwise than the rulebook."""
 
-    case: ArbiterCase | WorldCase
+    case: ArbiterCase | ArenaCase
     how: str
     """How the case was played when it failed; "" as it stands."""
     differences: tuple[Difference, ...]
 
     @property
     def main_difference(self) -> Difference:
-        """The one to be told where there is room for one: in a verdict, before those in evidence."""
-        rulings = [one for one in self.differences if isinstance(one, OtherRuling)]
+        """The one to be shown where there is room for one: in a verdict, before those in evidence."""
+        rulings = [one for one in self.differences if isinstance(one, WrongRuling)]
         return next((one for one in rulings if one.right.verdict is not one.given.verdict), self.differences[0])
 
     def __str__(self) -> str:
         """Case, clauses, expected, got, and why it matters."""
-        return self.told(WIDTH)
+        return self.in_words(WIDTH)
 
-    def told(self, width: int, *, brief: bool = False) -> str:
+    def in_words(self, width: int, *, brief: bool = False) -> str:
         """The same, in lines of at most so many characters; `brief`, what is long is cut off."""
         case = self.case
         if isinstance(case, ArbiterCase):
-            paragraphs = [f"Position: {_position(case)}", f"Requests: {_requests(case.asked)}"]
+            paragraphs = [f"Position: {_position(case)}", f"Requests: {_requests(case.expected)}"]
         else:
             paragraphs = [f"Settings: {_settings(case)}"]
-            paragraphs += [f"Part {part}: {_beat(beat)}" for part, beat in enumerate(case.play, start=1)]
+            paragraphs += [f"Part {part}: {_case_step(step)}" for part, step in enumerate(case.play, start=1)]
         if self.how:
             paragraphs.append(f"It was played {self.how}.")
         most = _BRIEF_DIFFERENCES if brief else _MOST_DIFFERENCES
@@ -62,7 +62,7 @@ class Failure:
 class Result:
     """What came of one case."""
 
-    case: ArbiterCase | WorldCase
+    case: ArbiterCase | ArenaCase
     failure: Failure | None
     seconds: float
     played: bool = True
@@ -95,34 +95,34 @@ def wrapped(text: str, width: int, first: str = "", then: str | None = None, mos
 def _position(case: ArbiterCase) -> str:
     """Where everybody is, and what is not as usual."""
     hunters = [f"hunter {seat} at ({x}, {y})" for seat, (x, y) in enumerate(case.hunters)]
-    targets = [f"{shown(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
+    targets = [f"{in_short(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
     given = case.arguments()
     unusual = [f"{key} = {given[key]!r}" for key, value in case.circumstances.items() if value != DEFAULTS[key]]
     return "; ".join([*hunters, *targets, *unusual]) or "nobody and nothing"
 
 
-def _settings(case: WorldCase) -> str:
+def _settings(case: ArenaCase) -> str:
     return "; ".join(f"{key} = {value!r}" for key, value in case.settings.items())
 
 
-def _beat(beat: Beat) -> str:
+def _case_step(step: CaseStep) -> str:
     """What happens in one part of a play, in the order in which it does."""
-    told = ["reset"] if beat.reset else []
-    if beat.hunters is not None:
-        told += [f"hunter {seat} put at {pose}" for seat, pose in enumerate(beat.hunters)]
-        told += [f"a target put at {place}" for place in beat.targets]
-    if beat.withdraw is not None:
-        told.append(f"hunter {beat.withdraw} withdrawn")
-    if beat.steps:
-        told.append("a step without requests" if beat.steps == 1 else f"{beat.steps} steps without requests")
-    if beat.asked is not None:
-        told += [f"hunter {seat} driven by {velocities}" for seat, velocities in beat.drive.items()]
-        told.append(f"a step in which {_requests(beat.asked)}" if beat.asked else "a step without requests")
-    return "; ".join(told) or "only looked at"
+    events = ["reset"] if step.reset else []
+    if step.hunters is not None:
+        events += [f"hunter {seat} put at {pose}" for seat, pose in enumerate(step.hunters)]
+        events += [f"a target put at {place}" for place in step.targets]
+    if step.withdraw is not None:
+        events.append(f"hunter {step.withdraw} withdrawn")
+    if step.steps:
+        events.append("a step without requests" if step.steps == 1 else f"{step.steps} steps without requests")
+    if step.expected is not None:
+        events += [f"hunter {seat} driven by {velocities}" for seat, velocities in step.drive.items()]
+        events.append(f"a step in which {_requests(step.expected)}" if step.expected else "a step without requests")
+    return "; ".join(events) or "only looked at"
 
 
-def _requests(asked: Sequence[Asked]) -> str:
-    return "; ".join(f"hunter {one.hunter} asks for {shown(one.name)}" for one in asked) or "none"
+def _requests(expected: Sequence[ExpectedRuling]) -> str:
+    return "; ".join(f"hunter {one.hunter} asks for {in_short(one.target)}" for one in expected) or "none"
 
 
 def _either(options: Sequence[str]) -> str:

@@ -4,12 +4,12 @@ import operator
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from catch_arena.conformance.answers import OtherTarget, shown
-from catch_arena.conformance.cases import Asked
-from catch_arena.conformance.comparison import Call, OtherLot, OtherRuling, Strictness
-from catch_arena.conformance.mistakes import KNOWN, Mistake, bent, mistaken_verdicts
+from catch_arena.conformance.answers import WrongTarget, in_short
+from catch_arena.conformance.comparison import Call, Strictness, WrongLot, WrongRuling
+from catch_arena.conformance.mistakes import KNOWN, Mistake, mistaken_verdicts, rules_with
 from catch_arena.conformance.results import Result
-from catch_arena.conformance.rules import Claim, Lottery, Rules, judge
+from catch_arena.conformance.rules import Lottery, Request, Rules, judge
+from catch_arena.verdicts import Ruling
 
 _FIRST: Final[Lottery] = operator.itemgetter(0)
 _LAST: Final[Lottery] = operator.itemgetter(-1)
@@ -18,21 +18,21 @@ _LAST: Final[Lottery] = operator.itemgetter(-1)
 class Search:
     """The known mistakes that together answer as an adjudicator does in the most cases.
 
-    A failure is explained by rules that give its very answers, in every arrangement that was played until it failed.
+    A failure is explained by rules that give its very answers, in every variant that was played until it failed.
     """
 
     def __init__(self, results: Sequence[Result], strictness: Strictness) -> None:
         self._evidence = strictness.evidence
         self._passed = [result for result in results if result.failure is None and result.calls]
         self._failed = [result for result in results if _is_judged(result)]
-        self._lawful = {
+        self._inconsistent = {
             result.case.id for result in self._failed if all(self._gives(Rules(), call) for call in result.calls)
         }
         self._helps: dict[tuple[str, object, str], bool] = {}
 
-    def is_lawful(self, result: Result) -> bool:
+    def has_inconsistent_lots(self, result: Result) -> bool:
         """Whether each answer to a failed case could have been right alone: its lots do not go together."""
-        return result.case.id in self._lawful
+        return result.case.id in self._inconsistent
 
     def mistakes(self) -> list[Mistake]:
         """One after the other, each time the one with which the most failures are explained, less the passes that it
@@ -42,7 +42,7 @@ class Search:
             (one.right.verdict, one.given.verdict): None
             for result in self._failed
             for one in (result.failure.differences if result.failure else ())
-            if isinstance(one, OtherRuling)
+            if isinstance(one, WrongRuling)
         }
         candidates = [*KNOWN, *mistaken_verdicts(seen)]
         found: list[Mistake] = []
@@ -70,17 +70,17 @@ class Search:
                 best, score = (tried, now), now
         return best
 
-    def culprits(self, found: Sequence[Mistake], result: Result) -> list[Mistake]:
+    def behind(self, found: Sequence[Mistake], result: Result) -> list[Mistake]:
         """As few of the mistakes found as explain a failure; none where they do not."""
-        if not _is_judged(result) or not self._explains(bent(found), result):
+        if not _is_judged(result) or not self._explains(rules_with(found), result):
             return []
         for one in found:
-            if self._explains(bent([one]), result):
+            if self._explains(rules_with([one]), result):
                 return [one]
         needed = list(found)
         for one in found:
             fewer = [other for other in needed if other is not one]
-            if self._explains(bent(fewer), result):
+            if self._explains(rules_with(fewer), result):
                 needed = fewer
         return needed
 
@@ -89,11 +89,11 @@ class Search:
 
         That is worked out once for each answer that the mistakes found so far lead to: they seldom matter otherwise.
         """
-        base = bent(found)
+        base = rules_with(found)
         left = [(result, self._answer(base, result)) for result in self._failed if not self._explains(base, result)]
         helped = []
         for one in candidates:
-            rules = bent([*found, one])
+            rules = rules_with([*found, one])
             count = 0
             for result, so_far in left:
                 key = (result.case.id, so_far, one.looks_like)
@@ -104,34 +104,34 @@ class Search:
         return sorted(helped, key=lambda pair: -pair[1])
 
     def _explained(self, mistakes: Sequence[Mistake]) -> int:
-        rules = bent(mistakes)
+        rules = rules_with(mistakes)
         return sum(self._explains(rules, result) for result in self._failed)
 
     def _contradicted(self, mistakes: Sequence[Mistake]) -> int:
         """How many cases were passed that these mistakes would have failed."""
-        rules = bent(mistakes)
+        rules = rules_with(mistakes)
         return sum(not self._gives(rules, result.calls[0]) for result in self._passed)
 
     def _explains(self, rules: Rules, result: Result) -> bool:
         # where only the lots are at fault, the rules must draw so by themselves
-        lots = (_FIRST, _LAST) if self.is_lawful(result) else (None,)
+        lots = (_FIRST, _LAST) if self.has_inconsistent_lots(result) else (None,)
         return all(self._gives(rules, call, lot) for call in reversed(result.calls) for lot in lots)
 
     def _answer(self, rules: Rules, result: Result) -> object:
         """What these rules answer to the call by which a case failed."""
         call = result.calls[-1]
-        claims = judge(rules, call.arguments, call.answered)
-        return tuple((claim.verdict, claim.distance_um, claim.winner) for claim in claims)
+        requests = judge(rules, call.arguments, call.rulings)
+        return tuple((request.verdict, request.distance_um, request.winner) for request in requests)
 
     def _gives(self, rules: Rules, call: Call, lot: Lottery = None) -> bool:
         """Whether these rules give exactly that answer."""
-        return all(map(self._same, judge(rules, call.arguments, call.answered, lot), call.answered))
+        return all(map(self._same, judge(rules, call.arguments, call.rulings, lot), call.rulings))
 
-    def _same(self, claim: Claim, answered: Asked) -> bool:
+    def _same(self, request: Request, ruling: Ruling) -> bool:
         return (
-            (claim.verdict, claim.hunter) == (answered.verdict, answered.hunter)
-            and (not isinstance(answered.name, OtherTarget) or answered.name.shown == shown(claim.name))
-            and (not self._evidence or (claim.distance_um, claim.winner) == (answered.distance_um, answered.winner))
+            (request.verdict, request.hunter) == (ruling.verdict, ruling.hunter)
+            and (not isinstance(ruling.target, WrongTarget) or ruling.target.in_short == in_short(request.name))
+            and (not self._evidence or (request.distance_um, request.winner) == (ruling.distance_um, ruling.winner))
         )
 
 
@@ -140,5 +140,5 @@ def _is_judged(result: Result) -> bool:
     return (
         bool(result.calls)
         and result.failure is not None
-        and isinstance(result.failure.differences[0], OtherRuling | OtherLot)
+        and isinstance(result.failure.differences[0], WrongRuling | WrongLot)
     )

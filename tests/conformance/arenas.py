@@ -15,7 +15,7 @@ STEPS, COUNTED = range(3), range(1, 6)
 """How many steps, firings and numbers the faults of a case are arranged for."""
 
 
-class Staged:
+class AdjudicatorUnderTest:
     """One adjudicator as an arena under test."""
 
     def __init__(self, kind: str) -> None:
@@ -88,7 +88,7 @@ class Staged:
         }
 
 
-class StagedOracle(Staged):
+class OracleUnderTest(AdjudicatorUnderTest):
     """The oracle with another class of arena in it: a wrong one."""
 
     def __init__(self, arena: type) -> None:

@@ -10,15 +10,15 @@ from collections.abc import Hashable
 from typing import Any
 
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.cases import LOT, ArbiterCase, Asked, Beat, WorldCase
+from catch_arena.conformance.cases import LOT, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
 from catch_arena.verdicts import Verdict
 
 Shape = Hashable
 CONTESTED = {Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED, LOT}
 
 
-def shape(case: ArbiterCase | WorldCase) -> Shape:
-    return of_arbiter(case) if isinstance(case, ArbiterCase) else of_world(case)
+def shape(case: ArbiterCase | ArenaCase) -> Shape:
+    return of_arbiter(case) if isinstance(case, ArbiterCase) else of_arena(case)
 
 
 # ---- cases for arbiters ----
@@ -29,16 +29,22 @@ def of_arbiter(case: ArbiterCase) -> Shape:
     own = case.circumstances
     over_targets: dict[str, set[Shape]] = {}
     of_hunters: dict[int, list[Shape]] = {}
-    for asked in case.asked:
-        kind = request(case, asked)
-        over_targets.setdefault(repr(asked.name), set()).add(kind)
-        kinds = of_hunters.setdefault(asked.hunter, [])
+    for ruling in case.expected:
+        kind = request(case, ruling)
+        over_targets.setdefault(repr(ruling.target), set()).add(kind)
+        kinds = of_hunters.setdefault(ruling.hunter, [])
         if kind not in kinds[-1:]:
             kinds.append(kind)
     return (
-        (own["policy"], own["match_over"], own["kill_service_up"], bool(case.fair_over_steps), bool(case.standard)),
+        (
+            own["policy"],
+            own["match_over"],
+            own["kill_service_up"],
+            bool(case.fair_over_steps),
+            bool(case.under_nearest),
+        ),
         reach(own["reach_m"]),
-        bool(set(own["kill_refused"]) - {asked.name for asked in case.asked if isinstance(asked.name, str)}),
+        bool(set(own["kill_refused"]) - {ruling.target for ruling in case.expected if isinstance(ruling.target, str)}),
         (bool(case.hunters), bool(case.targets), has_nearer_bystander(case)),
         frozenset(frozenset(kinds) for kinds in over_targets.values()),
         frozenset(tuple(kinds) for kinds in of_hunters.values()),
@@ -57,37 +63,39 @@ def reach(metres: float) -> str:
 
 def has_nearer_bystander(case: ArbiterCase) -> bool:
     """Whether a hunter who asks for nothing is nearer to a target than the one it is granted to."""
-    silent = [at for seat, at in enumerate(case.hunters) if seat not in {asked.hunter for asked in case.asked}]
+    silent = [at for seat, at in enumerate(case.hunters) if seat not in {ruling.hunter for ruling in case.expected}]
     granted = [
-        (case.hunters[asked.hunter], case.targets[asked.name])
-        for asked in case.asked
-        if asked.verdict is Verdict.GRANTED and isinstance(asked.name, str) and asked.name in case.targets
+        (case.hunters[ruling.hunter], case.targets[ruling.target])
+        for ruling in case.expected
+        if ruling.verdict is Verdict.GRANTED and isinstance(ruling.target, str) and ruling.target in case.targets
     ]
     return any(math.dist(at, target) < math.dist(hunter, target) for at in silent for hunter, target in granted)
 
 
-def request(case: ArbiterCase, asked: Asked) -> Shape:
+def request(case: ArbiterCase, ruling: ExpectedRuling) -> Shape:
     own = case.circumstances
     rivals = [
-        one.distance_um for one in case.asked if one.name == asked.name and one.verdict in CONTESTED and one.distance_um
+        one.distance_um
+        for one in case.expected
+        if one.target == ruling.target and one.verdict in CONTESTED and one.distance_um
     ]
     behind = 0
-    if asked.verdict is Verdict.LOST_CONTEST and rivals and isinstance(asked.distance_um, int):
-        behind = min(2, asked.distance_um - min(rivals))
+    if ruling.verdict is Verdict.LOST_CONTEST and rivals and isinstance(ruling.distance_um, int):
+        behind = min(2, ruling.distance_um - min(rivals))
     return (
-        str(asked.verdict),
-        asked.winner is not None,
-        asked.hunter in own["inactive"],
-        isinstance(asked.name, str) and asked.name in own["kill_refused"],
-        name(case, asked),
-        place(case, asked),
+        str(ruling.verdict),
+        ruling.winner is not None,
+        ruling.hunter in own["inactive"],
+        isinstance(ruling.target, str) and ruling.target in own["kill_refused"],
+        name(case, ruling),
+        place(case, ruling),
         behind,
     )
 
 
-def name(case: ArbiterCase, asked: Asked) -> Shape:
+def name(case: ArbiterCase, ruling: ExpectedRuling) -> Shape:
     """What kind of a name it is, and how it is related to the names there are."""
-    word = asked.name
+    word = ruling.target
     if not isinstance(word, str):
         return type(word).__name__
     length = (
@@ -101,7 +109,7 @@ def name(case: ArbiterCase, asked: Asked) -> Shape:
     if word in case.circumstances["caught"]:
         return ("caught", length, bool(case.targets))
     if word in {f"hunter_{seat}" for seat in range(len(case.hunters))}:
-        return ("own" if word == f"hunter_{asked.hunter}" else "another hunter's", length)
+        return ("own" if word == f"hunter_{ruling.hunter}" else "another hunter's", length)
     known = [("alive", other) for other in case.targets] + [("caught", other) for other in case.circumstances["caught"]]
     near = frozenset((status, likeness(word, other)) for status, other in known if likeness(word, other))
     return ("unknown", length, near, bool(case.targets))
@@ -120,19 +128,19 @@ def likeness(one: str, other: str) -> str:
         "look": lambda word: word.replace("\u0430", "a"),
         "number": lambda word: word.lstrip("0"),
     }
-    for told, test in tests.items():
+    for word, test in tests.items():
         if test(one) == test(other):
-            return told
+            return word
     if len(one) > 1 and len(other) > 1 and (other.startswith(one) or one.startswith(other)):
         return "beginning"
     return "end" if one and other.endswith(one) else ""
 
 
-def place(case: ArbiterCase, asked: Asked) -> Shape:
+def place(case: ArbiterCase, ruling: ExpectedRuling) -> Shape:
     """Where the request was made from, as far as the rules look at it."""
-    if asked.distance_um is None or not isinstance(asked.name, str):
+    if ruling.distance_um is None or not isinstance(ruling.target, str):
         return ()
-    (x, y), (target_x, target_y) = case.hunters[asked.hunter], case.targets[asked.name]
+    (x, y), (target_x, target_y) = case.hunters[ruling.hunter], case.targets[ruling.target]
     metres = math.hypot(target_x - x, target_y - y)
     edge = round(1e6 * case.circumstances["reach_m"])
     beyond = max(-2, min(2, round(1e6 * metres) - edge))
@@ -150,13 +158,13 @@ def place(case: ArbiterCase, asked: Asked) -> Shape:
 # ---- cases for arenas ----
 
 
-def of_world(case: WorldCase) -> Shape:
-    beats: list[Shape] = []
+def of_arena(case: ArenaCase) -> Shape:
+    steps: list[Shape] = []
     for one in case.play:
-        kind = beat(one)
-        if kind not in beats[-1:]:
-            beats.append(kind)
-    return (frozenset((key, setting(key, value)) for key, value in case.settings.items()), tuple(beats))
+        kind = step(one)
+        if kind not in steps[-1:]:
+            steps.append(kind)
+    return (frozenset((key, setting(key, value)) for key, value in case.settings.items()), tuple(steps))
 
 
 def setting(key: str, value: Any) -> Shape:
@@ -172,12 +180,14 @@ def setting(key: str, value: Any) -> Shape:
     return value if isinstance(value, str) else isinstance(value, list) and tuple(map(str, value)) != ()
 
 
-def beat(one: Beat) -> Shape:
+def step(one: CaseStep) -> Shape:
     alive = one.read.get("alive", [])
     return (
         (one.reset, one.hunters is not None, one.withdraw is not None, one.steps > 0, bool(one.drive)),
-        frozenset((str(asked.verdict), asked.name == 0, asked.winner is not None) for asked in one.asked or ()),
-        one.asked is not None,
+        frozenset(
+            (str(ruling.verdict), ruling.target == 0, ruling.winner is not None) for ruling in one.expected or ()
+        ),
+        one.expected is not None,
         frozenset(one.read),
         (alive == list(range(1, len(alive) + 1)), one.read.get("ended", "")),
     )

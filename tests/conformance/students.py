@@ -70,9 +70,9 @@ def one_loop(
         asked_for.setdefault(name, []).append((place, distance))
         if name not in best or distance < best[name][1]:
             best[name] = (place, distance)
-    for name, claims in asked_for.items():
+    for name, places in asked_for.items():
         winner = best[name][0]
-        for place, distance in claims:
+        for place, distance in places:
             hunter = requests[place][0]
             if place != winner:
                 rulings[place] = ("LOST_CONTEST", hunter, name, distance, requests[winner][0])

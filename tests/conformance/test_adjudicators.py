@@ -1,7 +1,7 @@
 """The suite runs over our five adjudicators: oracle, `arbitrate`, engine, a row of a batch, parallel env."""
 
 import pytest
-from conformance.arenas import Staged, StagedOracle
+from conformance.arenas import AdjudicatorUnderTest, OracleUnderTest
 from conformance.wrong_arenas import WRONG
 from oracle.arena import judge
 from rulebook.adjudicators import ADJUDICATORS
@@ -25,12 +25,12 @@ def test_an_arbiter_of_ours_answers_every_case(arbiter):
 @pytest.mark.parametrize("kind", ADJUDICATORS)
 def test_an_arena_of_ours_answers_every_case_that_it_can_play(kind):
     """Those that need an arena, and those for arbiters whose requests can be made by rank."""
-    report = run_conformance(arena=Staged(kind))
+    report = run_conformance(arena=AdjudicatorUnderTest(kind))
     assert report.passed, str(report)
-    staged = sum(result.played and isinstance(result.case, ArbiterCase) for result in report.results)
+    of_arbiters = sum(result.played and isinstance(result.case, ArbiterCase) for result in report.results)
     played = sum(result.played for result in report.results)
-    assert staged >= 100
-    assert played - staged == sum(not isinstance(case, ArbiterCase) for case in load_cases())
+    assert of_arbiters >= 100
+    assert played - of_arbiters == sum(not isinstance(case, ArbiterCase) for case in load_cases())
 
 
 @pytest.mark.parametrize(
@@ -38,7 +38,7 @@ def test_an_arena_of_ours_answers_every_case_that_it_can_play(kind):
 )
 def test_a_wrong_arena_is_caught_and_told_its_mistake(wrong, group, looks_like):
     """By at least one case of its group, and not for raising an error."""
-    report = run_conformance(arena=StagedOracle(wrong), only=[f"{group}."])
+    report = run_conformance(arena=OracleUnderTest(wrong), only=[f"{group}."])
     assert report.failures
     assert not any("raised" in difference.got for failure in report.failures for difference in failure.differences)
     assert report.diagnoses[0].looks_like == looks_like

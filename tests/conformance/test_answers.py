@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conformance.arenas import Staged
+from conformance.arenas import AdjudicatorUnderTest
 
 from catch_arena import Ruling
 from catch_arena.arbitration import arbitrate
@@ -176,7 +176,7 @@ def test_an_arbiter_that_draws_afresh_each_time_fails():
     assert not run_conformance(fresh, only=["ties"]).passed
 
 
-class Broken(Staged):
+class Broken(AdjudicatorUnderTest):
     """Right, but for one method."""
 
     def __init__(self, method: str, answer: Any) -> None:
@@ -247,23 +247,23 @@ def test_a_limit_that_is_no_time_is_refused(limit_s: float):
 def test_a_play_that_went_otherwise_is_told_whole():
     """Its settings and every part, so that it can be played again by hand."""
 
-    class Mute(Staged):
+    class Mute(AdjudicatorUnderTest):
         def read(self) -> dict[str, object]:
             return {}
 
     report = run_conformance(
         arena=Mute("oracle"), only=["time.driving-nearer", "inactive.for-good", "identity.", "time.clock"]
     )
-    told = {failure.case.id: str(failure) for failure in report.failures}
+    text = {failure.case.id: str(failure) for failure in report.failures}
     assert (
         "  Settings: hunters = 2\n"
         "  Part 1: hunter 0 put at (4.75, 5.0, 0.0); hunter 1 put at (5.2, 5.0, 0.0); a target put at (5.0,\n"
         "    5.0)\n"
         "  Part 2: hunter 0 driven by (2.0, 0.0); a step in which hunter 0 asks for 1; hunter 1 asks for 1\n"
         "  It was played in an arena, part 2 of 2.\n"
-    ) in told["time.driving-nearer-than-the-winner"]
+    ) in text["time.driving-nearer-than-the-winner"]
     assert (
-        "  Part 1: only looked at\n  Part 2: a step without requests\n  Part 3: 9 steps without" in told["time.clock"]
+        "  Part 1: only looked at\n  Part 2: a step without requests\n  Part 3: 9 steps without" in text["time.clock"]
     )
-    assert "hunter 0 withdrawn" in told["inactive.for-good"]
-    assert "  Part 2: reset\n" in told["identity.new-episode"]
+    assert "hunter 0 withdrawn" in text["inactive.for-good"]
+    assert "  Part 2: reset\n" in text["identity.new-episode"]

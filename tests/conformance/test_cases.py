@@ -9,7 +9,7 @@ import pytest
 from conformance.shapes import shape
 from oracle.arithmetic import LOT, TICKET, draw, key
 
-from catch_arena.conformance.cases import ArbiterCase, WorldCase
+from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.files import load_cases, read_cases
 from catch_arena.errors import ConfigError
 from catch_arena.verdicts import Verdict
@@ -23,17 +23,17 @@ def test_there_are_at_least_two_hundred_different_cases():
     """Such that differ only by order, label or number count once: 150 for arbiters, 45 for arenas."""
     assert len({shape(case) for case in CASES}) >= 200
     assert len({shape(case) for case in ARBITER_CASES}) >= 150
-    assert len({shape(case) for case in CASES if isinstance(case, WorldCase)}) >= 45
+    assert len({shape(case) for case in CASES if isinstance(case, ArenaCase)}) >= 45
 
 
 def test_an_id_is_used_once():
     assert [name for name, count in Counter(case.id for case in CASES).items() if count > 1] == []
 
 
-def test_no_two_cases_tell_the_same_situation():
+def test_no_two_cases_are_about_the_same_situation():
     """But where the sentence begins «The same»."""
-    told = Counter(case.situation for case in CASES if not case.situation.startswith("The same"))
-    assert [situation for situation, count in told.items() if count > 1] == []
+    situations = Counter(case.situation for case in CASES if not case.situation.startswith("The same"))
+    assert [situation for situation, count in situations.items() if count > 1] == []
 
 
 def test_every_clause_of_chapter_5_has_a_case():
@@ -49,7 +49,7 @@ def test_every_clause_that_is_cited_is_in_the_book():
 
 
 def test_every_verdict_is_expected_somewhere():
-    assert {asked.verdict for case in ARBITER_CASES for asked in case.asked} >= set(Verdict)
+    assert {one.verdict for case in ARBITER_CASES for one in case.expected} >= set(Verdict)
 
 
 def test_each_test_of_the_arbiter_is_met_before_each_later_one():
@@ -64,29 +64,31 @@ def test_each_test_of_the_arbiter_is_met_before_each_later_one():
         assert any(
             one.verdict is earlier and later in would_apply(case, place)
             for case in ARBITER_CASES
-            for place, one in enumerate(case.asked)
+            for place, one in enumerate(case.expected)
         ), f"{earlier.name} before {later.name}"
 
 
 def would_apply(case: ArbiterCase, place: int) -> set[Verdict]:
     """The verdicts whose conditions a request meets, whatever is tested before them."""
-    one, own = case.asked[place], case.circumstances
-    alive = isinstance(one.name, str) and one.name in case.targets
-    rivals = [other for other in case.asked if other.name == one.name and other.hunter != one.hunter]
+    one, own = case.expected[place], case.circumstances
+    alive = isinstance(one.target, str) and one.target in case.targets
+    rivals = [other for other in case.expected if other.target == one.target and other.hunter != one.hunter]
     dx, dy = (
-        (a - b for a, b in zip(case.hunters[one.hunter], case.targets[str(one.name)], strict=True)) if alive else (0, 0)
+        (a - b for a, b in zip(case.hunters[one.hunter], case.targets[str(one.target)], strict=True))
+        if alive
+        else (0, 0)
     )
     met = {
         Verdict.MATCH_OVER: own["match_over"],
-        Verdict.MALFORMED: not isinstance(one.name, str) or len(one.name) > 255,
+        Verdict.MALFORMED: not isinstance(one.target, str) or len(one.target) > 255,
         Verdict.HUNTER_INACTIVE: one.hunter in own["inactive"],
-        Verdict.DUPLICATE: any(other.hunter == one.hunter for other in case.asked[:place]),
-        Verdict.UNKNOWN_TARGET: isinstance(one.name, str) and not alive and one.name not in own["caught"],
-        Verdict.ALREADY_CAUGHT: isinstance(one.name, str) and one.name in own["caught"],
+        Verdict.DUPLICATE: any(other.hunter == one.hunter for other in case.expected[:place]),
+        Verdict.UNKNOWN_TARGET: isinstance(one.target, str) and not alive and one.target not in own["caught"],
+        Verdict.ALREADY_CAUGHT: isinstance(one.target, str) and one.target in own["caught"],
         Verdict.SERVICE_DOWN: not own["kill_service_up"],
         Verdict.OUT_OF_REACH: alive and (dx * dx + dy * dy) ** 0.5 > own["reach_m"],
         Verdict.LOST_CONTEST: alive and bool(rivals),
-        Verdict.KILL_FAILED: alive and one.name in own["kill_refused"],
+        Verdict.KILL_FAILED: alive and one.target in own["kill_refused"],
     }
     return {verdict for verdict, applies in met.items() if applies}
 
@@ -110,7 +112,7 @@ def test_long_names_are_as_long_as_their_cases_say():
     long = [case for case in ARBITER_CASES if re.match(r"names\.25[56]", case.id)]
     assert len(long) == 6
     for case in long:
-        assert len(str(case.asked[0].name)) == int(case.id[6:9])
+        assert len(str(case.expected[0].target)) == int(case.id[6:9])
 
 
 def test_a_choice_names_the_rulebooks_own_answer_first_and_another():
@@ -145,7 +147,7 @@ play = [{ steps = 1, read = { time_ms = 100 } }]
 def test_a_file_is_read():
     case, play = read_cases("some.toml", GOOD + GOOD_WORLD)
     assert (case.id, case.group) == ("some.case", "some")
-    assert isinstance(play, WorldCase)
+    assert isinstance(play, ArenaCase)
 
 
 @pytest.mark.parametrize(

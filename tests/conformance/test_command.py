@@ -80,7 +80,7 @@ def test_the_pages_case_is_the_suites():
 def test_an_arena_can_be_named_alone(conformance, tmp_path):
     """Here one of the tests' own, in a file beside the words."""
     (tmp_path / "mine.py").write_text(
-        "from conformance.arenas import Staged\ndef oracle():\n    return Staged('oracle')\n"
+        "from conformance.arenas import AdjudicatorUnderTest as Arena\ndef oracle():\n    return Arena('oracle')\n"
     )
     result = conformance("--arena", "mine.py:oracle", "--only", "spawning", "--only", "reach.in-a-corner")
     assert result.exit_code == 0, result.output

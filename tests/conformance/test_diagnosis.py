@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from catch_arena.arbitration import arbitrate
-from catch_arena.conformance.cases import ArbiterCase, Asked
+from catch_arena.conformance.cases import ArbiterCase
 from catch_arena.conformance.files import load_cases
-from catch_arena.conformance.mistakes import KNOWN, Mistake, bent
-from catch_arena.conformance.rules import Claim, Rules, judge
+from catch_arena.conformance.mistakes import KNOWN, Mistake, rules_with
+from catch_arena.conformance.rules import Request, Rules, judge
 from catch_arena.testing import Report, run_conformance
 
 
@@ -24,21 +24,21 @@ def mistaken(*mistakes: Mistake) -> Any:
     """An arbiter with these mistakes, and with lots of its own."""
 
     def arbiter(**case: Any) -> list[tuple[object, ...]]:
-        def ticket(claim: Claim) -> bytes:
-            words = f"{case['seed']} {case['step']} {claim.target} {claim.hunter}"
+        def ticket(request: Request) -> bytes:
+            words = f"{case['seed']} {case['step']} {request.target} {request.hunter}"
             return hashlib.blake2b(words.encode()).digest()
 
-        claims = judge(bent(mistakes), case, lot=lambda tied: min(tied, key=ticket))
-        return [(one.verdict, one.hunter, one.name, one.distance_um, one.winner) for one in claims]
+        requests = judge(rules_with(mistakes), case, lot=lambda tied: min(tied, key=ticket))
+        return [(one.verdict, one.hunter, one.name, one.distance_um, one.winner) for one in requests]
 
     return arbiter
 
 
-def named(*names: str) -> list[Mistake]:
+def known(*names: str) -> list[Mistake]:
     return [next(one for one in KNOWN if one.looks_like == name) for name in names]
 
 
-def told(report: Report) -> dict[str, int]:
+def counts(report: Report) -> dict[str, int]:
     return {one.looks_like: len(one.failures) for one in report.diagnoses}
 
 
@@ -76,12 +76,8 @@ def test_rules_without_a_mistake_rule_as_arbitrate_does(**case):
     """Another implementation, with lots drawn as there."""
     case |= {"caught": ["gone"], "seed": 3, "step": 5}
     rulings = arbitrate(**case)
-    answered = [
-        Asked(hunter=one.hunter, name=one.target, verdict=one.verdict, distance_um=one.distance_um, winner=one.winner)
-        for one in rulings
-    ]
-    claims = judge(Rules(), case, answered)
-    assert [(one.verdict, one.hunter, one.distance_um, one.winner) for one in claims] == [
+    judged = judge(Rules(), case, rulings)
+    assert [(one.verdict, one.hunter, one.distance_um, one.winner) for one in judged] == [
         (one.verdict, one.hunter, one.distance_um, one.winner) for one in rulings
     ]
 
@@ -93,7 +89,7 @@ def test_every_known_mistake_has_a_name_of_its_own_and_answers_some_case_otherwi
     harmless = {one.looks_like for one in KNOWN if [mistaken(one)(**case) for case in cases] == right}
     assert harmless == {
         "ALREADY_CAUGHT is tested before UNKNOWN_TARGET",  # no name is both; the rulebook has an order even so
-        "the nearest is found in floats, not in whole micrometres",  # shows in other arrangements
+        "the nearest is found in floats, not in whole micrometres",  # shows in other variants
     }
 
 
@@ -125,8 +121,8 @@ def test_one_mistake_is_one_diagnosis_of_all_cases(wrong: type[PlainArbiter], lo
 )
 def test_several_mistakes_are_told_apart(names):
     """Also where a case needs two of them to go wrong as it does."""
-    report = run_conformance(mistaken(*named(*names)))
-    assert set(told(report)) == set(names)
+    report = run_conformance(mistaken(*known(*names)))
+    assert set(counts(report)) == set(names)
     assert all(one.known for one in report.diagnoses)
 
 
@@ -156,7 +152,7 @@ def test_a_students_arbiter_is_told_its_mistakes(student, largest, others):
     """
     groups = ["basics", "claimants", "duplicates", "inactive", "names", "reach", "policies"]
     report = run_conformance(student, only=[*groups, *([] if student is service else ["ties", "outages"])])
-    found = told(report)
+    found = counts(report)
     assert next(iter(found)) == largest
     assert others <= set(found)
     assert ids(failure for one in report.diagnoses for failure in one.failures) == ids(report.failures)
@@ -176,9 +172,9 @@ def test_wrong_ideas_are_told_before_what_is_left_out_and_each_kind_by_its_size(
     for kind in (ideas, report.diagnoses[len(ideas) :]):
         sizes = [len(one.failures) for one in kind]
         assert sizes == sorted(sizes, reverse=True)
-    found = list(told(report))
+    found = list(counts(report))
     assert found[0] == "reach is tested in floats, with <="
-    assert told(report)["DUPLICATE is never said"] > told(report)[found[0]]
+    assert counts(report)["DUPLICATE is never said"] > counts(report)[found[0]]
     full = str(report).partition("\n\n")[0]
     assert "FAILED reach." in full
     assert "expected OUT_OF_REACH, 300000 um away; got GRANTED" in full
@@ -233,19 +229,19 @@ def test_another_measure_in_contests_alone_or_in_the_reach_alone_is_named(metres
         (measured(math.hypot, metres), f"the nearest is found by {name}"),
         (measured(metres, math.hypot), f"reach is tested by {name}"),
     ):
-        assert looks_like in told(run_conformance(arbiter, only=["claimants", "reach.no-"]))
+        assert looks_like in counts(run_conformance(arbiter, only=["claimants", "reach.no-"]))
 
 
 def test_verdicts_are_enough_for_a_diagnosis():
     """For an arbiter that does not give evidence yet."""
 
     def bare(**case: Any) -> list[tuple[object, ...]]:
-        return [ruling[:3] for ruling in mistaken(*named("first come, first served"))(**case)]
+        return [ruling[:3] for ruling in mistaken(*known("first come, first served"))(**case)]
 
     report = run_conformance(bare, only=["claimants", "basics"], evidence=False)
-    assert list(told(report)) == ["first come, first served"]
+    assert list(counts(report)) == ["first come, first served"]
     report = run_conformance(bare, only=["claimants", "basics"])
-    assert set(told(report)) == {"no evidence is given", "first come, first served"}
+    assert set(counts(report)) == {"no evidence is given", "first come, first served"}
 
 
 def crashes(**case: Any) -> Any:
@@ -277,7 +273,7 @@ def test_answers_that_cannot_be_read_are_grouped_by_what_is_wrong(arbiter, looks
     assert found is report.diagnoses[0]
     if arbiter is forgets_one_or_all:
         assert len(report.diagnoses) == 1
-        assert {len(failure.case.asked) for failure in found.failures} >= {1, 2}
+        assert {len(failure.case.expected) for failure in found.failures} >= {1, 2}
         assert "expected 1 ruling, one for each request, in their order; got None" in " ".join(str(report).split())
 
 
@@ -288,7 +284,7 @@ def test_rulings_in_another_order_than_the_requests_are_told():
         return sorted(arbitrate(**case), key=lambda ruling: str(ruling.target))
 
     report = run_conformance(by_target, only=["basics", "claimants", "identity"])
-    assert list(told(report)) == ["the rulings are not in the order of the requests"]
+    assert list(counts(report)) == ["the rulings are not in the order of the requests"]
 
 
 def test_what_no_known_mistake_answers_is_grouped_by_clause_and_verdicts():

@@ -25,6 +25,8 @@ NIGHTLY = range(4, GROUPS)
 """Left out by make test: scripts/mutate.py asks the first group alone, and no change of the rules escapes it."""
 LONGEST = 25
 """The steps of one match."""
+BATCHES, BATCH_STEPS = 70 * EFFORT, 8
+"""How many rows are played in batches of each size, and how long."""
 
 
 def bits(numbers: list[float]) -> bytes:
@@ -44,24 +46,24 @@ def assert_same(what: str, names: list[str], engine: list[float], oracle: list[f
             )
 
 
-def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: list[str]) -> None:
+def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: list[str], row: int = 0) -> None:
     """State, digest, observations, masks, rulings, parts, rewards and ends."""
     seats = range(config.hunters)
-    assert_same("state", oracle.number_names(), engine.state(0).tolist(), oracle.numbers())
-    assert bytes(engine.digest(0)) == oracle.digest(), "digest"
+    assert_same("state", oracle.number_names(), engine.state(row).tolist(), oracle.numbers())
+    assert bytes(engine.digest(row)) == oracle.digest(), "digest"
     for seat, observation in enumerate(oracle.observations()):
-        assert_same(f"hunter_{seat}'s observation", names, engine.observations[0, seat].tolist(), observation)
+        assert_same(f"hunter_{seat}'s observation", names, engine.observations[row, seat].tolist(), observation)
     for seat, mask in enumerate(oracle.masks()):
         if mask is not None:
-            assert engine.masks[0, seat].tolist() == mask, f"hunter_{seat}'s mask"
-    assert by_seat(engine.rulings(0), config) == oracle.rulings, "rulings"
+            assert engine.masks[row, seat].tolist() == mask, f"hunter_{seat}'s mask"
+    assert by_seat(engine.rulings(row), config) == oracle.rulings, "rulings"
     for seat in seats:
         assert_same(
-            f"hunter_{seat}'s parts", list(PART_NAMES), engine.parts[0, seat].tolist(), list(oracle.parts[seat])
+            f"hunter_{seat}'s parts", list(PART_NAMES), engine.parts[row, seat].tolist(), list(oracle.parts[seat])
         )
-    assert_same("rewards", [f"hunter_{seat}" for seat in seats], engine.rewards[0].tolist(), oracle.rewards)
-    assert bool(engine.terminated[0]) == oracle.terminated, "terminated"
-    assert bool(engine.truncated[0]) == oracle.truncated, "truncated"
+    assert_same("rewards", [f"hunter_{seat}" for seat in seats], engine.rewards[row].tolist(), oracle.rewards)
+    assert bool(engine.terminated[row]) == oracle.terminated, "terminated"
+    assert bool(engine.truncated[row]) == oracle.truncated, "truncated"
 
 
 def play(source: Random, met: set[Any]) -> int:
@@ -119,6 +121,44 @@ def test_engine_and_oracle_play_the_same_matches(group: int, record_property: Ca
         match += 1
     record_property("steps", steps)
     assert {"truncated", "wall", ("nearest", 11)} <= met
+
+
+@pytest.mark.parametrize("arenas", [3, 9, 35])
+def test_every_row_of_a_batch_plays_as_the_oracle_does(arenas: int) -> None:
+    """Of random configs, with seeds, actions, positions and withdrawals of its own; who has ended begins anew."""
+    for match in range(BATCHES // arenas):
+        source = Random(1000 * FIRST_SEED + 100 * arenas + match)
+        config = some_config(source)
+        names = [column.name for column in columns(config)]
+        batch, oracles = Engine(config, arenas), [OracleArena(config.to_dict()) for _ in range(arenas)]
+        seeds = [some_seed(source) for _ in oracles]
+        batch.reset(seeds)
+        for oracle, seed in zip(oracles, seeds, strict=True):
+            oracle.reset(seed)
+        for step in range(1, BATCH_STEPS + 1):
+            row, seat = source.randrange(arenas), source.randrange(config.hunters)
+            if source.random() < 0.2:
+                batch.withdraw(row, seat)
+                oracles[row].withdraw(seat)
+            if source.random() < 0.2:
+                poses = [some_pose(source, config.side_m) for _ in range(config.hunters)]
+                targets = [some_pose(source, config.side_m)[:2] for _ in range(source.randint(0, config.max_targets))]
+                batch.place(row, poses, targets)
+                oracles[row].place(poses, targets)
+            actions = [some_actions(source, config, oracle.masks()) for oracle in oracles]
+            choices, commands = zip(*(as_arrays(config, own) for own in actions), strict=True)
+            batch.step(np.stack(choices), np.stack(commands))
+            for row, oracle in enumerate(oracles):
+                oracle.step(actions[row])
+                try:
+                    compare(batch, oracle, config, names, row)
+                except (AssertionError, pytest.fail.Exception) as difference:
+                    where = f"row {row} of {arenas}, step {step}, seed {oracle.seed}"
+                    pytest.fail(f"{difference}\n{where}, ArenaConfig({settings_of(config)})\nlast: {actions[row]}")
+                if oracle.terminated or oracle.truncated:
+                    seed = some_seed(source)
+                    batch.reset([seed], [row])
+                    oracle.reset(seed)
 
 
 def test_a_zero_with_a_sign_loses_it() -> None:

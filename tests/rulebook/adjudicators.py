@@ -84,9 +84,17 @@ class Adjudicator:
 
     def hold(self, times: int = 1) -> None:
         """Nobody moves, and nobody asks (but under velocity control, where whoever is in reach does)."""
-        still = {"target": 0, "velocity": (0.0, 0.0), "full": ((0.0, 0.0), 0)}
         for _ in range(times):
-            self.step(*(still[control] for control in self.config.controls))
+            self.step(*self.at_rest)
+
+    def look(self) -> None:
+        """Comes before `observation` and `mask` of what was placed or withdrawn; it may take a step of holding."""
+
+    @property
+    def at_rest(self) -> list[Action]:
+        """An action for each seat that holds."""
+        still = {"target": 0, "velocity": (0.0, 0.0), "full": ((0.0, 0.0), 0)}
+        return [still[control] for control in self.config.controls]
 
     def hunter(self, seat: int = 0) -> HunterNumbers:
         at = 8 + 11 * seat
@@ -238,27 +246,44 @@ class EngineAdjudicator(Adjudicator):
 
 
 class EnvAdjudicator(Adjudicator):
-    """The PettingZoo parallel env: what it hands out in its dictionaries; the state's numbers are its engine's."""
+    """The PettingZoo parallel env by its public methods alone: what it hands out in its dictionaries.
+
+    An env shows its state as a digest. The numbers are read from an oracle that plays along, and only while the env's
+    digest (A.8) says that they are its own.
+    """
 
     def __init__(self, config: ArenaConfig) -> None:
         from catch_arena.envs.parallel import parallel_env
 
         super().__init__(config)
+        self.make = parallel_env
         self.env = parallel_env(config)
+        self.oracle = OracleArena(config.to_dict())
 
     def reset(self, seed: int) -> None:
-        observations, infos = self.env.reset(seed=seed)
-        seats = range(self.config.hunters)
+        self.seed = seed
+        self.oracle.reset(seed)
+        self._begin(self.config)
+
+    def _begin(self, config: ArenaConfig) -> None:
+        if self.env.config != config:
+            self.env = self.make(config)
+        observations, infos = self.env.reset(seed=self.seed)
+        agents = self.env.agents
         self.results: Any = (
             observations,
-            {f"hunter_{seat}": 0.0 for seat in seats},
-            {f"hunter_{seat}": False for seat in seats},
-            {f"hunter_{seat}": False for seat in seats},
+            dict.fromkeys(agents, 0.0),
+            dict.fromkeys(agents, False),
+            dict.fromkeys(agents, False),
             infos,
         )
-        self.placed = False
+        self.is_shown = True
 
     def step(self, *actions: Action) -> None:
+        self._step_env(actions)
+        self.oracle.step(actions)
+
+    def _step_env(self, actions: Sequence[Action]) -> None:
         given = {}
         for agent in self.env.agents:
             seat = int(agent.removeprefix("hunter_"))
@@ -269,18 +294,37 @@ class EnvAdjudicator(Adjudicator):
                 action = {"cmd_vel": np.array(action[0], np.float32), "catch": action[1]}
             given[agent] = action
         self.results = self.env.step(given)
-        self.placed = False
+        self.is_shown = True
 
     def withdraw(self, seat: int) -> None:
         self.env.withdraw(f"hunter_{seat}")
-        self.placed = True
+        self.oracle.withdraw(seat)
+        self.is_shown = False
 
     def place(self, hunters: Any, targets: Any = ()) -> None:
-        self.env._engine.place(0, hunters, targets)
-        self.placed = True
+        """An env cannot move its hunters: another one begins with them there, and holds for as many steps as were
+        played. Where more than motion happened before, that is another state, and fails.
+        """
+        self.oracle.place(hunters, targets)
+        self._begin(self.config.replace(hunter_poses=tuple(hunters)))
+        for _ in range(self.oracle.steps):
+            self._step_env(self.at_rest)
+        for x, y in targets:
+            self.env.spawn(x, y)
+            self.is_shown = False
+        self._require_the_oracles_state()
+
+    def look(self) -> None:
+        """What no step has led to, an env cannot show."""
+        if not self.is_shown:
+            self.hold()
+
+    def _require_the_oracles_state(self) -> None:
+        assert self.env.digest() == self.oracle.digest(), "the env's state is not what the oracle's numbers say"
 
     def numbers(self) -> list[float]:
-        return [float(number) for number in self.env._engine.state(0)]
+        self._require_the_oracles_state()
+        return self.oracle.numbers()
 
     def digest(self) -> bytes:
         return self.env.digest()
@@ -299,15 +343,13 @@ class EnvAdjudicator(Adjudicator):
         return found
 
     def observation(self, seat: int) -> list[float]:
-        if self.placed:  # a position that no step has led to: only the engine has seen it
-            return [float(number) for number in self.env._engine.observations[0, seat]]
+        assert self.is_shown, "look first"
         return [float(number) for number in self.results[0][f"hunter_{seat}"]]
 
     def mask(self, seat: int) -> list[int]:
         if self.config.controls[seat] == "velocity":
             return []
-        if self.placed:
-            return [int(bit) for bit in self.env._engine.masks[0, seat]]
+        assert self.is_shown, "look first"
         mask = self.results[4][f"hunter_{seat}"]["action_mask"]
         return [int(bit) for bit in (mask if self.config.controls[seat] == "target" else mask["catch"])]
 

@@ -1,4 +1,4 @@
-"""The `arena` of the rulebook's tests, and the `court` that judges requests by name."""
+"""The `arena` of the rulebook's tests, and the `arbiter` that judges requests by name."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,7 +12,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.verdicts import Ruling, Verdict
 
 ArenaFactory = Callable[..., Adjudicator]
-Court = Callable[..., list[Ruling]]
+Arbiter = Callable[..., list[Ruling]]
 
 
 @pytest.fixture(params=ADJUDICATORS)
@@ -31,13 +31,13 @@ def arena(request: pytest.FixtureRequest) -> ArenaFactory:
     return make
 
 
-def oracle_court(**case: Any) -> list[Ruling]:
+def oracle_arbiter(**case: Any) -> list[Ruling]:
     """The oracle's judgement as Rulings."""
     return [Ruling(Verdict(verdict), *rest, step=case.get("step", 0)) for verdict, *rest in judge(**case)]
 
 
-@pytest.fixture(params=[oracle_court, arbitrate], ids=["oracle", "arbitrate"])
-def court(request: pytest.FixtureRequest) -> Court:
+@pytest.fixture(params=[oracle_arbiter, arbitrate], ids=["oracle", "arbitrate"])
+def arbiter(request: pytest.FixtureRequest) -> Arbiter:
     """Whoever judges requests by name: `arbitrate`, and the oracle's `judge`."""
-    judged: Court = request.param
+    judged: Arbiter = request.param
     return judged

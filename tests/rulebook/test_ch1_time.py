@@ -241,10 +241,11 @@ def test_r1_6_the_others_do_not_see_a_withdrawn_hunter(arena: ArenaFactory) -> N
     match.place(hunters=[(5.0, 5.0, 0.0), (6.0, 5.0, 0.0), (8.0, 5.0, 0.0)])
     assert match.observation(0)[rival : rival + 3] == [1.0, 0.0, 1.0]
     match.withdraw(1)
+    match.look()
+    assert match.observation(1)[rival + 2] == 1.0
     for _ in range(2):
         assert match.observation(0)[rival : rival + 3] == [3.0, 0.0, 1.0]
         assert match.observation(0)[rival + 7 :] == [0.0] * 7
-        assert match.observation(1)[rival + 2] == 1.0
         match.hold()
 
 

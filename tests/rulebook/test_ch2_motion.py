@@ -192,6 +192,7 @@ def test_r2_5_the_hosted_controller_obeys_the_same_limits(arena: ArenaFactory) -
     """A target far away and to the side asks for more of both."""
     match = arena(max_speed_mps=0.5, max_turn_rate_radps=0.25)
     for y, turn_rate in ((10.0, 0.25), (0.0, -0.25)):
+        match.reset(1)
         match.place(hunters=[(1.0, 5.0, 0.0)], targets=[(9.0, y)])
         match.step(1)
         assert match.hunter().v == 0.5

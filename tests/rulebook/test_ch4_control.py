@@ -53,6 +53,7 @@ def test_r4_1_hold_means_no_velocity_and_no_request(arena: ArenaFactory) -> None
     assert match.hunter().active == 1
     match.step(0)
     assert (match.hunter().v, match.hunter().w, match.hunter().active) == (0.0, 0.0, 0.0)
+    match.reset(1)
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(5.01, 5.0)])
     match.step(0)
     assert match.verdicts == [None]
@@ -78,6 +79,7 @@ def test_r4_1_only_a_target_in_view_can_be_named(arena: ArenaFactory) -> None:
     """The third nearest of three is beyond a view of two: rank 2 is the second, and the mask has no third."""
     match = arena(observed_targets=2)
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(9.0, 5.0), (6.0, 5.0), (7.0, 5.0)])
+    match.look()
     assert match.mask(0) == [1, 1, 1]
     match.step(2)
     assert match.hunter().active == 3
@@ -204,10 +206,11 @@ def test_r4_4_under_velocity_control_the_nearest_target_is_requested_within_reac
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(5.31, 5.0), (5.0, 5.4)])
     match.step((0.0, 0.0))
     assert match.verdicts == [None]
-    match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(5.0, 4.75), (5.25, 5.0), (5.0, 5.29)])
+    match.reset(1)
+    match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(5.0, 5.29), (5.0, 4.75), (5.25, 5.0)])
     match.step((0.0, 0.0))
-    assert match.evidence()[0] == (Verdict.GRANTED, 3, 250_000, 0)
-    assert match.alive == [4, 5]
+    assert match.evidence()[0] == (Verdict.GRANTED, 2, 250_000, 0)
+    assert match.alive == [1, 3]
     assert match.hunter().active == 0.0
     assert match.hunter().distance_integral == match.hunter().bearing_integral == 0.0
 

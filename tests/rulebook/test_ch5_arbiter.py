@@ -2,12 +2,14 @@
 
 import itertools
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from oracle.arithmetic import KILL_REFUSED, LOT, TICKET, draw, fraction, key
-from rulebook.conftest import ArenaFactory, Court, oracle_court
+from rulebook.conftest import Arbiter, ArenaFactory, oracle_arbiter
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
@@ -26,7 +28,7 @@ def verdicts(rulings: list[Ruling]) -> list[Verdict]:
 
 
 @pytest.mark.rule("R5.1")
-def test_r5_1_the_order_of_different_hunters_requests_does_not_matter(court: Court) -> None:
+def test_r5_1_the_order_of_different_hunters_requests_does_not_matter(arbiter: Arbiter) -> None:
     """All 120 orders of five hunters' requests, over exact ties, contests and refusals."""
     case = {
         "hunters": [(1.0, 1.0), (1.2, 1.0), (1.4, 1.0), (5.0, 5.0), (1.1, 1.0)],
@@ -35,18 +37,18 @@ def test_r5_1_the_order_of_different_hunters_requests_does_not_matter(court: Cou
         "step": 3,
     }
     requests = [(0, "a"), (1, "a"), (2, "b"), (3, "b"), (4, "a")]
-    expected = {ruling.hunter: ruling for ruling in court(**case, requests=requests)}
+    expected = {ruling.hunter: ruling for ruling in arbiter(**case, requests=requests)}
     assert len(set(verdicts(list(expected.values())))) > 2
     for order in itertools.permutations(requests):
-        rulings = court(**case, requests=order)
+        rulings = arbiter(**case, requests=order)
         assert [ruling.hunter for ruling in rulings] == [seat for seat, _ in order]
         assert {ruling.hunter: ruling for ruling in rulings} == expected
 
 
 @pytest.mark.rule("R5.1")
-def test_r5_1_no_grant_changes_another_requests_eligibility(court: Court) -> None:
+def test_r5_1_no_grant_changes_another_requests_eligibility(arbiter: Arbiter) -> None:
     """Two targets at one place: each hunter asks for one, and neither catch takes anything from the other."""
-    rulings = court(
+    rulings = arbiter(
         hunters=[(1.0, 1.0), (1.0, 1.0)],
         targets={"a": (1.0, 1.0), "b": (1.0, 1.0)},
         requests=[(0, "b"), (1, "a")],
@@ -55,14 +57,14 @@ def test_r5_1_no_grant_changes_another_requests_eligibility(court: Court) -> Non
 
 
 @pytest.mark.rule("R5.1")
-def test_r5_1_relabelling_the_seats_relabels_the_verdicts(court: Court) -> None:
+def test_r5_1_relabelling_the_seats_relabels_the_verdicts(arbiter: Arbiter) -> None:
     """Without a tie: who sits where makes no difference."""
     places = [(1.0, 1.0), (1.25, 1.0), (1.05, 1.1), (2.0, 2.0)]
     targets = {"a": (1.1, 1.0), "b": (1.2, 1.1)}
     wanted = ["a", "a", "b", "b"]
-    plain = court(hunters=places, targets=targets, requests=list(enumerate(wanted)))
+    plain = arbiter(hunters=places, targets=targets, requests=list(enumerate(wanted)))
     for order in itertools.permutations(range(4)):
-        seated = court(
+        seated = arbiter(
             hunters=[places[old] for old in order],
             targets=targets,
             requests=[(new, wanted[old]) for new, old in enumerate(order)],
@@ -107,10 +109,10 @@ CALM: dict[str, Any] = {"hunters": [(1.0, 1.0), (1.1, 1.0)], "targets": {"a": (1
     ],
 )
 def test_r5_2_every_verdict_can_be_had(
-    court: Court, verdict: Verdict, requests: list[tuple[int, Any]], circumstances: dict[str, Any]
+    arbiter: Arbiter, verdict: Verdict, requests: list[tuple[int, Any]], circumstances: dict[str, Any]
 ) -> None:
     """Each of the eleven once, and success is true for GRANTED alone."""
-    rulings = court(**CALM, requests=requests, **circumstances)
+    rulings = arbiter(**CALM, requests=requests, **circumstances)
     last = rulings[-1]
     assert last.verdict is verdict
     assert (last.hunter, last.target) == requests[-1]
@@ -119,7 +121,7 @@ def test_r5_2_every_verdict_can_be_had(
 
 
 @pytest.mark.rule("R5.2")
-def test_r5_2_the_first_test_that_fails_names_the_verdict(court: Court) -> None:
+def test_r5_2_the_first_test_that_fails_names_the_verdict(arbiter: Arbiter) -> None:
     """A request that fails every test, with the reasons taken away one by one."""
     obstacles: list[tuple[Verdict, dict[str, Any]]] = [
         (Verdict.MATCH_OVER, {"match_over": True}),
@@ -134,27 +136,27 @@ def test_r5_2_the_first_test_that_fails_names_the_verdict(court: Court) -> None:
         for _, circumstance in obstacles[left:]:
             case |= circumstance
         expected = obstacles[left][0] if left < len(obstacles) else Verdict.GRANTED
-        assert court(**case, requests=[(0, "a"), (1, "a")])[1].verdict is expected
+        assert arbiter(**case, requests=[(0, "a"), (1, "a")])[1].verdict is expected
 
 
 @pytest.mark.rule("R5.2")
-def test_r5_2_malformed_goes_before_inactive_and_the_names_tests_before_the_services(court: Court) -> None:
+def test_r5_2_malformed_goes_before_inactive_and_the_names_tests_before_the_services(arbiter: Arbiter) -> None:
     """Pairs of reasons, each of which would do alone."""
     down = {"kill_service_up": False}
-    assert verdicts(court(**CALM, requests=[(0, None)], match_over=True)) == [Verdict.MATCH_OVER]
-    assert verdicts(court(**CALM, requests=[(0, None)], inactive=[0])) == [Verdict.MALFORMED]
-    assert verdicts(court(**CALM, requests=[(0, "a"), (0, "a")], inactive=[0])) == [Verdict.HUNTER_INACTIVE] * 2
-    assert verdicts(court(**CALM, requests=[(0, "nobody"), (0, "nobody")]))[1] is Verdict.DUPLICATE
-    assert verdicts(court(**CALM, requests=[(0, "nobody")], **down)) == [Verdict.UNKNOWN_TARGET]
-    assert verdicts(court(**CALM, requests=[(0, "b")], caught=["b"], **down)) == [Verdict.ALREADY_CAUGHT]
-    assert verdicts(court(**CALM, requests=[(0, "far")], **down)) == [Verdict.SERVICE_DOWN]
+    assert verdicts(arbiter(**CALM, requests=[(0, None)], match_over=True)) == [Verdict.MATCH_OVER]
+    assert verdicts(arbiter(**CALM, requests=[(0, None)], inactive=[0])) == [Verdict.MALFORMED]
+    assert verdicts(arbiter(**CALM, requests=[(0, "a"), (0, "a")], inactive=[0])) == [Verdict.HUNTER_INACTIVE] * 2
+    assert verdicts(arbiter(**CALM, requests=[(0, "nobody"), (0, "nobody")]))[1] is Verdict.DUPLICATE
+    assert verdicts(arbiter(**CALM, requests=[(0, "nobody")], **down)) == [Verdict.UNKNOWN_TARGET]
+    assert verdicts(arbiter(**CALM, requests=[(0, "b")], caught=["b"], **down)) == [Verdict.ALREADY_CAUGHT]
+    assert verdicts(arbiter(**CALM, requests=[(0, "far")], **down)) == [Verdict.SERVICE_DOWN]
 
 
 @pytest.mark.rule("R5.2")
 @pytest.mark.parametrize("name", [None, 7, 1.5, b"a", ["a"], {"a": 1}, math.nan, "x" * 256])
-def test_r5_2_what_is_no_name_is_malformed(court: Court, name: object) -> None:
+def test_r5_2_what_is_no_name_is_malformed(arbiter: Arbiter, name: object) -> None:
     """Neither a string nor short enough; and it counts as the hunter's request of the step."""
-    rulings = court(**CALM, requests=[(0, name), (0, "a")])
+    rulings = arbiter(**CALM, requests=[(0, name), (0, "a")])
     assert verdicts(rulings) == [Verdict.MALFORMED, Verdict.DUPLICATE]
     assert rulings[0].target is name
     assert rulings[0].distance_um is rulings[0].winner is None
@@ -162,17 +164,17 @@ def test_r5_2_what_is_no_name_is_malformed(court: Court, name: object) -> None:
 
 @pytest.mark.rule("R5.2")
 @pytest.mark.parametrize("name", ["", "x" * 255, "A", "a ", "žel", "\x00"])
-def test_r5_2_any_string_of_up_to_255_characters_is_a_name(court: Court, name: str) -> None:
+def test_r5_2_any_string_of_up_to_255_characters_is_a_name(arbiter: Arbiter, name: str) -> None:
     """Unknown, but well formed."""
-    assert verdicts(court(**CALM, requests=[(0, name)])) == [Verdict.UNKNOWN_TARGET]
-    at_hand = court(hunters=[(1.0, 1.0)], targets={name: (1.0, 1.0)}, requests=[(0, name)])
+    assert verdicts(arbiter(**CALM, requests=[(0, name)])) == [Verdict.UNKNOWN_TARGET]
+    at_hand = arbiter(hunters=[(1.0, 1.0)], targets={name: (1.0, 1.0)}, requests=[(0, name)])
     assert verdicts(at_hand) == [Verdict.GRANTED]
 
 
 @pytest.mark.rule("R5.2")
-def test_r5_2_a_hunters_first_request_stands_whatever_its_verdict(court: Court) -> None:
+def test_r5_2_a_hunters_first_request_stands_whatever_its_verdict(arbiter: Arbiter) -> None:
     """The second is DUPLICATE, even if the first was refused; a malformed second one is MALFORMED."""
-    rulings = court(**CALM, requests=[(0, "far"), (1, "a"), (0, "a"), (0, 3), (1, "a")])
+    rulings = arbiter(**CALM, requests=[(0, "far"), (1, "a"), (0, "a"), (0, 3), (1, "a")])
     assert verdicts(rulings) == [
         Verdict.OUT_OF_REACH,
         Verdict.GRANTED,
@@ -183,22 +185,62 @@ def test_r5_2_a_hunters_first_request_stands_whatever_its_verdict(court: Court) 
     assert rulings[2].distance_um is rulings[2].winner is None
 
 
+BOOK = (Path(__file__).parents[2] / "docs" / "rulebook.md").read_text(encoding="utf-8")
+ORDER = [Verdict[name] for name in re.findall(r"^\| ([A-Z_]+) \|", BOOK, flags=re.MULTILINE)]
+"""R5.2's table."""
+
+REASONS_AGAINST: dict[Verdict, dict[str, Any]] = {
+    Verdict.MATCH_OVER: {"match_over": True},
+    Verdict.MALFORMED: {"name": None},
+    Verdict.HUNTER_INACTIVE: {"inactive": [1]},
+    Verdict.DUPLICATE: {"earlier": [(1, "b")]},
+    Verdict.UNKNOWN_TARGET: {"name": "nobody"},
+    Verdict.ALREADY_CAUGHT: {"name": "gone"},
+    Verdict.SERVICE_DOWN: {"kill_service_up": False},
+    Verdict.OUT_OF_REACH: {"reach_m": 0.07},
+    Verdict.LOST_CONTEST: {"earlier": [(0, "a")]},
+    Verdict.KILL_FAILED: {"kill_refused": ["a"]},
+    Verdict.GRANTED: {},
+}
+"""What must be so that hunter 1, 0.1 m from the target, gets each verdict when it asks."""
+
+
 @pytest.mark.rule("R5.2")
-def test_r5_2_the_tests_are_made_in_the_order_of_the_verdicts_numbers() -> None:
-    """The enum's order is the table's."""
-    assert [verdict.name for verdict in sorted(Verdict)] == [
-        "MATCH_OVER",
-        "MALFORMED",
-        "HUNTER_INACTIVE",
-        "DUPLICATE",
-        "UNKNOWN_TARGET",
-        "ALREADY_CAUGHT",
-        "SERVICE_DOWN",
-        "OUT_OF_REACH",
-        "LOST_CONTEST",
-        "KILL_FAILED",
-        "GRANTED",
+@pytest.mark.parametrize(
+    ("earlier", "later"),
+    [
+        (earlier, later)
+        for earlier, later in itertools.combinations(ORDER, 2)
+        # a request has one name
+        if not ("name" in REASONS_AGAINST[earlier] and "name" in REASONS_AGAINST[later])
+    ],
+    ids=lambda verdict: verdict.name,
+)
+def test_r5_2_the_tests_are_made_in_the_order_of_the_table(arbiter: Arbiter, earlier: Verdict, later: Verdict) -> None:
+    """Of two reasons, each of which would do alone, the first in the table names the verdict."""
+
+    def verdict_for(*reasons: Verdict) -> Verdict:
+        case: dict[str, Any] = {"name": "a", "earlier": []}
+        for reason in reasons:
+            against = REASONS_AGAINST[reason]
+            case |= against | {"earlier": [*case["earlier"], *against.get("earlier", [])]}
+        requests = [*case.pop("earlier"), (1, case.pop("name"))]
+        near = {"hunters": [(1.0, 1.05), (1.0, 1.1)], "targets": {"a": (1.0, 1.0), "b": (1.0, 1.2)}}
+        return arbiter(**near, caught=["gone"], requests=requests, **case)[-1].verdict
+
+    assert verdict_for(later) is later
+    assert verdict_for(earlier) is earlier
+    assert verdict_for(earlier, later) is earlier
+    assert verdict_for(later, earlier) is earlier
+
+
+@pytest.mark.rule("R5.2")
+def test_r5_2_the_verdicts_are_numbered_in_the_order_of_the_table() -> None:
+    """From 1, all eleven."""
+    assert [(verdict.name, verdict.value) for verdict in Verdict] == [
+        (name.name, number) for number, name in enumerate(ORDER, start=1)
     ]
+    assert len(ORDER) == 11
 
 
 @pytest.mark.rule("R5.2")
@@ -298,21 +340,21 @@ def test_r5_2_requests_after_the_end_are_match_over_and_nothing_changes() -> Non
 
 
 @pytest.mark.rule("R5.3")
-def test_r5_3_299999_micrometres_are_in_and_300000_are_out(court: Court) -> None:
+def test_r5_3_299999_micrometres_are_in_and_300000_are_out(arbiter: Arbiter) -> None:
     """Along an axis and at an angle."""
     for micrometre, verdict in ((299_999, Verdict.GRANTED), (300_000, Verdict.OUT_OF_REACH)):
         for bearing in (0.0, math.pi / 2, 2.2):
             x, y = 1e-6 * micrometre * math.cos(bearing), 1e-6 * micrometre * math.sin(bearing)
-            (ruling,) = court(hunters=[(0.0, 0.0)], targets={"a": (x, y)}, requests=[(0, "a")])
+            (ruling,) = arbiter(hunters=[(0.0, 0.0)], targets={"a": (x, y)}, requests=[(0, "a")])
             assert ruling.distance_um == micrometre
             assert ruling.verdict is verdict
 
 
 @pytest.mark.rule("R5.3")
 @pytest.mark.parametrize(("tenths", "micrometre"), [(2_999_994, 299_999), (2_999_996, 300_000), (4, 0), (6, 1)])
-def test_r5_3_distance_is_rounded_to_the_nearest_micrometre(court: Court, tenths: int, micrometre: int) -> None:
+def test_r5_3_distance_is_rounded_to_the_nearest_micrometre(arbiter: Arbiter, tenths: int, micrometre: int) -> None:
     """In tenths of a micrometre."""
-    (ruling,) = court(hunters=[(0.0, 0.0)], targets={"a": (1e-7 * tenths, 0.0)}, requests=[(0, "a")])
+    (ruling,) = arbiter(hunters=[(0.0, 0.0)], targets={"a": (1e-7 * tenths, 0.0)}, requests=[(0, "a")])
     assert ruling.distance_um == micrometre
 
 
@@ -322,6 +364,7 @@ def test_r5_3_the_arena_measures_the_same_way(arena: ArenaFactory) -> None:
     match = arena(control=("full", "target"), hunters=2)
     for micrometre, verdict in ((299_999, Verdict.GRANTED), (300_000, Verdict.OUT_OF_REACH)):
         gap = 1e-6 * micrometre
+        match.reset(1)
         match.place(hunters=[(1.0, 1.0, 0.0), (5.0, 5.0, 0.0)], targets=[(1.0, 1.0 + gap), (5.0 + gap, 5.0)])
         match.step((STILL, 1), 1)
         assert match.evidence()[0] is not None
@@ -330,7 +373,7 @@ def test_r5_3_the_arena_measures_the_same_way(arena: ArenaFactory) -> None:
 
 
 @pytest.mark.rule("R5.3")
-def test_r5_3_the_scenario_sets_the_reach(court: Court) -> None:
+def test_r5_3_the_scenario_sets_the_reach(arbiter: Arbiter) -> None:
     """Strictly less, at any reach; below a micrometre it still holds the target itself."""
     for reach, gap, verdict in (
         (1.0, 0.999999, Verdict.GRANTED),
@@ -338,7 +381,7 @@ def test_r5_3_the_scenario_sets_the_reach(court: Court) -> None:
         (1e-9, 0.0, Verdict.GRANTED),
         (1e-9, 1e-6, Verdict.OUT_OF_REACH),
     ):
-        (ruling,) = court(hunters=[(0.0, 0.0)], targets={"a": (gap, 0.0)}, requests=[(0, "a")], reach_m=reach)
+        (ruling,) = arbiter(hunters=[(0.0, 0.0)], targets={"a": (gap, 0.0)}, requests=[(0, "a")], reach_m=reach)
         assert ruling.verdict is verdict
 
 
@@ -357,22 +400,22 @@ def test_r5_4_the_nearer_of_two_hunters_is_granted_the_target(arena: ArenaFactor
 
 @pytest.mark.rule("R5.4")
 @pytest.mark.parametrize("nearest", range(4))
-def test_r5_4_one_micrometre_decides_whatever_the_seat_and_the_seed(court: Court, nearest: int) -> None:
+def test_r5_4_one_micrometre_decides_whatever_the_seat_and_the_seed(arbiter: Arbiter, nearest: int) -> None:
     """For twenty seeds each."""
     for seed in range(20):
         hunters = [(0.2, 0.0), (-0.2, 0.0), (0.0, 0.2), (0.0, -0.2)]
         x, y = hunters[nearest]
         hunters[nearest] = (x * 0.199999 / 0.2, y * 0.199999 / 0.2)
         requests = [(seat, "a") for seat in range(4)]
-        rulings = court(hunters=hunters, targets={"a": (0.0, 0.0)}, requests=requests, seed=seed)
+        rulings = arbiter(hunters=hunters, targets={"a": (0.0, 0.0)}, requests=requests, seed=seed)
         assert [ruling.success for ruling in rulings] == [seat == nearest for seat in range(4)]
 
 
 @pytest.mark.rule("R5.4")
-def test_r5_4_less_than_a_micrometre_does_not_decide(court: Court) -> None:
+def test_r5_4_less_than_a_micrometre_does_not_decide(arbiter: Arbiter) -> None:
     """A quarter of one: the lot decides, so either hunter wins for some seed."""
     winners = {
-        court(
+        arbiter(
             hunters=[(0.2, 0.0), (-0.20000025, 0.0)],
             targets={"a": (0.0, 0.0)},
             requests=[(0, "a"), (1, "a")],
@@ -392,14 +435,14 @@ def ticket(seed: int, step: int, number: int, seat: int) -> int:
 
 
 @pytest.mark.rule("R5.5")
-def test_r5_5_of_a_tie_the_lowest_ticket_wins(court: Court) -> None:
+def test_r5_5_of_a_tie_the_lowest_ticket_wins(arbiter: Arbiter) -> None:
     """Seeds, steps and the target's place among those given all enter it."""
     hunters = [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1)]
     seen = set()
     for seed, step, number in itertools.product((0, 1, 2**64 - 1), (0, 1, 599), (1, 2, 3)):
         targets = {f"t{place}": (0.0, 0.0) if place == number else (9.0, 9.0) for place in (1, 2, 3)}
         requests = [(seat, f"t{number}") for seat in (2, 0, 1)]
-        rulings = court(hunters=hunters, targets=targets, requests=requests, seed=seed, step=step)
+        rulings = arbiter(hunters=hunters, targets=targets, requests=requests, seed=seed, step=step)
         expected = min(range(3), key=lambda seat: ticket(seed, step, number, seat))
         assert {ruling.winner for ruling in rulings} == {expected}
         seen.add(expected)
@@ -413,8 +456,10 @@ def test_r5_5_in_an_arena_the_ticket_bears_seed_step_number_and_seat(arena: Aren
     for seed in (3, 4, 5):
         match = arena(hunters=3, control="full", seed=seed)
         for step in range(4):
-            match.place(hunters=[(5.0, 5.0, 0.0)] * 3, targets=[(9.0, 9.0), (5.1, 5.0)])
-            number = match.alive[1]
+            match.reset(seed)
+            match.hold(step)
+            match.place(hunters=[(5.0, 5.0, 0.0)] * 3, targets=[*[(9.0, 9.0)] * (4 - step), (5.1, 5.0)])
+            number = 5 - step
             match.step((STILL, 1), (STILL, 1), (STILL, 0))
             expected = min((0, 1), key=lambda seat: ticket(seed, step, number, seat))
             assert match.verdicts[expected] is Verdict.GRANTED
@@ -424,15 +469,15 @@ def test_r5_5_in_an_arena_the_ticket_bears_seed_step_number_and_seat(arena: Aren
 
 
 @pytest.mark.rule("R5.5")
-def test_r5_5_losers_and_hunters_that_are_not_eligible_cannot_change_who_wins(court: Court) -> None:
+def test_r5_5_losers_and_hunters_that_are_not_eligible_cannot_change_who_wins(arbiter: Arbiter) -> None:
     """Whatever the others of six hunters do, the winner between the two nearest is the same."""
     hunters = [(0.1, 0.0), (-0.1, 0.0), (0.2, 0.0), (0.0, 0.2), (5.0, 0.0), (0.0, 0.0)]
     for seed in range(8):
         case: dict[str, Any] = {"hunters": hunters, "targets": {"a": (0.0, 0.0)}, "seed": seed, "inactive": [5]}
-        alone = court(**case, requests=[(0, "a"), (1, "a")])[0].winner
+        alone = arbiter(**case, requests=[(0, "a"), (1, "a")])[0].winner
         for count in range(1, 5):
             for others in itertools.combinations(range(2, 6), count):
-                rulings = court(**case, requests=[(0, "a"), (1, "a"), *((seat, "a") for seat in others)])
+                rulings = arbiter(**case, requests=[(0, "a"), (1, "a"), *((seat, "a") for seat in others)])
                 assert rulings[0].winner == alone
 
 
@@ -440,9 +485,9 @@ def test_r5_5_losers_and_hunters_that_are_not_eligible_cannot_change_who_wins(co
 
 
 @pytest.mark.rule("R5.6")
-def test_r5_6_losers_get_lost_contest_with_their_distance_and_the_winner(court: Court) -> None:
+def test_r5_6_losers_get_lost_contest_with_their_distance_and_the_winner(arbiter: Arbiter) -> None:
     """The evidence of a contest of three."""
-    rulings = court(
+    rulings = arbiter(
         hunters=[(0.2, 0.0), (0.1, 0.0), (0.0, 0.25)],
         targets={"a": (0.0, 0.0)},
         requests=[(2, "a"), (0, "a"), (1, "a")],
@@ -455,27 +500,27 @@ def test_r5_6_losers_get_lost_contest_with_their_distance_and_the_winner(court: 
 
 
 @pytest.mark.rule("R5.6")
-def test_r5_6_a_distance_is_given_only_where_reach_was_tested(court: Court) -> None:
+def test_r5_6_a_distance_is_given_only_where_reach_was_tested(arbiter: Arbiter) -> None:
     """And a winner only where there was a contest or a grant: not for one beyond the reach of a contested target."""
     case: dict[str, Any] = {"hunters": [(0.1, 0.0), (0.2, 0.0), (4.0, 0.0)], "targets": {"a": (0.0, 0.0)}}
-    rulings = court(**case, requests=[(0, "a"), (1, "a"), (2, "a"), (0, "a")])
+    rulings = arbiter(**case, requests=[(0, "a"), (1, "a"), (2, "a"), (0, "a")])
     assert rulings[2] == Ruling(Verdict.OUT_OF_REACH, 2, "a", 4_000_000, None)
     assert rulings[3] == Ruling(Verdict.DUPLICATE, 0, "a", None, None)
     for circumstance in ({"match_over": True}, {"inactive": [0]}, {"kill_service_up": False}):
-        (ruling,) = court(**case, requests=[(0, "a")], **circumstance)
+        (ruling,) = arbiter(**case, requests=[(0, "a")], **circumstance)
         assert ruling.distance_um is ruling.winner is None
 
 
 @pytest.mark.rule("R5.6")
-def test_r5_6_a_refused_kill_has_a_winner_only_where_it_was_contested(court: Court) -> None:
+def test_r5_6_a_refused_kill_has_a_winner_only_where_it_was_contested(arbiter: Arbiter) -> None:
     """Alone there was neither contest nor grant."""
     case: dict[str, Any] = {
         "hunters": [(0.1, 0.0), (0.2, 0.0)],
         "targets": {"a": (0.0, 0.0)},
         "kill_refused": ["a"],
     }
-    assert court(**case, requests=[(0, "a")]) == [Ruling(Verdict.KILL_FAILED, 0, "a", 100_000, None)]
-    assert court(**case, requests=[(0, "a"), (1, "a")]) == [
+    assert arbiter(**case, requests=[(0, "a")]) == [Ruling(Verdict.KILL_FAILED, 0, "a", 100_000, None)]
+    assert arbiter(**case, requests=[(0, "a"), (1, "a")]) == [
         Ruling(Verdict.KILL_FAILED, 0, "a", 100_000, 0),
         Ruling(Verdict.LOST_CONTEST, 1, "a", 200_000, 0),
     ]
@@ -536,9 +581,9 @@ def test_r5_7_the_refusal_is_drawn_for_each_step_and_target(arena: ArenaFactory)
 
 
 @pytest.mark.rule("R5.7")
-def test_r5_7_a_refusal_by_name_concerns_that_target_alone(court: Court) -> None:
+def test_r5_7_a_refusal_by_name_concerns_that_target_alone(arbiter: Arbiter) -> None:
     """Another target of the same step is granted."""
-    rulings = court(
+    rulings = arbiter(
         hunters=[(0.0, 0.0), (1.0, 0.0)],
         targets={"a": (0.0, 0.0), "b": (1.0, 0.0)},
         requests=[(0, "a"), (1, "b")],
@@ -573,17 +618,17 @@ def test_r5_8_catches_and_alive_add_up_to_spawned(arena: ArenaFactory) -> None:
 
 
 @pytest.mark.rule("R5.8")
-def test_r5_8_one_step_grants_a_target_once(court: Court) -> None:
+def test_r5_8_one_step_grants_a_target_once(arbiter: Arbiter) -> None:
     """However many ask for it."""
-    rulings = court(hunters=[(0.0, 0.0)] * 9, targets={"a": (0.0, 0.0)}, requests=[(seat, "a") for seat in range(9)])
+    rulings = arbiter(hunters=[(0.0, 0.0)] * 9, targets={"a": (0.0, 0.0)}, requests=[(seat, "a") for seat in range(9)])
     assert verdicts(rulings).count(Verdict.GRANTED) == 1
     assert verdicts(rulings).count(Verdict.LOST_CONTEST) == 8
 
 
 @pytest.mark.rule("R5.8")
-def test_r5_8_what_was_caught_earlier_is_already_caught(court: Court) -> None:
+def test_r5_8_what_was_caught_earlier_is_already_caught(arbiter: Arbiter) -> None:
     """By name; it can never be credited again."""
-    (ruling,) = court(hunters=[(0.0, 0.0)], targets={}, requests=[(0, "a")], caught={"a"})
+    (ruling,) = arbiter(hunters=[(0.0, 0.0)], targets={}, requests=[(0, "a")], caught={"a"})
     assert ruling == Ruling(Verdict.ALREADY_CAUGHT, 0, "a", None, None)
 
 
@@ -596,14 +641,14 @@ def lot(seed: int, step: int, seat: int) -> int:
 
 
 @pytest.mark.rule("R5.9")
-def test_r5_9_first_come_grants_whom_the_steps_lots_serve_first(court: Court) -> None:
+def test_r5_9_first_come_grants_whom_the_steps_lots_serve_first(arbiter: Arbiter) -> None:
     """Not the nearest; only the eligible ones count; and the order of the requests does not."""
     hunters = [(0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (3.0, 0.0)]
     winners = set()
     for seed, step in itertools.product(range(10), range(3)):
         expected = min(range(3), key=lambda seat: lot(seed, step, seat))
         for requests in ([(seat, "a") for seat in range(4)], [(seat, "a") for seat in (3, 2, 1, 0)]):
-            rulings = court(
+            rulings = arbiter(
                 hunters=hunters,
                 targets={"a": (0.0, 0.0)},
                 requests=requests,
@@ -624,6 +669,8 @@ def test_r5_9_first_come_in_an_arena(arena: ArenaFactory) -> None:
     for seed in range(6):
         match = arena(hunters=2, control="full", policy="first_come", seed=seed)
         for step in range(3):
+            match.reset(seed)
+            match.hold(step)
             match.place(hunters=[(5.0, 5.0, 0.0), (5.1, 5.0, 0.0)], targets=[(5.0, 5.0)])
             match.step((STILL, 1), (STILL, 1))
             expected = min((0, 1), key=lambda seat: lot(seed, step, seat))
@@ -727,6 +774,6 @@ def test_arbitrate_and_the_oracle_agree_on_random_cases() -> None:
             "match_over": bool(source.random() < 0.03),
         }
         found = arbitrate(**case)
-        assert found == oracle_court(**case), f"case {case_number}: {case}"
+        assert found == oracle_arbiter(**case), f"case {case_number}: {case}"
         met |= set(verdicts(found))
     assert met == set(Verdict)

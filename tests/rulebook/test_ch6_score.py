@@ -18,8 +18,8 @@ STILL = (0.0, 0.0)
 def test_r6_1_the_score_is_the_number_of_granted_catches(arena: ArenaFactory) -> None:
     """Refused requests add nothing, and the score is in the observation."""
     match = arena(control="full", hunters=2)
+    match.place(hunters=[(5.0, 5.0, 0.0), (1.0, 1.0, 0.0)], targets=[(5.1, 5.0), (5.0, 5.1), (4.9, 5.0)])
     for catches in range(1, 4):
-        match.place(hunters=[(5.0, 5.0, 0.0), (1.0, 1.0, 0.0)], targets=[(5.1, 5.0)])
         match.step((STILL, 1), (STILL, 1))
         assert match.verdicts == [Verdict.GRANTED, Verdict.OUT_OF_REACH]
         assert match.scores == [catches, 0]
@@ -113,6 +113,7 @@ def test_r6_2_with_rival_catches_at_minus_one_over_the_others_the_game_is_zero_s
     match.step(*((STILL, 1) for _ in range(hunters)))
     assert sum(part[CATCH] for part in match.parts) == 2.0
     assert sum(match.rewards) == pytest.approx(0.0, abs=1e-12)
+    match.reset(1)
     match.place(hunters=poses, targets=[poses[0][:2]])
     match.step(*((STILL, 1) for _ in range(hunters)))
     assert match.rewards[0] == 1.0

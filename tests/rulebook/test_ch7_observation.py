@@ -63,13 +63,15 @@ def test_r7_1_targets_stand_in_the_hunters_own_frame_nearest_first(arena: ArenaF
     match = arena(control="full", observed_targets=4)
     match.hold()
     match.place(hunters=[(5.0, 5.0, math.pi / 2)], targets=[(5.0, 8.0), (4.0, 5.0), (7.0, 5.0)])
+    match.look()
+    age = (match.time - 100) / 1000
     first, second, third, fourth = seen_targets(match)
-    assert tuple(first.values()) == pytest.approx((0.0, 1.0, 1.0, 0.0, 0.0), abs=1e-7)
-    assert tuple(second.values()) == pytest.approx((0.0, -2.0, 1.0, 0.0, 0.0), abs=1e-7)
-    assert tuple(third.values()) == pytest.approx((3.0, 0.0, 1.0, 0.0, 0.0), abs=1e-7)
+    assert tuple(first.values()) == pytest.approx((0.0, 1.0, 1.0, age, 0.0), abs=1e-7)
+    assert tuple(second.values()) == pytest.approx((0.0, -2.0, 1.0, age, 0.0), abs=1e-7)
+    assert tuple(third.values()) == pytest.approx((3.0, 0.0, 1.0, age, 0.0), abs=1e-7)
     assert set(fourth.values()) == {0.0}
     match.step((STILL, 2))
-    assert [target["age"] for target in seen_targets(match)] == pytest.approx([0.1, 0.1, 0.1, 0.0])
+    assert [target["age"] for target in seen_targets(match)] == pytest.approx([age + 0.1] * 3 + [0.0])
     assert [target["active"] for target in seen_targets(match)] == [0.0, 1.0, 0.0, 0.0]
 
 
@@ -78,6 +80,7 @@ def test_r7_1_targets_equal_in_micrometres_are_ordered_by_number(arena: ArenaFac
     """A tenth of a micrometre more makes no difference; a whole one does."""
     match = arena(observed_targets=3)
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(6.0, 5.0), (5.0, 6.0000001), (4.000001, 5.0)])
+    match.look()
     assert [round(target["left"]) for target in seen_targets(match)] == [0, 0, 1]
     assert [round(target["forward"]) for target in seen_targets(match)] == [-1, 1, 0]
 
@@ -87,6 +90,7 @@ def test_r7_1_the_k_nearest_are_seen_eight_by_default(arena: ArenaFactory) -> No
     """Of twelve, or all where fewer may be alive."""
     match = arena()
     match.place(hunters=[(0.0, 0.0, 0.0)], targets=[(11.0 - 0.5 * i, 0.0) for i in range(12)])
+    match.look()
     assert [target["forward"] for target in seen_targets(match)] == pytest.approx([5.5 + 0.5 * i for i in range(8)])
     assert ArenaConfig(max_targets=3, initial_targets=0).targets_seen == 3
 
@@ -98,6 +102,7 @@ def test_r7_1_rivals_stand_in_the_hunters_own_frame_nearest_first(arena: ArenaFa
     match.place(
         hunters=[(5.0, 5.0, math.pi / 2), (5.0, 8.0, 0.0), (7.0, 5.0, math.pi)], targets=[(5.0, 8.0), (9.0, 9.0)]
     )
+    match.look()
     near, far = seen_rivals(match)
     assert tuple(near.values()) == pytest.approx((0.0, -2.0, 1.0, 0.0, 1.0, 0.0, 0.0), abs=1e-6)
     assert tuple(far.values()) == pytest.approx((3.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0), abs=1e-6)
@@ -154,7 +159,9 @@ def test_r7_1_from_the_same_place_everybody_sees_the_same(arena: ArenaFactory) -
     figure = [(5.0, 5.0, 1.0), (6.0, 5.5, 2.0), (4.0, 7.0, -2.5)]
     views: list[list[list[float]]] = []
     for turn in range(3):
+        match.reset(1)
         match.place(hunters=figure[turn:] + figure[:turn], targets=[(5.0, 6.0), (7.0, 7.0)])
+        match.look()
         views.append([match.observation((place - turn) % 3) for place in range(3)])
     assert views[0] == views[1] == views[2]
 
@@ -193,6 +200,7 @@ def test_r7_2_ranks_without_a_target_are_zero_and_masked(arena: ArenaFactory) ->
     """Hold is always legal."""
     match = arena(control="full", observed_targets=3)
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(5.1, 5.0), (9.0, 5.0)])
+    match.look()
     assert match.mask(0) == [1, 1, 1, 0]
     assert set(seen_targets(match)[2].values()) == {0.0}
     match.step((STILL, 1))

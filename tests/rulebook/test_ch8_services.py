@@ -3,11 +3,11 @@
 import math
 
 import pytest
-from oracle.arithmetic import KILL_DOWN, KILL_REFUSED, SPAWN_DOWN, SPAWN_REFUSED, draw, fraction, key
+from oracle.arithmetic import KILL_DOWN, KILL_REFUSED, PLACE, SPAWN_DOWN, SPAWN_REFUSED, draw, fraction, key
 from rulebook.conftest import ArenaFactory
 
 from catch_arena.arbitration import arbitrate
-from catch_arena.config import ArenaConfig, FaultRates
+from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig, FaultRates
 from catch_arena.engine import Engine
 from catch_arena.errors import ConfigError
 from catch_arena.messages import (
@@ -55,14 +55,17 @@ def test_r8_1_a_hunters_pose_is_turtlesims() -> None:
 
 @pytest.mark.rule("R8.1", "R8.2")
 def test_r8_1_the_alive_list_is_a_turtle_array() -> None:
-    """Names, places and headings as requested at the spawn."""
+    """Names, places and headings as requested at the spawn, which the appendix draws from the seed (A.5, A.6)."""
     engine = Engine(ArenaConfig(hunters=1, initial_targets=3))
     engine.reset([8])
-    turtles = engine.world(0).alive_turtles.turtles
-    assert [turtle.name for turtle in turtles] == ["target_turtle_1", "target_turtle_2", "target_turtle_3"]
-    numbers = engine.state(0).tolist()[19:]
-    assert [tuple(turtle[1:]) for turtle in turtles] == [tuple(numbers[at + 1 : at + 4]) for at in (0, 5, 10)]
-    assert all(0.0 <= turtle.theta < math.tau for turtle in turtles)
+    stream = key(8, PLACE)
+    low, high = 0.5, TURTLESIM_SIDE_M - (11.088889122009277 - 10.5)
+    expected = []
+    for number in (1, 2, 3):
+        f_x, f_y, f_theta = (fraction(draw(stream, 3 * (number - 1) + j)) for j in range(3))
+        place = (low + f_x * (high - low), low + f_y * (high - low))
+        expected.append((f"target_turtle_{number}", *place, math.tau * f_theta))
+    assert engine.world(0).alive_turtles == TurtleArray(tuple(Turtle(*turtle) for turtle in expected))
 
 
 @pytest.mark.rule("R8.2")
@@ -87,6 +90,8 @@ def test_r8_3_the_kill_service_fails_by_the_step(arena: ArenaFactory) -> None:
     down = [fraction(draw(stream, step)) < 0.5 for step in range(20)]
     assert 0 < sum(down) < 20
     for step in range(20):
+        match.reset(12)
+        match.hold(step)
         match.place(hunters=[(2.0, 2.0, 0.0), (8.0, 8.0, 0.0)], targets=[(2.0, 2.1), (8.0, 8.1)])
         match.step((STILL, 1), (STILL, 1))
         assert match.verdicts == [Verdict.SERVICE_DOWN if down[step] else Verdict.GRANTED] * 2
@@ -98,6 +103,8 @@ def test_r8_3_a_kill_is_refused_by_step_and_target(arena: ArenaFactory) -> None:
     match = arena(hunters=2, control="full", faults={"kill_refused": 0.5}, seed=13)
     outcomes = set()
     for step in range(20):
+        match.reset(13)
+        match.hold(step)
         match.place(hunters=[(2.0, 2.0, 0.0), (8.0, 8.0, 0.0)], targets=[(2.0, 2.1), (8.0, 8.1)])
         expected = []
         for number in match.alive:

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from rulebook.conftest import ArenaFactory, Court
+from rulebook.conftest import Arbiter, ArenaFactory
 
 from catch_arena.config import TURTLESIM_SIDE_M, Gains
 from catch_arena.scenarios import scenario
@@ -31,9 +31,9 @@ def test_r9_1_the_scenario_has_the_originals_numbers() -> None:
 
 
 @pytest.mark.rule("R9.1")
-def test_r9_1_by_name_every_request_that_finds_the_service_up_succeeds(court: Court) -> None:
+def test_r9_1_by_name_every_request_that_finds_the_service_up_succeeds(arbiter: Arbiter) -> None:
     """An unknown, a far and an already caught target, a second request, and two hunters for one turtle."""
-    rulings = court(
+    rulings = arbiter(
         hunters=[(1.0, 1.0), (9.0, 9.0)],
         targets={"a": (1.0, 1.0)},
         requests=[(0, "a"), (1, "a"), (0, "nobody"), (1, "gone"), (0, "a")],
@@ -47,7 +47,7 @@ def test_r9_1_by_name_every_request_that_finds_the_service_up_succeeds(court: Co
 
 
 @pytest.mark.rule("R9.1")
-def test_r9_1_only_four_verdicts_come_before_granted(court: Court) -> None:
+def test_r9_1_only_four_verdicts_come_before_granted(arbiter: Arbiter) -> None:
     """The match's end, no name, a withdrawn hunter, the service down: in that order."""
     obstacles = [
         (Verdict.MATCH_OVER, {"match_over": True}),
@@ -56,9 +56,9 @@ def test_r9_1_only_four_verdicts_come_before_granted(court: Court) -> None:
     ]
     for left in range(len(obstacles) + 1):
         circumstances = {name: value for _, case in obstacles[left:] for name, value in case.items()}
-        (ruling,) = court(hunters=[(1.0, 1.0)], targets={}, requests=[(0, "a")], policy="capstone", **circumstances)
+        (ruling,) = arbiter(hunters=[(1.0, 1.0)], targets={}, requests=[(0, "a")], policy="capstone", **circumstances)
         assert ruling.verdict is (obstacles[left][0] if left < len(obstacles) else Verdict.GRANTED)
-    assert court(hunters=[(1.0, 1.0)], targets={}, requests=[(0, 5)], policy="capstone", inactive=[0]) == [
+    assert arbiter(hunters=[(1.0, 1.0)], targets={}, requests=[(0, 5)], policy="capstone", inactive=[0]) == [
         Ruling(Verdict.MALFORMED, 0, 5)
     ]
 

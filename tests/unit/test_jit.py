@@ -1,6 +1,9 @@
 """How the core is compiled and kept: by its sources, apart from code that tests its indices, and not for ever."""
 
+import ast
 import os
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -78,6 +81,32 @@ def test_compiled_code_is_kept_in_a_folder_for_each_state_of_the_sources(tmp_pat
     assert folder == jit._cache_directory()
     assert folder.parent == tmp_path
     assert sorted(tmp_path.iterdir()) == sorted([folder, *others[5:], tmp_path / "mine"])
+
+
+def test_an_edit_in_any_file_that_the_core_reads_makes_another_folder(tmp_path, monkeypatch):
+    """Of a copy of the package: each file of core/, and what these import from outside it."""
+    package = tmp_path / "catch_arena"
+    shutil.copytree(ROOT / "catch_arena" / "core", package / "core", ignore=shutil.ignore_patterns("__pycache__"))
+    for source in (ROOT / "catch_arena").glob("*.py"):
+        shutil.copy(source, package)
+    monkeypatch.setattr(jit, "__file__", str(package / "core" / "jit.py"))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    core = sorted((package / "core").glob("*.py"))
+    imports = {
+        node.module
+        for source in core
+        for node in ast.walk(ast.parse(source.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module
+    }
+    outside = sorted(re.findall(r"catch_arena\.(?!core)(\w+)", " ".join(imports)))
+    assert "layout" in outside
+    read = [*core, *(package / f"{module}.py" for module in outside)]
+    folders = {jit._cache_directory()}
+    for source in read:
+        with source.open("a", encoding="utf-8") as edited:
+            edited.write("# edited\n")
+        folders.add(jit._cache_directory())
+    assert len(folders) == 1 + len(read)
 
 
 def test_nothing_is_kept_in_a_folder_of_somebody_else(tmp_path, monkeypatch):

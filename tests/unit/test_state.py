@@ -1,8 +1,12 @@
 """The map of the arena memory: no two things share a row, and the digest reads what A.8 lists."""
 
+import pytest
+from oracle.arena import OracleArena
+
 from catch_arena.core import state
 from catch_arena.core.state import LANES
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS, columns, state_columns, width
+from catch_arena.envs.parallel import parallel_env
+from catch_arena.layout import columns, state_columns, width
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.verdicts import Verdict
 
@@ -54,12 +58,31 @@ def test_every_row_has_one_owner():
     assert HUNTER[state.HUNTER_DIGEST_ROWS] == "SINE"
 
 
-def test_the_layout_has_as_many_columns_as_the_writer_writes():
-    """In every scenario; names are unique, and every bound is an interval."""
-    for config in SCENARIOS.values():
-        table = columns(config)
-        seen = len(SELF_COLUMNS) + len(TARGET_COLUMNS) * config.targets_seen + len(RIVAL_COLUMNS) * config.hunters_seen
-        assert len(table) == width(config) == seen
-        for columns_of in (table, state_columns(config)):
-            assert len({column.name for column in columns_of}) == len(columns_of)
-            assert all(column.low < column.high for column in columns_of)
+@pytest.mark.parametrize("config", SCENARIOS.values(), ids=SCENARIOS)
+def test_the_layout_has_a_column_for_each_number_that_the_oracle_sees(config):
+    """R7.1; and each number lies within its column's bounds, also when time has passed and something is caught."""
+    oracle = OracleArena(config.to_dict())
+    oracle.reset(1)
+    table = columns(config)
+    for _ in range(30):
+        oracle.step([1] * config.hunters)
+        for seen in oracle.observations():
+            assert len(seen) == len(table) == width(config)
+            outside = [
+                column.name
+                for column, number in zip(table, seen, strict=True)
+                if not column.low <= number <= column.high
+            ]
+            assert outside == []
+    assert len({column.name for column in table}) == len(table)
+
+
+@pytest.mark.parametrize("config", SCENARIOS.values(), ids=SCENARIOS)
+def test_the_global_view_has_a_column_for_each_number_that_the_book_names(config):
+    """R7.3: the time left, eight numbers of each hunter, and four of each target that there is room for."""
+    table = state_columns(config)
+    env = parallel_env(config)
+    env.reset(seed=1)
+    assert len(table) == len(env.state()) == 1 + 8 * config.hunters + 4 * config.max_targets
+    assert len({column.name for column in table}) == len(table)
+    assert all(column.low <= number <= column.high for column, number in zip(table, env.state(), strict=True))

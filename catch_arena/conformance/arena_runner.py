@@ -1,4 +1,4 @@
-"""Playing a case in an arena: those about spawning, time and identity, and those for arbiters that can be staged."""
+"""A case is played in an arena: those about spawning, time and identity, and those for arbiters that fit into one."""
 
 import operator
 from collections.abc import Iterable, Mapping, Sequence
@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.answers import Difference, DiffersError, answered, shown
-from catch_arena.conformance.cases import ArbiterCase, Asked, Beat, Lot, WorldCase
-from catch_arena.conformance.comparison import Call, Strictness, compare, rulings
-from catch_arena.verdicts import Verdict
+from catch_arena.conformance.answers import Difference, DiffersError, call_adjudicator, in_short
+from catch_arena.conformance.cases import ArbiterCase, ArenaCase, CaseStep, ExpectedRuling, Lot
+from catch_arena.conformance.comparison import Call, Strictness, ask_for_rulings, compare
+from catch_arena.verdicts import Ruling, Verdict
 
 
 class ArenaUnderTest(Protocol):
@@ -53,31 +53,32 @@ class ArenaUnderTest(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class OtherReading(Difference):
+class WrongReading(Difference):
     """Something else than expected stands in an arena."""
 
     right: Any
     found: Any
 
 
-def can_be_staged(case: ArbiterCase) -> bool:
+def fits_into_an_arena(case: ArbiterCase) -> bool:
     """Whether hunters in an arena can ask what the case asks: once each, by rank, for targets that they see."""
-    seats = [one.hunter for one in case.asked]
+    seats = [one.hunter for one in case.expected]
     return (
         len(case.hunters) > 0
         and len(seats) == len(set(seats))
         and not case.circumstances["match_over"]
-        and all(isinstance(one.name, str) and one.name in case.targets for one in case.asked)
-        and all(one.verdict is not Verdict.MALFORMED for one in case.asked)
+        and all(isinstance(one.target, str) and one.target in case.targets for one in case.expected)
+        and all(one.verdict is not Verdict.MALFORMED for one in case.expected)
         and all(0 <= x <= TURTLESIM_SIDE_M >= y >= 0 for x, y in (*case.hunters, *case.targets.values()))
     )
 
 
-class Stage:
-    """One arena on trial with one case."""
+class ArenaRunner:
+    """Plays one case in an arena."""
 
-    def __init__(self, arena: ArenaUnderTest, strictness: Strictness) -> None:
+    def __init__(self, arena: ArenaUnderTest, case: ArbiterCase | ArenaCase, strictness: Strictness) -> None:
         self._arena = arena
+        self._case = case
         # the arena's seed is its own, so nobody can have worked its lots out
         self._strictness = replace(strictness, exact_lots=False)
         self.how = ""
@@ -85,18 +86,19 @@ class Stage:
         self.calls: list[Call] = []
         """What it has ruled so far."""
 
-    def play(self, case: ArbiterCase | WorldCase) -> None:
+    def run(self) -> None:
         """Raises: DiffersError, at the first part of the play that goes otherwise."""
+        case = self._case
         self.how = "in an arena"
         if isinstance(case, ArbiterCase):
-            self._stage(case)
+            self._play_position(case)
             return
-        answered("reset", self._arena.reset, case.settings)
-        for count, beat in enumerate(case.play, start=1):
+        call_adjudicator("reset", self._arena.reset, case.settings)
+        for count, step in enumerate(case.play, start=1):
             self.how = f"in an arena, part {count} of {len(case.play)}"
-            self._play_beat(case, beat)
+            self._play_step(case, step)
 
-    def _stage(self, case: ArbiterCase) -> None:
+    def _play_position(self, case: ArbiterCase) -> None:
         """An arbiter's case, and what must stand in the arena after it."""
         number_of = {name: number for number, name in enumerate(case.targets, start=1)}
         circumstances = case.circumstances
@@ -110,47 +112,47 @@ class Stage:
             "kill_refused": [[0, number] for number in refused],
         }
         poses = [(x, y, 0.0) for x, y in case.hunters]
-        answered("reset", self._arena.reset, settings)
-        answered("place", self._arena.place, poses, list(case.targets.values()))
+        call_adjudicator("reset", self._arena.reset, settings)
+        call_adjudicator("place", self._arena.place, poses, list(case.targets.values()))
         for seat in circumstances["inactive"]:
-            answered("withdraw", self._arena.withdraw, seat)
-        asked = tuple(replace(one, name=number_of[str(one.name)]) for one in case.asked)
+            call_adjudicator("withdraw", self._arena.withdraw, seat)
+        expected = tuple(replace(one, target=number_of[str(one.target)]) for one in case.expected)
         lots = tuple(replace(lot, target=number_of[str(lot.target)]) for lot in case.lots)
-        decided = self._judge(asked, {}, lots, refused, case)
+        decided = self._judge(expected, {}, lots, refused, case)
         granted = [one for one in decided if one.verdict is Verdict.GRANTED]
-        gone = {one.name for one in granted} - set(refused)
-        expected = {
+        gone = {one.target for one in granted} - set(refused)
+        readings = {
             "alive": [number for number in number_of.values() if number not in gone],
             "scores": [sum(one.hunter == seat for one in granted) for seat in range(len(case.hunters))],
         }
-        answered("read", self._require_readings, expected)
+        call_adjudicator("read", self._require_readings, readings)
 
-    def _play_beat(self, case: WorldCase, beat: Beat) -> None:
-        if beat.reset:
-            answered("reset", self._arena.reset, case.settings)
-        if beat.hunters is not None:
-            answered("place", self._arena.place, beat.hunters, beat.targets)
-        if beat.withdraw is not None:
-            answered("withdraw", self._arena.withdraw, beat.withdraw)
-        for _ in range(beat.steps):
-            answered("step", self._arena.step, [], {})
-        if beat.asked is not None:
-            self._judge(beat.asked, beat.drive)
-        answered("read", self._require_readings, beat.read)
+    def _play_step(self, case: ArenaCase, step: CaseStep) -> None:
+        if step.reset:
+            call_adjudicator("reset", self._arena.reset, case.settings)
+        if step.hunters is not None:
+            call_adjudicator("place", self._arena.place, step.hunters, step.targets)
+        if step.withdraw is not None:
+            call_adjudicator("withdraw", self._arena.withdraw, step.withdraw)
+        for _ in range(step.steps):
+            call_adjudicator("step", self._arena.step, [], {})
+        if step.expected is not None:
+            self._judge(step.expected, step.drive)
+        call_adjudicator("read", self._require_readings, step.read)
 
     def _judge(
         self,
-        asked: Sequence[Asked],
+        expected: Sequence[ExpectedRuling],
         drive: Mapping[int, tuple[float, float]],
         lots: Sequence[Lot] = (),
         refused: Sequence[int] = (),
         case: ArbiterCase | None = None,
-    ) -> tuple[Asked, ...]:
-        requests = [(one.hunter, operator.index(one.name)) for one in asked]  # type: ignore[arg-type]
-        given = rulings(lambda: self._arena.step(requests, drive), asked)
+    ) -> tuple[ExpectedRuling, ...]:
+        requests = [(one.hunter, operator.index(one.target)) for one in expected]  # type: ignore[arg-type]
+        given = ask_for_rulings(lambda: self._arena.step(requests, drive), expected)
         if case is not None:
-            self.calls.append(Call(case.arguments(), tuple(map(_named, given, asked, case.asked))))
-        return compare(given, asked, lots=lots, refused=refused, strictness=self._strictness)
+            self.calls.append(Call(case.arguments(), tuple(map(_by_name, given, expected, case.expected))))
+        return compare(given, expected, lots=lots, refused=refused, strictness=self._strictness)
 
     def _require_readings(self, expected: Mapping[str, Any]) -> None:
         found = self._arena.read() if expected else {}
@@ -160,11 +162,11 @@ class Stage:
             if isinstance(got, Iterable) and not isinstance(got, str):
                 got = list(got)
             if got != value:
-                differences.append(OtherReading(word, repr(value), shown(got), value, got))
+                differences.append(WrongReading(word, repr(value), in_short(got), value, got))
         if differences:
             raise DiffersError(*differences)
 
 
-def _named(ruling: Asked, asked: Asked, named: Asked) -> Asked:
+def _by_name(ruling: Ruling, by_number: ExpectedRuling, by_name: ExpectedRuling) -> Ruling:
     """A ruling on a request by number as one on the same request by name."""
-    return replace(ruling, name=named.name) if ruling.name == asked.name else ruling
+    return replace(ruling, target=by_name.target) if ruling.target == by_number.target else ruling

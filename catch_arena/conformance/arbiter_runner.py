@@ -1,0 +1,185 @@
+"""A case is played on an arbiter: as it stands, and in every variant that must not change the answer."""
+
+import copy
+import itertools
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Final
+
+from catch_arena.conformance.answers import DiffersError, in_short
+from catch_arena.conformance.cases import LOT, ArbiterCase, ExpectedRuling, Lot
+from catch_arena.conformance.comparison import Call, Strictness, WrongLot, ask_for_rulings, compare
+from catch_arena.verdicts import Verdict
+
+Arbiter = Callable[..., object]
+"""Takes the keyword arguments of `catch_arena.arbitrate`, and returns one ruling for each request, in their order: each
+an object with the attributes of a Ruling, a mapping with them as keys, or a sequence of them in their order. A verdict
+may be a Verdict, its number or its name; what has no `distance_um` or `winner` has None."""
+
+_MOST_VARIANTS: Final = 24
+"""How many orders and how many numberings of one case are played: all those of four, a sample of more."""
+
+Variants = Iterator[tuple[str, ArbiterCase]]
+"""How a case was changed, in words, and the case in that form."""
+
+
+class ArbiterRunner:
+    """Plays one case on an arbiter."""
+
+    def __init__(self, arbiter: Arbiter, case: ArbiterCase, strictness: Strictness) -> None:
+        self._arbiter = arbiter
+        self._case = case
+        self._strictness = strictness
+        self.how = ""
+        """How the case that is being played was changed, in words; "" as it stands."""
+        self.calls: list[Call] = []
+        """What it has answered so far."""
+
+    def run(self) -> None:
+        """Raises: DiffersError, at the first variant whose answer is wrong."""
+        case = self._case
+        decided = _with_lots_decided(case, self._judge("", case))
+        for variants in (_reordered(decided), _without_a_loser(decided), _renumbered(case)):
+            for how, variant in variants:
+                self._judge(how, variant)
+        if case.fair_over_steps:
+            self._require_fair_lots(case)
+        if case.under_nearest:
+            self._judge("under the policy nearest", _under_nearest(case))
+
+    def _judge(self, how: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
+        self.how = how
+        arguments = copy.deepcopy(case.arguments())  # a stranger may change what it is given
+        given = ask_for_rulings(lambda: self._arbiter(**arguments), case.expected)
+        self.calls.append(Call(case.arguments(), given))
+        return compare(
+            given,
+            case.expected,
+            lots=case.lots,
+            refused=case.circumstances["kill_refused"],
+            strictness=self._strictness,
+        )
+
+    def _require_fair_lots(self, case: ArbiterCase) -> None:
+        steps = f"over {case.fair_over_steps} steps, each with another seed"
+        won: set[tuple[object, int | str | None]] = set()
+        for variant in _in_other_steps(case):
+            decided = self._judge(steps, variant)
+            won |= {(one.target, one.winner) for one in decided}
+            for how, fewer in _without_a_loser(_with_lots_decided(variant, decided)):
+                self._judge(f"{how}, in one of many steps", fewer)
+        for lot in case.lots:
+            if never := [seat for seat in lot.seats if (lot.target, seat) not in won]:
+                raise DiffersError(
+                    WrongLot(
+                        f"target {in_short(lot.target)}",
+                        f"each of the hunters {', '.join(map(str, lot.seats))} wins in some of the steps",
+                        f"never won by {' or '.join(f'hunter {seat}' for seat in never)}",
+                    )
+                )
+
+
+def _with_lots_decided(case: ArbiterCase, decided: tuple[ExpectedRuling, ...]) -> ArbiterCase:
+    """The case as every further variant of it expects to be answered."""
+    return replace(case, expected=decided, lots=())
+
+
+def _reordered(case: ArbiterCase) -> Variants:
+    """R5.1: the requests in other orders; those of one hunter keep theirs, since its first one stands."""
+    for order in _orders(tuple(one.hunter for one in case.expected), case.id):
+        places = ", ".join(str(place + 1) for place in order)
+        yield (
+            f"with the requests in the order {places}",
+            replace(case, expected=tuple(case.expected[place] for place in order)),
+        )
+
+
+def _renumbered(case: ArbiterCase) -> Variants:
+    """R5.1: the hunters in other seats. A lot may then draw another one."""
+    for order in _permutations(len(case.hunters), case.id):
+        new = {old: seat for seat, old in enumerate(order)}
+
+        def moved(one: ExpectedRuling, new: dict[int, int] = new) -> ExpectedRuling:
+            winner = new[one.winner] if isinstance(one.winner, int) else one.winner
+            return replace(one, hunter=new[one.hunter], winner=winner)
+
+        yield (
+            f"with the hunters in the seats {', '.join(str(new[old]) for old in range(len(order)))}",
+            replace(
+                case,
+                hunters=tuple(case.hunters[old] for old in order),
+                expected=tuple(map(moved, case.expected)),
+                circumstances={
+                    **case.circumstances,
+                    "inactive": tuple(sorted(new[old] for old in case.circumstances["inactive"])),
+                },
+                lots=tuple(
+                    Lot(target=lot.target, seats=tuple(sorted(new[old] for old in lot.seats)), drawn=None)
+                    for lot in case.lots
+                ),
+            ),
+        )
+
+
+def _without_a_loser(case: ArbiterCase) -> Variants:
+    """R5.5: what a hunter asked that won nothing is left out; nobody else's ruling changes, but that a refused kill
+    without a rival is no contest any more (R5.6). The lots of the case are decided.
+    """
+    for seat in sorted({one.hunter for one in case.expected}):
+        if any(one.hunter == seat and _has_won(one) for one in case.expected):
+            continue
+        rest = tuple(one for one in case.expected if one.hunter != seat)
+        contested = {one.target for one in rest if one.verdict is Verdict.LOST_CONTEST}
+        yield (
+            f"without what hunter {seat} asked",
+            replace(
+                case,
+                expected=tuple(
+                    replace(one, winner=None)
+                    if one.verdict is Verdict.KILL_FAILED and one.target not in contested
+                    else one
+                    for one in rest
+                ),
+            ),
+        )
+
+
+def _in_other_steps(case: ArbiterCase) -> Iterator[ArbiterCase]:
+    """The case in `fair_over_steps` steps, with another seed in each."""
+    lots = tuple(replace(lot, drawn=None) for lot in case.lots)
+    seed, step = case.circumstances["seed"], case.circumstances["step"]
+    for later in range(case.fair_over_steps):
+        circumstances = {**case.circumstances, "seed": seed + later, "step": step + later}
+        yield replace(case, circumstances=circumstances, lots=lots)
+
+
+def _under_nearest(case: ArbiterCase) -> ArbiterCase:
+    """The same requests under `nearest`, with what that answers."""
+    circumstances = {**case.circumstances, "policy": "nearest"}
+    return replace(case, circumstances=circumstances, expected=case.under_nearest, under_nearest=())
+
+
+def _has_won(one: ExpectedRuling) -> bool:
+    return one.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED, LOT}
+
+
+def _permutations(count: int, name: str) -> list[tuple[int, ...]]:
+    """All orders of that many things but the given one, or a sample of them that depends on the name alone."""
+    if count <= 4:
+        return list(itertools.permutations(range(count)))[1:]
+    source = random.Random(name)
+    return [tuple(source.sample(range(count), count)) for _ in range(_MOST_VARIANTS)]
+
+
+def _orders(seats: tuple[int, ...], name: str) -> list[tuple[int, ...]]:
+    """Orders of requests, by their places, in which those of one seat keep theirs."""
+    given = tuple(range(len(seats)))
+    found = dict.fromkeys(_in_turn(seats, order) for order in _permutations(len(seats), name))
+    return [order for order in found if order != given]
+
+
+def _in_turn(seats: tuple[int, ...], order: tuple[int, ...]) -> tuple[int, ...]:
+    """The order, with the places of each seat sorted."""
+    waiting = {seat: iter([place for place, one in enumerate(seats) if one == seat]) for seat in set(seats)}
+    return tuple(next(waiting[seats[place]]) for place in order)
