@@ -10,6 +10,8 @@ RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
 # The docs first: one of their tests is the longest.
 QUICK := tests/docs $(RULES) tests/agents tests/conformance tests/contract tests/vector
 SET_UP := $(PYTHON) scripts/set_up $(VENV)
+# Formats, lints and type-checks the JavaScript. What it keeps lies in the environment, and it asks nobody for its own updates.
+DENO := DENO_DIR=$(VENV)/deno DENO_NO_UPDATE_CHECK=1 $(BIN)/deno
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 
 # Bytecode is kept, whatever the environment says: every process would compile all sources anew, some five seconds each.
@@ -66,16 +68,21 @@ browser: $(VENV)/ready-browser ## play videos and open pages in a headless Chrom
 window: $(VENV)/ready-window ## play in a real window, on an X server without a screen
 	$(BIN)/pytest tests/window
 
-check: $(VENV)/ready-dev ## format, lint, types, import contract
+check: $(VENV)/ready-dev ## format, lint, types, import contract; of the JavaScript too
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/basedpyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports --no-cache
+	$(DENO) fmt --check
+	$(DENO) lint
+	$(DENO) check
 
 format: $(VENV)/ready-dev ## put the sources into form
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+	$(DENO) fmt
+	$(DENO) lint --fix
 
 bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs/performance.md)
 	@mkdir -p out
@@ -109,7 +116,7 @@ $(VENV)/ready: pyproject.toml $(VENV)/set_up.whole
 	@touch $@
 
 $(VENV)/ready-dev: $(VENV)/ready
-	@$(SET_UP) --group test --group check --download 195
+	@$(SET_UP) --group test --group check --download 235
 	@touch $@
 
 $(VENV)/ready-extras: $(VENV)/ready-dev

@@ -1,6 +1,7 @@
 """The element `<catch-replay>`, which plays a film, as one script: a page may hold any number of them."""
 
 import json
+import re
 from functools import cache
 from importlib.resources import files
 from typing import Any, Final
@@ -11,6 +12,8 @@ from catch_arena.render.turtle import TURTLE_PARTS
 from catch_arena.replay import Replay
 
 _SCRIPTS: Final = ("film.js", "arena.js", "player.js")
+_MODULE: Final = re.compile(r"^(import [^;]*;\n|export )", re.MULTILINE)
+"""What makes a module of a file: checkers and tests read them so, and in a page they are one script."""
 _EVERY: Final = 2
 """Of the points of a turtle's outline, so many are one."""
 _FALLBACK: Final = "This replay plays where scripts may run."
@@ -27,13 +30,13 @@ def player_html(replay: Replay) -> str:
 @cache
 def element_script() -> str:
     """What a page needs once; more than once does no harm."""
-    parts = "\n".join(page_file("catch_arena.player", name) for name in _SCRIPTS)
+    parts = "\n".join(_MODULE.sub("", page_file("catch_arena.player", name)) for name in _SCRIPTS)
     return (
         '<script>if (!customElements.get("catch-replay")) {\n'
-        f"(() => {{{parts}\n"
+        f'(() => {{"use strict";\n{parts}\n'
         f"CatchReplay.look = {script_json(_look())};\n"
         f"CatchReplay.style = {script_json(page_file('catch_arena.player', 'player.css'))};\n"
-        'CatchReplay.unpacked = unpacked;\ncustomElements.define("catch-replay", CatchReplay);\n})();\n}</script>'
+        'customElements.define("catch-replay", CatchReplay);\n})();\n}</script>'
     )
 
 

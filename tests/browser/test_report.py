@@ -11,7 +11,7 @@ from report.synthetic import tournament
 
 import catch_arena
 from catch_arena.explanation import explain
-from catch_arena.player import player_html
+from catch_arena.player import film_text, player_html
 from catch_arena.render import view
 from catch_arena.report import REPORT, watch, write_report
 from catch_arena.report.findings import Findings
@@ -341,3 +341,18 @@ def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report
         page.wait_for_function(
             "match => document.getElementById('showing').textContent === `Match ${match}`", arg=match
         )
+
+
+def test_a_damaged_replay_says_so_in_one_line_and_the_next_one_plays(quiet, crowd, tmp_path):
+    page = opened(quiet, tmp_path, player_html(crowd))
+    text = film_text(crowd)
+    player = page.locator("catch-replay")
+    player.evaluate("(player, text) => player.setAttribute('film', text)", text[: len(text) // 8 * 4])
+    page.wait_for_function("document.querySelector('catch-replay').note.textContent.includes('cannot be shown')")
+    assert page.locator(".note").inner_text() == "The replay cannot be shown. It is damaged: it cannot be unpacked."
+    page.get_by_role("button", name="Play", exact=True).click()  # there is nothing to play
+    player.evaluate("(player, text) => player.setAttribute('film', text)", text)
+    page.wait_for_function("document.querySelector('catch-replay').film")
+    page.get_by_role("button", name="Play", exact=True).click()
+    page.wait_for_function("document.querySelector('catch-replay').time > 600")
+    assert "cannot be shown" not in page.locator(".note").inner_text()

@@ -5,8 +5,8 @@ import gzip
 import json
 import math
 
-import numpy as np
 import pytest
+from report.decoder import decoded
 
 import catch_arena
 from catch_arena.explanation import explain
@@ -33,19 +33,7 @@ def replay():
 @pytest.fixture(scope="module")
 def content(replay):
     """(facts, each body's x, y and theta)."""
-    head, tracks = film(replay).split(b"\n", 1)
-    facts = json.loads(head)
-    half = len(tracks) // 2
-    words = [tracks[place] + 256 * tracks[half + place] for place in range(half)]
-    steps = [word // 2 if word % 2 == 0 else -(word + 1) // 2 for word in words]
-    lengths = [facts["steps"] + 1] * len(facts["hunters"]) + [length for _, _, length in facts["targets"]]
-    bodies, at = [], 0
-    for length in lengths:
-        columns = [np.cumsum(steps[at + part * length : at + (part + 1) * length]) for part in range(3)]
-        bodies.append(np.array(columns) * [[facts["side"] / GRID], [facts["side"] / GRID], [2 * math.pi / TURN]])
-        at += 3 * length
-    assert at == len(steps)
-    return facts, bodies
+    return decoded(film(replay))
 
 
 def test_everybody_is_where_it_was_within_a_part_of_the_grid(replay, content):

@@ -1,8 +1,45 @@
+/** @typedef {import("./film.js").Film} Film */
+/** @typedef {import("./film.js").Hunter} Hunter */
+/** @typedef {import("./film.js").Ruling} Ruling */
+/** @typedef {import("./film.js").Contest} Contest */
+/** @typedef {{ x: number, y: number }} Point in metres, upwards */
+/** @typedef {ReturnType<Film["pose"]>} Pose */
+
+/**
+ * The colours and shapes of render/, as element.py writes them.
+ * @typedef {object} Look
+ * @property {string} ground
+ * @property {string} outside
+ * @property {string} grid
+ * @property {string} wall
+ * @property {string} target
+ * @property {string} ink
+ * @property {number} hunterLength in metres
+ * @property {number} targetLength in metres
+ * @property {number} margin part of the side
+ * @property {[own: number, white: number, points: [number, number][]][]} turtle
+ */
+
+/**
+ * What is being painted: an instant of a film, and how metres become dots of the canvas.
+ * @typedef {object} Scene
+ * @property {CanvasRenderingContext2D} context
+ * @property {Film} film
+ * @property {number} time in milliseconds
+ * @property {number} size of the canvas, in dots
+ * @property {number} scale dots in a metre
+ * @property {number} dots of the canvas in one of the page's pixels
+ * @property {(point: Point) => [number, number]} place
+ * @property {number} length of a hunter, in dots
+ * @property {number | null} picked
+ */
+
 const CLOSE_UP_M = 1.1;
 const LASTS_MS = 900;
 
 /** Paints an instant of a film, as render/ does: `look` comes from its tables. */
-class Painter {
+export class Painter {
+  /** @param {Look} look */
   constructor(look) {
     this.look = look;
     this.turtle = look.turtle.map(([own, white, points]) => {
@@ -11,10 +48,18 @@ class Painter {
       path.closePath();
       return { own, white, path };
     });
+    /** @type {Map<string, string[]>} */
     this.dyes = new Map();
   }
 
-  /** The whole arena. Args: the seat of the hunter that is picked, or null; `calm`, whether nothing should pulse. */
+  /**
+   * The whole arena.
+   * @param {HTMLCanvasElement} canvas
+   * @param {Film} film
+   * @param {number} time
+   * @param {number | null} picked the seat of the hunter that is picked
+   * @param {boolean} calm whether nothing should pulse
+   */
   paint(canvas, film, time, picked, calm) {
     const margin = this.look.margin * film.side;
     const view = { x: -margin, y: -margin, side: film.side + 2 * margin };
@@ -23,12 +68,17 @@ class Painter {
     film.hunters.forEach((_, seat) => this.#trail(scene, seat));
     this.#targets(scene);
     film.hunters.forEach((_, seat) => this.#hunter(scene, seat));
-    const recent = film.rulings.filter((ruling) => ruling.target && ruling.time < time && time - ruling.time < LASTS_MS);
+    const recent = film.rulings.filter((ruling) => ruling.time < time && time - ruling.time < LASTS_MS);
     for (const ruling of recent) this.#ruling(scene, ruling, calm);
     film.hunters.forEach((hunter, seat) => this.#number(scene, seat, film.pose(hunter, time)));
   }
 
-  /** A contest from near by: how far each claimant is from the target, and the circle in which it is within reach. */
+  /**
+   * A contest from near by: how far each claimant is from the target, and the circle in which it is within reach.
+   * @param {HTMLCanvasElement} canvas
+   * @param {Film} film
+   * @param {Contest} contest
+   */
   closeUp(canvas, film, contest) {
     const middle = film.pose(contest.place, contest.time);
     const view = { x: middle.x - CLOSE_UP_M / 2, y: middle.y - CLOSE_UP_M / 2, side: CLOSE_UP_M };
@@ -57,17 +107,27 @@ class Painter {
     for (const seat of [...contest.parties].reverse()) this.#distance(scene, seat, [x, y]);
   }
 
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {Film} film
+   * @param {number} time
+   * @param {Point & { side: number }} view the square to be seen: its lower left corner
+   * @param {number | null} picked
+   * @returns {Scene}
+   */
   #scene(canvas, film, time, view, picked) {
-    const context = canvas.getContext("2d");
+    const context = brush(canvas);
     const size = canvas.width;
     const scale = size / view.side;
     const dots = size / canvas.clientWidth || 1;
+    /** @type {Scene["place"]} */
     const place = ({ x, y }) => [(x - view.x) * scale, size - (y - view.y) * scale];
     const smallest = dots * Math.max(18, canvas.clientWidth / 26);
     const length = Math.max(this.look.hunterLength * scale, smallest);
     return { context, film, time, size, scale, dots, place, length, picked };
   }
 
+  /** @param {Scene} scene */
   #targets(scene) {
     const { film, time, length } = scene;
     const small = (length * this.look.targetLength) / this.look.hunterLength;
@@ -76,12 +136,19 @@ class Painter {
     }
   }
 
-  /** A claimant's number at its place, and the way to the target. */
+  /**
+   * A claimant's number at its place, and the way to the target.
+   * @param {Scene} scene
+   * @param {number} seat
+   * @param {[number, number]} target in dots
+   */
   #distance(scene, seat, target) {
     const { context, film, time, dots, place } = scene;
     const hunter = film.hunters[seat];
     const [x, y] = place(film.pose(hunter, time));
-    for (const [color, width] of [[this.look.ink, 6], [hunter.color, 3]]) {
+    /** @type {[string, number][]} */
+    const strokes = [[this.look.ink, 6], [hunter.color, 3]];
+    for (const [color, width] of strokes) {
       context.strokeStyle = color;
       context.lineWidth = width * dots;
       context.lineCap = "round";
@@ -101,9 +168,10 @@ class Painter {
     context.textAlign = "center";
     context.textBaseline = "middle";
     context.fillStyle = inkOn(hunter.color);
-    context.fillText(seat, x, y + dots);
+    context.fillText(String(seat), x, y + dots);
   }
 
+  /** @param {Scene} scene */
   #ground({ context, film, size, scale, dots, place }) {
     context.fillStyle = this.look.outside;
     context.fillRect(0, 0, size, size);
@@ -125,6 +193,10 @@ class Painter {
     context.strokeRect(left, bottom - side, side, side);
   }
 
+  /**
+   * @param {Scene} scene
+   * @param {number} seat
+   */
   #trail({ context, film, time, place, length, picked }, seat) {
     const hunter = film.hunters[seat];
     const span = 1800;
@@ -141,6 +213,10 @@ class Painter {
     context.globalAlpha = 1;
   }
 
+  /**
+   * @param {Scene} scene
+   * @param {number} seat
+   */
   #hunter(scene, seat) {
     const { context, film, time, scale, dots, place, length, picked } = scene;
     const hunter = film.hunters[seat];
@@ -162,6 +238,11 @@ class Painter {
     context.globalAlpha = 1;
   }
 
+  /**
+   * @param {Scene} scene
+   * @param {Hunter} hunter
+   * @param {Pose} pose
+   */
   #heading({ context, film, scale, place, length }, hunter, pose) {
     const [x, y] = place(pose);
     const base = Math.max(film.reach * scale, 0.55 * length) + 1.5;
@@ -178,6 +259,13 @@ class Painter {
     context.restore();
   }
 
+  /**
+   * @param {Scene} scene
+   * @param {Pose} pose
+   * @param {number} length in dots
+   * @param {string} color
+   * @param {number} contrast from 0 to 1
+   */
   #turtle({ context, place }, pose, length, color, contrast) {
     const [x, y] = place(pose);
     context.save();
@@ -188,29 +276,42 @@ class Painter {
     context.fill();
     context.rotate(-pose.theta);
     context.scale(length, length);
+    const inks = this.#dyed(color, contrast);
     for (const [index, { path }] of this.turtle.entries()) {
-      context.fillStyle = this.#dyed(color, contrast)[index];
+      context.fillStyle = inks[index];
       context.fill(path);
     }
     context.restore();
   }
 
-  /** The colour of each part of a turtle: so much of its own, so much white; the less contrast, the less dark. */
+  /**
+   * The colour of each part of a turtle: so much of its own, so much white; the less contrast, the less dark.
+   * @param {string} color
+   * @param {number} contrast from 0 to 1
+   */
   #dyed(color, contrast) {
     const key = color + contrast;
-    if (!this.dyes.has(key)) {
+    let inks = this.dyes.get(key);
+    if (!inks) {
+      /** @type {(own: number, white: number, channel: number) => number} */
       const part = (own, white, channel) => {
         const lit = channel * (1 - contrast);
         return Math.round(own * channel * contrast + white * (255 - lit) + lit);
       };
-      const inks = this.turtle.map(({ own, white }) => `rgb(${rgb(color).map((one) => part(own, white, one))})`);
+      inks = this.turtle.map(({ own, white }) => `rgb(${rgb(color).map((one) => part(own, white, one))})`);
       this.dyes.set(key, inks);
     }
-    return this.dyes.get(key);
+    return inks;
   }
 
-  /** A catch is a ring about the target, a lost contest a dashed line to it. */
+  /**
+   * A catch is a ring about the target, a lost contest a dashed line to it.
+   * @param {Scene} scene
+   * @param {Ruling} ruling
+   * @param {boolean} calm
+   */
   #ruling({ context, film, time, place, length }, { time: judged, seat, verdict, target }, calm) {
+    if (!target) return;
     const part = (time - judged) / LASTS_MS;
     const [x, y] = place(film.pose(target, judged));
     context.globalAlpha = 1 - part;
@@ -234,6 +335,11 @@ class Painter {
     context.globalAlpha = 1;
   }
 
+  /**
+   * @param {Scene} scene
+   * @param {number} seat
+   * @param {Pose} pose
+   */
   #number({ context, place, length, dots }, seat, pose) {
     const [x, y] = place(pose);
     context.font = `800 ${Math.max(10 * dots, 0.36 * length)}px system-ui, sans-serif`;
@@ -242,16 +348,22 @@ class Painter {
     context.lineJoin = "round";
     context.lineWidth = 0.11 * length;
     context.strokeStyle = this.look.ink;
-    context.strokeText(seat, x, y);
+    context.strokeText(String(seat), x, y);
     context.fillStyle = "#ffffff";
-    context.fillText(seat, x, y);
+    context.fillText(String(seat), x, y);
   }
 
-  /** The catches of a match, a lane for each hunter, and its contests as diamonds above them. */
+  /**
+   * The catches of a match, a lane for each hunter, and its contests as diamonds above them.
+   * @param {HTMLCanvasElement} canvas
+   * @param {Film} film
+   * @param {number | null} picked
+   */
   strip(canvas, film, picked) {
-    const context = canvas.getContext("2d");
+    const context = brush(canvas);
     const { width, height } = canvas;
     const dots = width / canvas.clientWidth || 1;
+    /** @type {(time: number) => number} */
     const across = (time) => (time / film.duration) * width;
     const top = 12 * dots;
     const lane = (height - top - 3 * dots) / film.hunters.length;
@@ -275,17 +387,33 @@ class Painter {
   }
 }
 
+/** @param {HTMLCanvasElement} canvas */
+function brush(canvas) {
+  const context = canvas.getContext("2d");
+  if (!context) throw new Error("This browser has no canvas.");
+  return context;
+}
+
+/** @param {string} color #rrggbb */
 const rgb = (color) => [1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16));
 
-/** A colour with a part of another one. */
+/**
+ * A colour with a part of another one.
+ * @param {string} one
+ * @param {string} other
+ * @param {number} part
+ */
 function mixed(one, other, part, opacity = 1) {
   const [from, to] = [rgb(one), rgb(other)];
   const channels = from.map((channel, index) => Math.round(channel + (to[index] - channel) * part));
   return `rgb(${channels.join(" ")} / ${opacity})`;
 }
 
-/** The colour of a number on a hunter's. */
-function inkOn(color) {
+/**
+ * The colour of a number on a hunter's.
+ * @param {string} color
+ */
+export function inkOn(color) {
   const [red, green, blue] = rgb(color);
   return 0.3 * red + 0.59 * green + 0.11 * blue > 120 ? "#0e122c" : "#ffffff";
 }

@@ -1,3 +1,9 @@
+import { inkOn, Painter } from "./arena.js";
+import { Film, unpacked } from "./film.js";
+
+/** @typedef {import("./arena.js").Look} Look */
+/** @typedef {import("./film.js").Claim} Claim */
+
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 const KEYS = [
   ["Space", "play, pause"],
@@ -8,34 +14,82 @@ const KEYS = [
   ["Home End", "the beginning, the end"],
 ];
 
-const make = (tag, properties = {}, ...children) => {
-  const { attributes = {}, ...rest } = properties;
-  const node = Object.assign(document.createElement(tag), rest);
-  Object.entries(attributes).forEach(([name, value]) => node.setAttribute(name, value));
+/**
+ * An element with its properties and children.
+ * @template {keyof HTMLElementTagNameMap} Tag
+ * @param {Tag} tag
+ * @param {Partial<HTMLElementTagNameMap[Tag]>} [properties]
+ * @param {...(Node | string)} children
+ * @returns {HTMLElementTagNameMap[Tag]}
+ */
+function make(tag, properties = {}, ...children) {
+  const node = Object.assign(document.createElement(tag), properties);
   node.append(...children);
   return node;
-};
+}
 
+/** @param {number} time */
 const seconds = (time, digits = 1) => `${(time / 1000).toFixed(digits)} s`;
+/** @param {number | null} micrometres */
 const metres = (micrometres) => (micrometres === null ? "not measured" : `${(micrometres / 1e6).toFixed(6)} m`);
+/** @param {string} verdict */
 const words = (verdict) => verdict.toLowerCase().replaceAll("_", " ");
 
 /** <catch-replay film="…">: a recorded match that plays. It needs nothing from the page around it. */
-class CatchReplay extends HTMLElement {
+export class CatchReplay extends HTMLElement {
   static observedAttributes = ["film"];
+  static unpacked = unpacked;
+  static style = "";
+  /** @type {Look} set by the page, from the tables of render/ */
+  static look;
+
+  /** @type {Film | null} */
+  film = null;
+  /** What is shown: an instant of the film in milliseconds, and the seat of the hunter that is followed. */
+  time = 0;
+  /** @type {number | null} */
+  picked = null;
+  speed = 1;
+  playing = false;
+  /** The latest frame that was asked for. */
+  frame = 0;
+  /** @type {number | null} when the frame before was painted */
+  last = null;
+  /** @type {import("./film.js").Contest | null} the contest that is explained */
+  explained = null;
+  painter = new Painter(CatchReplay.look);
+  calm = matchMedia("(prefers-reduced-motion: reduce)");
+
+  arena = make("canvas", { className: "arena", tabIndex: 0, role: "img" });
+  cast = make("ol", { className: "cast", ariaLabel: "Hunters" });
+  note = make("p", { className: "note" });
+  closeUp = make("canvas", { className: "close-up", role: "img" });
+  claims = make("ol", { className: "claims" });
+  reason = make("p", { className: "reason" });
+  contest = make("div", { className: "contest", hidden: true }, this.closeUp, this.claims, this.reason);
+  spoken = make("p", { className: "spoken", ariaLive: "polite" });
+  strip = make("canvas", { className: "strip", ariaHidden: "true" });
+  scrub = make("input", { type: "range", min: "0", value: "0", ariaLabel: "Time" });
+  toggle = make("button", { type: "button", className: "toggle" });
+  previous = make("button", { type: "button", textContent: "Previous", ariaLabel: "Previous contest" });
+  next = make("button", { type: "button", textContent: "Next contest" });
+  clock = make("output", { className: "clock" });
+  pace = make("select", { ariaLabel: "Speed" });
+  whole = make("div", { className: "player", role: "group", ariaLabel: "Replay" });
 
   constructor() {
     super();
-    this.painter = new Painter(CatchReplay.look);
-    this.attachShadow({ mode: "open", delegatesFocus: true });
-    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
-    this.speed = 1;
     this.#build();
     this.addEventListener("keydown", (event) => this.#key(event));
     new ResizeObserver(() => this.#fit()).observe(this.arena);
   }
 
-  /** A film may come with the element, or later, or be changed for another. */
+  /**
+   * A film may come with the element, or later, or be changed for another.
+   * @param {string} _
+   * @param {string | null} before
+   * @param {string | null} text
+   */
   async attributeChangedCallback(_, before, text) {
     if (!text || before === text) return;
     this.pause();
@@ -45,12 +99,11 @@ class CatchReplay extends HTMLElement {
       if (this.getAttribute("film") !== text) return; // another one was asked for meanwhile
       this.film = film;
     } catch (error) {
-      this.note.textContent = `This browser cannot show the replay: ${error.message}`;
+      this.note.textContent = `The replay cannot be shown. ${error instanceof Error ? error.message : error}`;
       return;
     }
     this.time = 0;
-    this.picked = null;
-    this.#cast();
+    this.#cast(this.film);
     this.#fit();
     this.#tell();
   }
@@ -72,30 +125,38 @@ class CatchReplay extends HTMLElement {
     this.#tell();
   }
 
-  /** Show an instant. */
+  /**
+   * Show an instant.
+   * @param {number} time
+   */
   seek(time) {
+    if (!this.film) return;
     this.time = Math.min(Math.max(time, 0), this.film.duration);
     this.#draw();
     if (!this.playing) this.#tell();
   }
 
-  /** Follow one hunter, or none. */
+  /**
+   * Follow one hunter, or none.
+   * @param {number | null} seat
+   */
   pick(seat) {
     this.picked = seat;
-    [...this.cast.children].forEach((row, index) => {
-      row.firstChild.setAttribute("aria-pressed", String(index === seat));
-    });
+    this.cast.querySelectorAll("button").forEach((button, index) => (button.ariaPressed = String(index === seat)));
     this.#draw();
     this.#tell();
   }
 
-  /** The next contest of the picked hunter, or the one before. */
+  /**
+   * The next contest of the picked hunter, or the one before.
+   * @param {1 | -1} direction
+   */
   jump(direction) {
+    if (!this.film) return;
     const contests = this.film.contestsOf(this.picked);
-    const found =
-      direction > 0
-        ? contests.find(({ time }) => time > this.time)
-        : contests.findLast(({ time }) => time < this.time);
+    const found = direction > 0
+      ? contests.find(({ time }) => time > this.time)
+      : contests.findLast(({ time }) => time < this.time);
     if (!found) {
       this.spoken.textContent = direction > 0 ? "No contest after this." : "No contest before this.";
       return;
@@ -106,50 +167,48 @@ class CatchReplay extends HTMLElement {
   }
 
   #build() {
-    this.arena = make("canvas", { className: "arena", tabIndex: 0, attributes: { role: "img" } });
-    this.cast = make("ol", { className: "cast", attributes: { "aria-label": "Hunters" } });
-    this.note = make("p", { className: "note" });
-    this.closeUp = make("canvas", { className: "close-up", attributes: { role: "img" } });
-    this.claims = make("ol", { className: "claims" });
-    this.reason = make("p", { className: "reason" });
-    this.contest = make("div", { className: "contest", hidden: true }, this.closeUp, this.claims, this.reason);
-    this.spoken = make("p", { className: "spoken", attributes: { "aria-live": "polite" } });
-    this.strip = make("canvas", { className: "strip", attributes: { "aria-hidden": "true" } });
-    this.scrub = make("input", { type: "range", min: 0, value: 0, attributes: { "aria-label": "Time" } });
     this.scrub.addEventListener("input", () => this.seek(Number(this.scrub.value)));
-    this.toggle = make("button", { type: "button", className: "toggle", onclick: () => this.#toggle() });
-    this.before = make("button", { type: "button", textContent: "Previous", onclick: () => this.jump(-1) });
-    this.before.setAttribute("aria-label", "Previous contest");
-    this.next = make("button", { type: "button", textContent: "Next contest", onclick: () => this.jump(1) });
-    this.clock = make("output", { className: "clock" });
-    const paces = SPEEDS.map((speed) => make("option", { value: speed, textContent: `${speed} ×` }));
-    this.pace = make("select", { attributes: { "aria-label": "Speed" } }, ...paces);
-    this.pace.value = this.speed;
+    this.toggle.addEventListener("click", () => this.#toggle());
+    this.previous.addEventListener("click", () => this.jump(-1));
+    this.next.addEventListener("click", () => this.jump(1));
+    this.pace.append(...SPEEDS.map((speed) => make("option", { value: String(speed), textContent: `${speed} ×` })));
+    this.pace.value = String(this.speed);
     this.pace.addEventListener("change", () => (this.speed = Number(this.pace.value)));
-    const listed = KEYS.flatMap(([key, does]) => [make("dt", { textContent: key }), make("dd", { textContent: does })]);
-    const keys = make("details", { className: "keys" }, make("summary", { textContent: "Keys" }), make("dl", {}, ...listed));
-    const controls = make("div", { className: "controls" }, this.toggle, this.before, this.next, this.clock, this.pace);
-    this.shadowRoot.append(
-      make("style", { textContent: CatchReplay.style }),
+    const keys = KEYS.flatMap(([key, does]) => [make("dt", { textContent: key }), make("dd", { textContent: does })]);
+    const parts = [
       make(
         "div",
-        { className: "player", attributes: { role: "group", "aria-label": "Replay" } },
-        make(
-          "div",
-          { className: "stage" },
-          this.arena,
-          make("div", { className: "time" }, this.strip, this.scrub),
-          controls,
-        ),
-        make("div", { className: "aside" }, this.cast, this.note, this.contest, keys, this.spoken),
+        { className: "stage" },
+        this.arena,
+        make("div", { className: "time" }, this.strip, this.scrub),
+        make("div", { className: "controls" }, this.toggle, this.previous, this.next, this.clock, this.pace),
       ),
-    );
+      make(
+        "div",
+        { className: "aside" },
+        this.cast,
+        this.note,
+        this.contest,
+        make(
+          "details",
+          { className: "keys" },
+          make("summary", { textContent: "Keys" }),
+          make("dl", {}, ...keys),
+        ),
+        this.spoken,
+      ),
+    ];
+    this.whole.append(...parts);
+    const root = this.attachShadow({ mode: "open", delegatesFocus: true });
+    root.append(make("style", { textContent: CatchReplay.style }), this.whole);
     this.#button();
   }
 
-  /** The hunters' list: each line picks one. */
-  #cast() {
-    const { hunters, duration, title, seed, contests } = this.film;
+  /**
+   * The hunters' list: each line picks one.
+   * @param {Film} film
+   */
+  #cast({ hunters, duration, period, title, seed, contests }) {
     this.cast.replaceChildren(
       ...hunters.map(({ name, color }, seat) => {
         const score = make("span", { className: "score" });
@@ -164,10 +223,10 @@ class CatchReplay extends HTMLElement {
       }),
     );
     this.pick(null);
-    this.scrub.max = duration;
-    this.scrub.step = this.film.period;
-    this.before.disabled = this.next.disabled = !contests.length;
-    this.shadowRoot.querySelector(".player").setAttribute("aria-label", `Replay: ${title || "match"}, seed ${seed}`);
+    this.scrub.max = String(duration);
+    this.scrub.step = String(period);
+    this.previous.disabled = this.next.disabled = !contests.length;
+    this.whole.ariaLabel = `Replay: ${title || "match"}, seed ${seed}`;
     this.strip.style.height = `${Math.min(96, 16 + 9 * hunters.length)}px`;
   }
 
@@ -180,8 +239,9 @@ class CatchReplay extends HTMLElement {
     else this.play();
   }
 
+  /** @param {number} now */
   #advance(now) {
-    if (!this.playing) return;
+    if (!this.playing || !this.film) return;
     const passed = this.last === null ? 0 : Math.min(now - this.last, 100); // a page in the background stands still
     this.last = now;
     this.time = Math.min(this.time + passed * this.speed, this.film.duration);
@@ -192,50 +252,62 @@ class CatchReplay extends HTMLElement {
 
   /** Canvases have as many dots as the screen. */
   #fit() {
-    const ratio = window.devicePixelRatio || 1;
     for (const canvas of [this.arena, this.closeUp, this.strip]) {
-      canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-      canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+      canvas.width = Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio));
+      canvas.height = Math.max(1, Math.round(canvas.clientHeight * devicePixelRatio));
     }
     this.#draw();
   }
 
   #draw() {
-    if (!this.film || !this.arena.clientWidth) return;
     const { film, time, picked } = this;
+    if (!film || !this.arena.clientWidth) return;
     this.painter.paint(this.arena, film, time, picked, this.calm.matches);
     this.painter.strip(this.strip, film, picked);
     const scores = film.scores(time);
-    [...this.cast.querySelectorAll(".score")].forEach((node, seat) => (node.textContent = scores[seat]));
+    this.cast.querySelectorAll(".score").forEach((node, seat) => (node.textContent = String(scores[seat])));
     this.clock.textContent = `${seconds(time)} of ${seconds(film.duration, 0)}`;
-    this.scrub.value = time;
-    this.scrub.setAttribute("aria-valuetext", `${seconds(time)} of ${seconds(film.duration, 0)}`);
-    this.#explain();
+    this.scrub.value = String(time);
+    this.scrub.ariaValueText = this.clock.textContent;
+    this.#explain(film);
   }
 
-  /** The latest contest: who was how far away, what decided, who won. */
-  #explain() {
-    const { film, time, picked } = this;
+  /**
+   * The latest contest: who was how far away, what decided, who won.
+   * @param {Film} film
+   */
+  #explain(film) {
+    const { time, picked } = this;
     const contests = film.contestsOf(picked);
     const contest = contests.findLast((one) => one.time <= time);
     this.contest.hidden = !contest;
     const who = picked === null ? "" : ` of ${film.hunters[picked].name}`;
-    if (!contests.length) this.note.textContent = `No contest${who}: in no step could two catch the same target.`;
-    else if (contest) this.note.textContent = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${who}, step ${contest.state + 1} (${contest.clause})`;
-    else this.note.textContent = `${contests.length} ${contests.length === 1 ? "contest" : "contests"}${who}, the first at ${seconds(contests[0].time)}`;
+    if (!contests.length) {
+      this.note.textContent = `No contest${who}: in no step could two catch the same target.`;
+    } else if (contest) {
+      const which = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${who}`;
+      this.note.textContent = `${which}, step ${contest.state + 1} (${contest.clause})`;
+    } else {
+      const count = contests.length === 1 ? "1 contest" : `${contests.length} contests`;
+      this.note.textContent = `${count}${who}, the first at ${seconds(contests[0].time)}`;
+    }
     if (!contest || contest === this.explained) return;
     this.explained = contest;
     this.reason.textContent = contest.sentence;
-    this.claims.replaceChildren(...contest.claims.map((claim) => this.#claim(claim)));
-    this.closeUp.setAttribute("aria-label", `Close-up of ${contest.target} in step ${contest.state + 1}`);
-    this.closeUp.width = this.closeUp.height = Math.round(this.closeUp.clientWidth * (window.devicePixelRatio || 1));
+    this.claims.replaceChildren(...contest.claims.map((claim) => this.#claim(film, claim)));
+    this.closeUp.ariaLabel = `Close-up of ${contest.target} in step ${contest.state + 1}`;
+    this.closeUp.width = this.closeUp.height = Math.round(this.closeUp.clientWidth * devicePixelRatio);
     this.painter.closeUp(this.closeUp, film, contest);
   }
 
-  #claim([seat, verdict, distance]) {
-    const { name, color } = this.film.hunters[seat];
+  /**
+   * @param {Film} film
+   * @param {Claim} claim
+   */
+  #claim({ hunters, reach }, [seat, verdict, distance]) {
+    const { name, color } = hunters[seat];
     const bar = make("span", { className: "bar" });
-    bar.style.width = `${Math.min(100, (100 * (distance ?? 0)) / (1e6 * this.film.reach))}%`;
+    bar.style.width = `${Math.min(100, (100 * (distance ?? 0)) / (1e6 * reach))}%`;
     bar.style.background = color;
     return make(
       "li",
@@ -257,18 +329,26 @@ class CatchReplay extends HTMLElement {
     if (!this.film) return;
     const scores = this.film.scores(this.time);
     const told = this.film.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ");
-    this.arena.setAttribute("aria-label", `The arena at ${seconds(this.time)}. Catches: ${told}.`);
+    this.arena.ariaLabel = `The arena at ${seconds(this.time)}. Catches: ${told}.`;
   }
 
+  /** @param {KeyboardEvent} event */
   #key(event) {
-    const inside = event.composedPath()[0];
-    if (!this.film || event.ctrlKey || event.metaKey || event.altKey || inside.tagName === "SELECT") return;
-    if (inside.tagName !== "CANVAS" && inside !== this.scrub && ["Enter", " "].includes(event.key)) return; // a button's own
-    const stride = event.shiftKey ? this.film.period : 1000;
+    const { film } = this;
+    const [inside] = event.composedPath();
+    if (!film || event.ctrlKey || event.metaKey || event.altKey || inside === this.pace) return;
+    if (inside !== this.arena && inside !== this.scrub && ["Enter", " "].includes(event.key)) return; // a button's own
+    const stride = event.shiftKey ? film.period : 1000;
+    /** @type {(way: 1 | -1) => number} */
     const change = (way) => SPEEDS[Math.min(Math.max(SPEEDS.indexOf(this.speed) + way, 0), SPEEDS.length - 1)];
-    const pace = (way) => (this.pace.value = this.speed = change(way));
-    const seats = this.film.hunters.length;
+    /** @param {1 | -1} way */
+    const pace = (way) => {
+      this.speed = change(way);
+      this.pace.value = String(this.speed);
+    };
+    const seats = film.hunters.length;
     const following = this.picked === null ? 0 : this.picked + 1 < seats ? this.picked + 1 : null;
+    /** @type {Record<string, () => void>} */
     const actions = {
       " ": () => this.#toggle(),
       arrowleft: () => this.seek(this.time - stride),
@@ -281,7 +361,7 @@ class CatchReplay extends HTMLElement {
       "=": () => pace(1),
       "-": () => pace(-1),
       home: () => this.seek(0),
-      end: () => this.seek(this.film.duration),
+      end: () => this.seek(film.duration),
     };
     const seat = /^\d$/.test(event.key) ? Number(event.key) : NaN;
     const action = seat < seats ? () => this.pick(seat) : actions[event.key.toLowerCase()];
@@ -292,9 +372,13 @@ class CatchReplay extends HTMLElement {
   }
 }
 
-/** A hunter's number in its colour. */
+/**
+ * A hunter's number in its colour.
+ * @param {number} seat
+ * @param {string} color
+ */
 function chip(seat, color) {
-  const node = make("span", { className: "chip", textContent: seat, attributes: { "aria-hidden": "true" } });
+  const node = make("span", { className: "chip", textContent: String(seat), ariaHidden: "true" });
   node.style.background = color;
   node.style.color = inkOn(color);
   return node;

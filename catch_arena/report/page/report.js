@@ -1,18 +1,60 @@
 "use strict";
 
+/** @typedef {typeof import("../../player/page/player.js").CatchReplay} CatchReplay */
+
+/**
+ * The matches of a tournament in columns, as page.py writes them; what is by seat stands match after match.
+ * @typedef {object} Columns
+ * @property {string[]} names of the agents
+ * @property {number} seats in a match
+ * @property {string[]} ids
+ * @property {number[]} recorded 1 or 0
+ * @property {number[]} seating an agent by its place in `names`
+ * @property {number[]} scores
+ * @property {number[]} ranks
+ */
+
 const PAGE = 10;
 const NEWS_MS = 2000;
-const at = (id) => document.getElementById(id);
+/**
+ * The part of the page with this id, of which there is one.
+ * @param {string} id
+ */
+function at(id) {
+  const part = document.getElementById(id);
+  if (!part) throw new Error(`The page has no part with the id ${id}.`);
+  return part;
+}
+const who = /** @type {HTMLSelectElement} */ (at("who"));
+const playable = /** @type {HTMLInputElement | null} */ (document.getElementById("playable"));
+const back = /** @type {HTMLButtonElement} */ (at("back"));
+const more = /** @type {HTMLButtonElement} */ (at("more"));
 const watched = "watched" in document.body.dataset;
 
 const theme = {
-  kept: () => { try { return localStorage.getItem("catch-arena-theme"); } catch { return null; } },
-  keep: (name) => { try { localStorage.setItem("catch-arena-theme", name); } catch { /* a page may have no storage */ } },
+  kept: () => {
+    try {
+      return localStorage.getItem("catch-arena-theme");
+    } catch {
+      return null;
+    }
+  },
+  /** @param {string} name */
+  keep: (name) => {
+    try {
+      localStorage.setItem("catch-arena-theme", name);
+    } catch {
+      // a page may have no storage
+    }
+  },
+  /** @param {string} name */
   set: (name) => (document.documentElement.dataset.theme = name),
 };
-if (theme.kept()) theme.set(theme.kept());
+const kept = theme.kept();
+if (kept) theme.set(kept);
 at("theme").addEventListener("click", () => {
-  const shown = document.documentElement.dataset.theme || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+  const shown = document.documentElement.dataset.theme ||
+    (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   const name = shown === "dark" ? "light" : "dark";
   theme.set(name);
   theme.keep(name);
@@ -20,21 +62,31 @@ at("theme").addEventListener("click", () => {
 
 /** The list of matches, and the player that shows one of them. */
 class Matches {
+  /** @type {Record<string, [film: string, why: string]>} by a match's id */
+  films = JSON.parse(at("films").textContent);
+  /** @type {Columns} */
+  data = { names: [], seats: 0, ids: [], recorded: [], seating: [], scores: [], ranks: [] };
+  /** The first one of the list's page. */
+  first = 0;
+  /** The id of the one that is shown. */
+  shown = "";
+
   constructor() {
-    this.films = JSON.parse(at("films").textContent);
-    this.first = 0;
-    at("who").addEventListener("change", () => this.show(0));
-    at("playable")?.addEventListener("change", () => this.show(0));
-    at("back").addEventListener("click", () => this.show(this.first - PAGE));
-    at("more").addEventListener("click", () => this.show(this.first + PAGE));
+    who.addEventListener("change", () => this.show(0));
+    playable?.addEventListener("change", () => this.show(0));
+    back.addEventListener("click", () => this.show(this.first - PAGE));
+    more.addEventListener("click", () => this.show(this.first + PAGE));
   }
 
+  /** @param {string} text */
   async read(text) {
-    const bytes = await customElements.get("catch-replay").unpacked(text.trim());
+    const { unpacked } = /** @type {CatchReplay} */ (customElements.get("catch-replay"));
+    const bytes = await unpacked(text.trim());
     this.data = JSON.parse(new TextDecoder().decode(bytes));
     this.show(this.first);
   }
 
+  /** @param {number} index */
   plays(index) {
     return this.data.ids[index] in this.films || (watched && Boolean(this.data.recorded[index]));
   }
@@ -42,28 +94,36 @@ class Matches {
   /** The matches that are asked for; those with films in the order in which these were chosen. */
   found() {
     const { ids, names, seating, seats } = this.data;
-    const who = names.indexOf(at("who").value);
-    const only = at("playable")?.checked;
-    const has = (index) => who < 0 || seating.slice(index * seats, (index + 1) * seats).includes(who);
-    const order = only && !watched ? Object.keys(this.films).map((id) => ids.indexOf(id)).filter((index) => index >= 0) : [...ids.keys()];
+    const agent = names.indexOf(who.value);
+    const only = playable?.checked;
+    /** @param {number} index */
+    const has = (index) => agent < 0 || seating.slice(index * seats, (index + 1) * seats).includes(agent);
+    const order = only && !watched
+      ? Object.keys(this.films).map((id) => ids.indexOf(id)).filter((index) => index >= 0)
+      : [...ids.keys()];
     return order.filter((index) => has(index) && (!only || this.plays(index)));
   }
 
+  /** @param {number} first */
   show(first) {
     const found = this.found();
     this.first = Math.max(0, Math.min(first, found.length - 1));
     this.first -= this.first % PAGE;
     const shown = found.slice(this.first, this.first + PAGE);
     at("list").replaceChildren(...shown.map((index) => this.line(index)));
-    at("found").textContent = found.length ? `${this.first + 1} to ${this.first + shown.length} of ${found.length.toLocaleString("en")}` : "none";
-    at("back").disabled = this.first === 0;
-    at("more").disabled = this.first + PAGE >= found.length;
+    at("found").textContent = found.length
+      ? `${this.first + 1} to ${this.first + shown.length} of ${found.length.toLocaleString("en")}`
+      : "none";
+    back.disabled = this.first === 0;
+    more.disabled = this.first + PAGE >= found.length;
   }
 
+  /** @param {number} index */
   line(index) {
     const { ids, names, seating, scores, ranks, seats, recorded } = this.data;
     const id = ids[index];
     const line = document.createElement("li");
+    /** @type {(className: string, text: string) => HTMLSpanElement} */
     const part = (className, text) => Object.assign(document.createElement("span"), { className, textContent: text });
     const cast = part("seats-of", "");
     for (let seat = index * seats; seat < (index + 1) * seats; seat++) {
@@ -85,6 +145,11 @@ class Matches {
     return line;
   }
 
+  /**
+   * Show a match.
+   * @param {string} id
+   * @param {boolean} moved whether the page moves to the player
+   */
   async open(id, moved = false) {
     const player = at("player");
     const film = this.films[id]?.[0] ?? (await this.fetched(id));
@@ -99,7 +164,10 @@ class Matches {
     }
   }
 
-  /** Where the page is served, any match that was recorded can be had. */
+  /**
+   * Where the page is served, any match that was recorded can be had.
+   * @param {string} id
+   */
   async fetched(id) {
     at("showing").textContent = `Match ${id} is being prepared`;
     try {
@@ -120,7 +188,10 @@ matches.read(at("matches").textContent).then(() => {
   if (first) matches.open(first);
 });
 
-/** While a tournament runs, its page asks for news, and takes over what has changed; the replays stay as they are. */
+/**
+ * While a tournament runs, its page asks for news, and takes over what has changed; the replays stay as they are.
+ * @param {string | null} known the state that the page shows
+ */
 async function news(known) {
   let now = known;
   try {
@@ -134,7 +205,7 @@ async function news(known) {
         part.replaceChildren(...parts[index].childNodes);
         part.querySelectorAll("details").forEach((details, number) => (details.open = open[number] ?? false));
       });
-      await matches.read(fresh.getElementById("matches").textContent);
+      await matches.read(fresh.getElementById("matches")?.textContent ?? "");
     }
     at("news").textContent = "live";
   } catch {
