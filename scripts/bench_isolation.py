@@ -1,7 +1,7 @@
 """Measure what isolation costs: standard matches of scripted agents in one process, and each in a process of its own.
 
-CPU time is that of all processes, this one, the keeper and the agents; so it does not matter how busy the machine is.
-Reads /proc: for Linux.
+CPU time is that of all processes: this one, the supervisor and the agents. So it does not matter how busy the machine
+is. Reads /proc: for Linux.
 """
 
 import argparse

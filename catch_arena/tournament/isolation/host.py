@@ -1,7 +1,8 @@
-"""The host of one entrant: it imports an agent's module once, and forks a process for each of its matches.
+"""The fork server of one entrant: it imports an agent's module once, and forks a process for each of its matches.
 
-From the import on, the host runs a stranger's code: its parent, the keeper, does not rely on it. A command has a host
-too, which only starts it. In the fork, our runner speaks for a Python class (`speak_for`) what a command speaks itself.
+From the import on, it runs a stranger's code: its parent, the supervisor, does not rely on it. A command has a fork
+server too, which only starts it. In the fork, `speak_for` speaks the protocol for a Python class; a command speaks it
+itself.
 """
 
 import fcntl

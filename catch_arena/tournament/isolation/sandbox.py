@@ -25,9 +25,9 @@ from catch_arena.tournament.isolation.processes import how_it_ended
 
 _HOSTS_KEPT: Final = 16
 """Entrants whose hosts wait for their next match; each holds its agent's modules in memory."""
-_KEEPER: Final = "catch_arena.tournament.isolation.keeper"
-_KEEPER_S: Final = 30.0
-"""How long the keeper may take over anything that is asked of it."""
+_SUPERVISOR: Final = "catch_arena.tournament.isolation.supervisor"
+_SUPERVISOR_S: Final = 30.0
+"""How long the supervisor may take over anything that is asked of it."""
 _HOST_S: Final = 1.0
 """How long a host may take to bury its agent."""
 _MESSAGE: Final = 100
@@ -43,21 +43,21 @@ _SETTINGS: Final = {
 """The environment of agents, HOME and TMPDIR besides."""
 
 
-class _Keeper:
-    """The process that all agents of a sandbox descend from (keeper.py)."""
+class _Supervisor:
+    """The process that all agents of a sandbox descend from (supervisor.py)."""
 
     def __init__(self) -> None:
         self._control, theirs = socket.socketpair()
         with theirs:
             self._process = start(
-                _KEEPER,
+                _SUPERVISOR,
                 theirs.fileno(),
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 cwd="/",
                 env={name: os.environ[name] for name in _PASSED_ON if name in os.environ} | _SETTINGS,
             )
-        self._control.settimeout(_KEEPER_S)
+        self._control.settimeout(_SUPERVISOR_S)
         try:
             self.folder = Path(self._heard()["folder"])
         except NoContest:
@@ -73,17 +73,17 @@ class _Keeper:
     def require_alive(self) -> None:
         """Raises: NoContest where it has ended, and all agents with it."""
         if select.select([self._control], [], [], 0.0)[0]:  # it says nothing that it was not asked
-            raise NoContest("the keeper of the agents' processes has ended")
+            raise NoContest("the supervisor of the agents' processes has ended")
 
     def close(self) -> None:
         """Let it end everything, and itself."""
         self._end()
-        shutil.rmtree(self.folder, ignore_errors=True)  # where the keeper was killed
+        shutil.rmtree(self.folder, ignore_errors=True)  # where the supervisor was killed
 
     def _end(self) -> None:
         self._control.close()
         try:
-            self._process.wait(_KEEPER_S)
+            self._process.wait(_SUPERVISOR_S)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
@@ -92,9 +92,9 @@ class _Keeper:
         try:
             received = protocol.receive(self._control)
         except OSError as error:
-            raise NoContest(f"the keeper of the agents' processes does not answer: {error}") from None
+            raise NoContest(f"the supervisor of the agents' processes does not answer: {error}") from None
         if received is None:
-            raise NoContest("the keeper of the agents' processes has ended")
+            raise NoContest("the supervisor of the agents' processes has ended")
         return received[0]
 
 
@@ -119,13 +119,14 @@ class _Host:
 class Sandbox:
     """Where the isolated agents of one tournament process live; it holds one match at a time.
 
-    They descend from one process of ours, the keeper, which is started when it is first needed and ends them all when
-    this process ends, however that ends. Use it as a context manager, or `close` it. Whatever it raises is a NoContest.
+    They descend from one process of ours, the supervisor, which is started when it is first needed, and which ends them
+    all when this process ends, however that ends. Use it as a context manager, or `close` it. Whatever it raises is a
+    NoContest.
     """
 
     def __init__(self, limits: AgentLimits | None = None) -> None:
         self.limits = limits or AgentLimits()
-        self._keeper: _Keeper | None = None
+        self._supervisor: _Supervisor | None = None
         self._hosts: dict[tuple[str, str], _Host] = {}
 
     def __enter__(self) -> Self:
@@ -139,15 +140,15 @@ class Sandbox:
         for host in self._hosts.values():
             host.channel.close()
         self._hosts.clear()
-        if self._keeper is not None:
-            self._keeper.close()
-            self._keeper = None
+        if self._supervisor is not None:
+            self._supervisor.close()
+            self._supervisor = None
 
     def start(self, entrant: Entrant, seat: int, files: Sequence[int]) -> None:
         """Give an entrant a process for this match; `files` are its lines in, its lines out and its log."""
-        if self._keeper is None:
-            self._keeper = _Keeper()
-        folder = self._keeper.folder / f"seat_{seat}"
+        if self._supervisor is None:
+            self._supervisor = _Supervisor()
+        folder = self._supervisor.folder / f"seat_{seat}"
         try:
             folder.mkdir()
         except OSError as error:
@@ -160,7 +161,7 @@ class Sandbox:
                 self.end(entrant)
                 host = None
         if host is None:
-            host = self._start_host(self._keeper, entrant.spec)
+            host = self._start_host(self._supervisor, entrant.spec)
             with suppress(OSError):  # has it ended already, its lines will show
                 protocol.send(host.channel, files, play=str(folder))
         host.busy = True
@@ -170,39 +171,39 @@ class Sandbox:
     def end(self, entrant: Entrant) -> None:
         """End an agent and all that it started, its host too."""
         host = self._hosts.pop(_key(entrant), None)
-        if host is not None and self._keeper is not None:
+        if host is not None and self._supervisor is not None:
             host.channel.close()
-            self._keeper.ask(end=host.pid)
+            self._supervisor.ask(end=host.pid)
 
     def how_it_ended(self, entrant: Entrant) -> str:
-        """Why an agent's lines have ended, in words; where the keeper has ended, that is no agent's fault."""
-        if self._keeper is not None:
-            self._keeper.require_alive()
+        """Why an agent's lines have ended, in words; where the supervisor has ended, that is no agent's fault."""
+        if self._supervisor is not None:
+            self._supervisor.require_alive()
         code = self._hosts[_key(entrant)].exit_code()
         return "its process has ended, or closed its answers" if code is None else how_it_ended(code)
 
     def clear(self) -> None:
         """End what a match has left, but for the hosts that serve the next one."""
-        if self._keeper is None:
+        if self._supervisor is None:
             return
         try:
-            if not self._keeper.ask(sweep=True)["done"]:
+            if not self._supervisor.ask(sweep=True)["done"]:
                 raise NoContest("a process of an agent could not be ended")
             for key, host in list(self._hosts.items()):
                 unclear = host.busy and host.exit_code() is None
                 if unclear or len(self._hosts) > _HOSTS_KEPT:
                     del self._hosts[key]
                     host.channel.close()
-                    self._keeper.ask(end=host.pid)
+                    self._supervisor.ask(end=host.pid)
         except BaseException:
             self.close()
             raise
 
-    def _start_host(self, keeper: _Keeper, spec: str) -> _Host:
+    def _start_host(self, supervisor: _Supervisor, spec: str) -> _Host:
         ours, theirs = socket.socketpair()
         ours.settimeout(_HOST_S)
         with theirs:
-            pid = keeper.ask([theirs.fileno()], host=spec, limits=asdict(self.limits))["pid"]
+            pid = supervisor.ask([theirs.fileno()], host=spec, limits=asdict(self.limits))["pid"]
         return _Host(pid, ours)
 
 

@@ -62,7 +62,7 @@ def test_agents_that_come_with_the_package_need_no_process(sandbox):
     played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], inspector(sandbox)), sandbox)
     assert family(os.getpid()) == before
     played(SHORT, enter(["nearest", alone("idle")], inspector(sandbox)), sandbox)
-    assert len(family(os.getpid()) - before) == 2  # the keeper and a host
+    assert len(family(os.getpid()) - before) == 2  # the supervisor and a host
 
 
 def test_an_entrant_is_the_same_however_it_was_looked_at(sandbox):
@@ -181,17 +181,17 @@ def test_all_are_asked_at_once(tmp_path):
     assert len(list(tmp_path.glob("3-*"))) == 4
 
 
-def test_the_keepers_end_is_no_contest_and_the_next_match_starts_anew(sandbox):
+def test_the_supervisors_end_is_no_contest_and_the_next_match_starts_anew(sandbox):
     entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
     whole = played(SHORT, entrants, sandbox)
-    keeper, folder = sandbox._keeper._process.pid, sandbox._keeper.folder
+    supervisor, folder = sandbox._supervisor._process.pid, sandbox._supervisor.folder
 
-    def end_the_keeper(env):
+    def end_the_supervisor(env):
         if env.world().step == 10:
-            os.kill(keeper, signal.SIGKILL)
+            os.kill(supervisor, signal.SIGKILL)
 
-    with pytest.raises(NoContest, match="the keeper of the agents' processes has ended"):
-        played(SHORT, entrants, sandbox, watch=end_the_keeper)
+    with pytest.raises(NoContest, match="the supervisor of the agents' processes has ended"):
+        played(SHORT, entrants, sandbox, watch=end_the_supervisor)
     assert not folder.exists()
     assert played(SHORT, entrants, sandbox) == whole
 
@@ -225,7 +225,7 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
         "with seated(entrants, sandbox) as players:\n"
         "    def tell(env):\n"
         "        if env.world().step == 3:\n"
-        "            print(players.logs()[0].strip(), sandbox._keeper.folder, flush=True)\n"
+        "            print(players.logs()[0].strip(), sandbox._supervisor.folder, flush=True)\n"
         "            input()\n"
         "    play(scenario('duel'), 1, players, ['a', 'b'], watch=tell)\n"
     )
@@ -236,7 +236,7 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
         _, child, folder = process.stdout.readline().split()
         folder, relatives = Path(folder), family(process.pid)
         assert int(child) in relatives
-        assert len(relatives) >= 6  # the keeper, two hosts, two agents, the child
+        assert len(relatives) >= 6  # the supervisor, two hosts, two agents, the child
         assert folder.is_dir()
         process.kill()
     patience = time.monotonic() + 60
@@ -248,7 +248,7 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
 
 def test_without_linux_a_match_is_held_with_process_groups(monkeypatch):
     """As on macOS: the families of processes cannot be listed, and what is missing is said."""
-    monkeypatch.setattr("catch_arena.tournament.isolation.sandbox._KEEPER", "tournament.isolation.without_linux")
+    monkeypatch.setattr("catch_arena.tournament.isolation.sandbox._SUPERVISOR", "tournament.isolation.without_linux")
     before = family(os.getpid())
     with Sandbox() as sandbox:
         entrants = enter([str(HERE / "bad" / "crashes.py"), "nearest"], inspector(sandbox))
@@ -283,20 +283,20 @@ def test_a_match_that_could_not_be_held_is_played_again(sandbox, monkeypatch):
     whole = play_entrants(SHORT, 7, entrants, sandbox)
     ended = []
 
-    def end_the_keeper_once(env):
+    def end_the_supervisor_once(env):
         if env.world().step == 10 and len(ended) < 1:
-            ended.append(sandbox._keeper._process.pid)
+            ended.append(sandbox._supervisor._process.pid)
             os.kill(ended[0], signal.SIGKILL)
 
-    assert play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_keeper_once) == whole
+    assert play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_supervisor_once) == whole
     assert ended
 
-    def end_the_keeper(env):
+    def end_the_supervisor(env):
         if env.world().step == 10:
-            os.kill(sandbox._keeper._process.pid, signal.SIGKILL)
+            os.kill(sandbox._supervisor._process.pid, signal.SIGKILL)
 
     with pytest.raises(NoContest):
-        play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_keeper)
+        play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_supervisor)
 
 
 def test_a_line_gives_every_float32_back():

@@ -1,4 +1,4 @@
-"""The keeper: the process that all isolated agents of one tournament process descend from, and that ends them all.
+"""The supervisor: the process that all isolated agents of one tournament process descend from, and that ends them.
 
 It runs no agent's code. It starts a host for each entrant (host.py), becomes the parent of every process that loses its
 own, so that none escapes, and removes what agents wrote. It ends when its own parent does, however that ends.
@@ -72,13 +72,13 @@ def _next_request(control: socket.socket, parent: int) -> tuple[dict[str, Any], 
 
 
 def _start_host(control: socket.socket, channel: int, spec: str, limits: dict[str, Any]) -> int:
-    keeper = os.getpid()
+    supervisor = os.getpid()
     pid = os.fork()
     if pid:
         os.close(channel)
         return pid
     try:
-        die_with(keeper)
+        die_with(supervisor)
         for usual in (signal.SIGCHLD, signal.SIGTERM):
             signal.signal(usual, signal.SIG_DFL)
         os.setsid()
