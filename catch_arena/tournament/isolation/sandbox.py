@@ -23,13 +23,13 @@ from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.processes import how_it_ended
 
-_HOSTS_KEPT: Final = 16
-"""Entrants whose hosts wait for their next match; each holds its agent's modules in memory."""
+_MOST_SERVERS: Final = 16
+"""Entrants whose fork servers wait for their next match; each holds its agent's modules in memory."""
 _SUPERVISOR: Final = "catch_arena.tournament.isolation.supervisor"
 _SUPERVISOR_S: Final = 30.0
 """How long the supervisor may take over anything that is asked of it."""
-_HOST_S: Final = 1.0
-"""How long a host may take to bury its agent."""
+_SERVER_S: Final = 1.0
+"""How long a fork server may take to say how its agent's process has ended."""
 _MESSAGE: Final = 100
 _PASSED_ON: Final = ("PATH", "LANG", "LC_ALL", "TZ")
 _SETTINGS: Final = {
@@ -99,16 +99,16 @@ class _Supervisor:
 
 
 @dataclass(slots=True)
-class _Host:
+class _ForkServer:
     pid: int
     channel: socket.socket
     busy: bool = True
     """Whether it has yet to say how the process that it forked has ended."""
 
     def exit_code(self) -> int | None:
-        """That process's, less than 0 for a signal; None where the host does not say."""
+        """That process's, less than 0 for a signal; None where the fork server does not say."""
         try:
-            # one short message, without files: the host may run a stranger's code
+            # one short message, without files: the fork server may run a stranger's code
             code = os.waitstatus_to_exitcode(json.loads(self.channel.recv(_MESSAGE))["ended"])
         except (OSError, ValueError, TypeError, KeyError, OverflowError):
             return None
@@ -127,7 +127,7 @@ class Sandbox:
     def __init__(self, limits: AgentLimits | None = None) -> None:
         self.limits = limits or AgentLimits()
         self._supervisor: _Supervisor | None = None
-        self._hosts: dict[tuple[str, str], _Host] = {}
+        self._servers: dict[tuple[str, str], _ForkServer] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -137,9 +137,9 @@ class Sandbox:
 
     def close(self) -> None:
         """End all agents, and remove what they wrote; the next match would start anew."""
-        for host in self._hosts.values():
-            host.channel.close()
-        self._hosts.clear()
+        for server in self._servers.values():
+            server.channel.close()
+        self._servers.clear()
         if self._supervisor is not None:
             self._supervisor.close()
             self._supervisor = None
@@ -153,58 +153,58 @@ class Sandbox:
             folder.mkdir()
         except OSError as error:
             raise NoContest(f"{folder}: cannot be made: {error.strerror}") from None
-        host = self._hosts.get(_key(entrant))
-        if host is not None:
+        server = self._servers.get(_key(entrant))
+        if server is not None:
             try:
-                protocol.send(host.channel, files, play=str(folder))
+                protocol.send(server.channel, files, play=str(folder))
             except OSError:  # it has ended since its last match
                 self.end(entrant)
-                host = None
-        if host is None:
-            host = self._start_host(self._supervisor, entrant.spec)
+                server = None
+        if server is None:
+            server = self._start_server(self._supervisor, entrant.spec)
             with suppress(OSError):  # has it ended already, its lines will show
-                protocol.send(host.channel, files, play=str(folder))
-        host.busy = True
-        self._hosts.pop(_key(entrant), None)
-        self._hosts[_key(entrant)] = host  # the last one: those that have waited longest are ended first
+                protocol.send(server.channel, files, play=str(folder))
+        server.busy = True
+        self._servers.pop(_key(entrant), None)
+        self._servers[_key(entrant)] = server  # the last one: those that have waited longest are ended first
 
     def end(self, entrant: Entrant) -> None:
-        """End an agent and all that it started, its host too."""
-        host = self._hosts.pop(_key(entrant), None)
-        if host is not None and self._supervisor is not None:
-            host.channel.close()
-            self._supervisor.ask(end=host.pid)
+        """End an agent and all that it started, its fork server too."""
+        server = self._servers.pop(_key(entrant), None)
+        if server is not None and self._supervisor is not None:
+            server.channel.close()
+            self._supervisor.ask(end=server.pid)
 
     def how_it_ended(self, entrant: Entrant) -> str:
         """Why an agent's lines have ended, in words; where the supervisor has ended, that is no agent's fault."""
         if self._supervisor is not None:
             self._supervisor.require_alive()
-        code = self._hosts[_key(entrant)].exit_code()
+        code = self._servers[_key(entrant)].exit_code()
         return "its process has ended, or closed its answers" if code is None else how_it_ended(code)
 
     def clear(self) -> None:
-        """End what a match has left, but for the hosts that serve the next one."""
+        """End what a match has left, but for the fork servers that serve the next one."""
         if self._supervisor is None:
             return
         try:
             if not self._supervisor.ask(sweep=True)["done"]:
                 raise NoContest("a process of an agent could not be ended")
-            for key, host in list(self._hosts.items()):
-                unclear = host.busy and host.exit_code() is None
-                if unclear or len(self._hosts) > _HOSTS_KEPT:
-                    del self._hosts[key]
-                    host.channel.close()
-                    self._supervisor.ask(end=host.pid)
+            for key, server in list(self._servers.items()):
+                unclear = server.busy and server.exit_code() is None
+                if unclear or len(self._servers) > _MOST_SERVERS:
+                    del self._servers[key]
+                    server.channel.close()
+                    self._supervisor.ask(end=server.pid)
         except BaseException:
             self.close()
             raise
 
-    def _start_host(self, supervisor: _Supervisor, spec: str) -> _Host:
+    def _start_server(self, supervisor: _Supervisor, spec: str) -> _ForkServer:
         ours, theirs = socket.socketpair()
-        ours.settimeout(_HOST_S)
+        ours.settimeout(_SERVER_S)
         with theirs:
-            pid = supervisor.ask([theirs.fileno()], host=spec, limits=asdict(self.limits))["pid"]
-        return _Host(pid, ours)
+            pid = supervisor.ask([theirs.fileno()], serve=spec, limits=asdict(self.limits))["pid"]
+        return _ForkServer(pid, ours)
 
 
 def _key(entrant: Entrant) -> tuple[str, str]:

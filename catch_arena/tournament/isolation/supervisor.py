@@ -1,7 +1,8 @@
 """The supervisor: the process that all isolated agents of one tournament process descend from, and that ends them.
 
-It runs no agent's code. It starts a host for each entrant (host.py), becomes the parent of every process that loses its
-own, so that none escapes, and removes what agents wrote. It ends when its own parent does, however that ends.
+It runs no agent's code. It starts a fork server for each entrant (fork_server.py), becomes the parent of every process
+that loses its own, so that none escapes, and removes what agents wrote. It ends when its own parent does, however that
+ends.
 
 `sandbox.Sandbox` starts it, with a socket as its standard input.
 """
@@ -17,7 +18,7 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from catch_arena.descendants import LINUX, family, kill_all
-from catch_arena.tournament.isolation import host
+from catch_arena.tournament.isolation import fork_server
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.processes import adopt_orphans, die_with
 from catch_arena.tournament.isolation.protocol import receive, send
@@ -33,26 +34,26 @@ def main() -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # the dead need no burial
     signal.signal(signal.SIGTERM, _leave)
     folder = Path(tempfile.mkdtemp(prefix="catch-arena-agents-"))
-    hosts: set[int] = set()
+    servers: set[int] = set()
     try:
         send(control, folder=str(folder))
         while (request := _next_request(control, parent)) is not None:
             message, files = request
-            if "host" in message:
-                pid = _start_host(control, files[0], message["host"], message["limits"])
-                hosts.add(pid)
+            if "serve" in message:
+                pid = _start_server(control, files[0], message["serve"], message["limits"])
+                servers.add(pid)
                 send(control, pid=pid)
             elif "end" in message:
-                send(control, done=_end(hosts, message["end"]))
+                send(control, done=_end(servers, message["end"]))
             else:
-                done = _sweep(hosts)
+                done = _sweep(servers)
                 _empty(folder)
                 send(control, done=done)
     except (BrokenPipeError, ConnectionResetError):
         pass
     finally:
-        for pid in set(hosts):
-            _end(hosts, pid)
+        for pid in set(servers):
+            _end(servers, pid)
         kill_all(lambda: family(os.getpid()))
         _empty(folder)
         folder.rmdir()
@@ -71,7 +72,7 @@ def _next_request(control: socket.socket, parent: int) -> tuple[dict[str, Any], 
     return receive(control)
 
 
-def _start_host(control: socket.socket, channel: int, spec: str, limits: dict[str, Any]) -> int:
+def _start_server(control: socket.socket, channel: int, spec: str, limits: dict[str, Any]) -> int:
     supervisor = os.getpid()
     pid = os.fork()
     if pid:
@@ -87,27 +88,27 @@ def _start_host(control: socket.socket, channel: int, spec: str, limits: dict[st
         for standard in (0, 1, 2):
             os.dup2(null, standard)
         os.close(null)
-        host.serve(socket.socket(fileno=channel), spec, AgentLimits(**limits))
+        fork_server.serve(socket.socket(fileno=channel), spec, AgentLimits(**limits))
     finally:
         os._exit(0)
 
 
-def _end(hosts: set[int], pid: int) -> bool:
-    """End a host and all that descends from it."""
-    hosts.discard(pid)
+def _end(servers: set[int], pid: int) -> bool:
+    """End a fork server and all that descends from it."""
+    servers.discard(pid)
     if LINUX:
         return kill_all(lambda: family(os.getpid()) & {pid, *family(pid)})
     _end_group(pid)
     return True
 
 
-def _sweep(hosts: set[int]) -> bool:
-    """End everything but the hosts; where the system does not tell who descends from whom, the hosts too."""
+def _sweep(servers: set[int]) -> bool:
+    """End everything but the fork servers; where the system does not tell who descends from whom, these too."""
     if LINUX:
-        return kill_all(lambda: family(os.getpid()) - hosts)
-    for pid in hosts:
+        return kill_all(lambda: family(os.getpid()) - servers)
+    for pid in servers:
         _end_group(pid)
-    hosts.clear()
+    servers.clear()
     return True
 
 

@@ -61,7 +61,7 @@ def gone(pid):
     [
         ("crashes", "FORFEIT_CRASH", 5, "act raised ZeroDivisionError: integer division or modulo by zero"),
         ("exits", "FORFEIT_CRASH", 5, "act: its process exited with code 3"),
-        ("ends_its_host", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
+        ("ends_its_fork_server", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
         ("closes_its_answers", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
         (
             "hangs",

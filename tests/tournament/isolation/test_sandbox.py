@@ -62,7 +62,7 @@ def test_agents_that_come_with_the_package_need_no_process(sandbox):
     played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], inspector(sandbox)), sandbox)
     assert family(os.getpid()) == before
     played(SHORT, enter(["nearest", alone("idle")], inspector(sandbox)), sandbox)
-    assert len(family(os.getpid()) - before) == 2  # the supervisor and a host
+    assert len(family(os.getpid()) - before) == 2  # the supervisor and a fork server
 
 
 def test_an_entrant_is_the_same_however_it_was_looked_at(sandbox):
@@ -236,7 +236,7 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
         _, child, folder = process.stdout.readline().split()
         folder, relatives = Path(folder), family(process.pid)
         assert int(child) in relatives
-        assert len(relatives) >= 6  # the supervisor, two hosts, two agents, the child
+        assert len(relatives) >= 6  # the supervisor, two fork servers, two agents, the child
         assert folder.is_dir()
         process.kill()
     patience = time.monotonic() + 60

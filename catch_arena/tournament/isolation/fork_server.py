@@ -98,7 +98,7 @@ def _settle(folder: Path, log: int) -> None:
 
 
 def _import(spec: str, out: int) -> None:
-    """Load the agent's class; a host that cannot says so and ends."""
+    """Load the agent's class; a fork server that cannot says so and ends."""
     try:
         agent_class(spec)
     except AgentError as error:
