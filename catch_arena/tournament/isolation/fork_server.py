@@ -25,21 +25,21 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.processes import confine, die_with, limit_cpu
 
 _INTO, _OUT = 3, 4
-"""Where a Python agent's process reads and writes lines; what it prints goes to its log."""
-_ABOVE: Final = 10
+"""The descriptors that a Python agent's process reads lines from and answers to; what it prints goes to its log."""
+_FIRST_FREE: Final = 10
 
 
 def serve(channel: socket.socket, spec: str, limits: AgentLimits) -> None:
     """Play matches, one after the other, until the other side goes.
 
-    Each request brings three open files: the agent's lines in, its lines out, and its log.
+    Each request brings three open files: for the lines that the agent reads, for its answers, and for its log.
     """
     confine(limits)
     command, imported = command_of(spec), False
     while (received := protocol.receive(channel)) is not None:
         message, files = received
         into, out, log = files
-        _settle(Path(message["play"]), log)
+        _work_in(Path(message["play"]), log)
         if command is None and not imported:
             _import(spec, out)
             imported = True
@@ -86,10 +86,10 @@ def speak_for(policy: Policy, lines: BufferedReader, answers: BufferedWriter) ->
     except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
         theirs = error.__traceback__ and error.__traceback__.tb_next  # without our own frame
         traceback.print_exception(type(error), error, theirs)
-        _tell(answers, f"{doing} raised {reason(error)}")
+        _send_error(answers, f"{doing} raised {reason(error)}")
 
 
-def _settle(folder: Path, log: int) -> None:
+def _work_in(folder: Path, log: int) -> None:
     """Work in that folder, and print to that log."""
     os.chdir(folder)
     os.environ["HOME"] = os.environ["TMPDIR"] = str(folder)
@@ -103,18 +103,18 @@ def _import(spec: str, out: int) -> None:
         agent_class(spec)
     except AgentError as error:
         with os.fdopen(out, "wb") as answers:
-            _explain(error, answers)
+            _report(error, answers)
         sys.stderr.flush()
         os._exit(1)
 
 
 def _become_python(spec: str, into: int, out: int, log: int) -> None:
-    _only((os.open(os.devnull, os.O_RDONLY), log, log, into, out))
+    _keep_only((os.open(os.devnull, os.O_RDONLY), log, log, into, out))
     with os.fdopen(_INTO, "rb") as lines, os.fdopen(_OUT, "wb") as answers:
         try:
             policy = fresh(spec)
         except AgentError as error:
-            _explain(error, answers)
+            _report(error, answers)
         else:
             speak_for(policy, lines, answers)
     sys.stdout.flush()
@@ -123,7 +123,7 @@ def _become_python(spec: str, into: int, out: int, log: int) -> None:
 
 
 def _become_command(command: list[str], into: int, out: int, log: int) -> None:
-    _only((into, out, log))
+    _keep_only((into, out, log))
     for ignored in (signal.SIGPIPE, signal.SIGXFSZ):  # by Python, not by other programs
         signal.signal(ignored, signal.SIG_DFL)
     try:
@@ -132,20 +132,20 @@ def _become_command(command: list[str], into: int, out: int, log: int) -> None:
         os.write(1, protocol.line(error=f"{command[0]}: cannot be started: {error.strerror}"))
 
 
-def _only(files: Sequence[int]) -> None:
+def _keep_only(files: Sequence[int]) -> None:
     """These files become descriptors 0, 1, 2, ...; all others are closed."""
-    copies = [fcntl.fcntl(file, fcntl.F_DUPFD, _ABOVE) for file in files]
+    copies = [fcntl.fcntl(file, fcntl.F_DUPFD, _FIRST_FREE) for file in files]
     for number, copy in enumerate(copies):
         os.dup2(copy, number)
     os.closerange(len(files), os.sysconf("SC_OPEN_MAX"))
 
 
-def _explain(error: AgentError, answers: BufferedWriter) -> None:
+def _report(error: AgentError, answers: BufferedWriter) -> None:
     if error.__cause__ is not None:
         traceback.print_exception(error.__cause__)
-    _tell(answers, str(error))
+    _send_error(answers, str(error))
 
 
-def _tell(answers: BufferedWriter, text: str) -> None:
+def _send_error(answers: BufferedWriter, text: str) -> None:
     answers.write(protocol.line(error=text))
     answers.flush()

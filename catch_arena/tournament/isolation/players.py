@@ -14,12 +14,12 @@ from catch_arena.errors import ConfigError, NoContest
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.lines import Lines
+from catch_arena.tournament.isolation.pipes import AgentPipes
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.players import Answer, Fault, Sight
 
-_GLANCE_S: Final = 0.1
-"""How long it waits at a time, so that it notices where it stood still itself."""
+_POLL_S: Final = 0.1
+"""How long it waits at a time, so that it notices when it stood still itself."""
 _STALL_S: Final = 1.0
 """Where this process itself stood still for so long, nobody can be blamed for being late."""
 
@@ -52,7 +52,7 @@ class IsolatedPlayers:
             "act": f"step_ms ({self._limits.step_ms:g} ms) and what was left of bank_s ({self._limits.bank_s:g} s)",
         }
         """What each takes longer than who is late, in words that every match repeats: reports count by them."""
-        self._lines: dict[int, Lines] = {}
+        self._pipes: dict[int, AgentPipes] = {}
 
     def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
         """Begin a match; all that comes before the first view counts as init."""
@@ -103,21 +103,21 @@ class IsolatedPlayers:
 
     def logs(self) -> dict[int, str]:
         """What each seat has printed."""
-        for lines in self._lines.values():
-            lines.read_log()
-        return {seat: lines.log.text() for seat, lines in self._lines.items()}
+        for pipes in self._pipes.values():
+            pipes.read_log()
+        return {seat: pipes.log.text() for seat, pipes in self._pipes.items()}
 
     def close(self) -> None:
-        """Close every line; whoever reads one finds its end."""
-        for lines in self._lines.values():
-            lines.close()
+        """Close every pipe; whoever reads one finds its end."""
+        for pipes in self._pipes.values():
+            pipes.close()
 
     def _greet(self, seats: Collection[int]) -> dict[int, _Reply]:
         """Start the agents of these seats, and ask who they are."""
         for seat in seats:
             try:
-                self._lines[seat] = Lines(self._limits)
-                theirs = self._lines[seat].take_theirs()
+                self._pipes[seat] = AgentPipes(self._limits)
+                theirs = self._pipes[seat].take_theirs()
                 try:
                     self._sandbox.start(self._entrants[seat], seat, theirs)
                 finally:
@@ -135,29 +135,29 @@ class IsolatedPlayers:
         poll = select.poll()
         now = time.monotonic()
         for seat, line in lines.items():
-            ours = self._lines[seat]
+            pipes = self._pipes[seat]
             sent_at[seat] = time.monotonic()
-            if not ours.write(line):
+            if not pipes.write(line):
                 replies[seat] = _Reply({}, 0.0, Fault("FORFEIT_TIMEOUT", f"{doing}: it does not read its lines"))
                 continue
-            for file in ours.files():
+            for file in pipes.files():
                 seat_of[file] = seat
                 poll.register(file, select.POLLIN)
         while len(replies) < len(lines):
             waiting = [seat for seat in lines if seat not in replies]
             due = min(sent_at[seat] + allowed_s[seat] for seat in waiting)
-            patience = min(max(0.0, due - now), _GLANCE_S)
+            patience = min(max(0.0, due - now), _POLL_S)
             events = poll.poll(math.ceil(1000.0 * patience))
             before, now = now, time.monotonic()
             if now - before > patience + _STALL_S:
                 raise NoContest(f"this process stood still for {now - before - patience:.1f} s")
             for file, _ in events:
                 seat = seat_of[file]
-                ours = self._lines[seat]
-                if file == ours.printed:
-                    if not ours.read_log():
+                pipes = self._pipes[seat]
+                if file == pipes.printed:
+                    if not pipes.read_log():
                         poll.unregister(file)
-                elif (heard := ours.read()) is not None:
+                elif (heard := pipes.read()) is not None:
                     poll.unregister(file)
                     replies[seat] = _understood(heard, now - sent_at[seat])
             for seat in waiting:

@@ -145,7 +145,7 @@ class Sandbox:
             self._supervisor = None
 
     def start(self, entrant: Entrant, seat: int, files: Sequence[int]) -> None:
-        """Give an entrant a process for this match; `files` are its lines in, its lines out and its log."""
+        """Give an entrant a process for this match; `files` are its ends of AgentPipes: in, out and log."""
         if self._supervisor is None:
             self._supervisor = _Supervisor()
         folder = self._supervisor.folder / f"seat_{seat}"
@@ -162,7 +162,7 @@ class Sandbox:
                 server = None
         if server is None:
             server = self._start_server(self._supervisor, entrant.spec)
-            with suppress(OSError):  # has it ended already, its lines will show
+            with suppress(OSError):  # whether it has ended already, its pipes will show
                 protocol.send(server.channel, files, play=str(folder))
         server.busy = True
         self._servers.pop(_key(entrant), None)
@@ -176,7 +176,7 @@ class Sandbox:
             self._supervisor.ask(end=server.pid)
 
     def how_it_ended(self, entrant: Entrant) -> str:
-        """Why an agent's lines have ended, in words; where the supervisor has ended, that is no agent's fault."""
+        """Why an agent's answers have ended, in words; where the supervisor has ended, that is no agent's fault."""
         if self._supervisor is not None:
             self._supervisor.require_alive()
         code = self._servers[_key(entrant)].exit_code()

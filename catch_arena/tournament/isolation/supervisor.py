@@ -23,7 +23,7 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.processes import adopt_orphans, die_with
 from catch_arena.tournament.isolation.protocol import receive, send
 
-_GLANCE_S: Final = 1.0
+_POLL_S: Final = 1.0
 """How often it looks whether its parent lives, where a copy of the socket keeps that from showing."""
 
 
@@ -66,7 +66,7 @@ def _leave(number: int, _: object) -> NoReturn:
 
 
 def _next_request(control: socket.socket, parent: int) -> tuple[dict[str, Any], list[int]] | None:
-    while not select.select([control], [], [], _GLANCE_S)[0]:
+    while not select.select([control], [], [], _POLL_S)[0]:
         if os.getppid() != parent:
             return None
     return receive(control)

@@ -20,7 +20,7 @@ from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import enter, shipped
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.lines import Log
+from catch_arena.tournament.isolation.pipes import Log
 from catch_arena.tournament.isolation.processes import missing_protections
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.seating import inspector, play_entrants, seated

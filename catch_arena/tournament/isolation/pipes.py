@@ -33,8 +33,8 @@ class Log:
         return (self._first + gap + self._last).decode(errors="replace")
 
 
-class Lines:
-    """Three pipes; none of ours ever waits."""
+class AgentPipes:
+    """Three pipes: lines to the agent, its answers, and what it prints. Our ends never wait."""
 
     def __init__(self, limits: AgentLimits) -> None:
         self._longest = limits.answer_kib * _KIB
