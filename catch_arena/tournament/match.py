@@ -21,7 +21,7 @@ _HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full":
 
 
 @dataclass(frozen=True, slots=True)
-class Thinking:
+class MoveTimes:
     """How long one seat took over its moves, by the clock on the wall."""
 
     moves: int
@@ -65,7 +65,7 @@ class MatchResult:
     """The final state's (A.8): matches that agree in it ended alike."""
     forfeits: tuple[str | None, ...]
     """FORFEIT_CRASH, FORFEIT_TIMEOUT, FORFEIT_ILLEGAL, FORFEIT_INIT or FORFEIT_OUT where a seat failed."""
-    thinking: tuple[Thinking, ...] = field(compare=False)
+    thinking: tuple[MoveTimes, ...] = field(compare=False)
     """Like all that follows, no part of what another run of the same match repeats."""
     details: tuple[Forfeit | None, ...] = field(default=(), compare=False)
     """More about each of `forfeits`."""
@@ -166,7 +166,7 @@ def play(
         steps=step,
         digest=env.digest().hex(),
         forfeits=tuple(None if one is None else one.code for one in forfeits),
-        thinking=tuple(Thinking(*times) for times in zip(moves, total_s, longest_s, strict=True)),
+        thinking=tuple(MoveTimes(*times) for times in zip(moves, total_s, longest_s, strict=True)),
         details=tuple(forfeits),
         logs=tuple(logs.get(seat, "") for seat in seats),
     )

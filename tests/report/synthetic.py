@@ -7,7 +7,7 @@ from random import Random
 from catch_arena.config import ArenaConfig
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, MatchResult, Thinking, ranks_of
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, ranks_of
 from catch_arena.tournament.plans.schedule import Played, round_robin
 from catch_arena.tournament.records.store import Store, Tournament
 
@@ -54,7 +54,7 @@ def tournament(
                         steps=600,
                         digest="0" * 16,
                         forfeits=tuple(one and one.code for one in wrong),
-                        thinking=tuple(Thinking(600, 0.02, 0.001) for _ in scores),
+                        thinking=tuple(MoveTimes(600, 0.02, 0.001) for _ in scores),
                         details=tuple(wrong),
                     ),
                 )

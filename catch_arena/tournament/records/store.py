@@ -20,7 +20,7 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import StoreError
 from catch_arena.replay import room
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, MatchResult, Thinking
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes
 from catch_arena.tournament.plans.schedule import Block, Match, Played
 from catch_arena.tournament.records.versions import versions
 
@@ -355,7 +355,7 @@ def _match(row: Sequence[Any]) -> Match:
 
 def _played(row: Sequence[Any]) -> Played:
     parts: dict[str, Any] = {name: json.loads(text) for name, text in zip(_RESULTS, row[5:], strict=True)}
-    parts["thinking"] = [Thinking(*part) for part in parts["thinking"]]
+    parts["thinking"] = [MoveTimes(*part) for part in parts["thinking"]]
     parts["details"] = [part and Forfeit(*part) for part in parts["details"]]
     for name, part in parts.items():
         parts[name] = tuple(part) if isinstance(part, list) else part

@@ -9,7 +9,7 @@ from catch_arena import scenario
 from catch_arena.errors import StoreError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
-from catch_arena.tournament.match import Forfeit, MatchResult, Thinking
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes
 from catch_arena.tournament.plans.schedule import Played, blocks_of, plan_of, round_robin
 from catch_arena.tournament.records.store import STORE, Store, Tournament, store_bytes
 
@@ -46,7 +46,7 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
         17,
         "ab",
         (None, "FORFEIT_CRASH"),
-        (Thinking(17, 0.25, 0.125),) * 2,
+        (MoveTimes(17, 0.25, 0.125),) * 2,
         (None, Forfeit("FORFEIT_CRASH", 17, "it fell")),
     )
     kept = [Played(played[0].match, strange, "00ff"), *played[1:]]
@@ -72,7 +72,7 @@ def test_what_waits_is_what_was_not_played_in_the_order_of_the_plan(store, playe
 
 def test_keeping_a_match_again_changes_nothing_and_must_say_the_same(store, played):
     store.keep(played[:1])
-    slower = dataclasses.replace(played[0].result, thinking=(Thinking(30, 9.0, 8.0),) * 2)
+    slower = dataclasses.replace(played[0].result, thinking=(MoveTimes(30, 9.0, 8.0),) * 2)
     store.keep([Played(played[0].match, slower)])
     assert list(store.played()) == played[:1]
     assert next(store.played()).result.thinking[0].total_s < 9.0
