@@ -13,7 +13,7 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.policy import Limits, Policy
-from catch_arena.tournament.players import Fault, ForfeitCode, Players, Sight, TrustedPlayers
+from catch_arena.tournament.players import Fault, ForfeitCode, Observation, Players, TrustedPlayers
 from catch_arena.verdicts import Verdict
 
 _HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full": {"cmd_vel": (0.0, 0.0), "catch": 0}}
@@ -39,7 +39,7 @@ class Forfeit:
     """The step that it gave no action for, from 1; 0 where it could not begin."""
     reason: str
     """One line for people."""
-    sight: Sight | None = None
+    observation: Observation | None = None
     """What it was shown in that step; a store does not keep it."""
 
     def __str__(self) -> str:
@@ -112,8 +112,8 @@ def play(
     playing = dict(enumerate(agents))
     actions: dict[str, Any] = {}
 
-    def forfeit(seat: int, fault: Fault, sight: Sight | None = None) -> None:
-        forfeits[seat] = Forfeit(fault.code, step, fault.reason, sight)
+    def forfeit(seat: int, fault: Fault, observation: Observation | None = None) -> None:
+        forfeits[seat] = Forfeit(fault.code, step, fault.reason, observation)
         actions[agents[seat]] = _HOLD[controls[seat]]  # R1.6: it is among the env's agents for one more step
         del playing[seat]
         env.withdraw(agents[seat])
@@ -126,21 +126,21 @@ def play(
         watch(env)
     while env.agents:
         step += 1
-        told = dict(infos)  # they are made when they are first read, and an ordinary dict is read faster
-        sights = {seat: _sight(observations[agent], told[agent]) for seat, agent in playing.items()}
-        for seat, (action, seconds, fault) in players.act(sights).items():
+        made = dict(infos)  # they are made when they are first read, and an ordinary dict is read faster
+        shown = {seat: _observation(observations[agent], made[agent]) for seat, agent in playing.items()}
+        for seat, (action, seconds, fault) in players.act(shown).items():
             total_s[seat] += seconds
             if seconds > longest_s[seat]:  # noqa: PLR1730 - max() takes twice as long
                 longest_s[seat] = seconds
             if fault is None:
                 actions[agents[seat]] = action
             else:
-                forfeit(seat, fault, sights[seat])
+                forfeit(seat, fault, shown[seat])
         try:
             observations, _, _, _, infos = env.step(actions)
         except ActionError:
             for seat, failed in _illegal(env, actions).items():
-                forfeit(seat, failed, sights[seat])
+                forfeit(seat, failed, shown[seat])
             observations, _, _, _, infos = env.step(actions)
         actions.clear()
         winners = set()
@@ -191,12 +191,12 @@ def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) 
     return tuple(1 + sum(other > merit for other in merits) for merit in merits)
 
 
-def _sight(observation: Any, info: dict[str, Any]) -> Sight:
+def _observation(vector: Any, info: dict[str, Any]) -> Observation:
     mask = info.get("action_mask")
     if isinstance(mask, dict):  # full control: the mask of "catch"
         mask = mask["catch"]
     # plain numbers: a scripted agent reads them one by one, which is slow on arrays
-    return observation.tolist(), [] if mask is None else mask.tolist()
+    return vector.tolist(), [] if mask is None else mask.tolist()
 
 
 def _illegal(env: CatchArenaEnv, actions: dict[str, Any]) -> dict[int, Fault]:

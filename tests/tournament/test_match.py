@@ -89,7 +89,7 @@ def test_one_that_cannot_begin_forfeits_before_the_first_step():
 
     result = play(SHORT, 0, [Fails(), Holds()], ["bad", "good"])
     assert result.forfeits == ("FORFEIT_INIT", None)
-    assert (result.details[0].step, result.details[0].sight, result.thinking[0].moves) == (0, None, 0)
+    assert (result.details[0].step, result.details[0].observation, result.thinking[0].moves) == (0, None, 0)
 
 
 def test_those_who_forfeit_rank_behind_all_others_by_how_long_they_lasted():

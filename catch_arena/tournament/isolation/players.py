@@ -16,7 +16,7 @@ from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.pipes import AgentPipes
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.players import Answer, Fault, Sight
+from catch_arena.tournament.players import Answer, Fault, Observation
 
 _POLL_S: Final = 0.1
 """How long it waits at a time, so that it notices when it stood still itself."""
@@ -70,10 +70,10 @@ class IsolatedPlayers:
                 faults[seat] = reply.fault.reason
         return {seat: Fault("FORFEIT_INIT", faults[seat]) for seat in sorted(faults)}
 
-    def act(self, sights: Mapping[int, Sight]) -> dict[int, Answer]:
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
         """Ask these seats for their actions: all are shown their views before the first answer is read."""
         step_s, bank_s = self._limits.step_ms / 1000.0, self._bank_s
-        lines = {seat: protocol.view_line(*sight) for seat, sight in sights.items()}
+        lines = {seat: protocol.view_line(*observation) for seat, observation in observations.items()}
         answers: dict[int, Answer] = {}
         for seat, reply in self._exchange(lines, {seat: step_s + bank_s[seat] for seat in lines}, "act").items():
             bank_s[seat] -= max(0.0, reply.seconds - step_s)

@@ -13,7 +13,7 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.players import IsolatedPlayers
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult, play
-from catch_arena.tournament.players import Absent, Fault, Players, Together, TrustedPlayers
+from catch_arena.tournament.players import AbsentPlayers, CompositePlayers, Fault, Players, TrustedPlayers
 
 _PAUSES_S: Final = (0.0, 1.0, 5.0)
 """How long we wait before a match that we failed to hold is begun again; then it is given up."""
@@ -40,8 +40,8 @@ def seated(
         if sandbox is not None and isolated:
             parts.append(stack.enter_context(_isolated(isolated, sandbox)))
         if faults:
-            parts.append(Absent({seat: entrants[seat].control for seat in faults}, faults))
-        yield parts[0] if len(parts) == 1 else Together(parts)
+            parts.append(AbsentPlayers({seat: entrants[seat].control for seat in faults}, faults))
+        yield parts[0] if len(parts) == 1 else CompositePlayers(parts)
 
 
 def sandboxed(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | None]:

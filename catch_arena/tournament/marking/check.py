@@ -10,7 +10,6 @@ from catch_arena.tournament.entrants import Inspection, enter
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.seating import inspector, play_entrants
 from catch_arena.tournament.match import Forfeit, MatchResult
-from catch_arena.tournament.players import Sight
 from catch_arena.verdicts import REASONS, Verdict
 
 _LINES_SHOWN: Final = 6
@@ -104,18 +103,14 @@ def _findings(
 
 def _shown_to(forfeit: Forfeit, config: ArenaConfig, seat: int) -> str:
     """The view that it failed on, on a line of its own."""
-    if forfeit.sight is None:
+    if forfeit.observation is None:
         return ""
-    view = _seen(forfeit.sight, config, seat)
+    view = View(*forfeit.observation, Limits.of(config, seat))
     targets = ", ".join(f"{target.rank}: {target.distance:.2f} m" for target in view.targets)
     return (
         f"\nit saw: targets {targets or 'none (view.targets is empty)'}; rivals {len(view.rivals)}; "
         f"mask {list(view.mask)}; score {view.score:g}; {view.time_left:.1f} s left"
     )
-
-
-def _seen(sight: Sight, config: ArenaConfig, seat: int) -> View:
-    return View(*sight, Limits.of(config, seat))
 
 
 def _tail(log: str) -> str:
