@@ -147,9 +147,9 @@ def entered(words: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant,
     """
     from catch_arena.tournament.entrants import enter, is_shipped
     from catch_arena.tournament.isolation.processes import missing_protections
-    from catch_arena.tournament.isolation.seating import inspector, sandboxed
+    from catch_arena.tournament.isolation.seating import inspector, sandbox_for
 
-    with sandboxed(limits) as sandbox:
+    with sandbox_for(limits) as sandbox:
         players = enter(words, inspector(sandbox))
     for player in players:
         if player.fault is not None:

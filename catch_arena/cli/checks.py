@@ -89,14 +89,14 @@ def grade(
     """
     from catch_arena.replay import write_whole
     from catch_arena.tournament.entrants import enter
-    from catch_arena.tournament.isolation.seating import inspector, sandboxed
+    from catch_arena.tournament.isolation.seating import inspector, sandbox_for
     from catch_arena.tournament.marking.grading import json_text, junit_text, mark, read_spec
 
     exercise = read_spec(spec)
     for path in (junit, json):
         if path is not None:
             output_file(path, force=force)
-    with sandboxed(limits_or_trust(limits, trusted=trusted)) as sandbox:
+    with sandbox_for(limits_or_trust(limits, trusted=trusted)) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
         marks = []

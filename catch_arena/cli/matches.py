@@ -237,7 +237,7 @@ def match(
     settings: Settings = None,
 ) -> None:
     """Play one match, seated in the order given, and record it."""
-    from catch_arena.tournament.isolation.seating import play_entrants, sandboxed
+    from catch_arena.tournament.isolation.seating import play_entrants, sandbox_for
     from catch_arena.tournament.plans.schedule import require_enough
 
     config = arena(scenario, settings)
@@ -247,7 +247,7 @@ def match(
     if len(players) > config.hunters:
         raise ConfigError(f"agents must be {config.hunters}, one for each hunter of {scenario}, got {len(players)}")
     output_file(output, force=force)
-    with sandboxed(allowed) as sandbox:
+    with sandbox_for(allowed) as sandbox:
         result = play_entrants(config, seed, players, sandbox, title=scenario, record=output)
     for player, log in zip(players, result.logs, strict=True):
         if log:

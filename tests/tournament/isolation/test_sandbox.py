@@ -23,7 +23,7 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.pipes import Log
 from catch_arena.tournament.isolation.processes import missing_protections
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.seating import inspector, play_entrants, seated
+from catch_arena.tournament.isolation.seating import inspector, play_entrants, start_players
 from catch_arena.tournament.match import agent_seed, play
 
 HERE = Path(__file__).parent
@@ -42,7 +42,7 @@ def alone(name):
 
 
 def played(config, entrants, sandbox, **options):
-    with seated(entrants, sandbox) as players:
+    with start_players(entrants, sandbox) as players:
         return play(config, 7, players, [one.name for one in entrants], **options)
 
 
@@ -202,7 +202,7 @@ def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox):
     try:
         with (
             pytest.raises(NoContest, match="this process stood still for"),
-            seated(entrants, sandbox) as players,
+            start_players(entrants, sandbox) as players,
         ):
             # the alarm comes 20 ms after a step's begin: while the slow one is waited for
             play(SHORT, 1, players, ["a", "b"], watch=lambda _: signal.setitimer(signal.ITIMER_REAL, 0.02))
@@ -217,12 +217,12 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
     code = (
         "from catch_arena import scenario\n"
         "from catch_arena.tournament.entrants import enter\n"
-        "from catch_arena.tournament.isolation.seating import inspector, play_entrants, seated\n"
+        "from catch_arena.tournament.isolation.seating import inspector, play_entrants, start_players\n"
         "from catch_arena.tournament.match import play\n"
         "from catch_arena.tournament.isolation.sandbox import Sandbox\n"
         "sandbox = Sandbox()\n"
         f"entrants = enter([{str(agent)!r}, {alone('idle')!r}], inspector(sandbox))\n"
-        "with seated(entrants, sandbox) as players:\n"
+        "with start_players(entrants, sandbox) as players:\n"
         "    def tell(env):\n"
         "        if env.world().step == 3:\n"
         "            print(players.logs()[0].strip(), sandbox._supervisor.folder, flush=True)\n"
