@@ -210,7 +210,7 @@ def sprt_answers(points: float, points1: float, matches: int, trials: int, seed:
     blocks = 0
     for _ in range(trials):
         test = Sprt(share_of_elo(0.0), share_of_elo(points1))
-        while (answer := test.answer) is None:
+        while (answer := test.decision) is None:
             common = random.random()
             draws = np.where(random.random(matches) < 0.5, common, random.random(matches))
             won = (draws < share - tie / 2.0) + 0.5 * ((draws >= share - tie / 2.0) & (draws < share + tie / 2.0))

@@ -48,7 +48,7 @@ def tournament(
             "--format",
             metavar="FORMAT",
             help="round-robin: every group of agents; balanced: fewer groups, in which pairs meet about equally often; "
-            "gauntlet: the first agent against the others; swiss: rounds, paired by the standing.",
+            "gauntlet: the first agent against the others; swiss: rounds, paired by the ranking so far.",
             show_default="round-robin, or balanced where that is long",
         ),
     ] = None,
@@ -98,7 +98,7 @@ def tournament(
     from catch_arena.tournament.display.live import LiveStandings
     from catch_arena.tournament.display.tables import plan_table, standings_table
     from catch_arena.tournament.execution.cost import measured
-    from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_out
+    from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import require_enough
     from catch_arena.tournament.records.results import SUMMARY, TABLE, prepare_folder, write_standings
@@ -126,7 +126,7 @@ def tournament(
             )
     terms = {"recorded": record, "trusted": trusted, "max_forfeits": max_forfeits}
     terms |= {} if allowed is None else asdict(allowed)
-    facts = Tournament(config, players, plays.words, terms)
+    facts = Tournament(config, players, plays.parameters, terms)
     most = "at most " if isinstance(plays, UntilSeparated) else ""
 
     def kept(count: int) -> str:
@@ -141,7 +141,7 @@ def tournament(
         typer.echo(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {config.hunters} in each")
         try:
             with _executor(executor, worker, jobs, address) as ready, LiveStandings(players, plays.size) as live:
-                play_out(store, plays, ready, max_forfeits=max_forfeits, folder=out, told=live.update)
+                play_plan(store, plays, ready, max_forfeits=max_forfeits, folder=out, on_results=live.update)
             table = standings(players, list(store.played()))
             played = store.count_played()
             write_standings(out, facts, played, table)

@@ -109,8 +109,8 @@ def compare(
         "H0": f"{first.name} is not stronger than {second.name} (H0)",
         None: f"undecided after {found.blocks} blocks",
     }
-    typer.echo(f"verdict: {verdicts[found.answer]}")
-    raise typer.Exit(_EXIT_CODES[found.answer])
+    typer.echo(f"verdict: {verdicts[found.decision]}")
+    raise typer.Exit(_EXIT_CODES[found.decision])
 
 
 @main.command()

@@ -31,8 +31,8 @@ def tournament(
     entrants = tuple(Entrant(name, f"{name}.py", "target", f"{place:016x}") for place, name in enumerate(names))
     plan = round_robin(len(names), config.hunters, rounds, seed=1)
     folder.mkdir(parents=True, exist_ok=True)
-    with Store.begin(Tournament(config, entrants, plan.words, terms or {}), folder, resume=True) as store:
-        store.plan(plan.stage(0, ()))
+    with Store.begin(Tournament(config, entrants, plan.parameters, terms or {}), folder, resume=True) as store:
+        store.plan(plan.batch(0, ()))
         played = []
         for number, match in enumerate(plan):
             if most is not None and number >= most:

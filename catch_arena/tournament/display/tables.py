@@ -111,7 +111,7 @@ def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: 
     """What would be played, and what it costs."""
     shown = Table(box=None, show_header=False, pad_edge=False)
     alone_s = plan.size * cost.seconds
-    shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.words.items()))
+    shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
     most = plan.size
     if isinstance(plan, FixedPlan):

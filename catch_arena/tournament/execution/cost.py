@@ -49,7 +49,7 @@ class Delay:
 def delay(worker: Worker, matches: int, max_forfeits: int) -> Delay | None:
     """What slow agents could cost at worst; None where nobody's time is limited.
 
-    Args: `matches`, the most that an entrant plays; `max_forfeits`, as of `runner.play_out`.
+    Args: `matches`, the most that an entrant plays; `max_forfeits`, as of `runner.play_plan`.
     """
     isolated = [entrant for entrant in worker.entrants if not is_shipped(entrant.spec)]
     if worker.limits is None or not isolated:
@@ -66,7 +66,7 @@ def delay(worker: Worker, matches: int, max_forfeits: int) -> Delay | None:
 
 def measured(worker: Worker, plan: Plan) -> Cost:
     """What a match of this plan costs here: its first block is tried, and none of it kept. Raises: NoContest."""
-    block = next(iter(plan.stage(0, ())))
+    block = next(iter(plan.batch(0, ())))
     seconds, sizes = 0.0, []
     forfeits: dict[str, str] = {}
     try:

@@ -12,7 +12,7 @@ from catch_arena.descendants import end
 from catch_arena.engine import Engine
 from catch_arena.errors import ConfigError, NoContest
 from catch_arena.tournament.execution.process import WorkerProcess
-from catch_arena.tournament.execution.worker import Outcome, Worker
+from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.plans.schedule import Match
 
 
@@ -23,10 +23,10 @@ class Executor(Protocol):
     def ahead(self) -> int:
         """How many blocks it takes before the first must be waited for: enough that no worker is ever idle."""
 
-    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
-        """Begin to play these matches, without those who are `out`: entrants by place, and why."""
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
+        """Begin to play these matches, without the entrants that are `excluded`: by place, and why."""
 
-    def outcome(self, future: Future[list[Outcome]]) -> list[Outcome]:
+    def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """What came of it. Raises: WorkerLost where it should be played again."""
 
     def __enter__(self) -> Self: ...
@@ -44,13 +44,13 @@ class InThisProcess:
     def __init__(self, worker: Worker) -> None:
         self._worker = worker
 
-    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
         """Play them before it returns."""
-        future: Future[list[Outcome]] = Future()
-        future.set_result(self._worker.play(matches, out))
+        future: Future[list[RecordedMatch]] = Future()
+        future.set_result(self._worker.play(matches, excluded))
         return future
 
-    def outcome(self, future: Future[list[Outcome]]) -> list[Outcome]:
+    def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """What came of it."""
         return future.result()
 
@@ -77,11 +77,11 @@ class Processes:
         """All that were started; None once no more may be."""
         self._idle: SimpleQueue[WorkerProcess] = SimpleQueue()
 
-    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches, when one of the processes is idle or can be started."""
-        return self._threads.submit(self._play, matches, out)
+        return self._threads.submit(self._play, matches, excluded)
 
-    def outcome(self, future: Future[list[Outcome]]) -> list[Outcome]:
+    def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """What came of it."""
         return future.result()
 
@@ -103,14 +103,14 @@ class Processes:
         for process in processes:
             process.wait()
 
-    def _play(self, matches: Sequence[Match], out: Mapping[int, str]) -> list[Outcome]:
+    def _play(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> list[RecordedMatch]:
         try:
             process = self._idle.get_nowait()
         except Empty:
             process = self._start()
-        outcomes = process.play(matches, out)
+        played = process.play(matches, excluded)
         self._idle.put(process)
-        return outcomes
+        return played
 
     def _start(self) -> WorkerProcess:
         with self._lock:

@@ -14,7 +14,7 @@ from catch_arena.engine import Engine
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost
 from catch_arena.tournament.entrants import enter, reason
 from catch_arena.tournament.execution.executors import require_jobs
-from catch_arena.tournament.execution.worker import Outcome, Worker
+from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.seating import inspector
 from catch_arena.tournament.plans.schedule import Match
 from catch_arena.tournament.records.versions import versions
@@ -59,22 +59,24 @@ class OnRay:
         self._versions = tuple(versions().items())
         self._task = ray.remote(max_retries=0)(_play)  # what is lost is counted and played again by the runner
 
-    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches."""
-        future: Future[list[Outcome]] = self._task.remote(self._worker, matches, out, self._versions).future()
+        future: Future[list[RecordedMatch]] = self._task.remote(
+            self._worker, matches, excluded, self._versions
+        ).future()
         return future
 
-    def outcome(self, future: Future[Any]) -> list[Outcome]:
+    def result(self, future: Future[Any]) -> list[RecordedMatch]:
         """What came of it."""
         try:
-            came: list[Outcome] | CatchArenaError = future.result()
+            answer: list[RecordedMatch] | CatchArenaError = future.result()
         except self._ray.exceptions.RayTaskError:
             raise
         except self._ray.exceptions.RayError as error:
             raise WorkerLost(f"a Ray worker was lost: {reason(error)}") from None
-        if isinstance(came, CatchArenaError):
-            raise came
-        return came
+        if isinstance(answer, CatchArenaError):
+            raise answer
+        return answer
 
     def __enter__(self) -> Self:
         return self
@@ -86,12 +88,12 @@ class OnRay:
 
 
 def _play(
-    worker: Worker, matches: Sequence[Match], out: Mapping[int, str], expected: tuple[tuple[str, str], ...]
-) -> list[Outcome] | CatchArenaError:
-    """The outcomes, or our error as a value: Ray would wrap one that is raised in its own."""
+    worker: Worker, matches: Sequence[Match], excluded: Mapping[int, str], expected: tuple[tuple[str, str], ...]
+) -> list[RecordedMatch] | CatchArenaError:
+    """The matches that were played, or our error as a value: Ray would wrap one that is raised in its own."""
     try:
         require_same(worker, expected)
-        return worker.play(matches, out)
+        return worker.play(matches, excluded)
     except CatchArenaError as error:
         return error
 

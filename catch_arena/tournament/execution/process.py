@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from catch_arena.descendants import start
 from catch_arena.errors import CatchArenaError, NoContest, WorkerLost
-from catch_arena.tournament.execution.worker import Outcome, Worker
+from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.plans.schedule import Match
 
 _GRACE_S: Final = 1.0
@@ -43,21 +43,21 @@ class WorkerProcess:
         """Whether it has not ended yet."""
         return self._process.poll() is None
 
-    def play(self, matches: Sequence[Match], out: Mapping[int, str]) -> list[Outcome]:
-        """The outcomes, without those who are `out`.
+    def play(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> list[RecordedMatch]:
+        """The matches that were played, without those who are `excluded`.
 
         Raises: WorkerLost where the process has died; whatever was raised there.
         """
         try:
-            self._channel.send((matches, out))
-            came: list[Outcome] | Exception = self._channel.recv()
+            self._channel.send((matches, excluded))
+            answer: list[RecordedMatch] | Exception = self._channel.recv()
         except (EOFError, OSError):
             self.let_go()
             self.wait()
             raise WorkerLost("a worker process died") from None
-        if isinstance(came, Exception):
-            raise came
-        return came
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
 
     def let_go(self) -> None:
         """It ends when it has nothing to play."""
@@ -69,35 +69,35 @@ class WorkerProcess:
 
 
 def main() -> None:
-    """Play what is asked for until the other side goes."""
+    """Play what is requests for until the other side goes."""
     channel: Connection = Connection(os.dup(0))
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)  # agents that read from the standard input find it empty
     os.close(nothing)
-    asked: SimpleQueue[Any] = SimpleQueue()
-    Thread(target=_hear, args=(channel, asked), daemon=True).start()
-    worker: Worker | None = asked.get()
+    requests: SimpleQueue[Any] = SimpleQueue()
+    Thread(target=_hear, args=(channel, requests), daemon=True).start()
+    worker: Worker | None = requests.get()
     if worker is None:
         return
-    while (block := asked.get()) is not None:
-        came: list[Outcome] | Exception
+    while (block := requests.get()) is not None:
+        answer: list[RecordedMatch] | Exception
         try:
-            came = worker.play(*block)
+            answer = worker.play(*block)
         except CatchArenaError as error:
-            came = error
+            answer = error
         except BaseException:  # noqa: BLE001 - a trusted agent may raise anything
-            came = RuntimeError(f"in a worker process:\n{traceback.format_exc()}")
+            answer = RuntimeError(f"in a worker process:\n{traceback.format_exc()}")
         with suppress(OSError):  # nobody may be there any more
-            channel.send(came)
+            channel.send(answer)
     worker.close()
 
 
-def _hear(channel: Connection, asked: SimpleQueue[Any]) -> None:
-    """First the worker, then matches and who is out of them; None when the other side has gone."""
+def _hear(channel: Connection, requests: SimpleQueue[Any]) -> None:
+    """First the worker, then matches and who is excluded from them; None when the other side has gone."""
     try:
         while True:
-            asked.put(channel.recv())
+            requests.put(channel.recv())
     except (EOFError, OSError):
-        asked.put(None)
+        requests.put(None)
         time.sleep(_GRACE_S)
         os._exit(1)

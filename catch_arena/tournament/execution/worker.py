@@ -18,7 +18,7 @@ from catch_arena.tournament.plans.schedule import Match, Played
 
 _DIGEST_BYTES: Final = 16
 
-Outcome = tuple[Played, bytes]
+RecordedMatch = tuple[Played, bytes]
 """A match that was played, and the content of its replay's file: empty where none was asked for."""
 
 
@@ -38,7 +38,7 @@ class Worker:
         """Where its agents are isolated: one for each process, which waits there for the next match."""
         return None if self.limits is None else _sandbox(self.limits)
 
-    def play(self, matches: Iterable[Match], excluded: Mapping[int, str] = MappingProxyType({})) -> list[Outcome]:
+    def play(self, matches: Iterable[Match], excluded: Mapping[int, str] = MappingProxyType({})) -> list[RecordedMatch]:
         """One match after the other.
 
         Args: `excluded`, the places of entrants that are not started, and why.
@@ -54,7 +54,7 @@ class Worker:
         if self.sandbox is not None:
             self.sandbox.close()
 
-    def _recorded(self, match: Match, excluded: Mapping[int, str]) -> Outcome:
+    def _recorded(self, match: Match, excluded: Mapping[int, str]) -> RecordedMatch:
         replay = BytesIO()
         result = self._result(match, excluded, replay)
         content = replay.getvalue()

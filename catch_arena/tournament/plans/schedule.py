@@ -12,7 +12,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.plans.design import groups_in_sweep, sweeps, sweeps_to_meet
-from catch_arena.tournament.plans.swiss import tables
+from catch_arena.tournament.plans.swiss import pair_round
 
 FORMATS: Final = ("round-robin", "balanced", "gauntlet", "swiss")
 
@@ -50,28 +50,28 @@ class Played:
 
 
 class Plan(Protocol):
-    """What is played, in stages: the blocks of one stage do not depend on each other's results."""
+    """What is played, in batches: the blocks of one batch do not depend on each other's results."""
 
     @property
-    def words(self) -> Mapping[str, str | int | float]:
-        """What it follows from: with as many entrants and seats, equal words make equal plans."""
+    def parameters(self) -> Mapping[str, str | int | float]:
+        """What it follows from: with as many entrants and seats, equal parameters make equal plans."""
 
     @property
     def size(self) -> int:
         """How many matches it has; the most that it may have, where it depends on their results."""
 
-    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
-        """The blocks of a stage, from 0 up; none after the last one.
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+        """The blocks of a batch, from 0 up; none after the last one.
 
-        Args: `played`, all matches of the stages before.
+        Args: `played`, all matches of the batches before.
         """
 
 
 @dataclass(frozen=True, slots=True)
 class FixedPlan:
-    """A plan of one stage, whose blocks are made anew whenever they are walked: none is held."""
+    """A plan of one batch, whose blocks are made anew whenever they are walked: none is held."""
 
-    words: Mapping[str, str | int]
+    parameters: Mapping[str, str | int]
     size: int
     blocks: Callable[[], Iterator[Block]]
 
@@ -81,7 +81,7 @@ class FixedPlan:
     def __iter__(self) -> Iterator[Match]:
         return (match for block in self.blocks() for match in block)
 
-    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
         """All of it."""
         del played
         return () if number else self.blocks()
@@ -89,7 +89,7 @@ class FixedPlan:
 
 @dataclass(frozen=True, slots=True)
 class Swiss:
-    """Rounds of tables, each round paired by the standing so far: a stage a round."""
+    """Rounds that are paired by the ranking so far; each is a batch."""
 
     entrants: int
     seats: int
@@ -100,23 +100,23 @@ class Swiss:
         _check(self.rounds, self.seed, self.size, f"Swiss rounds of {self.entrants} entrants")
 
     @property
-    def words(self) -> Mapping[str, str | int]:
+    def parameters(self) -> Mapping[str, str | int]:
         """The format, the rounds and the seed."""
-        return _words("swiss", self.rounds, self.seed)
+        return _parameters("swiss", self.rounds, self.seed)
 
     @property
     def size(self) -> int:
         """The same, whatever the results."""
         return self.rounds * (self.entrants // self.seats) * self.seats
 
-    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
         """One round."""
         if number >= self.rounds:
             return
         matches = ((one.match.seating, one.result.ranks) for one in played)
-        drawn = tables(self.entrants, self.seats, matches, lambda one: draw("standing", self.seed, number, one))
-        for index, group in enumerate(drawn):
-            yield _block(group, ("swiss", self.seed, number, index), number, index, len(drawn))
+        groups = pair_round(self.entrants, self.seats, matches, lambda one: draw("standing", self.seed, number, one))
+        for index, group in enumerate(groups):
+            yield _block(group, ("swiss", self.seed, number, index), number, index, len(groups))
 
 
 def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, seed: int) -> Plan:
@@ -149,7 +149,7 @@ def round_robin(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
             for index, group in enumerate(combinations(range(entrants), seats)):
                 yield _block(group, (seed, number, *group), number, index, count)
 
-    return FixedPlan(_words("round-robin", rounds, seed), rounds * count * seats, blocks)
+    return FixedPlan(_parameters("round-robin", rounds, seed), rounds * count * seats, blocks)
 
 
 def balanced(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
@@ -176,14 +176,14 @@ def gauntlet(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
             for index, others in enumerate(combinations(range(1, entrants), seats - 1)):
                 yield _block((0, *others), ("gauntlet", seed, number, index), number, index, count)
 
-    return FixedPlan(_words("gauntlet", rounds, seed), rounds * count * seats, blocks)
+    return FixedPlan(_parameters("gauntlet", rounds, seed), rounds * count * seats, blocks)
 
 
 def listed(matches: Sequence[Match]) -> FixedPlan:
     """The plan of these very matches, which stand by block."""
     text = "\n".join(f"{match.id} {match.block} {match.seed} {match.seating}" for match in matches)
-    words = {"format": "listed", "digest": hashlib.blake2b(text.encode(), digest_size=8).hexdigest()}
-    return FixedPlan(words, len(matches), lambda: iter(blocks_of(matches)))
+    parameters = {"format": "listed", "digest": hashlib.blake2b(text.encode(), digest_size=8).hexdigest()}
+    return FixedPlan(parameters, len(matches), lambda: iter(blocks_of(matches)))
 
 
 def blocks_of(matches: Iterable[Match]) -> list[Block]:
@@ -218,7 +218,7 @@ def _check(rounds: int, seed: int, size: int, what: str) -> None:
 def _block(group: Sequence[int], about: tuple[object, ...], number: int, index: int, groups: int) -> Block:
     """Every rotation of a drawn circle of the group.
 
-    Args: `about`, the words that its seed and its circle are drawn from; `number`, its round's, and `index`, its own in
+    Args: `about`, what its seed and its circle are drawn from; `number`, its round's, and `index`, its own in
     the round, both from 0; `groups`, how many a round has.
     """
     order = sorted(group, key=lambda player: draw("order", *about, player))
@@ -235,7 +235,7 @@ def _block(group: Sequence[int], about: tuple[object, ...], number: int, index: 
 
 
 def draw(*about: object) -> int:
-    """48 bits that depend on these words alone; exact in a double, as JSON readers keep numbers."""
+    """48 bits that depend on these values alone; exact in a double, as JSON readers keep numbers."""
     text = "/".join(map(str, about))
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=6).digest(), "little")
 
@@ -255,8 +255,8 @@ def _in_sweeps(name: str, entrants: int, seats: int, rounds: int, seed: int, *, 
                 everybody = (*range(aside), *(player + aside for player in group))
                 yield _block(everybody, (name, seed, number, index), number, index, count)
 
-    return FixedPlan(_words(name, rounds, seed), turns * count * seats, blocks)
+    return FixedPlan(_parameters(name, rounds, seed), turns * count * seats, blocks)
 
 
-def _words(name: str, rounds: int, seed: int) -> Mapping[str, str | int]:
+def _parameters(name: str, rounds: int, seed: int) -> Mapping[str, str | int]:
     return {"format": name, "rounds": rounds, "seed": seed}

@@ -66,7 +66,7 @@ class Tournament:
     config: ArenaConfig
     entrants: tuple[Entrant, ...]
     plan: Mapping[str, str | int | float]
-    """The plan's words."""
+    """The plan's parameters."""
     terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)
     """On what terms it is played besides: `recorded`, `trusted`, and the limits of isolated agents."""
 

@@ -14,7 +14,7 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.plans.schedule import Block, Match, Played, round_robin
-from catch_arena.tournament.sequential.sprt import Answer, Sprt
+from catch_arena.tournament.sequential.sprt import Decision, Sprt
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 
 _A, _B, _FIELD = range(3)
@@ -23,8 +23,8 @@ _FIRST_BATCH: Final = 16
 
 
 @dataclass(frozen=True, slots=True)
-class Seats:
-    """Who sits where in one block.
+class ComparisonDesign:
+    """Who sits where in each block of a comparison.
 
     A field that leaves one seat free is met by both in turn, each from every seat, on the same targets. Otherwise both
     sit in the same match, and share what the field leaves free.
@@ -78,7 +78,7 @@ class Seats:
 class Comparison:
     """What came out."""
 
-    answer: Answer | None
+    decision: Decision | None
     """None where the blocks ran out first."""
     blocks: int
     """That the test needed."""
@@ -90,37 +90,43 @@ class Comparison:
     """Of those who did: by name, how many matches they forfeited, by code."""
 
 
-class _UntilAnswered:
-    """A plan of more and more blocks, for as long as the test has no answer."""
+class _UntilDecided:
+    """A plan of more and more blocks, for as long as the test has not decided."""
 
     def __init__(
-        self, seats: Seats, test: Sprt, max_blocks: int, seed: int, progress: Callable[[int, Sprt], None] | None
+        self,
+        design: ComparisonDesign,
+        test: Sprt,
+        max_blocks: int,
+        seed: int,
+        progress: Callable[[int, Sprt], None] | None,
     ) -> None:
-        plan = round_robin(seats.seats, seats.seats, max_blocks, seed)
-        self.words: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks, "seed": seed}
-        self.size = plan.size * (2 if seats.in_turn else 1)
+        plan = round_robin(design.seats, design.seats, max_blocks, seed)
+        self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks, "seed": seed}
+        self.size = plan.size * (2 if design.in_turn else 1)
         self.outcomes: list[float] = []
         self.matches = 0
         """In the blocks that the test needed."""
-        self._seats, self._test, self._progress = seats, test, progress
-        self._blocks = map(seats.block, plan.blocks())
-        self._seen, self._batch = 0, _FIRST_BATCH
+        self._design, self._test, self._progress = design, test, progress
+        self._blocks = map(design.block, plan.blocks())
+        self._seen, self._next_size = 0, _FIRST_BATCH
 
-    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
-        """The next batch, after the last one has been told to the test in the order of the plan."""
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+        """The next batch, once the last one has been given to the test in the order of the plan."""
         for _, block in groupby(islice(played, self._seen, None), key=lambda one: one.match.block):
-            rows = list(block)
-            self._seen += len(rows)
-            if self._test.answer is None:
-                self.outcomes.append(self._seats.outcome(rows))
+            matches = list(block)
+            self._seen += len(matches)
+            if self._test.decision is None:
+                self.outcomes.append(self._design.outcome(matches))
                 self._test.add(self.outcomes[-1])
-                self.matches += len(rows)
+                self.matches += len(matches)
         if number and self._progress is not None:
             self._progress(len(self.outcomes), self._test)
-        if self._test.answer is not None:
+        if self._test.decision is not None:
             return ()
-        now, self._batch = self._batch, self._batch + self._batch // 2
-        return islice(self._blocks, now)
+        size = self._next_size
+        self._next_size += size // 2
+        return islice(self._blocks, size)
 
 
 def compare(
@@ -135,17 +141,17 @@ def compare(
     max_forfeits: int = 0,
     progress: Callable[[int, Sprt], None] | None = None,
 ) -> Comparison:
-    """Play until `test` has an answer, or `max_blocks` blocks.
+    """Play until `test` has decided, or `max_blocks` blocks.
 
-    The blocks are given to the test in the order of the plan, so the answer does not depend on `jobs`.
+    The blocks are given to the test in the order of the plan, so the decision does not depend on `jobs`.
 
     Args: `entrants`, the two to compare, then their field; `limits`, those of isolated agents, None where all are
-    trusted; `max_forfeits`, as of `runner.play_out`; `progress`, called with (blocks, test) after each batch.
+    trusted; `max_forfeits`, as of `runner.play_plan`; `progress`, called with (blocks, test) after each batch.
     Raises: ConfigError; NoContest.
     """
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
-    plan = _UntilAnswered(Seats(config.hunters, len(entrants) - _FIELD), test, max_blocks, seed, progress)
+    plan = _UntilDecided(ComparisonDesign(config.hunters, len(entrants) - _FIELD), test, max_blocks, seed, progress)
     played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits)
     forfeits: dict[str, Counter[str]] = {}
     for one in played:
@@ -154,4 +160,4 @@ def compare(
                 forfeits.setdefault(entrants[place].name, Counter())[code] += 1
     column = np.array(plan.outcomes)[:, None]
     (share,) = shares(column, np.ones_like(column))
-    return Comparison(test.answer, len(plan.outcomes), plan.matches, share, test.log_likelihood_ratio, forfeits)
+    return Comparison(test.decision, len(plan.outcomes), plan.matches, share, test.log_likelihood_ratio, forfeits)

@@ -13,7 +13,7 @@ from typing import Final, Literal
 
 from catch_arena.errors import ConfigError
 
-Answer = Literal["H0", "H1"]
+Decision = Literal["H0", "H1"]
 
 _IMAGINED: Final = 1e-3
 """Blocks of each extreme outcome, without which a mean could be out of reach."""
@@ -63,7 +63,7 @@ class Sprt:
         )
 
     @property
-    def answer(self) -> Answer | None:
+    def decision(self) -> Decision | None:
         """None while more blocks are needed."""
         low, high = self.bounds
         ratio = self.log_likelihood_ratio

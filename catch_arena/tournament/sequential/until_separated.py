@@ -14,9 +14,9 @@ BUDGET: Final = 10_000
 
 
 class UntilSeparated:
-    """Whole rounds of a format; after each stage the standings are looked at.
+    """Whole rounds of a format; after each batch the standings are looked at.
 
-    The budget is no part of the plan's words: it may be raised when a tournament is resumed.
+    The budget is none of the plan's parameters: it may be raised when a tournament is resumed.
 
     Args: `rounds`, makes the format's plan of so many; `budget`, how many matches it may have.
     Raises: ConfigError.
@@ -32,15 +32,15 @@ class UntilSeparated:
         self._whole = rounds(budget // one.size)
         self._round = sum(1 for _ in one.blocks())
         self._entrants, self._confidence = entrants, confidence
-        self.words: Mapping[str, str | int | float] = {
-            **{name: value for name, value in one.words.items() if name != "rounds"},
+        self.parameters: Mapping[str, str | int | float] = {
+            **{name: value for name, value in one.parameters.items() if name != "rounds"},
             "until_separated": confidence,
         }
         self.size = self._whole.size
         self.last: Separation | None = None
         """What the last look showed."""
 
-    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
         """The rounds until the next look."""
         del number
         matches = list(played)

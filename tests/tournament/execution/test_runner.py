@@ -91,13 +91,13 @@ def test_a_match_whose_worker_was_killed_is_played_again(tmp_path):
 class Growing:
     """Plays a block more for as long as the first entrant has won all."""
 
-    words: ClassVar = {"format": "growing"}
+    parameters: ClassVar = {"format": "growing"}
     size = 20
 
     def __init__(self):
         self.asked = []
 
-    def stage(self, number, played):
+    def batch(self, number, played):
         matches = list(played)
         self.asked.append(len(matches))
         won = all(one.result.ranks[one.match.seating.index(0)] == 1 for one in matches)
@@ -138,6 +138,6 @@ def test_standings_replace_older_ones_and_leave_other_files_alone(tmp_path):
     for seed in (1, 2):
         plan = round_robin(2, 2, 1, seed=seed)
         played = run(SHORT, entrants, plan)
-        write_standings(tmp_path, Tournament(SHORT, entrants, plan.words), 2, standings(entrants, played))
+        write_standings(tmp_path, Tournament(SHORT, entrants, plan.parameters), 2, standings(entrants, played))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.txt", "standings.csv", "standings.json"]
     assert json.loads((tmp_path / "standings.json").read_text())["plan"]["seed"] == 2

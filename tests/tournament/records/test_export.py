@@ -13,7 +13,7 @@ from catch_arena.errors import ConfigError, OutputError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import InThisProcess
 from catch_arena.tournament.execution.on_ray import OnRay
-from catch_arena.tournament.execution.runner import play_out
+from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.match import agent_seed
 from catch_arena.tournament.plans.schedule import round_robin
@@ -28,8 +28,8 @@ PLAN = round_robin(3, 2, 2, seed=1)
 
 @pytest.fixture(scope="module")
 def store():
-    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.words)) as store:
-        play_out(store, PLAN, InThisProcess(Worker(CONFIG, ENTRANTS)))
+    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as store:
+        play_plan(store, PLAN, InThisProcess(Worker(CONFIG, ENTRANTS)))
         yield store
 
 
@@ -79,8 +79,8 @@ def test_the_tables_have_a_row_for_each_seat_and_agree(store, tmp_path):
 
 @pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
 def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
-    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.words)) as other:
-        play_out(other, PLAN, InThisProcess(Worker(CONFIG, ENTRANTS)))
+    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as other:
+        play_plan(other, PLAN, InThisProcess(Worker(CONFIG, ENTRANTS)))
         for one, name in ((store, "a"), (other, "b")):
             export(one, form, tmp_path / name, timing=False)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
@@ -89,7 +89,7 @@ def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
 
 @pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
 def test_a_tournament_without_a_match_yet_is_exported_too(tmp_path, form):
-    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.words)) as empty:
+    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as empty:
         export(empty, form, tmp_path / "m")
     assert {
         "jsonl": lambda path: path.read_bytes() == b"",

@@ -16,7 +16,7 @@ from catch_arena.tournament.records.store import STORE, Store, Tournament, store
 SHORT = scenario("duel", time_limit_s=3)
 ENTRANTS = enter(["nearest", "idle", "random"])
 PLAN = round_robin(3, 2, 2, seed=4)
-FACTS = Tournament(SHORT, ENTRANTS, PLAN.words)
+FACTS = Tournament(SHORT, ENTRANTS, PLAN.parameters)
 
 
 @pytest.fixture(scope="module")
@@ -27,14 +27,14 @@ def played():
 @pytest.fixture
 def store(tmp_path):
     with Store.begin(FACTS, tmp_path) as store:
-        store.plan(PLAN.stage(0, ()))
+        store.plan(PLAN.batch(0, ()))
         yield store
 
 
 def begun(folder):
     """A tournament that got as far as its plan."""
     with Store.begin(FACTS, folder) as store:
-        store.plan(PLAN.stage(0, ()))
+        store.plan(PLAN.batch(0, ()))
 
 
 def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, played):
@@ -83,7 +83,7 @@ def test_keeping_a_match_again_changes_nothing_and_must_say_the_same(store, play
 
 
 def test_planning_again_changes_nothing_and_must_say_the_same(store):
-    assert store.plan(PLAN.stage(0, ())) == store.count_planned() == 12
+    assert store.plan(PLAN.batch(0, ())) == store.count_planned() == 12
     with pytest.raises(StoreError, match=r"match r00001-g000001-s00 must be .* got Match"):
         store.plan(round_robin(3, 2, 2, seed=5).blocks())
     assert list(store.waiting()) == blocks_of(PLAN)
@@ -102,8 +102,8 @@ def test_a_plan_is_written_whole_or_not_at_all(tmp_path):
 
 CHANGES = {
     "reach_m is 0.3 there, and 0.4 here": {"config": SHORT.replace(reach_m=0.4)},
-    "rounds is 2 there, and 3 here": {"plan": round_robin(3, 2, 3, seed=4).words},
-    'format is "round-robin" there, and "swiss" here': {"plan": plan_of("swiss", 3, 2, 2, 4).words},
+    "rounds is 2 there, and 3 here": {"plan": round_robin(3, 2, 3, seed=4).parameters},
+    'format is "round-robin" there, and "swiss" here': {"plan": plan_of("swiss", 3, 2, 2, 4).parameters},
     "recorded is not given there, and true here": {"terms": {"recorded": True}},
     "its agents are nearest idle random, and here nearest idle": {"entrants": ENTRANTS[:2]},
     "agent idle can begin there, and cannot begin here": {
@@ -141,7 +141,7 @@ def test_nothing_is_overwritten_without_a_word(tmp_path):
 def test_one_that_got_no_further_than_its_beginning_may_begin_as_another(tmp_path):
     """As where a cluster did not answer."""
     Store.begin(FACTS, tmp_path).close()
-    other = dataclasses.replace(FACTS, plan=round_robin(3, 2, 3, seed=4).words)
+    other = dataclasses.replace(FACTS, plan=round_robin(3, 2, 3, seed=4).parameters)
     Store.begin(other, tmp_path).close()
     with Store.read(tmp_path) as store:
         assert store.tournament == other
@@ -194,8 +194,8 @@ def test_its_size_is_what_a_plan_says(tmp_path):
     config, entrants = scenario("standard"), enter(["nearest", "contested", "first", "random"])
     plan = round_robin(4, 4, 500, seed=0)
     (first, *_) = run(config, entrants, list(plan)[:1])
-    with Store.begin(Tournament(config, entrants, plan.words), tmp_path) as store:
-        store.plan(plan.stage(0, ()))
+    with Store.begin(Tournament(config, entrants, plan.parameters), tmp_path) as store:
+        store.plan(plan.batch(0, ()))
         for block in plan.blocks():
             store.keep(Played(match, first.result) for match in block)
     assert (tmp_path / STORE).stat().st_size / plan.size == pytest.approx(store_bytes(4), rel=1 / 4)

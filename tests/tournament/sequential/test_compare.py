@@ -14,7 +14,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.plans.schedule import Match, Played, round_robin
-from catch_arena.tournament.sequential.compare import Seats, compare
+from catch_arena.tournament.sequential.compare import ComparisonDesign, compare
 from catch_arena.tournament.sequential.sprt import Sprt, elo_of_share, share_of_elo
 
 MEASURE = runpy.run_path(str(Path(__file__).parents[3] / "scripts" / "measure_ratings.py"))
@@ -28,7 +28,7 @@ def test_with_two_outcomes_it_is_walds_test():
         test.add(outcome)
     assert test.log_likelihood_ratio == pytest.approx(30 * math.log(0.6 / 0.5) + 20 * math.log(0.4 / 0.5), abs=1e-3)
     assert test.bounds == pytest.approx((-math.log(19), math.log(19)))
-    assert test.answer is None
+    assert test.decision is None
 
 
 def test_with_many_close_outcomes_it_is_the_normal_approximation():
@@ -46,7 +46,7 @@ def test_a_few_outcomes_all_alike_decide_nothing():
     test = Sprt(0.5, 0.53)
     for _ in range(5):
         test.add(1.0)
-    assert test.answer is None
+    assert test.decision is None
 
 
 @pytest.mark.parametrize(("truth", "wrong"), [(0, "H1"), (100, "H0")])
@@ -65,13 +65,13 @@ def test_points_and_shares_are_one_scale():
 
 @pytest.mark.parametrize("seats", [2, 4])
 def test_against_each_other_both_sit_in_every_seat_equally_often(seats):
-    block = Seats(seats, 0).block(round_robin(seats, seats, 1, 0))
+    block = ComparisonDesign(seats, 0).block(round_robin(seats, seats, 1, 0))
     sat = [(place, seat) for match in block for seat, place in enumerate(match.seating)]
     assert all(sat.count((place, seat)) == seats // 2 for place in (0, 1) for seat in range(seats))
 
 
 def test_against_a_full_field_they_take_turns_in_the_same_seats_on_the_same_targets():
-    block = Seats(4, 3).block(round_robin(4, 4, 1, 0))
+    block = ComparisonDesign(4, 3).block(round_robin(4, 4, 1, 0))
     assert len(block) == 8
     for mine, theirs in zip(block[::2], block[1::2], strict=True):
         assert mine.seed == theirs.seed
@@ -80,7 +80,7 @@ def test_against_a_full_field_they_take_turns_in_the_same_seats_on_the_same_targ
 
 
 def test_beside_a_field_they_sit_together():
-    for match in Seats(4, 2).block(round_robin(4, 4, 1, 0)):
+    for match in ComparisonDesign(4, 2).block(round_robin(4, 4, 1, 0)):
         assert sorted(match.seating) == [0, 1, 2, 3]
 
 
@@ -92,12 +92,12 @@ def test_a_blocks_outcome_by_hand():
         ]
 
     together = block(((0, 1, 2), (1, 2, 3)), ((2, 0, 1), (1, 2, 2)), ((1, 2, 0), (1, 2, 3)))
-    assert Seats(3, 1).outcome(together) == (1 + 0.5 + 0) / 3
+    assert ComparisonDesign(3, 1).outcome(together) == (1 + 0.5 + 0) / 3
     in_turn = block(((0, 2, 3), (1, 2, 3)), ((1, 2, 3), (2, 1, 3)), ((2, 0, 3), (1, 2, 3)), ((2, 1, 3), (1, 2, 3)))
-    assert Seats(3, 2).outcome(in_turn) == (1 + 0.5) / 2
+    assert ComparisonDesign(3, 2).outcome(in_turn) == (1 + 0.5) / 2
 
 
-def test_the_answer_does_not_depend_on_the_number_of_processes():
+def test_the_decision_does_not_depend_on_the_number_of_processes():
     config = scenario("duel", time_limit_s=5)
 
     def found(jobs):
@@ -105,7 +105,7 @@ def test_the_answer_does_not_depend_on_the_number_of_processes():
 
     alone = found(1)
     assert alone == found(2)
-    assert alone.answer == "H1"
+    assert alone.decision == "H1"
 
 
 @pytest.mark.parametrize(
@@ -165,4 +165,4 @@ def test_what_cannot_be_compared_is_refused_in_one_line(words, message):
 
 def test_a_field_that_does_not_fit_is_refused():
     with pytest.raises(ConfigError, match="of 1 or 2 agents where 3 hunters play, got 0"):
-        Seats(3, 0)
+        ComparisonDesign(3, 0)

@@ -38,25 +38,25 @@ def test_it_ends_when_the_budget_is_spent_and_says_who_is_not_apart():
     assert "cannot be told apart yet (p = " in str(plays.last)
 
 
-def test_each_stage_reaches_the_next_look():
+def test_each_batch_reaches_the_next_look():
     """A round has three blocks."""
-    plays, played, stages = plan(EQUAL, 600), [], []
+    plays, played, batches = plan(EQUAL, 600), [], []
     everything = run(SHORT, EQUAL, round_robin(3, 2, 20, 1))
-    while blocks := len(list(plays.stage(len(stages), played))):
-        stages.append(blocks)
-        played = everything[: 2 * sum(stages)]
+    while blocks := len(list(plays.batch(len(batches), played))):
+        batches.append(blocks)
+        played = everything[: 2 * sum(batches)]
         if len(played) == len(everything):
             break
-    looks = [sum(stages[: number + 1]) for number in range(len(stages))]
+    looks = [sum(batches[: number + 1]) for number in range(len(batches))]
     assert looks[0] == 9
     for before, look in pairwise(looks[:-1]):
         assert next_look(before) <= look < next_look(before) + 3
 
 
-def test_a_larger_budget_begins_with_the_same_matches_and_has_the_same_words():
+def test_a_larger_budget_begins_with_the_same_matches_and_has_the_same_parameters():
     few, many = plan(EQUAL, 30), plan(EQUAL, 60)
-    assert few.words == many.words
-    assert list(few.stage(0, ())) == list(many.stage(0, ()))[: len(list(few.stage(0, ())))]
+    assert few.parameters == many.parameters
+    assert list(few.batch(0, ())) == list(many.batch(0, ()))[: len(list(few.batch(0, ())))]
 
 
 def test_what_cannot_be_is_refused():

@@ -1,6 +1,6 @@
-"""Who is out: an agent that has forfeited so many matches in a row plays no further ones.
+"""Who is excluded: an agent that has forfeited so many matches in a row plays no further ones.
 
-Rows are counted in the order of the plan, whenever and wherever its matches were played, and looked at where a block
+Streaks are counted in the order of the plan, whenever and wherever its matches were played, and looked at where a block
 ends: all matches of a block have the same field.
 """
 
@@ -11,10 +11,10 @@ from catch_arena.errors import ConfigError
 from catch_arena.tournament.plans.schedule import Block, Played
 
 
-class Streaks:
+class ForfeitStreaks:
     """How many matches each entrant has forfeited in a row, block by block.
 
-    Args: `most`, how many put an entrant out, 0 for never. Raises: ConfigError.
+    Args: `most`, how many exclude an entrant, 0 for never. Raises: ConfigError.
     """
 
     def __init__(self, most: int) -> None:
@@ -22,39 +22,39 @@ class Streaks:
             raise ConfigError(f"max_forfeits must be at least 1, or 0 for no limit, got {most}")
         self._most = most
         self._forfeited: Counter[int] = Counter()
-        self._sound: set[int] = set()
-        self._out: dict[int, str] = {}
+        self._finished: set[int] = set()
+        self._excluded: dict[int, str] = {}
 
     def add(self, block: Iterable[Played]) -> bool:
-        """The next block of the plan has been played. Returns: whether it puts anybody out."""
-        before = len(self._out)
+        """The next block of the plan has been played. Returns: whether it excludes anybody."""
+        before = len(self._excluded)
         for one in block:
             for place, code in zip(one.match.seating, one.result.forfeits, strict=True):
                 if code is None:
                     self._forfeited[place] = 0
-                    self._sound.add(place)
+                    self._finished.add(place)
                     continue
                 self._forfeited[place] += 1
                 if self._forfeited[place] == self._most:
-                    self._out[place] = f"it had forfeited {self._most} matches in a row"
-        return len(self._out) > before
+                    self._excluded[place] = f"it had forfeited {self._most} matches in a row"
+        return len(self._excluded) > before
 
-    def out_of(self, block: Block) -> Mapping[int, str]:
-        """Which entrants of a block are out, and why, as far as the blocks that were added tell."""
-        return {place: why for place, why in self._out.items() if place in block[0].seating}
+    def excluded_from(self, block: Block) -> Mapping[int, str]:
+        """Which entrants of a block are excluded, and why, as far as the blocks that were added tell."""
+        return {place: why for place, why in self._excluded.items() if place in block[0].seating}
 
     def may_begin(self, block: Block, before: Sequence[Block]) -> bool:
         """Whether it makes sense to begin a block while those right before it are still played.
 
-        Who ends its matches is trusted to go on so. Of anybody else no more matches are begun than it may forfeit: one
-        that hangs costs time.
+        An agent that ends its matches is trusted to go on so. Of any other no more matches are begun than it may
+        forfeit: one that hangs costs time.
         """
         if not self._most:
             return True
         doubtful = {
             place
             for place in block[0].seating
-            if place not in self._out and (self._forfeited[place] or place not in self._sound)
+            if place not in self._excluded and (self._forfeited[place] or place not in self._finished)
         }
         begun = Counter(place for other in before for match in other for place in match.seating if place in doubtful)
         return all(self._forfeited[place] + begun[place] < self._most for place in doubtful)
