@@ -35,8 +35,8 @@ WRITERS = {
     "g.mp4": ["mosaic", "{o}/replays", "-o", "g.mp4", "--count", "1", "--fps", "5"],
     "sheet.png": ["sheet", "{o}/replays/r00001-g000001-s00.replay", "--count", "2"],
     "e.csv": ["export", "{o}", "--format", "csv", "-o", "e.csv"],
-    "marks.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "marks.json"],
-    "marks.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "marks.xml"],
+    "grades.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "grades.json"],
+    "grades.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "grades.xml"],
     "c.xml": ["conformance", "catch_arena:arbitrate", "--only", "reach", "--junit", "c.xml"],
     "audit.json": ["audit", "--matches", "100", "-s", "duel", "--set", "time_limit_s=1", "--jobs", "1", "--out", "."],
 }

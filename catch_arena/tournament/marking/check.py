@@ -25,30 +25,30 @@ class Finding:
     """The first line says it, further ones show it."""
 
 
-def check(word: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox) -> Iterator[Finding]:
+def check_fitness(spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox) -> Iterator[Finding]:
     """Play the agent against itself, in every seat of each arena, and twice in the first that nobody forfeits.
 
-    Raises: AgentError where the word stands for no agent; NoContest.
+    Args: `spec`, as `enter` takes it; `arenas`, by name. Raises: AgentError where the spec names no agent; NoContest.
     """
     looked: list[Inspection] = []
 
-    def look(spec: str) -> Inspection:
+    def look(resolved: str) -> Inspection:
         if not looked:
-            looked.append(inspector(sandbox)(spec))
+            looked.append(inspector(sandbox)(resolved))
         return looked[0]
 
-    (entrant,) = enter([word], look)
+    (entrant,) = enter([spec], look)
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
         return
     yield Finding("ok", f"control {entrant.control}, digest {entrant.digest}")
     whole: dict[str, list[bytes]] = {}
-    told: set[tuple[str, str]] = set()
+    reported: set[tuple[str, str]] = set()
     for name, config in arenas.items():
         digests: list[bytes] = []
-        copies = enter([word] * config.hunters, look)
-        result = play_entrants(config, seed, copies, sandbox, watch=lambda env, told=digests: told.append(env.digest()))
-        yield from _findings(name, config, result, sandbox.limits.step_ms, told)
+        copies = enter([spec] * config.hunters, look)
+        result = play_entrants(config, seed, copies, sandbox, watch=lambda env, to=digests: to.append(env.digest()))
+        yield from _findings(name, config, result, sandbox.limits.step_ms, reported)
         if not any(result.forfeits):
             whole[name] = digests
     if not whole:  # where and why it forfeited is what there is to say
@@ -56,7 +56,7 @@ def check(word: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sand
     name, first = next(iter(whole.items()))
     config = arenas[name]
     again: list[bytes] = []
-    copies = enter([word] * config.hunters, look)
+    copies = enter([spec] * config.hunters, look)
     play_entrants(config, seed, copies, sandbox, watch=lambda env: again.append(env.digest()))
     if again == first:
         yield Finding("ok", f"{name}: plays the same match again, given the same seed")
@@ -70,9 +70,9 @@ def check(word: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sand
 
 
 def _findings(
-    name: str, config: ArenaConfig, result: MatchResult, step_ms: float, told: set[tuple[str, str]]
+    name: str, config: ArenaConfig, result: MatchResult, step_ms: float, reported: set[tuple[str, str]]
 ) -> Iterator[Finding]:
-    """What one match shows. Args: `told`, the failures that were shown at length before, to which it adds."""
+    """What one match shows. Args: `reported`, the failures that were shown at length before, to which it adds."""
     failed = [(seat, forfeit) for seat, forfeit in enumerate(result.details) if forfeit is not None]
     here: set[tuple[str, str]] = set()
     for seat, forfeit in failed:
@@ -80,9 +80,9 @@ def _findings(
         if kind in here:
             continue
         here.add(kind)
-        shown = "" if kind in told else f"{_shown_to(forfeit, config, seat)}{_tail(result.logs[seat])}"
+        shown = "" if kind in reported else f"{_shown_to(forfeit, config, seat)}{_tail(result.logs[seat])}"
         yield Finding("error", f"{name}: {forfeit}{shown}")
-    told |= here
+    reported |= here
     moves = sum(times.moves for times in result.thinking)
     mean_ms = 1000.0 * sum(times.total_s for times in result.thinking) / max(1, moves)
     longest_ms = 1000.0 * max(times.longest_s for times in result.thinking)

@@ -1,4 +1,4 @@
-"""Marks by a spec: matches that an agent plays, thresholds that it must reach, points, and hints by rule.
+"""Grades by a spec: matches that an agent plays, thresholds that it must reach, points, and hints by rule.
 
 docs/grading.md has the spec's fields and an example.
 """
@@ -78,14 +78,14 @@ class Test:
 
 @dataclass(frozen=True, slots=True)
 class Spec:
-    """What an agent is marked by."""
+    """What an agent is graded by."""
 
     title: str
     tests: tuple[Test, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class Grade:
     """What one test gave; all figures are of the matches that were played."""
 
     test: str
@@ -140,9 +140,9 @@ def read_spec(path: Path) -> Spec:
     return Spec(title, tests)
 
 
-def mark(
+def grade_agent(
     test: Test, student: Entrant, opponents: Sequence[Entrant], sandbox: Sandbox | None, max_forfeits: int = 0
-) -> Mark:
+) -> Grade:
     """Play a test's matches, the student in each seat in turn.
 
     Args: `max_forfeits`, after how many in a row the rest is not played, 0 for never. Raises: NoContest.
@@ -160,10 +160,10 @@ def mark(
         forfeited = 0 if result.forfeits[seat] is None else forfeited + 1
         if max_forfeits and forfeited == max_forfeits:
             break
-    return _mark(test, played, max_forfeits)
+    return _grade(test, played, max_forfeits)
 
 
-def _mark(test: Test, played: Sequence[tuple[int, MatchResult]], max_forfeits: int) -> Mark:
+def _grade(test: Test, played: Sequence[tuple[int, MatchResult]], max_forfeits: int) -> Grade:
     verdicts: Counter[str] = Counter()
     reasons: dict[str, str] = {}
     causes: list[str] = []
@@ -196,7 +196,7 @@ def _mark(test: Test, played: Sequence[tuple[int, MatchResult]], max_forfeits: i
         often = [name for name, times in verdicts.items() if times > _OFTEN * verdicts.total()]
         causes += [name for name in often if name != "GRANTED"]
         causes += [] if causes else often or ["no request"]
-    return Mark(
+    return Grade(
         test=test.name,
         points=0.0 if failures else test.points,
         possible=test.points,
@@ -213,29 +213,29 @@ def _misses_a_module(forfeit: Forfeit) -> bool:
     return NOT_INSTALLED in forfeit.reason or ModuleNotFoundError.__name__ in forfeit.reason
 
 
-def json_text(spec: Spec, student: Entrant, marks: Sequence[Mark]) -> str:
-    """The marks as JSON; no seed is told."""
+def json_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
+    """The grades as JSON; no seed is told."""
     content = {
         "title": spec.title,
         "agent": student.name,
         "digest": student.digest,
         "ruleset": RULESET,
-        "points": sum((one.points for one in marks), 0.0),
-        "possible": sum((one.possible for one in marks), 0.0),
-        "tests": [asdict(one) for one in marks],
+        "points": sum((one.points for one in grades), 0.0),
+        "possible": sum((one.possible for one in grades), 0.0),
+        "tests": [asdict(one) for one in grades],
     }
     return json.dumps(content, indent=2) + "\n"
 
 
-def junit_text(spec: Spec, student: Entrant, marks: Sequence[Mark]) -> str:
-    """The marks as JUnit XML, a test case for each test; no seed is told."""
-    failed = sum(bool(one.failures) for one in marks)
-    suite = ET.Element("testsuite", name=spec.title, tests=str(len(marks)), failures=str(failed), errors="0")
+def junit_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
+    """The grades as JUnit XML, a test case for each test; no seed is told."""
+    failed = sum(bool(one.failures) for one in grades)
+    suite = ET.Element("testsuite", name=spec.title, tests=str(len(grades)), failures=str(failed), errors="0")
     properties = ET.SubElement(suite, "properties")
     for name in ("points", "possible"):
-        total = sum(getattr(one, name) for one in marks)
+        total = sum(getattr(one, name) for one in grades)
         ET.SubElement(properties, "property", name=name, value=f"{total:g}")
-    for one in marks:
+    for one in grades:
         case = ET.SubElement(suite, "testcase", classname=student.name, name=one.test)
         if one.failures:
             failure = ET.SubElement(case, "failure", message=_printable(one.failures[0]))

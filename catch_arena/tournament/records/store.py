@@ -25,7 +25,7 @@ from catch_arena.tournament.plans.schedule import Block, Match, Played
 from catch_arena.tournament.records.versions import versions
 
 STORE: Final = "tournament.sqlite"
-_MARK: Final = 0x43417231  # SQLite's application_id: what kind of file it is
+_APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: what kind of file it is
 _FORMAT: Final = 1
 _PAGE: Final = 1000
 """How many matches that wait are read at once."""
@@ -226,7 +226,7 @@ class Store:
             if not self._is_made():
                 for statement in _TABLES.format(results=_COLUMNS).strip().split(";\n"):
                     db.execute(statement)
-                db.execute(f"PRAGMA application_id = {_MARK}")
+                db.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
                 db.execute(f"PRAGMA user_version = {_FORMAT}")
             if not self.count_planned():  # whoever began it got no further
                 facts = [(name, _json(value)) for name, value in tournament.facts().items()]
@@ -245,12 +245,12 @@ class Store:
     def _is_made(self) -> bool:
         """Whether there is anything in it. Raises: StoreError for what we have not made, or in another format."""
         with self._refusals():
-            (mark,) = self._db.execute("PRAGMA application_id").fetchone()
+            (application_id,) = self._db.execute("PRAGMA application_id").fetchone()
             (form,) = self._db.execute("PRAGMA user_version").fetchone()
             empty = not self._count("sqlite_schema")
         if empty:
             return False
-        if mark != _MARK:
+        if application_id != _APPLICATION_ID:
             raise StoreError(f"{self._name}: is no store of a tournament")
         if form != _FORMAT:
             raise StoreError(f"{self._name}: is of format {form}, and this version reads format {_FORMAT}")

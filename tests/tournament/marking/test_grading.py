@@ -1,4 +1,4 @@
-"""`catch-arena grade`: marks by a spec, for people, JSON readers and JUnit readers."""
+"""`catch-arena grade`: grades by a spec, for people, JSON readers and JUnit readers."""
 
 import json
 import re
@@ -45,15 +45,15 @@ def grade(tmp_path, monkeypatch):
 
 
 def test_a_good_agent_has_all_points(grade):
-    result = grade("nearest", "--json", "out/marks.json", "--junit", "out/marks.xml")
+    result = grade("nearest", "--json", "out/grades.json", "--junit", "out/grades.xml")
     assert result.exit_code == 0, result.output
     assert result.output.endswith("Exercise 1: nearest has 3 of 3 points\n")
-    marks = json.loads(Path("out/marks.json").read_text())
-    assert (marks["agent"], marks["points"], marks["possible"]) == ("nearest", 3.0, 3.0)
-    assert [test["test"] for test in marks["tests"]] == ["alone", "against one that holds"]
-    assert marks["tests"][0]["mean_score"] >= 2
-    assert marks["tests"][1]["win_share"] == 1.0
-    suite = ET.parse("out/marks.xml").getroot()  # noqa: S314 - our own
+    grades = json.loads(Path("out/grades.json").read_text())
+    assert (grades["agent"], grades["points"], grades["possible"]) == ("nearest", 3.0, 3.0)
+    assert [test["test"] for test in grades["tests"]] == ["alone", "against one that holds"]
+    assert grades["tests"][0]["mean_score"] >= 2
+    assert grades["tests"][1]["win_share"] == 1.0
+    suite = ET.parse("out/grades.xml").getroot()  # noqa: S314 - our own
     assert (suite.get("tests"), suite.get("failures")) == ("2", "0")
     assert not suite.findall(".//failure")
 
@@ -65,18 +65,18 @@ def test_trusted_and_isolated_give_the_same_marks(grade):
 
 
 def test_seeds_stand_in_no_output(grade):
-    result = grade(BAD / "crashes.py", "--json", "marks.json", "--junit", "marks.xml")
-    for text in (result.output, Path("marks.json").read_text(), Path("marks.xml").read_text()):
+    result = grade(BAD / "crashes.py", "--json", "grades.json", "--junit", "grades.xml")
+    for text in (result.output, Path("grades.json").read_text(), Path("grades.xml").read_text()):
         assert "9021" not in text
 
 
 def test_a_bad_agent_has_none_and_is_told_why_and_what_to_read(grade):
-    result = grade(BAD / "crashes.py", "--junit", "marks.xml")
+    result = grade(BAD / "crashes.py", "--junit", "grades.xml")
     assert result.exit_code == 1
     assert "failed  0/2  alone: 2 matches" in result.output
     assert "FORFEIT_CRASH in step 5: act raised ZeroDivisionError" in result.output
     assert "hint: R7.2: " in result.output
-    suite = ET.parse("marks.xml").getroot()  # noqa: S314 - our own
+    suite = ET.parse("grades.xml").getroot()  # noqa: S314 - our own
     assert suite.get("failures") == "2"
     assert suite.find("testcase/failure").get("message").startswith("FORFEIT_CRASH in step 5")
     assert "ZeroDivisionError" in suite.find("testcase/system-out").text
@@ -85,9 +85,9 @@ def test_a_bad_agent_has_none_and_is_told_why_and_what_to_read(grade):
 
 def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(grade):
     spec = SPEC.replace("[90210, 90211]", "[1, 2, 3, 4, 5]")
-    result = grade(BAD / "crashes.py", "--max-forfeits", "3", "--json", "marks.json", spec=spec)
+    result = grade(BAD / "crashes.py", "--max-forfeits", "3", "--json", "grades.json", spec=spec)
     assert result.output.count("FORFEIT_OUT: it had forfeited 3 matches in a row; 2 more were not played") == 2
-    assert [test["matches"] for test in json.loads(Path("marks.json").read_text())["tests"]] == [3, 3]
+    assert [test["matches"] for test in json.loads(Path("grades.json").read_text())["tests"]] == [3, 3]
     assert "FORFEIT_OUT" not in grade(BAD / "crashes.py", "--max-forfeits", "0", spec=spec).output
 
 
@@ -224,7 +224,7 @@ def test_a_spec_that_cannot_be_is_one_line(tmp_path, monkeypatch, change, messag
     [
         (["nearest", "--spec", "missing.toml"], "missing.toml: cannot be read: No such file or directory"),
         (["nope", "--spec", "spec.toml"], "unknown agent 'nope'"),
-        (["nearest", "--spec", "spec.toml", "--json", "file/marks.json"], "file: cannot be written"),
+        (["nearest", "--spec", "spec.toml", "--json", "file/grades.json"], "file: cannot be written"),
     ],
 )
 def test_words_that_cannot_be_are_one_line_and_exit_code_2(tmp_path, monkeypatch, words, message):
