@@ -91,12 +91,12 @@ def _callable(spec: str) -> Any:
     """What «module:function» or «path.py:function» stands for. Raises: AgentError."""
     from catch_arena.tournament.entrants import module_at
 
-    place, colon, name = spec.rpartition(":")
-    if not (place and colon and name):
+    module_name, colon, name = spec.rpartition(":")
+    if not (module_name and colon and name):
         raise AgentError(f"{spec}: must be module:function or path.py:function")
-    if place.endswith(".py") and not Path(place).is_file():
+    if module_name.endswith(".py") and not Path(module_name).is_file():
         raise AgentError(f"{spec}: no such file")
-    module = module_at(place)
+    module = module_at(module_name)
     found = getattr(module, name, None)
     if not callable(found):
         known = [key for key, value in vars(module).items() if callable(value) and not key.startswith("_")]

@@ -34,7 +34,7 @@ if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.plans.schedule import Plan
 
 Format = Literal["round-robin", "balanced", "gauntlet", "swiss"]
-Place = Literal["local", "ray"]
+ExecutorName = Literal["local", "ray"]
 
 
 @main.command()
@@ -66,7 +66,7 @@ def tournament(
     jobs: Annotated[
         int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")
     ] = None,
-    executor: Annotated[Place, typer.Option(help="Where they play: on this machine, or by Ray.")] = "local",
+    executor: Annotated[ExecutorName, typer.Option(help="Where they play: on this machine, or by Ray.")] = "local",
     address: Annotated[
         str | None, typer.Option(help="A running Ray cluster; all its cores play.", show_default="Ray starts here")
     ] = None,
@@ -201,12 +201,12 @@ def _plan(
     return UntilSeparated(players, until_separated, BUDGET if max_matches is None else max_matches, of_rounds)
 
 
-def _jobs(place: Place, jobs: int | None, address: str | None) -> int:
+def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
     """How many processes play on this machine. Raises: ConfigError for options that do not go together."""
     from catch_arena.tournament.execution.executors import require_jobs, usable_cores
 
-    if address is not None and place != "ray":
-        raise ConfigError(f"--address must come with --executor ray, got --executor {place}")
+    if address is not None and executor != "ray":
+        raise ConfigError(f"--address must come with --executor ray, got --executor {executor}")
     if address is not None and jobs is not None:
         raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {jobs}")
     jobs = usable_cores() if jobs is None else jobs
@@ -214,10 +214,10 @@ def _jobs(place: Place, jobs: int | None, address: str | None) -> int:
     return jobs
 
 
-def _executor(place: Place, worker: "Worker", jobs: int, address: str | None) -> "Executor":
+def _executor(name: ExecutorName, worker: "Worker", jobs: int, address: str | None) -> "Executor":
     from catch_arena.tournament.execution.executors import InThisProcess, Processes
 
-    if place == "ray":
+    if name == "ray":
         from catch_arena.tournament.execution.on_ray import OnRay
 
         return OnRay(worker, jobs, address)

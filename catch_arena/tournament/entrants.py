@@ -149,8 +149,8 @@ def agent_class(spec: str) -> type:
     """The class that a spec stands for. Raises: AgentError."""
     if spec.startswith(COMMAND):
         raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
-    place, _, name = (spec, ":", "Agent") if spec.endswith(".py") else spec.partition(":")
-    module = module_at(place)
+    module_name, _, name = (spec, ":", "Agent") if spec.endswith(".py") else spec.partition(":")
+    module = module_at(module_name)
     found = getattr(module, name, None)
     if not isinstance(found, type):
         classes = [key for key, value in vars(module).items() if isinstance(value, type)]
@@ -158,13 +158,13 @@ def agent_class(spec: str) -> type:
     return found
 
 
-def module_at(place: str) -> ModuleType:
+def module_at(name: str) -> ModuleType:
     """The module with a dotted name, or in a .py file. Raises: AgentError."""
-    if place.endswith(".py"):
-        return _from_file(Path(place))
+    if name.endswith(".py"):
+        return _from_file(Path(name))
     if str(Path.cwd()) not in sys.path and "" not in sys.path:
         sys.path.append(str(Path.cwd()))  # as `python -m` finds modules; workers start in the same folder
-    return _imported(place)
+    return _imported(name)
 
 
 class _Meant(NamedTuple):

@@ -79,7 +79,7 @@ def play(
     players: Players | Sequence[Policy],
     names: Sequence[str],
     *,
-    places: Sequence[int] | None = None,
+    indices: Sequence[int] | None = None,
     title: str = "",
     record: Path | BytesIO | None = None,
     watch: Callable[[CatchArenaEnv], None] | None = None,
@@ -87,7 +87,7 @@ def play(
     """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6); the others play on.
 
     Args: `config`, whose `control` gives way to what the players ask for; `seed`, the match's; `players`, fresh for
-    this match (policies are trusted, and play in this process), and their `names`, by seat; `places`, each one's place
+    this match (policies are trusted, and play in this process), and their `names`, by seat; `indices`, each one's index
     among the entrants (else its seat), from which its own seed is made; `title` and `record`, the heading and the file
     of a replay, or the memory that it is written to; `watch`, called after the reset and after every step.
     Raises: OutputError for a replay that cannot be written; NoContest where isolated players could not be held.
@@ -119,7 +119,7 @@ def play(
         env.withdraw(agents[seat])
         players.drop(seat)
 
-    seeds = [agent_seed(seed, place) for place in places or seats]
+    seeds = [agent_seed(seed, index) for index in indices or seats]
     for seat, failed in players.reset(seeds, [Limits.of(env.config, seat) for seat in seats]).items():
         forfeit(seat, failed)
     if watch is not None:
@@ -172,9 +172,9 @@ def play(
     )
 
 
-def agent_seed(match_seed: int, place: int) -> int:
+def agent_seed(match_seed: int, index: int) -> int:
     """What an agent is told as its seed, in [0, 2^63): a digest, as the match's own seed would tell it every spawn."""
-    digest = hashlib.blake2b(f"agent {place} of match {match_seed}".encode(), digest_size=8).digest()
+    digest = hashlib.blake2b(f"agent {index} of match {match_seed}".encode(), digest_size=8).digest()
     return int.from_bytes(digest, "little") >> 1
 
 

@@ -43,9 +43,9 @@ def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
     assert digest(1) == digest(1) != digest(2)
 
 
-def test_an_agent_is_told_a_digest_that_depends_on_its_place_and_not_on_its_seat():
+def test_an_agent_is_told_a_digest_that_depends_on_its_index_and_not_on_its_seat():
     first, second = Holds(), Holds()
-    play(SHORT, 77, [first, second], ["a", "b"], places=(4, 9))
+    play(SHORT, 77, [first, second], ["a", "b"], indices=(4, 9))
     assert (first.seed, second.seed) == (agent_seed(77, 4), agent_seed(77, 9))
     assert 77 not in (first.seed, second.seed)
     assert 0 <= first.seed < 2**63

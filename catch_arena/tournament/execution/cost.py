@@ -76,9 +76,9 @@ def measured(worker: Worker, plan: Plan) -> Cost:
             ((played, replay),) = worker.play([match])
             seconds += time.perf_counter() - begin
             sizes.append(len(replay))
-            for place, forfeit in zip(match.seating, played.result.details, strict=True):
+            for index, forfeit in zip(match.seating, played.result.details, strict=True):
                 if forfeit is not None:
-                    forfeits.setdefault(worker.entrants[place].name, str(forfeit))
+                    forfeits.setdefault(worker.entrants[index].name, str(forfeit))
             if seconds > _SAMPLE_S:
                 break
     finally:

@@ -24,7 +24,7 @@ class Executor(Protocol):
         """How many blocks it takes before the first must be waited for: enough that no worker is ever idle."""
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
-        """Begin to play these matches, without the entrants that are `excluded`: by place, and why."""
+        """Begin to play these matches, without the entrants that are `excluded`: by index, and why."""
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """What came of it. Raises: WorkerLost where it should be played again."""

@@ -29,19 +29,19 @@ class ForfeitStreaks:
         """The next block of the plan has been played. Returns: whether it excludes anybody."""
         before = len(self._excluded)
         for one in block:
-            for place, code in zip(one.match.seating, one.result.forfeits, strict=True):
+            for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
                 if code is None:
-                    self._forfeited[place] = 0
-                    self._finished.add(place)
+                    self._forfeited[index] = 0
+                    self._finished.add(index)
                     continue
-                self._forfeited[place] += 1
-                if self._forfeited[place] == self._most:
-                    self._excluded[place] = f"it had forfeited {self._most} matches in a row"
+                self._forfeited[index] += 1
+                if self._forfeited[index] == self._most:
+                    self._excluded[index] = f"it had forfeited {self._most} matches in a row"
         return len(self._excluded) > before
 
     def excluded_from(self, block: Block) -> Mapping[int, str]:
         """Which entrants of a block are excluded, and why, as far as the blocks that were added tell."""
-        return {place: why for place, why in self._excluded.items() if place in block[0].seating}
+        return {index: why for index, why in self._excluded.items() if index in block[0].seating}
 
     def may_begin(self, block: Block, before: Sequence[Block]) -> bool:
         """Whether it makes sense to begin a block while those right before it are still played.
@@ -52,9 +52,9 @@ class ForfeitStreaks:
         if not self._most:
             return True
         doubtful = {
-            place
-            for place in block[0].seating
-            if place not in self._excluded and (self._forfeited[place] or place not in self._finished)
+            index
+            for index in block[0].seating
+            if index not in self._excluded and (self._forfeited[index] or index not in self._finished)
         }
-        begun = Counter(place for other in before for match in other for place in match.seating if place in doubtful)
-        return all(self._forfeited[place] + begun[place] < self._most for place in doubtful)
+        begun = Counter(index for other in before for match in other for index in match.seating if index in doubtful)
+        return all(self._forfeited[index] + begun[index] < self._most for index in doubtful)

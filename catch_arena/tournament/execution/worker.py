@@ -41,7 +41,7 @@ class Worker:
     def play(self, matches: Iterable[Match], excluded: Mapping[int, str] = MappingProxyType({})) -> list[RecordedMatch]:
         """One match after the other.
 
-        Args: `excluded`, the places of entrants that are not started, and why.
+        Args: `excluded`, the indices of entrants that are not started, and why.
         Raises: NoContest for a match that could not be held, time and again.
         """
         return [
@@ -61,14 +61,14 @@ class Worker:
         return Played(match, result, hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest()), content
 
     def _result(self, match: Match, excluded: Mapping[int, str], record: BytesIO | None = None) -> MatchResult:
-        players = [self.entrants[place] for place in match.seating]
+        players = [self.entrants[index] for index in match.seating]
         return play_entrants(
             self.config,
             match.seed,
             players,
             self.sandbox,
-            excluded={seat: excluded[place] for seat, place in enumerate(match.seating) if place in excluded},
-            places=match.seating,
+            excluded={seat: excluded[index] for seat, index in enumerate(match.seating) if index in excluded},
+            indices=match.seating,
             title=f"match {match.id}",
             record=record,
         )

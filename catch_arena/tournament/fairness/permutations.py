@@ -123,19 +123,19 @@ def order_matters(config: ArenaConfig, seed: int) -> bool:
 
 
 def names_matter(config: ArenaConfig, seed: int, agent: Entrant) -> bool:
-    """Whether a match of one agent in all seats ends otherwise if its names and places go round.
+    """Whether a match of one agent in all seats ends otherwise if its names and its indices among the entrants go round.
 
-    Args: `agent`, which must draw nothing: each place has an agent's seed of its own.
+    Args: `agent`, which must draw nothing: each index has an agent's seed of its own.
     """
-    places = list(range(config.hunters))
+    indices = list(range(config.hunters))
     digests = {
         play(
             config,
             seed,
-            [agent.create() for _ in places],
-            [f"agent {place}" for place in turned],
-            places=turned,
+            [agent.create() for _ in indices],
+            [f"agent {index}" for index in turned],
+            indices=turned,
         ).digest
-        for turned in (places, places[1:] + places[:1], places[::-1])
+        for turned in (indices, indices[1:] + indices[:1], indices[::-1])
     }
     return len(digests) > 1

@@ -251,45 +251,45 @@ def _printable(text: str) -> str:
     return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)
 
 
-def _test(place: str, table: Any, seeds: tuple[int, ...], folder: Path) -> Test:
-    _checked(place, table, dict)
-    _require_known(place, table, [one.name for one in fields(Test)])
+def _test(at: str, table: Any, seeds: tuple[int, ...], folder: Path) -> Test:
+    _checked(at, table, dict)
+    _require_known(at, table, [one.name for one in fields(Test)])
     for name in ("name", "scenario"):
-        _checked(f"{place}.{name}", table.get(name, "" if name == "name" else "standard"), str)
+        _checked(f"{at}.{name}", table.get(name, "" if name == "name" else "standard"), str)
     if not table.get("name"):
-        raise ConfigError(f"{place}.name must be given")
+        raise ConfigError(f"{at}.name must be given")
     for name, most in (("points", 1e6), ("min_mean_score", 1e6), ("min_win_share", 1.0), ("max_mean_refused", 1e6)):
         value = table.get(name, 0.0)
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= most:
-            raise ConfigError(f"{place}.{name} must be a number from 0 to {most:g}, got {value!r}")
-    opponents = _checked(f"{place}.opponents", table.get("opponents", []), list)
+            raise ConfigError(f"{at}.{name} must be a number from 0 to {most:g}, got {value!r}")
+    opponents = _checked(f"{at}.opponents", table.get("opponents", []), list)
     for word in opponents:
-        _checked(f"{place}.opponents", word, str)
-    own_seeds = _seeds(f"{place}.seeds", table.get("seeds", list(seeds)))
+        _checked(f"{at}.opponents", word, str)
+    own_seeds = _seeds(f"{at}.seeds", table.get("seeds", list(seeds)))
     if not own_seeds:
-        raise ConfigError(f"{place}.seeds must hold at least one seed, here or for the whole spec, got none")
-    settings = _checked(f"{place}.settings", table.get("settings", {}), dict)
+        raise ConfigError(f"{at}.seeds must hold at least one seed, here or for the whole spec, got none")
+    settings = _checked(f"{at}.settings", table.get("settings", {}), dict)
     if "control" in settings:
-        raise ConfigError(f"{place}.settings.control must be left to the agents: each states its own control")
+        raise ConfigError(f"{at}.settings.control must be left to the agents: each states its own control")
     # files stand beside the spec, as its seed_file does
     words = tuple(str(folder / Path(word).expanduser()) if word.endswith(".py") else word for word in opponents)
     test = Test(**{**table, "opponents": words, "seeds": own_seeds, "points": float(table.get("points", 1))})
     try:
         config = test.config
     except ConfigError as error:
-        raise ConfigError(f"{place}: {error}") from None
+        raise ConfigError(f"{at}: {error}") from None
     if config.hunters > 1 and not opponents:
         empty = config.hunters - 1
         seats = "1 seat is" if empty == 1 else f"{empty} seats are"
-        raise ConfigError(f'{place} needs opponents: {seats} empty; name agents, as in opponents = ["nearest"]')
+        raise ConfigError(f'{at} needs opponents: {seats} empty; name agents, as in opponents = ["nearest"]')
     return test
 
 
-def _seeds(place: str, values: Any) -> tuple[int, ...]:
+def _seeds(at: str, values: Any) -> tuple[int, ...]:
     try:
-        return tuple(checked_seed(value) for value in _checked(place, values, list))
+        return tuple(checked_seed(value) for value in _checked(at, values, list))
     except ConfigError as error:
-        raise ConfigError(f"{place}: {error}") from None
+        raise ConfigError(f"{at}: {error}") from None
 
 
 def _seeds_of(path: Path) -> tuple[int, ...]:
@@ -300,13 +300,13 @@ def _seeds_of(path: Path) -> tuple[int, ...]:
     return _seeds("seed_file", [int(word) if word.isdecimal() else word for word in words])
 
 
-def _checked(place: str, value: Any, kind: type) -> Any:
+def _checked(at: str, value: Any, kind: type) -> Any:
     if not isinstance(value, kind):
-        raise ConfigError(f"{place} must be {_KINDS[kind.__name__]}, got {value!r}")
+        raise ConfigError(f"{at} must be {_KINDS[kind.__name__]}, got {value!r}")
     return value
 
 
-def _require_known(place: str, table: Mapping[str, Any], known: Sequence[str]) -> None:
+def _require_known(at: str, table: Mapping[str, Any], known: Sequence[str]) -> None:
     for name in table:
         if name not in known:
-            raise ConfigError(f"unknown field {place}.{name}: {suggest(name, known)}")
+            raise ConfigError(f"unknown field {at}.{name}: {suggest(name, known)}")

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 _STARTS: Final = 16
 """How many drawn circles a sweep is tried from; the most equal outcome is taken."""
-_MANY_PLACES: Final = 64
-"""From here on one circle must do: the time grows with the square of the places."""
+_MANY_SLOTS: Final = 64
+"""From here on one circle must do: the time grows with the square of the slots."""
 _NEVER: Final = float(1 << 40)
 """What it costs to be twice in a group. Doubles are exact up to 2^53, and faster to multiply than whole numbers."""
 
@@ -37,24 +37,24 @@ def sweeps(players: int, seats: int, draw: Callable[[int, int, int], int]) -> It
     Args: `seats`, at most `players`; `draw`, the lot of (sweep, circle, player).
     """
     met = np.zeros((players, players))
-    places = groups_in_sweep(players, seats) * seats
-    circles = _STARTS if places <= _MANY_PLACES else 1
+    slots = groups_in_sweep(players, seats) * seats
+    circles = _STARTS if slots <= _MANY_SLOTS else 1
     sweep = 0
     while True:
         tried = []
         for circle in range(circles):
             lots = [draw(sweep, circle, player) for player in range(players)]
             order = sorted(range(players), key=lots.__getitem__)
-            tried.append(_equalised(_neighbours(order, seats, places), met))
+            tried.append(_equalised(_neighbours(order, seats, slots), met))
         groups = min(tried, key=lambda groups: float(((met + _meetings(groups, players)) ** 2).sum()))
         met += _meetings(groups, players)
         yield [tuple(sorted(map(int, group))) for group in groups]
         sweep += 1
 
 
-def _neighbours(circle: Sequence[int], seats: int, places: int) -> NDArray[np.int64]:
-    """The circle, walked round until `places` are filled, in groups of neighbours: (groups, seats)."""
-    return np.resize(np.array(circle, dtype=np.int64), places).reshape(-1, seats)
+def _neighbours(circle: Sequence[int], seats: int, slots: int) -> NDArray[np.int64]:
+    """The circle, walked round until `slots` are filled, in groups of neighbours: (groups, seats)."""
+    return np.resize(np.array(circle, dtype=np.int64), slots).reshape(-1, seats)
 
 
 def _meetings(groups: NDArray[np.int64], players: int) -> NDArray[np.float64]:
@@ -79,9 +79,9 @@ def _equalised(groups: NDArray[np.int64], before: NDArray[np.float64]) -> NDArra
         met = before + _meetings(who.reshape(count, seats), len(before))
         np.fill_diagonal(met, _NEVER)
         between = met[np.ix_(who, who)]
-        in_group = between.reshape(who.size, count, seats).sum(axis=2)  # a place's player with all of a group
+        in_group = between.reshape(who.size, count, seats).sum(axis=2)  # a slot's player with all of a group
         staying = in_group[every, group] - _NEVER  # not with oneself
-        moving = in_group[:, group] - between  # to the other's place, when the other is gone
+        moving = in_group[:, group] - between  # to the other's slot, when the other is gone
         gain = moving - staying[:, None]
         change = 2 * (gain + gain.T) + 4 * (seats - 1)  # one meeting more costs 2 met + 1, one less saves 2 met - 1
         change[same] = 0.0

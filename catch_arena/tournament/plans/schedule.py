@@ -33,7 +33,7 @@ class Match:
     """Its block, from 0: matches of one block share their seed, and so their targets (R3.3)."""
     seed: int
     seating: tuple[int, ...]
-    """By seat: the place of its player among the entrants."""
+    """By seat: the index of its player among the entrants."""
 
 
 Block = tuple[Match, ...]
@@ -243,13 +243,13 @@ def draw(*about: object) -> int:
 def _in_sweeps(name: str, entrants: int, seats: int, rounds: int, seed: int, *, challenger: bool = False) -> FixedPlan:
     """Blocks from a balanced design of the entrants, or of the field when a challenger sits in every block."""
     aside = int(challenger)
-    players, places = entrants - aside, seats - aside
-    turns = rounds * sweeps_to_meet(players, places)
-    count = groups_in_sweep(players, places)
+    players, free = entrants - aside, seats - aside
+    turns = rounds * sweeps_to_meet(players, free)
+    count = groups_in_sweep(players, free)
     _check(turns, seed, turns * count * seats, f"balanced blocks of {entrants} entrants")
 
     def blocks() -> Iterator[Block]:
-        drawn = sweeps(players, places, lambda *about: draw(name, seed, *about))
+        drawn = sweeps(players, free, lambda *about: draw(name, seed, *about))
         for number, groups in enumerate(islice(drawn, turns)):
             for index, group in enumerate(groups):
                 everybody = (*range(aside), *(player + aside for player in group))

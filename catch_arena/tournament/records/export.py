@@ -65,14 +65,14 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
     entrants, config_digest = tournament.entrants, tournament.config.digest
     for played, versions in store.records():
         match, result = played.match, played.result
-        seated = [entrants[place] for place in match.seating]
+        players = [entrants[index] for index in match.seating]
         record = {
             "match": match.id,
             "block": match.block,
             "seed": match.seed,
-            "agents": [entrant.name for entrant in seated],
-            "agent_digests": [entrant.digest for entrant in seated],
-            "agent_seeds": [agent_seed(match.seed, place) for place in match.seating],
+            "agents": [entrant.name for entrant in players],
+            "agent_digests": [entrant.digest for entrant in players],
+            "agent_seeds": [agent_seed(match.seed, index) for index in match.seating],
             **{name: getattr(result, name) for name in _RESULTS},
             "replay_digest": played.replay,
             "ruleset": RULESET,

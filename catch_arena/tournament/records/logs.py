@@ -21,11 +21,11 @@ class Logs:
 
     def add(self, one: Played) -> None:
         """Of each seat that forfeited or printed: what. Raises: OutputError."""
-        for seat, place in enumerate(one.match.seating):
+        for seat, index in enumerate(one.match.seating):
             forfeit, printed = one.result.details[seat], one.result.logs[seat]
             if forfeit is not None or printed:
                 why = f": {forfeit}" if forfeit is not None else ""
-                self._append(self._entrants[place].name, f"== match {one.match.id}, seat {seat}{why}\n{printed}")
+                self._append(self._entrants[index].name, f"== match {one.match.id}, seat {seat}{why}\n{printed}")
 
     def _append(self, name: str, text: str) -> None:
         path = self._folder / f"{name}.log"

@@ -18,7 +18,7 @@ from catch_arena.tournament.sequential.sprt import Decision, Sprt
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 
 _A, _B, _FIELD = range(3)
-"""Places among the entrants: the two that are compared, and the first of their field."""
+"""Indices among the entrants: the two that are compared, and the first of their field."""
 _FIRST_BATCH: Final = 16
 
 
@@ -49,7 +49,7 @@ class ComparisonDesign:
         return self.seats - self.field == 1
 
     def block(self, matches: Iterable[Match]) -> tuple[Match, ...]:
-        """A block of a round robin of as many as there are seats, with these two and their field in their places."""
+        """A block of a round robin of as many as there are seats, with these two and their field in their roles."""
         free = self.seats - self.field
         found = []
         for match in matches:
@@ -67,9 +67,9 @@ class ComparisonDesign:
         for begin in range(0, len(block), step):
             ranks: tuple[list[int], list[int]] = ([], [])
             for one in block[begin : begin + step]:
-                for place, rank in zip(one.match.seating, one.result.ranks, strict=True):
-                    if place in (_A, _B):
-                        ranks[place].append(rank)
+                for index, rank in zip(one.match.seating, one.result.ranks, strict=True):
+                    if index in (_A, _B):
+                        ranks[index].append(rank)
             found += [0.5 + 0.5 * ((mine < theirs) - (mine > theirs)) for mine in ranks[_A] for theirs in ranks[_B]]
         return sum(found) / len(found)
 
@@ -155,9 +155,9 @@ def compare(
     played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits)
     forfeits: dict[str, Counter[str]] = {}
     for one in played:
-        for place, code in zip(one.match.seating, one.result.forfeits, strict=True):
+        for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
             if code is not None:
-                forfeits.setdefault(entrants[place].name, Counter())[code] += 1
+                forfeits.setdefault(entrants[index].name, Counter())[code] += 1
     column = np.array(plan.outcomes)[:, None]
     (share,) = shares(column, np.ones_like(column))
     return Comparison(test.decision, len(plan.outcomes), plan.matches, share, test.log_likelihood_ratio, forfeits)

@@ -22,7 +22,7 @@ class Outcomes:
     block: Ints
     """(N,): the block of each match, from 0 and without gaps."""
     seating: Ints
-    """(N, H): who sat where, by place among the entrants; one may sit in several seats."""
+    """(N, H): who sat where, by index among the entrants; one may sit in several seats."""
     scores: Ints
     """(N, H)."""
     ranks: Ints

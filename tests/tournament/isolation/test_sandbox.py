@@ -141,7 +141,7 @@ def test_an_agent_is_told_its_own_seed_and_the_arenas_limits(sandbox, tmp_path):
         "    def act(self, view):\n        print(view.limits, view.observation[:2])\n        return 0\n"
     )
     entrants = enter([str(path), "idle"], inspector(sandbox))
-    result = played(SHORT, entrants, sandbox, places=(3, 1))
+    result = played(SHORT, entrants, sandbox, indices=(3, 1))
     assert result.logs[0].startswith(f"seed {agent_seed(7, 3)}\n{Limits.of(SHORT)} [")
 
 
