@@ -9,10 +9,10 @@ from typing import Any
 
 from catch_arena.errors import ReplayError, StoreError
 from catch_arena.replay import Replay
+from catch_arena.tournament.audit import FILE as AUDIT
+from catch_arena.tournament.audit import Audit, Check, Seat
 from catch_arena.tournament.entrants import reason
 from catch_arena.tournament.execution.runner import REPLAYS
-from catch_arena.tournament.fairness.audit import FILE as AUDIT
-from catch_arena.tournament.fairness.audit import Audit, Check, Seat
 from catch_arena.tournament.plans.schedule import Played
 from catch_arena.tournament.records.store import Store, Tournament
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head

@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 
 from catch_arena import scenario
 from catch_arena.cli import main
-from catch_arena.tournament.fairness import permutations
-from catch_arena.tournament.fairness.audit import (
+from catch_arena.tournament import permutations
+from catch_arena.tournament.audit import (
     LEVEL,
     corrected,
     p_of_no_bias,
@@ -18,7 +18,7 @@ from catch_arena.tournament.fairness.audit import (
     seat_plan,
     seats_differ,
 )
-from catch_arena.tournament.fairness.permutations import Step, lots
+from catch_arena.tournament.permutations import Step, lots
 from catch_arena.tournament.statistics.outcomes import Outcomes
 
 DUEL = scenario("duel")
@@ -35,7 +35,7 @@ class Agent(Nearest):
 @pytest.fixture(autouse=True)
 def fewer_steps(monkeypatch):
     """Made-up ones: what is unfair here shows in the first few."""
-    monkeypatch.setattr("catch_arena.tournament.fairness.audit._STEPS", 300)
+    monkeypatch.setattr("catch_arena.tournament.audit._STEPS", 300)
 
 
 def run(*words):
@@ -125,7 +125,7 @@ def test_an_arbiter_that_prefers_a_seat_is_found_out(monkeypatch):
 
 def test_lots_that_a_seat_always_wins_are_found_out(monkeypatch):
     monkeypatch.setattr(
-        "catch_arena.tournament.fairness.audit.lots",
+        "catch_arena.tournament.audit.lots",
         lambda rulings, config: {name: (tied, min(tied)) for name, (tied, _) in lots(rulings, config).items()},
     )
     _, (drawn,) = permuted_steps(scenario("standard"), 0)
