@@ -47,9 +47,9 @@ def check_agent(
 
     The exit code is 1 where it would forfeit, else 0.
     """
+    from catch_arena.tournament.agent_check import check_fitness
     from catch_arena.tournament.isolation.processes import missing_protections
     from catch_arena.tournament.isolation.sandbox import Sandbox
-    from catch_arena.tournament.marking.check import check_fitness
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
     for line in missing_protections():
@@ -89,8 +89,8 @@ def grade(
     """
     from catch_arena.replay import write_whole
     from catch_arena.tournament.entrants import enter
+    from catch_arena.tournament.grading import grade_agent, json_text, junit_text, read_spec
     from catch_arena.tournament.isolation.seating import inspector, sandbox_for
-    from catch_arena.tournament.marking.grading import grade_agent, json_text, junit_text, read_spec
 
     exercise = read_spec(spec)
     for path in (junit, json):

@@ -10,10 +10,10 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.marking.grading import _HINTS, read_spec
+from catch_arena.tournament.grading import _HINTS, read_spec
 
-BAD = Path(__file__).parents[1] / "isolation" / "bad"
-DOCS = Path(__file__).parents[3] / "docs" / "grading.md"
+BAD = Path(__file__).parent / "isolation" / "bad"
+DOCS = Path(__file__).parents[2] / "docs" / "grading.md"
 SPEC = """
 title = "Exercise 1"
 seeds = [90210, 90211]

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 
-BAD = Path(__file__).parents[1] / "isolation" / "bad"
+BAD = Path(__file__).parent / "isolation" / "bad"
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 HEAD = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view):\n        "
 
