@@ -13,7 +13,7 @@ from catch_arena.tournament.audit import FILE as AUDIT
 from catch_arena.tournament.audit import Audit, Check, Seat
 from catch_arena.tournament.entrants import reason
 from catch_arena.tournament.execution.runner import REPLAYS
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import Played
 from catch_arena.tournament.records.store import Store, Tournament
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
 from catch_arena.tournament.statistics.intervals import Estimate

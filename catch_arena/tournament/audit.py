@@ -13,8 +13,9 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.match import Match
 from catch_arena.tournament.permutations import Step, lots, names_matter, order_matters, with_labels
-from catch_arena.tournament.plans.schedule import Match, round_robin
+from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.distributions import chi_squared_tail
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes

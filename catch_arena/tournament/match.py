@@ -1,11 +1,12 @@
-"""One match: agents in their seats, from the first observation to the last."""
+"""One match: as a plan has it, as it is played from the first observation to the last, and what came of it."""
 
 import hashlib
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,6 +19,23 @@ from catch_arena.verdicts import Verdict
 
 _HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full": {"cmd_vel": (0.0, 0.0), "catch": 0}}
 """What is played for a seat that gives no action."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Match:
+    """One match of a plan."""
+
+    id: str
+    """The same for the same plan, whenever it is made; ids sort in the order of the plan."""
+    block: int
+    """Its block, from 0: matches of one block share their seed, and so their targets (R3.3)."""
+    seed: int
+    seating: tuple[int, ...]
+    """By seat: the index of its player among the entrants."""
+
+
+Block = tuple[Match, ...]
+"""One seed, played in every rotation of its players through the seats (docs/tournaments.md)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +89,16 @@ class MatchResult:
     """More about each of `forfeits`."""
     logs: tuple[str, ...] = field(default=(), compare=False)
     """What isolated agents printed, tracebacks included, as far as it is kept; a store does not hold it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """A match of the plan, and what came out of it."""
+
+    match: Match
+    result: MatchResult
+    replay: str | None = None
+    """The digest of its replay's file, where one was kept."""
 
 
 def play(
@@ -170,6 +198,11 @@ def play(
         details=tuple(forfeits),
         logs=tuple(logs.get(seat, "") for seat in seats),
     )
+
+
+def blocks_of(matches: Iterable[Match]) -> list[Block]:
+    """The matches by block, in the order of the plan."""
+    return [tuple(block) for _, block in groupby(matches, key=lambda match: match.block)]
 
 
 def agent_seed(match_seed: int, index: int) -> int:

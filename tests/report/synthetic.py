@@ -7,8 +7,8 @@ from random import Random
 from catch_arena.config import ArenaConfig
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, ranks_of
-from catch_arena.tournament.plans.schedule import Played, round_robin
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, Played, ranks_of
+from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.records.store import Store, Tournament
 
 NAMES = ("contested", "patrol", "nearest", "first", "idle", "random")

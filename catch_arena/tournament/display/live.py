@@ -11,7 +11,7 @@ from rich.progress import Progress
 
 from catch_arena.tournament.display.tables import bar_columns, progress_lines, standings_table
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import Played
 from catch_arena.tournament.statistics.standings import standings
 
 _PAUSE_S: Final = 1.0

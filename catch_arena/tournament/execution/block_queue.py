@@ -14,7 +14,7 @@ from catch_arena.errors import WorkerLost
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.worker import RecordedMatch
-from catch_arena.tournament.plans.schedule import Block
+from catch_arena.tournament.match import Block
 
 _MOST_TRIES: Final = 3
 """How often a block is begun before the loss of its worker is an error."""

@@ -13,7 +13,7 @@ from catch_arena.engine import Engine
 from catch_arena.errors import ConfigError, NoContest
 from catch_arena.tournament.execution.process import WorkerProcess
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
-from catch_arena.tournament.plans.schedule import Match
+from catch_arena.tournament.match import Match
 
 
 class Executor(Protocol):

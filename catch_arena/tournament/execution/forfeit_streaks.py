@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.plans.schedule import Block, Played
+from catch_arena.tournament.match import Block, Played
 
 
 class ForfeitStreaks:

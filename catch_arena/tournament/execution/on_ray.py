@@ -16,7 +16,7 @@ from catch_arena.tournament.entrants import enter, reason
 from catch_arena.tournament.execution.executors import require_jobs
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.seating import inspector
-from catch_arena.tournament.plans.schedule import Match
+from catch_arena.tournament.match import Match
 from catch_arena.tournament.records.versions import versions
 
 

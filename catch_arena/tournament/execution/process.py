@@ -14,7 +14,7 @@ from typing import Any, Final
 from catch_arena.descendants import start
 from catch_arena.errors import CatchArenaError, NoContest, WorkerLost
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
-from catch_arena.tournament.plans.schedule import Match
+from catch_arena.tournament.match import Match
 
 _GRACE_S: Final = 1.0
 """How long a match may go on that nobody waits for any more."""

@@ -13,7 +13,8 @@ from catch_arena.tournament.execution.executors import Executor, InThisProcess, 
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.plans.schedule import Match, Plan, Played, listed
+from catch_arena.tournament.match import Match, Played
+from catch_arena.tournament.plans.schedule import Plan, listed
 from catch_arena.tournament.records.logs import Logs
 from catch_arena.tournament.records.results import prepare_folder
 from catch_arena.tournament.records.store import Store, Tournament

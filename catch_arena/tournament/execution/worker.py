@@ -13,8 +13,7 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.seating import play_entrants
-from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.plans.schedule import Match, Played
+from catch_arena.tournament.match import Match, MatchResult, Played
 
 _DIGEST_BYTES: Final = 16
 

@@ -3,14 +3,14 @@
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, groupby, islice
+from itertools import combinations, islice
 from math import comb
 from typing import Final, Protocol
 
 from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.tournament.match import MatchResult
+from catch_arena.tournament.match import Block, Match, Played, blocks_of
 from catch_arena.tournament.plans.design import groups_in_sweep, sweeps, sweeps_to_meet
 from catch_arena.tournament.plans.swiss import pair_round
 
@@ -21,32 +21,6 @@ _MOST_ROUNDS: Final = 99_999
 """As many as the ids have room for."""
 _MANY_MATCHES: Final = 20_000
 """A round of more than these is cut down to balanced blocks, where nobody asked for all of it."""
-
-
-@dataclass(frozen=True, slots=True, order=True)
-class Match:
-    """One match of a plan."""
-
-    id: str
-    """The same for the same plan, whenever it is made; ids sort in the order of the plan."""
-    block: int
-    """Its block, from 0: matches of one block share their seed, and so their targets (R3.3)."""
-    seed: int
-    seating: tuple[int, ...]
-    """By seat: the index of its player among the entrants."""
-
-
-Block = tuple[Match, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Played:
-    """A match of the plan, and what came out of it."""
-
-    match: Match
-    result: MatchResult
-    replay: str | None = None
-    """The digest of its replay's file, where one was kept."""
 
 
 class Plan(Protocol):
@@ -184,11 +158,6 @@ def listed(matches: Sequence[Match]) -> FixedPlan:
     text = "\n".join(f"{match.id} {match.block} {match.seed} {match.seating}" for match in matches)
     parameters = {"format": "listed", "digest": hashlib.blake2b(text.encode(), digest_size=8).hexdigest()}
     return FixedPlan(parameters, len(matches), lambda: iter(blocks_of(matches)))
-
-
-def blocks_of(matches: Iterable[Match]) -> list[Block]:
-    """The matches by block, in the order of the plan."""
-    return [tuple(block) for _, block in groupby(matches, key=lambda match: match.block)]
 
 
 def require_enough(entrants: int, config: ArenaConfig, scenario: str) -> None:

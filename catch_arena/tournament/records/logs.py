@@ -6,7 +6,7 @@ from typing import Final
 
 from catch_arena.replay import unwritable
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import Played
 
 MOST_BYTES: Final = 4 << 20
 """Of one agent's file; the next match is the last that is added."""

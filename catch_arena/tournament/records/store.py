@@ -20,8 +20,7 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import StoreError
 from catch_arena.replay import room
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes
-from catch_arena.tournament.plans.schedule import Block, Match, Played
+from catch_arena.tournament.match import Block, Forfeit, Match, MatchResult, MoveTimes, Played
 from catch_arena.tournament.records.versions import versions
 
 STORE: Final = "tournament.sqlite"

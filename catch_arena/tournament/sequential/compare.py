@@ -13,7 +13,8 @@ from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.plans.schedule import Block, Match, Played, round_robin
+from catch_arena.tournament.match import Block, Match, Played
+from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.sequential.sprt import Decision, Sprt
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 

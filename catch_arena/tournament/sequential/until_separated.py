@@ -6,7 +6,8 @@ from typing import Final
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.plans.schedule import Block, FixedPlan, Played
+from catch_arena.tournament.match import Block, Played
+from catch_arena.tournament.plans.schedule import FixedPlan
 from catch_arena.tournament.statistics.separation import Separation, next_look, require_confidence, separation
 
 BUDGET: Final = 10_000

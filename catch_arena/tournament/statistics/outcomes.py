@@ -7,8 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import MatchResult, Played
 
 Floats: TypeAlias = NDArray[np.floating[Any]]
 Ints: TypeAlias = NDArray[np.int64]

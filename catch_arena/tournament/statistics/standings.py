@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import Played
 from catch_arena.tournament.statistics.intervals import Estimate, estimates, ratios, shares
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import rate

@@ -11,7 +11,8 @@ from catch_arena.errors import WorkerLost
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Processes
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.plans.schedule import blocks_of, round_robin
+from catch_arena.tournament.match import blocks_of
+from catch_arena.tournament.plans.schedule import round_robin
 
 SHORT = scenario("duel", time_limit_s=3)
 BLOCKS = [list(block) for block in blocks_of(round_robin(3, 2, 1, seed=0))]

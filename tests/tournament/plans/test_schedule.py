@@ -11,11 +11,10 @@ from hypothesis import strategies as st
 from catch_arena import scenario
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.execution.cost import shares
+from catch_arena.tournament.match import Match, blocks_of
 from catch_arena.tournament.plans.schedule import (
     FORMATS,
-    Match,
     balanced,
-    blocks_of,
     gauntlet,
     listed,
     plan_of,

@@ -4,8 +4,7 @@ import pytest
 
 from catch_arena.errors import OutputError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, MatchResult
-from catch_arena.tournament.plans.schedule import Match, Played
+from catch_arena.tournament.match import Forfeit, Match, MatchResult, Played
 from catch_arena.tournament.records.logs import MOST_BYTES, Logs
 
 ENTRANTS = [Entrant(name, name, "target", "") for name in ("quiet", "loud")]

@@ -9,8 +9,8 @@ from catch_arena import scenario
 from catch_arena.errors import StoreError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
-from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes
-from catch_arena.tournament.plans.schedule import Played, blocks_of, plan_of, round_robin
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, Played, blocks_of
+from catch_arena.tournament.plans.schedule import plan_of, round_robin
 from catch_arena.tournament.records.store import STORE, Store, Tournament, store_bytes
 
 SHORT = scenario("duel", time_limit_s=3)

@@ -12,8 +12,8 @@ from catch_arena import scenario
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.plans.schedule import Match, Played, round_robin
+from catch_arena.tournament.match import Match, MatchResult, Played
+from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.sequential.compare import ComparisonDesign, compare
 from catch_arena.tournament.sequential.sprt import Sprt, elo_of_share, share_of_elo
 
