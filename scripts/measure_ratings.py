@@ -16,11 +16,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.tournament.sequential.sprt import Sprt, share_of_elo
 from catch_arena.tournament.statistics.intervals import Estimate, ratios
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import ELO, Ratings, fit, rate
 from catch_arena.tournament.statistics.separation import groups, least_separated, level_of_look, next_look
+from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
 
 Array = NDArray[np.float64]
 Random = np.random.Generator

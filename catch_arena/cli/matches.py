@@ -101,9 +101,9 @@ def tournament(
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import require_enough
+    from catch_arena.tournament.plans.until_separated import UntilSeparated
     from catch_arena.tournament.records.results import SUMMARY, TABLE, prepare_folder, write_standings
     from catch_arena.tournament.records.store import STORE, Store, Tournament
-    from catch_arena.tournament.sequential.until_separated import UntilSeparated
     from catch_arena.tournament.statistics.standings import standings
 
     config = arena(scenario, settings)
@@ -183,7 +183,7 @@ def _plan(
 ) -> "Plan":
     """What these options ask for. Raises: ConfigError, for those that do not go together too."""
     from catch_arena.tournament.plans.schedule import FixedPlan, plan_of
-    from catch_arena.tournament.sequential.until_separated import BUDGET, UntilSeparated
+    from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
 
     if until_separated is None:
         if max_matches is not None:

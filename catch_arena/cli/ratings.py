@@ -58,8 +58,8 @@ def compare(
 
     Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
     """
-    from catch_arena.tournament.sequential.compare import compare as play_and_test
-    from catch_arena.tournament.sequential.sprt import Sprt, elo_of_share, share_of_elo
+    from catch_arena.tournament.comparison import compare as play_and_test
+    from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
     config = arena(scenario, settings)
     if len(agents) != 2:

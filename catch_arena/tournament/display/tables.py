@@ -16,7 +16,7 @@ from catch_arena.tournament.display.fitted import FittedTable
 from catch_arena.tournament.execution.cost import Cost, delay, shares
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
-from catch_arena.tournament.sequential.until_separated import UntilSeparated
+from catch_arena.tournament.plans.until_separated import UntilSeparated
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 

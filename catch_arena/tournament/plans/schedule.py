@@ -11,7 +11,7 @@ from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import Block, Match, Played, blocks_of
-from catch_arena.tournament.plans.design import groups_in_sweep, sweeps, sweeps_to_meet
+from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
 from catch_arena.tournament.plans.swiss import pair_round
 
 FORMATS: Final = ("round-robin", "balanced", "gauntlet", "swiss")
@@ -129,7 +129,7 @@ def round_robin(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
 def balanced(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
     """In each round, as few blocks as have a meeting for each pair, with everybody in as many of them.
 
-    How often a pair meets differs by as little as the swaps of `design.sweeps` can make it.
+    How often a pair meets differs by as little as the swaps of `balanced_groups.sweeps` can make it.
     """
     return _in_sweeps("balanced", entrants, seats, rounds, seed)
 

@@ -9,7 +9,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.plans.schedule import round_robin
-from catch_arena.tournament.sequential.until_separated import UntilSeparated
+from catch_arena.tournament.plans.until_separated import UntilSeparated
 from catch_arena.tournament.statistics.separation import next_look
 
 SHORT = scenario("duel", time_limit_s=4)

@@ -15,8 +15,8 @@ from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Block, Match, Played
 from catch_arena.tournament.plans.schedule import round_robin
-from catch_arena.tournament.sequential.sprt import Decision, Sprt
 from catch_arena.tournament.statistics.intervals import Estimate, shares
+from catch_arena.tournament.statistics.sprt import Decision, Sprt
 
 _A, _B, _FIELD = range(3)
 """Indices among the entrants: the two that are compared, and the first of their field."""
