@@ -22,10 +22,10 @@ from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import InThisProcess, Processes, usable_cores
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.export import export
 from catch_arena.tournament.match import agent_seed
 from catch_arena.tournament.plans.schedule import FixedPlan, round_robin
-from catch_arena.tournament.records.export import export
-from catch_arena.tournament.records.store import STORE, Store, Tournament
+from catch_arena.tournament.store import STORE, Store, Tournament
 
 AGENTS = ["nearest", "contested", "first", "patrol"]
 TURNS = 7

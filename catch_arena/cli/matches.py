@@ -94,6 +94,7 @@ def tournament(
 
     Agents that do not come with the package play in processes of their own, with limits.
     """
+    from catch_arena.replay import prepare_folder
     from catch_arena.report import REPORT, write_report
     from catch_arena.tournament.display.live import LiveStandings
     from catch_arena.tournament.display.tables import plan_table, standings_table
@@ -102,9 +103,9 @@ def tournament(
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import require_enough
     from catch_arena.tournament.plans.until_separated import UntilSeparated
-    from catch_arena.tournament.records.results import SUMMARY, TABLE, prepare_folder, write_standings
-    from catch_arena.tournament.records.store import STORE, Store, Tournament
+    from catch_arena.tournament.standings_files import SUMMARY, TABLE, write_standings
     from catch_arena.tournament.statistics.standings import standings
+    from catch_arena.tournament.store import STORE, Store, Tournament
 
     config = arena(scenario, settings)
     allowed = limits_or_trust(limits, trusted=trusted)

@@ -14,11 +14,11 @@ from catch_arena.tournament.audit import Audit, Check, Seat
 from catch_arena.tournament.entrants import reason
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import Played
-from catch_arena.tournament.records.store import Store, Tournament
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.standings import Standing, standings
+from catch_arena.tournament.store import Store, Tournament
 
 
 @dataclass(frozen=True)

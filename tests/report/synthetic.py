@@ -9,7 +9,7 @@ from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, Played, ranks_of
 from catch_arena.tournament.plans.schedule import round_robin
-from catch_arena.tournament.records.store import Store, Tournament
+from catch_arena.tournament.store import Store, Tournament
 
 NAMES = ("contested", "patrol", "nearest", "first", "idle", "random")
 

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.errors import StoreError
-from catch_arena.tournament.records.store import Store
+from catch_arena.tournament.store import Store
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 TOURNAMENT = ["tournament", "nearest", "idle", *QUICK, "--rounds", "150", "--jobs", "1"]

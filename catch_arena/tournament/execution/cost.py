@@ -10,7 +10,7 @@ from typing import Final
 from catch_arena.tournament.entrants import is_shipped
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
-from catch_arena.tournament.records.store import store_bytes
+from catch_arena.tournament.store import store_bytes
 
 _SAMPLE_S: Final = 2.0
 """How long matches are tried for, at least one."""

@@ -17,7 +17,7 @@ from catch_arena.tournament.execution.executors import require_jobs
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.seating import inspector
 from catch_arena.tournament.match import Match
-from catch_arena.tournament.records.versions import versions
+from catch_arena.tournament.store import versions
 
 
 class OnRay:

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.config import ArenaConfig
-from catch_arena.replay import write_whole
+from catch_arena.replay import prepare_folder, write_whole
+from catch_arena.tournament.agent_logs import AgentLogs
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import play_blocks
 from catch_arena.tournament.execution.executors import Executor, InThisProcess, Processes
@@ -15,9 +16,7 @@ from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Match, Played
 from catch_arena.tournament.plans.schedule import Plan, listed
-from catch_arena.tournament.records.logs import Logs
-from catch_arena.tournament.records.results import prepare_folder
-from catch_arena.tournament.records.store import Store, Tournament
+from catch_arena.tournament.store import Store, Tournament
 
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
@@ -81,7 +80,7 @@ def play_plan(
     AgentError for an agent that another machine has not; OutputError and StoreError for what cannot be written. No
     process is left behind.
     """
-    logs = None if folder is None else Logs(folder / LOGS, store.tournament.entrants)
+    logs = None if folder is None else AgentLogs(folder / LOGS, store.tournament.entrants)
     streaks = ForfeitStreaks(max_forfeits)
 
     def keep(recorded: Sequence[RecordedMatch]) -> None:

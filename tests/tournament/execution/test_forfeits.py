@@ -17,7 +17,7 @@ from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import play_plan, run
 from catch_arena.tournament.match import MatchResult, Played, blocks_of, ranks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
-from catch_arena.tournament.records.store import Store, Tournament
+from catch_arena.tournament.store import Store, Tournament
 
 SEATS = 3
 CONFIG = scenario("standard", hunters=SEATS)

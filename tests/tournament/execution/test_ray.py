@@ -15,9 +15,8 @@ from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.on_ray import require_same
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.records.export import export
-from catch_arena.tournament.records.store import Store
-from catch_arena.tournament.records.versions import versions
+from catch_arena.tournament.export import export
+from catch_arena.tournament.store import Store, versions
 
 WORDS = ["nearest", "crashes.py", "--scenario", "duel", "--set", "time_limit_s=3", "--rounds", "4", "--record"]
 WORDS += ["--trusted", "--max-forfeits", "3"]

@@ -10,13 +10,14 @@ from tournament.agents import dies_once
 from catch_arena import Replay, scenario
 from catch_arena.descendants import family
 from catch_arena.errors import ConfigError, NoContest, OutputError
+from catch_arena.replay import prepare_folder
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, run
 from catch_arena.tournament.match import blocks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
-from catch_arena.tournament.records.results import prepare_folder, write_standings
-from catch_arena.tournament.records.store import Tournament
+from catch_arena.tournament.standings_files import write_standings
 from catch_arena.tournament.statistics.standings import standings
+from catch_arena.tournament.store import Tournament
 
 SHORT = scenario("duel", time_limit_s=6)
 SWISS_SEED = 0

@@ -16,7 +16,7 @@ from catch_arena.config import RULESET, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.replay import whole_file
 from catch_arena.tournament.match import MatchResult, agent_seed
-from catch_arena.tournament.records.store import Store
+from catch_arena.tournament.store import Store
 from catch_arena.verdicts import Verdict
 
 _RESULTS: Final = [field.name for field in dataclasses.fields(MatchResult) if field.compare]

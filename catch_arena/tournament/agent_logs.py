@@ -12,7 +12,7 @@ MOST_BYTES: Final = 4 << 20
 """Of one agent's file; the next match is the last that is added."""
 
 
-class Logs:
+class AgentLogs:
     """The folder of these files, which is made when there is something to say."""
 
     def __init__(self, folder: Path, entrants: Sequence[Entrant]) -> None:

@@ -6,11 +6,13 @@ none that was kept. Keeping a match twice changes nothing.
 
 import dataclasses
 import json
+import platform
 import shutil
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
 from types import TracebackType
@@ -21,7 +23,6 @@ from catch_arena.errors import StoreError
 from catch_arena.replay import room
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, Forfeit, Match, MatchResult, MoveTimes, Played
-from catch_arena.tournament.records.versions import versions
 
 STORE: Final = "tournament.sqlite"
 _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: what kind of file it is
@@ -314,6 +315,16 @@ def _is_full(folder: Path, needed: int) -> bool:
     with suppress(OSError):
         return shutil.disk_usage(folder).free < max(_ROOM_IT_WORKS_IN, needed)
     return False
+
+
+def versions() -> dict[str, str]:
+    """What plays in this process, by version: the package, Python, NumPy and Numba."""
+    return {
+        "catch_arena": version("catch-arena"),
+        "python": platform.python_version(),
+        "numpy": version("numpy"),
+        "numba": version("numba"),
+    }
 
 
 def store_bytes(seats: int) -> int:

@@ -15,11 +15,10 @@ from catch_arena.tournament.execution.executors import InThisProcess
 from catch_arena.tournament.execution.on_ray import OnRay
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.export import columns, export
 from catch_arena.tournament.match import agent_seed
 from catch_arena.tournament.plans.schedule import round_robin
-from catch_arena.tournament.records.export import columns, export
-from catch_arena.tournament.records.store import Store, Tournament
-from catch_arena.tournament.records.versions import versions
+from catch_arena.tournament.store import Store, Tournament, versions
 
 CONFIG = scenario("duel", time_limit_s=20)
 ENTRANTS = enter(["nearest", "first", "random"])

@@ -11,7 +11,7 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, Played, blocks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
-from catch_arena.tournament.records.store import STORE, Store, Tournament, store_bytes
+from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
 
 SHORT = scenario("duel", time_limit_s=3)
 ENTRANTS = enter(["nearest", "idle", "random"])
@@ -62,7 +62,7 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
 
 
 def test_what_waits_is_what_was_not_played_in_the_order_of_the_plan(store, played, monkeypatch):
-    monkeypatch.setattr("catch_arena.tournament.records.store._PAGE", 5)
+    monkeypatch.setattr("catch_arena.tournament.store._PAGE", 5)
     assert list(store.waiting()) == blocks_of(PLAN)
     store.keep([played[3], played[0]])
     rest = [match for match in PLAN if match not in {played[3].match, played[0].match}]

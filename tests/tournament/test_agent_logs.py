@@ -3,9 +3,9 @@
 import pytest
 
 from catch_arena.errors import OutputError
+from catch_arena.tournament.agent_logs import MOST_BYTES, AgentLogs
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Forfeit, Match, MatchResult, Played
-from catch_arena.tournament.records.logs import MOST_BYTES, Logs
 
 ENTRANTS = [Entrant(name, name, "target", "") for name in ("quiet", "loud")]
 
@@ -17,7 +17,7 @@ def played(number, printed, forfeit=None):
 
 
 def test_each_agent_has_a_file_which_says_in_which_match_and_seat(tmp_path):
-    logs = Logs(tmp_path / "logs", ENTRANTS)
+    logs = AgentLogs(tmp_path / "logs", ENTRANTS)
     logs.add(played(1, ""))
     assert not (tmp_path / "logs").exists()
     logs.add(played(2, "hello"))
@@ -34,13 +34,13 @@ def test_each_agent_has_a_file_which_says_in_which_match_and_seat(tmp_path):
 
 
 def test_an_agent_whose_name_has_parts_has_a_file_too(tmp_path):
-    logs = Logs(tmp_path / "logs", [ENTRANTS[0], Entrant("ann/agent", "ann/agent", "target", "")])
+    logs = AgentLogs(tmp_path / "logs", [ENTRANTS[0], Entrant("ann/agent", "ann/agent", "target", "")])
     logs.add(played(1, "hello"))
     assert (tmp_path / "logs" / "ann" / "agent.log").read_text() == "== match m1, seat 1\nhello\n"
 
 
 def test_a_file_does_not_grow_for_ever(tmp_path):
-    logs = Logs(tmp_path, ENTRANTS)
+    logs = AgentLogs(tmp_path, ENTRANTS)
     for number in range(12):
         logs.add(played(number, "x" * (MOST_BYTES // 8)))
     assert MOST_BYTES <= (tmp_path / "loud.log").stat().st_size < MOST_BYTES * 10 / 8
@@ -49,4 +49,4 @@ def test_a_file_does_not_grow_for_ever(tmp_path):
 def test_a_folder_that_cannot_be_is_one_line(tmp_path):
     (tmp_path / "logs").touch()
     with pytest.raises(OutputError, match=r"logs/loud\.log: cannot be written: "):
-        Logs(tmp_path / "logs", ENTRANTS).add(played(1, "hello"))
+        AgentLogs(tmp_path / "logs", ENTRANTS).add(played(1, "hello"))

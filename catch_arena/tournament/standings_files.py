@@ -7,38 +7,18 @@ import csv
 import io
 import json
 import math
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.config import RULESET
-from catch_arena.errors import OutputError
-from catch_arena.replay import unwritable, write_whole
-from catch_arena.tournament.records.store import Tournament
+from catch_arena.replay import write_whole
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
+from catch_arena.tournament.store import Tournament
 
 TABLE, SUMMARY = "standings.csv", "standings.json"
 _DIGITS: Final = 6
-
-
-def prepare_folder(folder: Path) -> Path:
-    """The folder, made where it is missing and proven writable: better to fail before the play than after it.
-
-    Raises: OutputError.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / ".catch-arena-probe"
-        probe.touch()
-        probe.unlink()
-    except (FileExistsError, NotADirectoryError):
-        taken = next(path for path in (folder, *folder.parents) if os.path.lexists(path) and not path.is_dir())
-        raise OutputError(f"{taken}: cannot be written: is a file, not a folder") from None
-    except OSError as error:
-        raise unwritable(folder, error) from None
-    return folder
 
 
 def write_standings(folder: Path, tournament: Tournament, matches: int, table: Sequence[Standing]) -> None:
