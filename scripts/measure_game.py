@@ -14,8 +14,9 @@ from itertools import cycle, islice
 from rich.console import Console
 
 from catch_arena import CatchArenaError, Verdict, World, scenario
+from catch_arena.cli.progress import progress_bar
+from catch_arena.cli.tables import standings_table
 from catch_arena.envs.parallel import CatchArenaEnv
-from catch_arena.tournament.display.tables import progress_bar, standings_table
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import Played, play
 from catch_arena.tournament.plans.schedule import round_robin

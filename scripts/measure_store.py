@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from catch_arena import ArenaConfig, scenario
+from catch_arena.cli.progress import progress_bar
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.policy import Limits, View
-from catch_arena.tournament.display.tables import progress_bar
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import InThisProcess, Processes, usable_cores
 from catch_arena.tournament.execution.runner import play_plan

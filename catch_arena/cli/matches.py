@@ -94,10 +94,10 @@ def tournament(
 
     Agents that do not come with the package play in processes of their own, with limits.
     """
+    from catch_arena.cli.live_standings import LiveStandings
+    from catch_arena.cli.tables import plan_table, standings_table
     from catch_arena.replay import prepare_folder
     from catch_arena.report import REPORT, write_report
-    from catch_arena.tournament.display.live import LiveStandings
-    from catch_arena.tournament.display.tables import plan_table, standings_table
     from catch_arena.tournament.execution.cost import measured
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker

@@ -133,11 +133,11 @@ def audit(
 
     Exits with 0 if nothing unfair was found, with 1 otherwise.
     """
+    from catch_arena.cli.fitted_table import FittedTable
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import write_whole
     from catch_arena.tournament.audit import FILE, LEVEL, audit_text
     from catch_arena.tournament.audit import audit as ask
-    from catch_arena.tournament.display.fitted import FittedTable
-    from catch_arena.tournament.display.tables import progress_bar
 
     config = arena(scenario, settings)
     output_file(out / FILE, force=force)

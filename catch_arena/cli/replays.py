@@ -23,9 +23,9 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
 
     A match that does not play as recorded: its first step that differs, and in what. The exit code is 2 if any fails.
     """
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
     from catch_arena.replay.verification import faults
-    from catch_arena.tournament.display.tables import progress_bar
 
     bad = 0
     for path in replays:
@@ -78,8 +78,8 @@ def explain(
 ) -> None:
     """Tell a recorded match's contests and refusals: the clause, the distances, the winner."""
     from catch_arena import explanation
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
-    from catch_arena.tournament.display.tables import progress_bar
 
     recorded = Replay.load(replay)
     told: explanation.Explanation | explanation.StepExplanation

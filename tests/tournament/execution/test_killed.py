@@ -36,7 +36,7 @@ from catch_arena import parallel_env
 from catch_arena.tournament import entrants
 from catch_arena.tournament import standings_files
 from catch_arena.tournament.plans import schedule
-from catch_arena.tournament.display import tables as display
+from catch_arena.cli import live_standings, tables
 from catch_arena.tournament.execution import runner
 from catch_arena.tournament.statistics import standings
 from catch_arena.tournament import store

@@ -5,7 +5,7 @@ import io
 from rich.console import Console
 
 from catch_arena import scenario
-from catch_arena.tournament.display.live import LiveStandings
+from catch_arena.cli.live_standings import LiveStandings
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.plans.schedule import round_robin

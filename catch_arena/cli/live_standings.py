@@ -9,7 +9,8 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.progress import Progress
 
-from catch_arena.tournament.display.tables import bar_columns, progress_lines, standings_table
+from catch_arena.cli.progress import bar_columns, progress_lines
+from catch_arena.cli.tables import standings_table
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Played
 from catch_arena.tournament.statistics.standings import standings

@@ -57,7 +57,7 @@ def test_no_line_of_the_table_is_longer_than_80_columns(catch_arena):
 SPOKEN = (
     "class Agent:\n    def reset(self, seed): print('los, 亀')\n    def act(self, view): raise ValueError('zu spät')\n"
 )
-BAD = Path(__file__).parent / "isolation" / "bad"
+BAD = ROOT / "tests" / "tournament" / "isolation" / "bad"
 
 
 @pytest.mark.parametrize("jobs", ["1", "2"])

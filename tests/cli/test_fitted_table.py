@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
 
-from catch_arena.tournament.display.fitted import FittedTable
+from catch_arena.cli.fitted_table import FittedTable
 
 WORDS = st.text("abcxyz019ß +-%", min_size=1, max_size=12).map(lambda text: " ".join(text.split()) or "x")
 

@@ -1,18 +1,14 @@
-"""How a tournament looks on a terminal, usually 80 columns wide, or in a file that its output is sent to."""
+"""The standings and the cost of a plan as tables, for a terminal of usually 80 columns, or a file."""
 
 import math
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from datetime import timedelta
 from typing import Final
 
-from rich.console import Console
 from rich.filesize import decimal
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from catch_arena.tournament.display.fitted import FittedTable
+from catch_arena.cli.fitted_table import FittedTable
 from catch_arena.tournament.execution.cost import Cost, delay, shares
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
@@ -23,58 +19,6 @@ from catch_arena.tournament.statistics.standings import Standing
 _KEY: Final = """grp: who shares a group cannot be told apart
 rating: points, 0 is the mean; score: catches a match
 wins: ties shared; cont.: of its contests, those it won"""
-
-_LINE_EVERY_S: Final = 10.0
-
-
-@contextmanager
-def progress_bar(what: str, total: int | None = None, *, after_s: float = 0.0) -> Iterator[Callable[[int, int], None]]:
-    """How far it is, on stderr, to be called with (done, total).
-
-    On a terminal it is a bar, which appears after `after_s` seconds and goes away in the end; elsewhere it is a line
-    now and then.
-    """
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield progress_lines(what, console)
-        return
-    begin = time.monotonic()
-    bar = Progress(*bar_columns(), console=console, transient=True)
-    task = bar.add_task(what, total=total)
-
-    def show(done: int, total: int) -> None:
-        bar.update(task, completed=done, total=total)
-        if time.monotonic() - begin >= after_s:
-            bar.start()
-
-    try:
-        if not after_s:
-            bar.start()
-        yield show
-    finally:
-        bar.stop()
-
-
-def progress_lines(
-    what: str, console: Console, clock: Callable[[], float] = time.monotonic
-) -> Callable[[int, int], None]:
-    """For logs and pipes: says how far it is, to be called with (done, total), in a line every ten seconds."""
-    began = clock()
-    said = began
-
-    def show(done: int, total: int) -> None:
-        nonlocal said
-        now = clock()
-        if now - said >= _LINE_EVERY_S:
-            said = now
-            console.print(f"{what}: {done} of {total}, {now - began:.0f} s", highlight=False, soft_wrap=True)
-
-    return show
-
-
-def bar_columns() -> tuple[ProgressColumn, ...]:
-    """What stands beside and in a bar."""
-    return TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
 
 
 def standings_table(table: Sequence[Standing]) -> Table:
