@@ -8,7 +8,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import columns
-from catch_arena.errors import AgentError, ConfigError, suggest
+from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
 FAILED = 1
 
@@ -78,8 +78,6 @@ def conformance(
 
 def _made(spec: str) -> Any:
     """What a class or a function without arguments makes. Raises: AgentError."""
-    from catch_arena.tournament.entrants import reason
-
     make = _callable(spec)
     try:
         return make()

@@ -7,11 +7,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from catch_arena.errors import ReplayError, StoreError
+from catch_arena.errors import ReplayError, StoreError, reason
 from catch_arena.replay import Replay
 from catch_arena.tournament.audit import FILE as AUDIT
 from catch_arena.tournament.audit import Audit, Check, Seat
-from catch_arena.tournament.entrants import reason
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import Played
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head

@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import Final, NamedTuple
 
 from catch_arena.config import Control
-from catch_arena.errors import AgentError, CatchArenaError, suggest
+from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
 from catch_arena.policy import Policy, control_of
 
 COMMAND: Final = "cmd:"
@@ -273,9 +273,3 @@ def _why_not_imported(error: BaseException, module: str, folder: Path | None = N
     if folder is not None and ((folder / f"{top}.py").is_file() or (folder / top).is_dir()):
         return f"it imports {missing}, which is beside it: an agent of several files must be a package (docs/agents.md)"
     return f"it imports {missing}, {NOT_INSTALLED}"
-
-
-def reason(error: BaseException) -> str:
-    """An exception in one line of at most 200 characters."""
-    text = " ".join(str(error).split())
-    return f"{type(error).__name__}: {text}"[:200] if text else type(error).__name__

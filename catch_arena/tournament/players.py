@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from catch_arena.config import Control
-from catch_arena.errors import AgentError
+from catch_arena.errors import AgentError, reason
 from catch_arena.policy import Limits, Policy, View, control_of
-from catch_arena.tournament.entrants import Entrant, reason
+from catch_arena.tournament.entrants import Entrant
 
 ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_OUT"]
 """How an agent fails: it raises or dies; it takes too long; what it answers is no legal action; it cannot begin; it has

@@ -11,8 +11,8 @@ from types import TracebackType
 from typing import Any, Self
 
 from catch_arena.engine import Engine
-from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost
-from catch_arena.tournament.entrants import enter, reason
+from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost, reason
+from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import require_jobs
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.seating import inspector

@@ -17,9 +17,9 @@ from io import BufferedReader, BufferedWriter
 from pathlib import Path
 from typing import Final
 
-from catch_arena.errors import AgentError
+from catch_arena.errors import AgentError, reason
 from catch_arena.policy import Limits, Policy, View
-from catch_arena.tournament.entrants import agent_class, command_of, fresh, reason, source_of
+from catch_arena.tournament.entrants import agent_class, command_of, fresh, source_of
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.processes import confine, die_with, limit_cpu
