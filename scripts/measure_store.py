@@ -19,7 +19,7 @@ from catch_arena.cli.progress import progress_bar
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.policy import Limits, View
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.executors import InThisProcess, Processes, usable_cores
+from catch_arena.tournament.execution.executors import ProcessExecutor, SerialExecutor, usable_cores
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import export
@@ -83,7 +83,7 @@ def measure_overhead(config: ArenaConfig, entrants: tuple[Entrant, ...], folder:
         place = folder / str(turn)
         place.mkdir()
         times["bare"].append(cpu_s(lambda: bare(config, entrants, plan)))
-        with Store.begin(Tournament(config, entrants, plan.parameters), place) as store, InThisProcess(worker) as here:
+        with Store.begin(Tournament(config, entrants, plan.parameters), place) as store, SerialExecutor(worker) as here:
             times["runner"].append(cpu_s(lambda: play_plan(store, plan, here)))
     loop, runner = (statistics.median(times[kind]) / plan.size for kind in ("bare", "runner"))
     print(f"a bare loop      {1000 * loop:.1f} ms of CPU a match")
@@ -97,7 +97,10 @@ def measure_length(config: ArenaConfig, entrants: tuple[Entrant, ...], folder: P
     facts = Tournament(config, entrants, plan.parameters)
     with Store.begin(facts, folder) as store:
         mine, wall = time.process_time(), time.perf_counter()
-        with Processes(Worker(config, entrants), args.jobs) as workers, progress_bar("playing", plan.size) as show:
+        with (
+            ProcessExecutor(Worker(config, entrants), args.jobs) as workers,
+            progress_bar("playing", plan.size) as show,
+        ):
             play_plan(store, plan, workers, on_results=lambda _: show(store.count_played(), plan.size))
         mine, wall = time.process_time() - mine, time.perf_counter() - wall
     used = resource.getrusage(resource.RUSAGE_CHILDREN)

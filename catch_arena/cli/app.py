@@ -141,7 +141,7 @@ def limits_or_trust(words: list[str] | None, *, trusted: bool) -> AgentLimits | 
     return None if trusted else agent_limits(words)
 
 
-def entered(words: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
+def enter_agents(words: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
     """The agents that these words stand for, looked at where they will play; those that cannot are told on stderr, and
     what this system cannot limit. Raises: AgentError.
     """

@@ -20,7 +20,7 @@ from catch_arena.cli.app import (
     Settings,
     Trusted,
     arena,
-    entered,
+    enter_agents,
     limits_or_trust,
     main,
 )
@@ -98,7 +98,7 @@ def tournament(
     from catch_arena.cli.tables import plan_table, standings_table
     from catch_arena.replay import prepare_folder
     from catch_arena.report import REPORT, write_report
-    from catch_arena.tournament.execution.cost import measured
+    from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import require_enough
@@ -110,12 +110,12 @@ def tournament(
     config = arena(scenario, settings)
     allowed = limits_or_trust(limits, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
-    players = entered(agents, allowed)
+    players = enter_agents(agents, allowed)
     require_enough(len(players), config, scenario)
     plays = _plan(players, config.hunters, form, rounds, seed, until_separated, max_matches)
     worker = Worker(config, players, record, allowed)
     if plan:
-        Console().print(plan_table(plays, worker, measured(worker, plays), jobs, max_forfeits))
+        Console().print(plan_table(plays, worker, measure_cost(worker, plays), jobs, max_forfeits))
         return
     prepare_folder(out / REPLAYS if record else out)
     if not (out / STORE).exists():  # else they are made from it
@@ -216,13 +216,13 @@ def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
 
 
 def _executor(name: ExecutorName, worker: "Worker", jobs: int, address: str | None) -> "Executor":
-    from catch_arena.tournament.execution.executors import InThisProcess, Processes
+    from catch_arena.tournament.execution.executors import ProcessExecutor, SerialExecutor
 
     if name == "ray":
-        from catch_arena.tournament.execution.on_ray import OnRay
+        from catch_arena.tournament.execution.ray_executor import RayExecutor
 
-        return OnRay(worker, jobs, address)
-    return InThisProcess(worker) if jobs == 1 else Processes(worker, jobs)
+        return RayExecutor(worker, jobs, address)
+    return SerialExecutor(worker) if jobs == 1 else ProcessExecutor(worker, jobs)
 
 
 @main.command()
@@ -243,7 +243,7 @@ def match(
 
     config = arena(scenario, settings)
     allowed = limits_or_trust(limits, trusted=trusted)
-    players = entered(agents, allowed)
+    players = enter_agents(agents, allowed)
     require_enough(len(players), config, scenario)
     if len(players) > config.hunters:
         raise ConfigError(f"agents must be {config.hunters}, one for each hunter of {scenario}, got {len(players)}")

@@ -16,7 +16,7 @@ from catch_arena.cli.app import (
     Settings,
     Trusted,
     arena,
-    entered,
+    enter_agents,
     limits_or_trust,
     main,
 )
@@ -70,7 +70,7 @@ def compare(
         share_of_elo(elo0) if share0 is None else share0, share_of_elo(elo1) if share1 is None else share1, alpha, beta
     )
     allowed = limits_or_trust(limits, trusted=trusted)
-    entrants = entered([*agents, *(against or ())], allowed)
+    entrants = enter_agents([*agents, *(against or ())], allowed)
     first, second = entrants[:2]
     low, high = test.bounds
     console = Console(stderr=True)

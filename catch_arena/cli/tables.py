@@ -9,7 +9,7 @@ from rich.filesize import decimal
 from rich.table import Table
 
 from catch_arena.cli.fitted_table import FittedTable
-from catch_arena.tournament.execution.cost import Cost, delay, shares
+from catch_arena.tournament.execution.cost import Cost, match_counts, worst_delay
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
 from catch_arena.tournament.plans.until_separated import UntilSeparated
@@ -59,7 +59,7 @@ def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: 
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
     most = plan.size
     if isinstance(plan, FixedPlan):
-        played, met = shares(plan, len(worker.entrants))
+        played, met = match_counts(plan, len(worker.entrants))
         most = played[1]
         shown.add_row("an agent plays", f"{_span(*played)} matches")
         shown.add_row("a pair meets in", f"{_span(*met)} matches")
@@ -71,7 +71,7 @@ def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: 
     shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
     for name, forfeit in cost.forfeits.items():
         shown.add_row("", f"{name} forfeited there: {forfeit}")
-    worst = delay(worker, most, max_forfeits)
+    worst = worst_delay(worker, most, max_forfeits)
     if worst is not None:
         once, all_s = _duration(worst.hanging_s), worst.matches * worst.hanging_s
         then = ", then it is out" if worst.matches < most else ""

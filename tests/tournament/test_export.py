@@ -11,8 +11,8 @@ from pyarrow import parquet
 from catch_arena import scenario
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import InThisProcess
-from catch_arena.tournament.execution.on_ray import OnRay
+from catch_arena.tournament.execution.executors import SerialExecutor
+from catch_arena.tournament.execution.ray_executor import RayExecutor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import columns, export
@@ -28,7 +28,7 @@ PLAN = round_robin(3, 2, 2, seed=1)
 @pytest.fixture(scope="module")
 def store():
     with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as store:
-        play_plan(store, PLAN, InThisProcess(Worker(CONFIG, ENTRANTS)))
+        play_plan(store, PLAN, SerialExecutor(Worker(CONFIG, ENTRANTS)))
         yield store
 
 
@@ -79,7 +79,7 @@ def test_the_tables_have_a_row_for_each_seat_and_agree(store, tmp_path):
 @pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
 def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
     with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as other:
-        play_plan(other, PLAN, InThisProcess(Worker(CONFIG, ENTRANTS)))
+        play_plan(other, PLAN, SerialExecutor(Worker(CONFIG, ENTRANTS)))
         for one, name in ((store, "a"), (other, "b")):
             export(one, form, tmp_path / name, timing=False)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
@@ -114,4 +114,4 @@ def test_a_missing_extra_is_one_line(store, tmp_path, monkeypatch):
     ):
         export(store, "parquet", tmp_path / "m")
     with pytest.raises(ConfigError, match=re.escape("executor ray needs Ray: pip install 'catch-arena[ray]'")):
-        OnRay(None, 1)
+        RayExecutor(None, 1)

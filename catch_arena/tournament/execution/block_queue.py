@@ -56,8 +56,8 @@ def play_blocks(
         under_way = sum(one.matches is None for one in queue)
         while (
             block is not None
-            and under_way < executor.ahead
-            and len(queue) < executor.ahead + _MOST_HELD
+            and under_way < executor.lookahead
+            and len(queue) < executor.lookahead + _MOST_HELD
             and streaks.may_begin(block, [one.block for one in queue])
         ):
             queue.append(_QueuedBlock(block, *begin(block)))

@@ -33,7 +33,7 @@ class Cost:
 
 
 @dataclass(frozen=True, slots=True)
-class Delay:
+class WorstDelay:
     """The most time that agents in processes of their own may take, each by itself."""
 
     agents: int
@@ -46,7 +46,7 @@ class Delay:
     """Of one that hangs in each, before it is out; all of its matches where it never is."""
 
 
-def delay(worker: Worker, matches: int, max_forfeits: int) -> Delay | None:
+def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay | None:
     """What slow agents could cost at worst; None where nobody's time is limited.
 
     Args: `matches`, the most that an entrant plays; `max_forfeits`, as of `runner.play_plan`.
@@ -56,7 +56,7 @@ def delay(worker: Worker, matches: int, max_forfeits: int) -> Delay | None:
         return None
     init_s, step_s, bank_s = worker.limits.init_s, worker.limits.step_ms / 1000.0, worker.limits.bank_s
     in_blocks = -(-max_forfeits // worker.config.hunters) * worker.config.hunters
-    return Delay(
+    return WorstDelay(
         agents=len(isolated),
         hanging_s=init_s + step_s + bank_s,
         slow_s=init_s + worker.config.max_steps * step_s + bank_s,
@@ -64,7 +64,7 @@ def delay(worker: Worker, matches: int, max_forfeits: int) -> Delay | None:
     )
 
 
-def measured(worker: Worker, plan: Plan) -> Cost:
+def measure_cost(worker: Worker, plan: Plan) -> Cost:
     """What a match of this plan costs here: its first block is tried, and none of it kept. Raises: NoContest."""
     block = next(iter(plan.batch(0, ())))
     seconds, sizes = 0.0, []
@@ -87,7 +87,7 @@ def measured(worker: Worker, plan: Plan) -> Cost:
     return Cost(seconds / tried, store_bytes(worker.config.hunters), sum(sizes) // tried, tried, forfeits)
 
 
-def shares(plan: FixedPlan, entrants: int) -> tuple[tuple[int, int], tuple[int, int]]:
+def match_counts(plan: FixedPlan, entrants: int) -> tuple[tuple[int, int], tuple[int, int]]:
     """How many matches an entrant plays, and how many a pair of them has in common: (least, most) of each."""
     played = [0] * entrants
     met: Counter[tuple[int, ...]] = Counter()

@@ -1,4 +1,4 @@
-"""Where blocks are played: in this process, or in several on this machine. `on_ray` has a third place."""
+"""Where blocks are played: in this process, or in several on this machine. `ray_executor` has a third place."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -11,8 +11,8 @@ from typing import Protocol, Self
 from catch_arena.descendants import end
 from catch_arena.engine import Engine
 from catch_arena.errors import ConfigError, NoContest
-from catch_arena.tournament.execution.process import WorkerProcess
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.tournament.execution.worker_process import WorkerProcess
 from catch_arena.tournament.match import Match
 
 
@@ -20,7 +20,7 @@ class Executor(Protocol):
     """Plays blocks side by side; a context, which leaves no process behind."""
 
     @property
-    def ahead(self) -> int:
+    def lookahead(self) -> int:
         """How many blocks it takes before the first must be waited for: enough that no worker is ever idle."""
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
@@ -36,10 +36,10 @@ class Executor(Protocol):
     ) -> None: ...
 
 
-class InThisProcess:
-    """One block after the other, here."""
+class SerialExecutor:
+    """One block after the other, in this process."""
 
-    ahead = 1
+    lookahead = 1
 
     def __init__(self, worker: Worker) -> None:
         self._worker = worker
@@ -63,12 +63,12 @@ class InThisProcess:
         self._worker.close()
 
 
-class Processes:
+class ProcessExecutor:
     """Several processes on this machine; a thread here waits for each."""
 
     def __init__(self, worker: Worker, jobs: int) -> None:
         require_jobs(jobs)
-        self.ahead = 4 * jobs
+        self.lookahead = 4 * jobs
         self._worker = worker
         Engine(worker.config)  # compiled once here, and read from the cache there
         self._threads = ThreadPoolExecutor(jobs, "catch-arena-worker")

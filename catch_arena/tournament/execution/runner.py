@@ -10,7 +10,7 @@ from catch_arena.replay import prepare_folder, write_whole
 from catch_arena.tournament.agent_logs import AgentLogs
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import play_blocks
-from catch_arena.tournament.execution.executors import Executor, InThisProcess, Processes
+from catch_arena.tournament.execution.executors import Executor, ProcessExecutor, SerialExecutor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
@@ -53,7 +53,7 @@ def run(
 
     with (
         Store.begin(Tournament(config, tuple(entrants), plan.parameters)) as store,
-        InThisProcess(worker) if jobs == 1 else Processes(worker, jobs) as executor,
+        SerialExecutor(worker) if jobs == 1 else ProcessExecutor(worker, jobs) as executor,
     ):
         play_plan(store, plan, executor, max_forfeits=max_forfeits, folder=record, on_results=on_results)
         return list(store.played())

@@ -44,8 +44,8 @@ class Field:
 class Shuffled:
     """Ends its blocks in any order, loses some, and may be broken off; `wait` stands for the one of `block_queue`."""
 
-    def __init__(self, field, ahead, seed, breaks_after=None):
-        self.field, self.ahead, self.random, self.breaks_after = field, ahead, random.Random(seed), breaks_after
+    def __init__(self, field, lookahead, seed, breaks_after=None):
+        self.field, self.lookahead, self.random, self.breaks_after = field, lookahead, random.Random(seed), breaks_after
         self.begun = {}
         self.lost = Counter()
         self.played = 0
@@ -97,12 +97,12 @@ def has_streak(played, place, most):
     temper=st.lists(st.sampled_from([0.0, 0.02, 0.5, 0.8, 0.95, 1.0]), min_size=4, max_size=6),
     form=st.sampled_from(["round-robin", "balanced", "gauntlet", "swiss"]),
     most=st.sampled_from([0, 1, 2, 5, 10]),
-    ahead=st.sampled_from([1, 2, 7, 28]),
+    lookahead=st.sampled_from([1, 2, 7, 28]),
     seed=st.integers(0, 2**32),
     data=st.data(),
 )
 def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_after_the_other(
-    temper, form, most, ahead, seed, data
+    temper, form, most, lookahead, seed, data
 ):
     field = Field(temper, seed)
     plan = plan_of(form, len(temper), SEATS, 2, seed)
@@ -111,7 +111,7 @@ def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_
     with Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store, monkeypatch.context() as patch:
         for life in range(100):
             breaks_after = data.draw(st.integers(0, 40)) if life < 3 else None
-            executor = Shuffled(field, ahead, seed + life, breaks_after)
+            executor = Shuffled(field, lookahead, seed + life, breaks_after)
             patch.setattr(block_queue, "wait", executor.wait)
             before = list(store.played())
             assert before == expected[: len(before)]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.execution.cost import shares
+from catch_arena.tournament.execution.cost import match_counts
 from catch_arena.tournament.match import Match, blocks_of
 from catch_arena.tournament.plans.schedule import (
     FORMATS,
@@ -93,7 +93,7 @@ def test_balanced_blocks_let_everybody_play_and_meet_equally(sizes):
     """No pair has more than five blocks more than another, however many rounds there are; docs/tournaments.md."""
     entrants, seats, rounds = sizes
     plan = balanced(entrants, seats, rounds, seed=3)
-    (least, most), (seldom, often) = shares(plan, entrants)
+    (least, most), (seldom, often) = match_counts(plan, entrants)
     assert least == most == plan.size * seats // entrants
     mean = most * (seats - 1) / (entrants - 1) / seats
     assert mean >= rounds
@@ -102,7 +102,7 @@ def test_balanced_blocks_let_everybody_play_and_meet_equally(sizes):
 
 @pytest.mark.parametrize(("entrants", "seats"), [(5, 2), (9, 2), (9, 3), (5, 4), (13, 12)])
 def test_where_a_design_is_simple_balanced_blocks_are_perfect(entrants, seats):
-    _, (seldom, often) = shares(balanced(entrants, seats, 4, seed=0), entrants)
+    _, (seldom, often) = match_counts(balanced(entrants, seats, 4, seed=0), entrants)
     assert seldom == often
 
 

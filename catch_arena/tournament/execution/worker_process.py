@@ -75,7 +75,7 @@ def main() -> None:
     os.dup2(nothing, 0)  # agents that read from the standard input find it empty
     os.close(nothing)
     requests: SimpleQueue[Any] = SimpleQueue()
-    Thread(target=_hear, args=(channel, requests), daemon=True).start()
+    Thread(target=_read_requests, args=(channel, requests), daemon=True).start()
     worker: Worker | None = requests.get()
     if worker is None:
         return
@@ -92,7 +92,7 @@ def main() -> None:
     worker.close()
 
 
-def _hear(channel: Connection, requests: SimpleQueue[Any]) -> None:
+def _read_requests(channel: Connection, requests: SimpleQueue[Any]) -> None:
     """First the worker, then matches and who is excluded from them; None when the other side has gone."""
     try:
         while True:

@@ -20,7 +20,7 @@ from catch_arena.tournament.match import Match
 from catch_arena.tournament.store import versions
 
 
-class OnRay:
+class RayExecutor:
     """Ray's workers, one core each.
 
     Args: `jobs`, how many workers are started on this machine; `address`, of a running cluster, all of whose cores play
@@ -54,7 +54,7 @@ class OnRay:
             with suppress(ValueError):  # Ray has put a handler of its own there, unless this is not the main thread
                 signal.signal(signal.SIGTERM, before)
         self._ray = ray
-        self.ahead = 4 * int(ray.cluster_resources().get("CPU", 1))
+        self.lookahead = 4 * int(ray.cluster_resources().get("CPU", 1))
         self._worker = ray.put(worker)
         self._versions = tuple(versions().items())
         self._task = ray.remote(max_retries=0)(_play)  # what is lost is counted and played again by the runner

@@ -9,7 +9,7 @@ from catch_arena import scenario
 from catch_arena.descendants import family
 from catch_arena.errors import WorkerLost
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import Processes
+from catch_arena.tournament.execution.executors import ProcessExecutor
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.match import blocks_of
 from catch_arena.tournament.plans.schedule import round_robin
@@ -34,7 +34,7 @@ def worker(tmp_path):
 
 def test_a_process_that_dies_loses_its_own_block_alone(worker):
     before = family(os.getpid())
-    with Processes(worker("os._exit(1)"), 2) as processes:
+    with ProcessExecutor(worker("os._exit(1)"), 2) as processes:
         futures = [processes.submit(block, {}) for block in (BLOCKS[2], BLOCKS[0], BLOCKS[2], BLOCKS[1], BLOCKS[2])]
         for number, future in enumerate(futures):
             if number % 2:
@@ -54,7 +54,7 @@ def test_at_the_end_it_ends_what_never_returns_and_begins_nothing_more(worker, t
     futures = []
 
     def play():
-        with Processes(worker("open(f'{__file__}.{os.getpid()}', 'w').close()", "while True: pass"), 2) as both:
+        with ProcessExecutor(worker("open(f'{__file__}.{os.getpid()}', 'w').close()", "while True: pass"), 2) as both:
             futures.extend(both.submit(BLOCKS[0], {}) for _ in range(5))
             while len(began := list(tmp_path.glob("*.py.*"))) < 2:
                 assert not futures[0].done()
@@ -72,13 +72,13 @@ def test_at_the_end_it_ends_what_never_returns_and_begins_nothing_more(worker, t
 
 
 def test_what_nobody_expects_is_told_with_where_it_was_raised(worker):
-    with Processes(worker("raise KeyboardInterrupt"), 1) as processes:
+    with ProcessExecutor(worker("raise KeyboardInterrupt"), 1) as processes:
         future = processes.submit(BLOCKS[0], {})
         with pytest.raises(RuntimeError, match=r"(?s)in a worker process:.*bad\.py.*KeyboardInterrupt"):
             processes.outcome(future)
 
 
 def test_an_agent_that_reads_finds_nothing(worker):
-    with Processes(worker("input()"), 1) as processes:
+    with ProcessExecutor(worker("input()"), 1) as processes:
         ((one, _), _) = processes.outcome(processes.submit(BLOCKS[0], {}))
     assert one.result.details[0].reason == "act raised EOFError: EOF when reading a line"

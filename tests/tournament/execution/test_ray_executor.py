@@ -13,7 +13,7 @@ from catch_arena import scenario
 from catch_arena.cli import main
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.on_ray import require_same
+from catch_arena.tournament.execution.ray_executor import require_same
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import export
 from catch_arena.tournament.store import Store, versions
