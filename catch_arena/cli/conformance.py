@@ -87,14 +87,14 @@ def _made(spec: str) -> Any:
 
 def _callable(spec: str) -> Any:
     """What «module:function» or «path.py:function» stands for. Raises: AgentError."""
-    from catch_arena.tournament.entrants import module_at
+    from catch_arena.tournament.entrants import load_module
 
     module_name, colon, name = spec.rpartition(":")
     if not (module_name and colon and name):
         raise AgentError(f"{spec}: must be module:function or path.py:function")
     if module_name.endswith(".py") and not Path(module_name).is_file():
         raise AgentError(f"{spec}: no such file")
-    module = module_at(module_name)
+    module = load_module(module_name)
     found = getattr(module, name, None)
     if not callable(found):
         known = [key for key, value in vars(module).items() if callable(value) and not key.startswith("_")]

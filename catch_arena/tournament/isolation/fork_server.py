@@ -19,7 +19,7 @@ from typing import Final
 
 from catch_arena.errors import AgentError, reason
 from catch_arena.policy import Limits, Policy, View
-from catch_arena.tournament.entrants import agent_class, command_of, fresh, source_of
+from catch_arena.tournament.entrants import agent_class, command_of, create_policy, source_of
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.processes import confine, die_with, limit_cpu
@@ -112,7 +112,7 @@ def _become_python(spec: str, into: int, out: int, log: int) -> None:
     _keep_only((os.open(os.devnull, os.O_RDONLY), log, log, into, out))
     with os.fdopen(_INTO, "rb") as lines, os.fdopen(_OUT, "wb") as answers:
         try:
-            policy = fresh(spec)
+            policy = create_policy(spec)
         except AgentError as error:
             _report(error, answers)
         else:

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import NoContest
-from catch_arena.tournament.entrants import Entrant, Inspection, inspected, is_shipped
+from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent, is_shipped
 from catch_arena.tournament.isolation.isolated_players import IsolatedPlayers
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
@@ -79,11 +79,11 @@ def play_entrants(
 def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
     """How `enter` looks at agents: in this process where it would play them here, else in processes of their own."""
     if sandbox is None:
-        return inspected
+        return inspect_agent
 
     def inspect(spec: str) -> Inspection:
         if is_shipped(spec):
-            return inspected(spec)
+            return inspect_agent(spec)
         entrant = Entrant(spec, spec, "target", "")
         with _isolated({0: entrant}, sandbox) as players:
             found = players.inspect()
