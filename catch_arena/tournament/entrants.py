@@ -1,4 +1,4 @@
-"""Who plays: the spec of an agent, as on the command line, becomes an entrant: an agent that was found, and has a name."""
+"""Who plays: an agent's spec, as on the command line, becomes an entrant, which was looked at and has a name."""
 
 import hashlib
 import importlib
