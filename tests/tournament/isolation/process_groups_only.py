@@ -1,4 +1,4 @@
-"""The supervisor, as it is on macOS: the families of processes cannot be listed."""
+"""The supervisor with its second way to end processes, by groups: for systems that do not list descendants."""
 
 from catch_arena import descendants
 from catch_arena.tournament.isolation import processes, supervisor
