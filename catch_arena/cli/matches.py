@@ -90,7 +90,7 @@ def tournament(
 ) -> None:
     """Play groups of agents in every seating, and rank them.
 
-    The same words and seed give the same results, whatever --jobs and --executor are.
+    The same agents, options and seed give the same results, whatever --jobs and --executor are.
 
     Agents that do not come with the package play in processes of their own, with limits.
     """

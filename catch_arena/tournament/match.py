@@ -84,7 +84,8 @@ class MatchResult:
     forfeits: tuple[str | None, ...]
     """FORFEIT_CRASH, FORFEIT_TIMEOUT, FORFEIT_ILLEGAL, FORFEIT_INIT or FORFEIT_OUT where a seat failed."""
     thinking: tuple[MoveTimes, ...] = field(compare=False)
-    """Like all that follows, no part of what another run of the same match repeats."""
+    """Like all that follows, no part of what another run of the same match repeats. Stores and exports have this name.
+    """
     details: tuple[Forfeit | None, ...] = field(default=(), compare=False)
     """More about each of `forfeits`."""
     logs: tuple[str, ...] = field(default=(), compare=False)

@@ -34,7 +34,7 @@ _PATIENCE_S: Final = 60.0
 _FULL: Final = "SQLITE_FULL"
 _FAILED: Final = "SQLITE_IOERR"
 """What SQLite says where it cannot write. It says the second on a full disk too, of the files beside its own."""
-_ROOM_IT_WORKS_IN: Final = 1_000_000
+_LEAST_FREE: Final = 1_000_000
 """Bytes: with less free, a write that failed was for want of room."""
 _TABLES: Final = """
 CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
@@ -90,7 +90,7 @@ class Store:
     def __init__(self, path: Path | None = None) -> None:
         """Open the file, or one in memory; see `begin` and `read`."""
         self.path = path
-        with self._refusals():
+        with self._store_errors():
             self._db = sqlite3.connect(path or ":memory:", isolation_level=None, timeout=_PATIENCE_S)
         self._versions = 0
 
@@ -113,7 +113,7 @@ class Store:
             raise StoreError(f"{folder}: holds no tournament (a file {STORE})")
         store = cls(path)
         with store._closed_on_error():
-            if not store._is_made():
+            if not store._has_tables():
                 raise StoreError(f"{folder}: holds a tournament that has not begun")
         return store
 
@@ -168,7 +168,7 @@ class Store:
         """Match by match, read a page at a time: in between there are writes."""
         after = ""
         while True:
-            with self._refusals():
+            with self._store_errors():
                 rows = self._db.execute(
                     "SELECT match.* FROM match LEFT JOIN result ON match = id "
                     "WHERE result.match IS NULL AND id > ? ORDER BY id LIMIT ?",
@@ -181,12 +181,12 @@ class Store:
 
     def played(self, most: int = -1) -> Iterator[Played]:
         """What was played, in the order of the plan; `most`, at most so many."""
-        with self._refusals():
+        with self._store_errors():
             yield from map(_played, self._db.execute(f"{_PLAYED} ORDER BY id LIMIT ?", (most,)))
 
     def records(self) -> Iterator[tuple[Played, dict[str, str]]]:
         """What was played, in the order of the plan, each with the versions that played it."""
-        with self._refusals():
+        with self._store_errors():
             known = {key: json.loads(value) for key, value in self._db.execute("SELECT id, value FROM versions")}
             query = f"SELECT versions, {_PLAYED.removeprefix('SELECT ')} ORDER BY id"
             for by, *row in self._db.execute(query):
@@ -217,13 +217,13 @@ class Store:
         return "the store" if self.path is None else str(self.path)
 
     def _open(self, tournament: Tournament, *, resume: bool) -> None:
-        self._is_made()  # before anything is changed in a file that may not be ours
-        with self._refusals():
+        self._has_tables()  # before anything is changed in a file that may not be ours
+        with self._store_errors():
             self._db.execute("PRAGMA journal_mode = WAL")
             self._db.execute("PRAGMA synchronous = NORMAL")  # a power cut may take the last matches, but never the file
             self._db.execute("PRAGMA foreign_keys = ON")
         with self._transaction() as db:
-            if not self._is_made():
+            if not self._has_tables():
                 for statement in _TABLES.format(results=_COLUMNS).strip().split(";\n"):
                     db.execute(statement)
                 db.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
@@ -242,9 +242,9 @@ class Store:
             db.execute("INSERT OR IGNORE INTO versions (value) VALUES (?)", (text,))
             (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
 
-    def _is_made(self) -> bool:
+    def _has_tables(self) -> bool:
         """Whether there is anything in it. Raises: StoreError for what we have not made, or in another format."""
-        with self._refusals():
+        with self._store_errors():
             (application_id,) = self._db.execute("PRAGMA application_id").fetchone()
             (form,) = self._db.execute("PRAGMA user_version").fetchone()
             empty = not self._count("sqlite_schema")
@@ -257,11 +257,11 @@ class Store:
         return True
 
     def _facts(self) -> dict[str, Any]:
-        with self._refusals():
+        with self._store_errors():
             return {name: json.loads(value) for name, value in self._db.execute("SELECT name, value FROM fact")}
 
     def _count(self, table: str) -> int:
-        with self._refusals():
+        with self._store_errors():
             return int(self._db.execute(f"SELECT count(*) FROM {table}").fetchone()[0])  # noqa: S608 - ours
 
     @contextmanager
@@ -274,7 +274,7 @@ class Store:
 
     @contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
-        with self._refusals():
+        with self._store_errors():
             self._db.execute("BEGIN IMMEDIATE")
             try:
                 yield self._db
@@ -285,22 +285,22 @@ class Store:
                 raise
 
     @contextmanager
-    def _refusals(self) -> Iterator[None]:
+    def _store_errors(self) -> Iterator[None]:
         try:
             yield
         except sqlite3.Error as error:
-            raise StoreError(f"{self._name}: {self._why(error)}") from None
+            raise StoreError(f"{self._name}: {self._message(error)}") from None
 
-    def _why(self, error: sqlite3.Error) -> str:
+    def _message(self, error: sqlite3.Error) -> str:
         """What SQLite says; where it cannot write, with the room that there is, and what the rest needs."""
         name = getattr(error, "sqlite_errorname", "")
         if self.path is None or not name.startswith((_FULL, _FAILED)):
             return f"cannot be used: {error}"
-        folder, needed = self.path.parent, self._still_needed()
+        folder, needed = self.path.parent, self._bytes_needed()
         why = "the disk is full" if name == _FULL or _is_full(folder, needed or 0) else error
         return f"cannot be written: {why}: {room(folder, needed)}"
 
-    def _still_needed(self) -> int | None:
+    def _bytes_needed(self) -> int | None:
         """Bytes for the matches that wait, about; None where the plan is not written either."""
         with suppress(sqlite3.Error):
             (count,) = self._db.execute(
@@ -313,7 +313,7 @@ class Store:
 
 def _is_full(folder: Path, needed: int) -> bool:
     with suppress(OSError):
-        return shutil.disk_usage(folder).free < max(_ROOM_IT_WORKS_IN, needed)
+        return shutil.disk_usage(folder).free < max(_LEAST_FREE, needed)
     return False
 
 
@@ -340,7 +340,7 @@ def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
         for name in dict.fromkeys((*there[kind], *here[kind])):
             begun, now = there[kind].get(name), here[kind].get(name)
             if begun != now:
-                return f"{name} is {_said(begun)} there, and {_said(now)} here"
+                return f"{name} is {_shown(begun)} there, and {_shown(now)} here"
     names = [[entrant["name"] for entrant in facts["entrants"]] for facts in (there, here)]
     if names[0] != names[1]:
         return f"its agents are {' '.join(names[0])}, and here {' '.join(names[1])}"
@@ -354,7 +354,7 @@ def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
     return None
 
 
-def _said(value: object) -> str:
+def _shown(value: object) -> str:
     return "not given" if value is None else _json(value)
 
 

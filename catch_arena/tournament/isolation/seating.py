@@ -26,7 +26,7 @@ def start_players(
     """The players of one match, for as long as the context lasts; all that isolated agents started is ended with it.
 
     Args: `entrants`, by seat; those that do not come with the package are isolated in the `sandbox`, where there is
-    one; `excluded`, the seats whose agents are not started, and why: nor are those that cannot begin.
+    one, and those that cannot begin are not started; `excluded`, the seats of others that are not, and why.
     Raises: NoContest where they could not be held.
     """
     faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in enumerate(entrants) if one.fault is not None}
