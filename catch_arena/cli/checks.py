@@ -28,7 +28,7 @@ Agent = Annotated[
         help="A shipped name, package.module:Class, a .py file with a class Agent, or cmd:COMMAND.",
     ),
 ]
-NOT_PASSED = 1
+_EXIT_NOT_PASSED = 1
 
 
 @main.command(name="check-agent")
@@ -60,7 +60,7 @@ def check_agent(
             wrong += finding.level == "error"
             typer.echo(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
     if wrong:
-        raise typer.Exit(NOT_PASSED)
+        raise typer.Exit(_EXIT_NOT_PASSED)
     typer.echo(folded(f"{agent} is fit to play"))
 
 
@@ -114,4 +114,4 @@ def grade(
     if json is not None:
         write_whole(json, json_text(exercise, student, grades).encode())
     if any(one.failures for one in grades):
-        raise typer.Exit(NOT_PASSED)
+        raise typer.Exit(_EXIT_NOT_PASSED)

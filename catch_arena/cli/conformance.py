@@ -10,7 +10,7 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import columns
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
-FAILED = 1
+_EXIT_FAILED = 1
 
 
 @main.command()
@@ -73,7 +73,7 @@ def conformance(
         write_whole(junit, report.junit().encode())
         typer.echo(f"JUnit XML: {junit}")
     if not report.passed:
-        raise typer.Exit(FAILED)
+        raise typer.Exit(_EXIT_FAILED)
 
 
 def _made(spec: str) -> Any:

@@ -46,7 +46,7 @@ class FittedTable(Table):
     def _listed(self) -> Iterator[Text | Padding]:
         for row in zip(*(column.cells for column in self.columns), strict=True):
             yield Text("  ".join(map(str, row[: self._named_by])), style="bold")
-            told = zip(self.columns[self._named_by :], row[self._named_by :], strict=True)
-            yield Padding(Text(", ".join(f"{column.header} {cell}" for column, cell in told)), (0, 0, 0, 2))
+            cells = zip(self.columns[self._named_by :], row[self._named_by :], strict=True)
+            yield Padding(Text(", ".join(f"{column.header} {cell}" for column, cell in cells)), (0, 0, 0, 2))
         if self.caption:
             yield Text(f"\n{self.caption}")

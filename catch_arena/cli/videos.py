@@ -214,7 +214,7 @@ def _fewer(got: int, asked: int | None, why: str) -> str:
 
 
 def _moments_in(folder: Path) -> "Mapping[Path, Sequence[Moment]]":
-    """What is worth seeing in a folder's matches; those that cannot be played are told and left out."""
+    """What is worth seeing in a folder's matches; those that cannot be played are named and left out."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.render.moments import moments, records, win_rates
 
