@@ -39,9 +39,9 @@ def test_a_process_that_dies_loses_its_own_block_alone(worker):
         for number, future in enumerate(futures):
             if number % 2:
                 with pytest.raises(WorkerLost, match="a worker process died"):
-                    processes.outcome(future)
+                    processes.result(future)
             else:
-                assert [one.match for one, _ in processes.outcome(future)] == BLOCKS[2]
+                assert [one.match for one, _ in processes.result(future)] == BLOCKS[2]
     assert family(os.getpid()) == before
 
 
@@ -75,10 +75,10 @@ def test_what_nobody_expects_is_told_with_where_it_was_raised(worker):
     with ProcessExecutor(worker("raise KeyboardInterrupt"), 1) as processes:
         future = processes.submit(BLOCKS[0], {})
         with pytest.raises(RuntimeError, match=r"(?s)in a worker process:.*bad\.py.*KeyboardInterrupt"):
-            processes.outcome(future)
+            processes.result(future)
 
 
 def test_an_agent_that_reads_finds_nothing(worker):
     with ProcessExecutor(worker("input()"), 1) as processes:
-        ((one, _), _) = processes.outcome(processes.submit(BLOCKS[0], {}))
+        ((one, _), _) = processes.result(processes.submit(BLOCKS[0], {}))
     assert one.result.details[0].reason == "act raised EOFError: EOF when reading a line"
