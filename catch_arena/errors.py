@@ -1,4 +1,7 @@
-"""Every error that Catch Arena raises on purpose; each message names the field, the requirement and the value."""
+"""Every error that Catch Arena raises on purpose, and how it words them.
+
+Each message names the field, the requirement and the value.
+"""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -49,3 +52,9 @@ def suggest(name: object, known: Iterable[str]) -> str:
     choices = sorted(known)
     near = get_close_matches(str(name), choices, n=3, cutoff=0.6)
     return f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(choices)}"
+
+
+def reason(error: BaseException) -> str:
+    """An exception in one line of at most 200 characters."""
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text}"[:200] if text else type(error).__name__

@@ -1,7 +1,7 @@
 """Measure what isolation costs: standard matches of scripted agents in one process, and each in a process of its own.
 
-CPU time is that of all processes, this one, the keeper and the agents; so it does not matter how busy the machine is.
-Reads /proc: for Linux.
+CPU time is that of all processes: this one, the supervisor and the agents. So it does not matter how busy the machine
+is. Reads /proc: for Linux.
 """
 
 import argparse
@@ -14,7 +14,7 @@ from catch_arena import agents, scenario
 from catch_arena.descendants import family
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.seating import inspector, seated
+from catch_arena.tournament.isolation.seating import inspector, start_players
 from catch_arena.tournament.match import play
 
 AGENTS = ("nearest", "contested", "contested_by_time", "patrol")
@@ -34,7 +34,7 @@ def matches_per_cpu_second(entrants: tuple[Entrant, ...], sandbox: Sandbox | Non
     for seed in range(count + 1):
         if seed == 1:
             begin = cpu_seconds()
-        with seated(entrants, sandbox) as players:
+        with start_players(entrants, sandbox) as players:
             play(scenario("standard"), seed, players, AGENTS)
     return count / (cpu_seconds() - begin)
 

@@ -14,11 +14,12 @@ from itertools import cycle, islice
 from rich.console import Console
 
 from catch_arena import CatchArenaError, Verdict, World, scenario
+from catch_arena.cli.progress import progress_bar
+from catch_arena.cli.tables import standings_table
 from catch_arena.envs.parallel import CatchArenaEnv
-from catch_arena.tournament.display.tables import progress_bar, standings_table
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match import play
-from catch_arena.tournament.plans.schedule import Played, round_robin
+from catch_arena.tournament.match import Played, play
+from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.standings import standings
 
 AGENTS = ("first", "nearest", "contested", "contested_by_time", "patrol")

@@ -16,11 +16,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.tournament.sequential.sprt import Sprt, share_of_elo
 from catch_arena.tournament.statistics.intervals import Estimate, ratios
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import ELO, Ratings, fit, rate
 from catch_arena.tournament.statistics.separation import groups, least_separated, level_of_look, next_look
+from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
 
 Array = NDArray[np.float64]
 Random = np.random.Generator
@@ -210,7 +210,7 @@ def sprt_answers(points: float, points1: float, matches: int, trials: int, seed:
     blocks = 0
     for _ in range(trials):
         test = Sprt(share_of_elo(0.0), share_of_elo(points1))
-        while (answer := test.answer) is None:
+        while (answer := test.decision) is None:
             common = random.random()
             draws = np.where(random.random(matches) < 0.5, common, random.random(matches))
             won = (draws < share - tie / 2.0) + 0.5 * ((draws >= share - tie / 2.0) & (draws < share + tie / 2.0))

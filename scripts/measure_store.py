@@ -15,17 +15,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from catch_arena import ArenaConfig, scenario
+from catch_arena.cli.progress import progress_bar
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.policy import Limits, View
-from catch_arena.tournament.display.tables import progress_bar
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.executors import InThisProcess, Processes, usable_cores
-from catch_arena.tournament.execution.runner import play_out
+from catch_arena.tournament.execution.executors import ProcessExecutor, SerialExecutor, usable_cores
+from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.export import export
 from catch_arena.tournament.match import agent_seed
 from catch_arena.tournament.plans.schedule import FixedPlan, round_robin
-from catch_arena.tournament.records.export import export
-from catch_arena.tournament.records.store import STORE, Store, Tournament
+from catch_arena.tournament.store import STORE, Store, Tournament
 
 AGENTS = ["nearest", "contested", "first", "patrol"]
 TURNS = 7
@@ -83,8 +83,8 @@ def measure_overhead(config: ArenaConfig, entrants: tuple[Entrant, ...], folder:
         place = folder / str(turn)
         place.mkdir()
         times["bare"].append(cpu_s(lambda: bare(config, entrants, plan)))
-        with Store.begin(Tournament(config, entrants, plan.words), place) as store, InThisProcess(worker) as here:
-            times["runner"].append(cpu_s(lambda: play_out(store, plan, here)))
+        with Store.begin(Tournament(config, entrants, plan.parameters), place) as store, SerialExecutor(worker) as here:
+            times["runner"].append(cpu_s(lambda: play_plan(store, plan, here)))
     loop, runner = (statistics.median(times[kind]) / plan.size for kind in ("bare", "runner"))
     print(f"a bare loop      {1000 * loop:.1f} ms of CPU a match")
     print(f"the runner       {1000 * runner:.1f} ms a match: {1 / runner:.1f} matches a second and core")
@@ -94,11 +94,14 @@ def measure_overhead(config: ArenaConfig, entrants: tuple[Entrant, ...], folder:
 def measure_length(config: ArenaConfig, entrants: tuple[Entrant, ...], folder: Path, args: Args) -> None:
     """A long tournament, its store and its exports."""
     plan = round_robin(len(entrants), config.hunters, args.matches // config.hunters, 0)
-    facts = Tournament(config, entrants, plan.words)
+    facts = Tournament(config, entrants, plan.parameters)
     with Store.begin(facts, folder) as store:
         mine, wall = time.process_time(), time.perf_counter()
-        with Processes(Worker(config, entrants), args.jobs) as workers, progress_bar("playing", plan.size) as show:
-            play_out(store, plan, workers, told=lambda _: show(store.count_played(), plan.size))
+        with (
+            ProcessExecutor(Worker(config, entrants), args.jobs) as workers,
+            progress_bar("playing", plan.size) as show,
+        ):
+            play_plan(store, plan, workers, on_results=lambda _: show(store.count_played(), plan.size))
         mine, wall = time.process_time() - mine, time.perf_counter() - wall
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     theirs = used.ru_utime + used.ru_stime
@@ -122,8 +125,8 @@ def measure_plan(config: ArenaConfig, entrants: tuple[Entrant, ...], folder: Pat
     """A million matches planned, in a store."""
     plan = round_robin(len(entrants), 2, MILLION // 12, 0)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    with Store.begin(Tournament(config, entrants, plan.words), folder) as store:
-        spent = cpu_s(lambda: store.plan(plan.stage(0, ())))
+    with Store.begin(Tournament(config, entrants, plan.parameters), folder) as store:
+        spent = cpu_s(lambda: store.plan(plan.batch(0, ())))
         first = cpu_s(lambda: next(store.waiting()))
     grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
     size = (folder / STORE).stat().st_size

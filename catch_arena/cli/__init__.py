@@ -1,5 +1,5 @@
-"""The command line: a file for each group of commands. Each checks its words, calls the library, and says where the
-results are.
+"""The command line: a file for each group of commands. Each checks its options, calls the library, and says where
+the results are.
 """
 
 from catch_arena.cli import checks as _checks  # noqa: F401

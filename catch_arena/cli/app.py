@@ -1,4 +1,4 @@
-"""The command line's frame: the application, its errors, and the words that commands share.
+"""The command line's frame: the application, its errors, and the options that commands share.
 
 What is heavy (the engine, the renderer) is imported by the commands that need it: --help must be quick.
 """
@@ -20,14 +20,14 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant
 
-REFUSED = 2
+_EXIT_ERROR = 2
 
 
 class _Commands(TyperGroup):
     """Turns our errors into one line and an exit code."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Read the words and run the command, help and wrong words included."""
+        """Read the command line and run the command, help and mistakes included."""
         let_all_be_written()
         fit_help(self)
         return super().main(*args, **kwargs)
@@ -39,7 +39,7 @@ class _Commands(TyperGroup):
         except CatchArenaError as error:
             if not interrupts.received():  # else it is no news that something fails
                 typer.echo(f"catch-arena: {error}", err=True)
-            raise typer.Exit(REFUSED) from None
+            raise typer.Exit(_EXIT_ERROR) from None
 
 
 main = typer.Typer(
@@ -129,28 +129,28 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
     return scenario(name, **overrides)
 
 
-def agent_limits(words: list[str] | None) -> AgentLimits:
+def agent_limits(changes: list[str] | None) -> AgentLimits:
     """The usual limits with the changes of --limit. Raises: ConfigError."""
-    return AgentLimits.of(**dict(_pairs("--limit", words)))
+    return AgentLimits.of(**dict(_pairs("--limit", changes)))
 
 
-def limits_or_trust(words: list[str] | None, *, trusted: bool) -> AgentLimits | None:
+def limits_or_trust(changes: list[str] | None, *, trusted: bool) -> AgentLimits | None:
     """What isolated agents may take; None with --trusted. Raises: ConfigError."""
-    if trusted and words:
-        raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {words[0]}")
-    return None if trusted else agent_limits(words)
+    if trusted and changes:
+        raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {changes[0]}")
+    return None if trusted else agent_limits(changes)
 
 
-def entered(words: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
-    """The agents that these words stand for, looked at where they will play; those that cannot are told on stderr, and
-    what this system cannot limit. Raises: AgentError.
+def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
+    """The agents that these specs stand for, looked at where they will play. Warns on stderr of those that cannot play,
+    and of what this system cannot limit. Raises: AgentError.
     """
     from catch_arena.tournament.entrants import enter, is_shipped
     from catch_arena.tournament.isolation.processes import missing_protections
-    from catch_arena.tournament.isolation.seating import inspector, sandboxed
+    from catch_arena.tournament.isolation.seating import inspector, sandbox_for
 
-    with sandboxed(limits) as sandbox:
-        players = enter(words, inspector(sandbox))
+    with sandbox_for(limits) as sandbox:
+        players = enter(specs, inspector(sandbox))
     for player in players:
         if player.fault is not None:
             typer.echo(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)
@@ -160,11 +160,11 @@ def entered(words: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant,
     return players
 
 
-def _pairs(option: str, words: list[str] | None) -> Iterator[tuple[str, Any]]:
-    for word in words or ():
-        key, equals, text = word.partition("=")
+def _pairs(option: str, changes: list[str] | None) -> Iterator[tuple[str, Any]]:
+    for change in changes or ():
+        key, equals, text = change.partition("=")
         if not equals or not key:
-            raise ConfigError(f"{option} must be KEY=VALUE, got {word!r}")
+            raise ConfigError(f"{option} must be KEY=VALUE, got {change!r}")
         try:
             yield key, json.loads(text)
         except ValueError:

@@ -28,7 +28,7 @@ Agent = Annotated[
         help="A shipped name, package.module:Class, a .py file with a class Agent, or cmd:COMMAND.",
     ),
 ]
-NOT_PASSED = 1
+_EXIT_NOT_PASSED = 1
 
 
 @main.command(name="check-agent")
@@ -47,20 +47,20 @@ def check_agent(
 
     The exit code is 1 where it would forfeit, else 0.
     """
+    from catch_arena.tournament.agent_check import check_fitness
     from catch_arena.tournament.isolation.processes import missing_protections
     from catch_arena.tournament.isolation.sandbox import Sandbox
-    from catch_arena.tournament.marking.check import check
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
     for line in missing_protections():
         typer.echo(folded(line, "note: ", " " * 6), err=True)
     wrong = 0
     with Sandbox(agent_limits(limits)) as sandbox:
-        for finding in check(agent, arenas, seed, sandbox):
+        for finding in check_fitness(agent, arenas, seed, sandbox):
             wrong += finding.level == "error"
             typer.echo(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
     if wrong:
-        raise typer.Exit(NOT_PASSED)
+        raise typer.Exit(_EXIT_NOT_PASSED)
     typer.echo(folded(f"{agent} is fit to play"))
 
 
@@ -68,9 +68,9 @@ def check_agent(
 def grade(
     agent: Agent,
     *,
-    spec: Annotated[Path, typer.Option(metavar="FILE", help="What it is marked by (docs/grading.md).")],
-    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the marks as JUnit XML.")] = None,
-    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the marks as JSON.")] = None,
+    spec: Annotated[Path, typer.Option(metavar="FILE", help="What it is graded by (docs/grading.md).")],
+    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JUnit XML.")] = None,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JSON.")] = None,
     force: Force = False,
     limits: Limits = None,
     trusted: Trusted = False,
@@ -83,35 +83,35 @@ def grade(
         ),
     ] = MAX_FORFEITS,
 ) -> None:
-    """Mark an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
+    """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
     The exit code is 0 where every test passed, else 1.
     """
     from catch_arena.replay import write_whole
     from catch_arena.tournament.entrants import enter
-    from catch_arena.tournament.isolation.seating import inspector, sandboxed
-    from catch_arena.tournament.marking.grading import json_text, junit_text, mark, read_spec
+    from catch_arena.tournament.grading import grade_agent, json_text, junit_text, read_spec
+    from catch_arena.tournament.isolation.seating import inspector, sandbox_for
 
     exercise = read_spec(spec)
     for path in (junit, json):
         if path is not None:
             output_file(path, force=force)
-    with sandboxed(limits_or_trust(limits, trusted=trusted)) as sandbox:
+    with sandbox_for(limits_or_trust(limits, trusted=trusted)) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
-        marks = []
+        grades = []
         for test in exercise.tests:
             opponents = enter(test.opponents, look)
             for word, opponent in zip(test.opponents, opponents, strict=True):
                 if opponent.fault is not None:
                     raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
-            marks.append(mark(test, student, opponents, sandbox, max_forfeits))
-            typer.echo(str(marks[-1]))
-    points, possible = sum(one.points for one in marks), sum(one.possible for one in marks)
+            grades.append(grade_agent(test, student, opponents, sandbox, max_forfeits))
+            typer.echo(str(grades[-1]))
+    points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
     typer.echo(f"{exercise.title}: {student.name} has {points:g} of {possible:g} points")
     if junit is not None:
-        write_whole(junit, junit_text(exercise, student, marks).encode())
+        write_whole(junit, junit_text(exercise, student, grades).encode())
     if json is not None:
-        write_whole(json, json_text(exercise, student, marks).encode())
-    if any(one.failures for one in marks):
-        raise typer.Exit(NOT_PASSED)
+        write_whole(json, json_text(exercise, student, grades).encode())
+    if any(one.failures for one in grades):
+        raise typer.Exit(_EXIT_NOT_PASSED)

@@ -8,9 +8,9 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import columns
-from catch_arena.errors import AgentError, ConfigError, suggest
+from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
-FAILED = 1
+_EXIT_FAILED = 1
 
 
 @main.command()
@@ -73,13 +73,11 @@ def conformance(
         write_whole(junit, report.junit().encode())
         typer.echo(f"JUnit XML: {junit}")
     if not report.passed:
-        raise typer.Exit(FAILED)
+        raise typer.Exit(_EXIT_FAILED)
 
 
 def _made(spec: str) -> Any:
     """What a class or a function without arguments makes. Raises: AgentError."""
-    from catch_arena.tournament.entrants import reason
-
     make = _callable(spec)
     try:
         return make()
@@ -89,14 +87,14 @@ def _made(spec: str) -> Any:
 
 def _callable(spec: str) -> Any:
     """What «module:function» or «path.py:function» stands for. Raises: AgentError."""
-    from catch_arena.tournament.entrants import module_at
+    from catch_arena.tournament.entrants import load_module
 
-    place, colon, name = spec.rpartition(":")
-    if not (place and colon and name):
+    module_name, colon, name = spec.rpartition(":")
+    if not (module_name and colon and name):
         raise AgentError(f"{spec}: must be module:function or path.py:function")
-    if place.endswith(".py") and not Path(place).is_file():
+    if module_name.endswith(".py") and not Path(module_name).is_file():
         raise AgentError(f"{spec}: no such file")
-    module = module_at(place)
+    module = load_module(module_name)
     found = getattr(module, name, None)
     if not callable(found):
         known = [key for key, value in vars(module).items() if callable(value) and not key.startswith("_")]

@@ -31,8 +31,8 @@ def export(
     ] = True,
 ) -> None:
     """Write the matches of a tournament to a file, sorted by match."""
-    from catch_arena.tournament.records.export import export as write
-    from catch_arena.tournament.records.store import Store
+    from catch_arena.tournament.export import export as write
+    from catch_arena.tournament.store import Store
 
     with Store.read(folder) as store:
         chosen = _format(form, output)

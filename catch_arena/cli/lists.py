@@ -3,8 +3,8 @@
 from rich.console import Console
 
 from catch_arena.cli.app import main
+from catch_arena.cli.fitted_table import FittedTable
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.tournament.display.fitted import FittedTable
 
 
 @main.command()

@@ -73,7 +73,7 @@ def watch(
 
 
 def _show(
-    words: list[str],
+    agents: list[str],
     scenario: str,
     free: int,
     person: int | None,
@@ -90,10 +90,10 @@ def _show(
     from catch_arena.tournament.entrants import enter
 
     config = arena(scenario, settings)
-    if len(words) > free:
-        raise ConfigError(f"agents must be {free} at most, one for each free seat of {scenario}, got {len(words)}")
+    if len(agents) > free:
+        raise ConfigError(f"agents must be {free} at most, one for each free seat of {scenario}, got {len(agents)}")
     window = checked_size(width_and_height(size))
-    seats = seated(enter([words[place % len(words)] for place in range(free)]), config.hunters, person)
+    seats = seated(enter([agents[number % len(agents)] for number in range(free)]), config.hunters, person)
     unasked = Path("match.replay")
     output_file(unasked if record is None else record, force=force or record is None)
 

@@ -20,7 +20,7 @@ from catch_arena.cli.app import (
     Settings,
     Trusted,
     arena,
-    entered,
+    enter_agents,
     limits_or_trust,
     main,
 )
@@ -34,7 +34,7 @@ if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.plans.schedule import Plan
 
 Format = Literal["round-robin", "balanced", "gauntlet", "swiss"]
-Place = Literal["local", "ray"]
+ExecutorName = Literal["local", "ray"]
 
 
 @main.command()
@@ -48,7 +48,7 @@ def tournament(
             "--format",
             metavar="FORMAT",
             help="round-robin: every group of agents; balanced: fewer groups, in which pairs meet about equally often; "
-            "gauntlet: the first agent against the others; swiss: rounds, paired by the standing.",
+            "gauntlet: the first agent against the others; swiss: rounds, paired by the ranking so far.",
             show_default="round-robin, or balanced where that is long",
         ),
     ] = None,
@@ -66,7 +66,7 @@ def tournament(
     jobs: Annotated[
         int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")
     ] = None,
-    executor: Annotated[Place, typer.Option(help="Where they play: on this machine, or by Ray.")] = "local",
+    executor: Annotated[ExecutorName, typer.Option(help="Where they play: on this machine, or by Ray.")] = "local",
     address: Annotated[
         str | None, typer.Option(help="A running Ray cluster; all its cores play.", show_default="Ray starts here")
     ] = None,
@@ -90,31 +90,32 @@ def tournament(
 ) -> None:
     """Play groups of agents in every seating, and rank them.
 
-    The same words and seed give the same results, whatever --jobs and --executor are.
+    The same agents, options and seed give the same results, whatever --jobs and --executor are.
 
     Agents that do not come with the package play in processes of their own, with limits.
     """
+    from catch_arena.cli.live_standings import LiveStandings
+    from catch_arena.cli.tables import plan_table, standings_table
+    from catch_arena.replay import prepare_folder
     from catch_arena.report import REPORT, write_report
-    from catch_arena.tournament.display.live import LiveStandings
-    from catch_arena.tournament.display.tables import plan_table, standings_table
-    from catch_arena.tournament.execution.cost import measured
-    from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_out
+    from catch_arena.tournament.execution.cost import measure_cost
+    from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import require_enough
-    from catch_arena.tournament.records.results import SUMMARY, TABLE, prepare_folder, write_standings
-    from catch_arena.tournament.records.store import STORE, Store, Tournament
-    from catch_arena.tournament.sequential.until_separated import UntilSeparated
+    from catch_arena.tournament.plans.until_separated import UntilSeparated
+    from catch_arena.tournament.standings_files import SUMMARY, TABLE, write_standings
     from catch_arena.tournament.statistics.standings import standings
+    from catch_arena.tournament.store import STORE, Store, Tournament
 
     config = arena(scenario, settings)
     allowed = limits_or_trust(limits, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
-    players = entered(agents, allowed)
+    players = enter_agents(agents, allowed)
     require_enough(len(players), config, scenario)
     plays = _plan(players, config.hunters, form, rounds, seed, until_separated, max_matches)
     worker = Worker(config, players, record, allowed)
     if plan:
-        Console().print(plan_table(plays, worker, measured(worker, plays), jobs, max_forfeits))
+        Console().print(plan_table(plays, worker, measure_cost(worker, plays), jobs, max_forfeits))
         return
     prepare_folder(out / REPLAYS if record else out)
     if not (out / STORE).exists():  # else they are made from it
@@ -126,7 +127,7 @@ def tournament(
             )
     terms = {"recorded": record, "trusted": trusted, "max_forfeits": max_forfeits}
     terms |= {} if allowed is None else asdict(allowed)
-    facts = Tournament(config, players, plays.words, terms)
+    facts = Tournament(config, players, plays.parameters, terms)
     most = "at most " if isinstance(plays, UntilSeparated) else ""
 
     def kept(count: int) -> str:
@@ -141,7 +142,7 @@ def tournament(
         typer.echo(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {config.hunters} in each")
         try:
             with _executor(executor, worker, jobs, address) as ready, LiveStandings(players, plays.size) as live:
-                play_out(store, plays, ready, max_forfeits=max_forfeits, folder=out, told=live.update)
+                play_plan(store, plays, ready, max_forfeits=max_forfeits, folder=out, on_results=live.update)
             table = standings(players, list(store.played()))
             played = store.count_played()
             write_standings(out, facts, played, table)
@@ -183,7 +184,7 @@ def _plan(
 ) -> "Plan":
     """What these options ask for. Raises: ConfigError, for those that do not go together too."""
     from catch_arena.tournament.plans.schedule import FixedPlan, plan_of
-    from catch_arena.tournament.sequential.until_separated import BUDGET, UntilSeparated
+    from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
 
     if until_separated is None:
         if max_matches is not None:
@@ -201,12 +202,12 @@ def _plan(
     return UntilSeparated(players, until_separated, BUDGET if max_matches is None else max_matches, of_rounds)
 
 
-def _jobs(place: Place, jobs: int | None, address: str | None) -> int:
+def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
     """How many processes play on this machine. Raises: ConfigError for options that do not go together."""
     from catch_arena.tournament.execution.executors import require_jobs, usable_cores
 
-    if address is not None and place != "ray":
-        raise ConfigError(f"--address must come with --executor ray, got --executor {place}")
+    if address is not None and executor != "ray":
+        raise ConfigError(f"--address must come with --executor ray, got --executor {executor}")
     if address is not None and jobs is not None:
         raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {jobs}")
     jobs = usable_cores() if jobs is None else jobs
@@ -214,14 +215,14 @@ def _jobs(place: Place, jobs: int | None, address: str | None) -> int:
     return jobs
 
 
-def _executor(place: Place, worker: "Worker", jobs: int, address: str | None) -> "Executor":
-    from catch_arena.tournament.execution.executors import InThisProcess, Processes
+def _executor(name: ExecutorName, worker: "Worker", jobs: int, address: str | None) -> "Executor":
+    from catch_arena.tournament.execution.executors import ProcessExecutor, SerialExecutor
 
-    if place == "ray":
-        from catch_arena.tournament.execution.on_ray import OnRay
+    if name == "ray":
+        from catch_arena.tournament.execution.ray_executor import RayExecutor
 
-        return OnRay(worker, jobs, address)
-    return InThisProcess(worker) if jobs == 1 else Processes(worker, jobs)
+        return RayExecutor(worker, jobs, address)
+    return SerialExecutor(worker) if jobs == 1 else ProcessExecutor(worker, jobs)
 
 
 @main.command()
@@ -237,17 +238,17 @@ def match(
     settings: Settings = None,
 ) -> None:
     """Play one match, seated in the order given, and record it."""
-    from catch_arena.tournament.isolation.seating import play_entrants, sandboxed
+    from catch_arena.tournament.isolation.seating import play_entrants, sandbox_for
     from catch_arena.tournament.plans.schedule import require_enough
 
     config = arena(scenario, settings)
     allowed = limits_or_trust(limits, trusted=trusted)
-    players = entered(agents, allowed)
+    players = enter_agents(agents, allowed)
     require_enough(len(players), config, scenario)
     if len(players) > config.hunters:
         raise ConfigError(f"agents must be {config.hunters}, one for each hunter of {scenario}, got {len(players)}")
     output_file(output, force=force)
-    with sandboxed(allowed) as sandbox:
+    with sandbox_for(allowed) as sandbox:
         result = play_entrants(config, seed, players, sandbox, title=scenario, record=output)
     for player, log in zip(players, result.logs, strict=True):
         if log:

@@ -16,7 +16,7 @@ from catch_arena.cli.app import (
     Settings,
     Trusted,
     arena,
-    entered,
+    enter_agents,
     limits_or_trust,
     main,
 )
@@ -58,8 +58,8 @@ def compare(
 
     Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
     """
-    from catch_arena.tournament.sequential.compare import compare as play_and_test
-    from catch_arena.tournament.sequential.sprt import Sprt, elo_of_share, share_of_elo
+    from catch_arena.tournament.comparison import compare as play_and_test
+    from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
     config = arena(scenario, settings)
     if len(agents) != 2:
@@ -70,7 +70,7 @@ def compare(
         share_of_elo(elo0) if share0 is None else share0, share_of_elo(elo1) if share1 is None else share1, alpha, beta
     )
     allowed = limits_or_trust(limits, trusted=trusted)
-    entrants = entered([*agents, *(against or ())], allowed)
+    entrants = enter_agents([*agents, *(against or ())], allowed)
     first, second = entrants[:2]
     low, high = test.bounds
     console = Console(stderr=True)
@@ -109,8 +109,8 @@ def compare(
         "H0": f"{first.name} is not stronger than {second.name} (H0)",
         None: f"undecided after {found.blocks} blocks",
     }
-    typer.echo(f"verdict: {verdicts[found.answer]}")
-    raise typer.Exit(_EXIT_CODES[found.answer])
+    typer.echo(f"verdict: {verdicts[found.decision]}")
+    raise typer.Exit(_EXIT_CODES[found.decision])
 
 
 @main.command()
@@ -133,11 +133,11 @@ def audit(
 
     Exits with 0 if nothing unfair was found, with 1 otherwise.
     """
+    from catch_arena.cli.fitted_table import FittedTable
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import write_whole
-    from catch_arena.tournament.display.fitted import FittedTable
-    from catch_arena.tournament.display.tables import progress_bar
-    from catch_arena.tournament.fairness.audit import FILE, LEVEL, audit_text
-    from catch_arena.tournament.fairness.audit import audit as ask
+    from catch_arena.tournament.audit import FILE, LEVEL, audit_text
+    from catch_arena.tournament.audit import audit as ask
 
     config = arena(scenario, settings)
     output_file(out / FILE, force=force)

@@ -11,7 +11,7 @@ from catch_arena.cli.app import main
 from catch_arena.cli.terminal import WIDE, columns
 from catch_arena.errors import ReplayError
 
-_DIFFER = 1
+_EXIT_DIFFERENT = 1
 _BAR_AFTER_S = 2.0
 
 Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
@@ -23,9 +23,9 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
 
     A match that does not play as recorded: its first step that differs, and in what. The exit code is 2 if any fails.
     """
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
     from catch_arena.replay.verification import faults
-    from catch_arena.tournament.display.tables import progress_bar
 
     bad = 0
     for path in replays:
@@ -63,7 +63,7 @@ def diff(
     typer.echo(f"A: {a}\nB: {b}")
     for line in found:
         typer.echo(line)
-    raise typer.Exit(_DIFFER)
+    raise typer.Exit(_EXIT_DIFFERENT)
 
 
 @main.command()
@@ -78,19 +78,19 @@ def explain(
 ) -> None:
     """Tell a recorded match's contests and refusals: the clause, the distances, the winner."""
     from catch_arena import explanation
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
-    from catch_arena.tournament.display.tables import progress_bar
 
     recorded = Replay.load(replay)
-    told: explanation.Explanation | explanation.StepExplanation
+    explained: explanation.Explanation | explanation.StepExplanation
     if step is None:
         with progress_bar("playing", after_s=_BAR_AFTER_S) as show:
-            told = explanation.explain(recorded, hunter, show)
+            explained = explanation.explain(recorded, hunter, show)
     else:
-        told = explanation.explain_step(recorded, step, hunter)
+        explained = explanation.explain_step(recorded, step, hunter)
     if as_json:
-        typer.echo(json.dumps(told.to_dict(), indent=1))
+        typer.echo(json.dumps(explained.to_dict(), indent=1))
         return
     width = min(WIDE, columns())
-    for paragraph in told.lines():
+    for paragraph in explained.lines():
         typer.echo(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))

@@ -55,10 +55,10 @@ def render(
     speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
 ) -> None:
     """Turn a recorded match, or a part of it, into a video."""
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.render.encoders import written_as
     from catch_arena.render.video import render_replay
     from catch_arena.replay import Replay
-    from catch_arena.tournament.display.tables import progress_bar
 
     recorded = Replay.load(replay)
     target = replay.with_suffix(".mp4") if output is None else output
@@ -96,10 +96,10 @@ def mosaic(
     ] = None,
 ) -> None:
     """Show all matches of a folder at once, in a grid."""
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.render.encoders import format_of, written_as
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay
-    from catch_arena.tournament.display.tables import progress_bar
 
     within = None if size is None else width_and_height(size)
     format_of(output)
@@ -137,11 +137,11 @@ def highlights(
 
     Close contests, changes of lead, streaks, the last seconds of close matches, and upsets; the best comes last.
     """
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.render.encoders import format_of, written_as
     from catch_arena.render.highlights import Clip, render_highlights
     from catch_arena.render.hud import clock
     from catch_arena.render.moments import best
-    from catch_arena.tournament.display.tables import progress_bar
 
     within = None if size is None else width_and_height(size)
     format_of(output)
@@ -183,10 +183,10 @@ def sheet(
     ] = None,
 ) -> None:
     """Put pictures of a match side by side, with their times."""
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.render.moments import best, moments, story
     from catch_arena.render.sheet import contact_sheet, even_instants, instants_of, same_picture
     from catch_arena.replay import Replay, write_whole
-    from catch_arena.tournament.display.tables import progress_bar
 
     if output.suffix.lower() != ".png":
         raise ConfigError(f"output must end in .png, got {str(output)!r}")
@@ -214,9 +214,9 @@ def _fewer(got: int, asked: int | None, why: str) -> str:
 
 
 def _moments_in(folder: Path) -> "Mapping[Path, Sequence[Moment]]":
-    """What is worth seeing in a folder's matches; those that cannot be played are told and left out."""
+    """What is worth seeing in a folder's matches; those that cannot be played are named and left out."""
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.render.moments import moments, records, win_rates
-    from catch_arena.tournament.display.tables import progress_bar
 
     paths = _replays_in(folder)
     stories = {}

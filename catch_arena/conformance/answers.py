@@ -13,7 +13,7 @@ from threading import current_thread, main_thread
 from typing import Any, Final
 
 from catch_arena.conformance.cases import ExpectedRuling
-from catch_arena.tournament.entrants import reason
+from catch_arena.errors import reason
 from catch_arena.verdicts import Ruling, Verdict
 
 _EVIDENCE: Final = ("distance_um", "winner")

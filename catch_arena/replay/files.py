@@ -1,6 +1,7 @@
-"""Files that appear whole or not at all, and what is said of those that cannot be written."""
+"""Folders made before they are needed, files that appear whole or not at all, and what is said where neither can be."""
 
 import errno
+import os
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -48,6 +49,24 @@ def whole_file(path: Path, size: int | None = None) -> Iterator[IO[bytes]]:
                 raise
     except OSError as error:
         raise unwritable(path, error, size) from None
+
+
+def prepare_folder(folder: Path) -> Path:
+    """The folder, made where it is missing and proven writable: better to fail before the play than after it.
+
+    Raises: OutputError.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".catch-arena-probe"
+        probe.touch()
+        probe.unlink()
+    except (FileExistsError, NotADirectoryError):
+        taken = next(path for path in (folder, *folder.parents) if os.path.lexists(path) and not path.is_dir())
+        raise OutputError(f"{taken}: cannot be written: is a file, not a folder") from None
+    except OSError as error:
+        raise unwritable(folder, error) from None
+    return folder
 
 
 def unwritable(path: Path, error: Exception, size: int | None = None) -> OutputError:

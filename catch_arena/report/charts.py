@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from catch_arena.report.findings import Findings
-from catch_arena.tournament.fairness.audit import Seat
+from catch_arena.tournament.audit import Seat
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import sums_by
 from catch_arena.tournament.statistics.standings import Standing

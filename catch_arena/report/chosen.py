@@ -7,7 +7,7 @@ from typing import NamedTuple
 from catch_arena.errors import ReplayError
 from catch_arena.player import film_text
 from catch_arena.report.findings import Findings
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import Played
 
 
 class Chosen(NamedTuple):

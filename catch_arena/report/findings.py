@@ -7,18 +7,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from catch_arena.errors import ReplayError, StoreError
+from catch_arena.errors import ReplayError, StoreError, reason
 from catch_arena.replay import Replay
-from catch_arena.tournament.entrants import reason
+from catch_arena.tournament.audit import FILE as AUDIT
+from catch_arena.tournament.audit import Audit, Check, Seat
 from catch_arena.tournament.execution.runner import REPLAYS
-from catch_arena.tournament.fairness.audit import FILE as AUDIT
-from catch_arena.tournament.fairness.audit import Audit, Check, Seat
-from catch_arena.tournament.plans.schedule import Played
-from catch_arena.tournament.records.store import Store, Tournament
+from catch_arena.tournament.match import Played
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.standings import Standing, standings
+from catch_arena.tournament.store import Store, Tournament
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from catch_arena.errors import CatchArenaError, OutputError, ReplayError
 from catch_arena.player import film_text
 from catch_arena.report.findings import Findings
 from catch_arena.report.page import page
-from catch_arena.tournament.records.store import Store
+from catch_arena.tournament.store import Store
 
 HOST: Final = "127.0.0.1"
 PORT: Final = 8765

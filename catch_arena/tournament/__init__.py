@@ -1,7 +1,15 @@
-"""Tournaments, a room for each question.
+"""Tournaments: agents play each other in every seat, and are rated by what came of it.
 
-Who plays: entrants. How one match goes: match, players; with agents in processes of their own: isolation. What is
-played: plans. How all of it is played: execution. What is kept: records. How strong the entrants are, and how sure
-that is: statistics. Playing until something is known: sequential. Is the arena fair: fairness. Is one agent fit, and
-how good is it: marking. What people see of it: display.
+What is in which folder:
+- plans: which matches are played, in which batches.
+- isolation: agents in processes of their own, with limits.
+- execution: a plan is played, in this process or in many.
+- statistics: what the results say about the agents, and how sure that is.
+
+And in which file, from one match up:
+- entrants: who plays. players, match: one match, and its result.
+- store: what was planned and played. agent_logs, export, standings_files: what is written beside it.
+- agent_check, grading: one agent. comparison: two. audit, permutations: whether the arena is fair.
+
+Nothing here draws, prints or reads options: the command line does (cli/).
 """

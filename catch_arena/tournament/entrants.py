@@ -1,4 +1,4 @@
-"""Who plays: an agent's name on the command line becomes a checked, named entrant."""
+"""Who plays: an agent's spec, as on the command line, becomes an entrant, which was looked at and has a name."""
 
 import hashlib
 import importlib
@@ -17,11 +17,11 @@ from types import ModuleType
 from typing import Final, NamedTuple
 
 from catch_arena.config import Control
-from catch_arena.errors import AgentError, CatchArenaError, suggest
+from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
 from catch_arena.policy import Policy, control_of
 
 COMMAND: Final = "cmd:"
-"""What the word for a command begins with."""
+"""What the spec of a command begins with."""
 NOT_INSTALLED: Final = "which is not installed here"
 """What is said of a module that an agent imports, and that is not there."""
 _SHIPPED: Final = "catch_arena.agents"
@@ -45,7 +45,7 @@ class Entrant:
 
     def create(self) -> Policy:
         """A fresh instance in this process, for one match. Raises: AgentError."""
-        return fresh(self.spec)
+        return create_policy(self.spec)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,29 +63,29 @@ class Inspection:
 
 def shipped() -> dict[str, str]:
     """The agents that come with the package: name to one line about each."""
-    package = _imported(_SHIPPED)
+    package = _import(_SHIPPED)
     names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
-    return {name: (_imported(f"{_SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
+    return {name: (_import(f"{_SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
 
 
-def inspected(spec: str) -> Inspection:
+def inspect_agent(spec: str) -> Inspection:
     """An agent looked at in this process. Raises: AgentError where it cannot play."""
-    policy = fresh(spec)
+    policy = create_policy(spec)
     return Inspection(control_of(policy), source_of(policy))
 
 
-def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspected) -> tuple[Entrant, ...]:
-    """The entrants that these words stand for, in their order.
+def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_agent) -> tuple[Entrant, ...]:
+    """The entrants that these specs stand for, in their order.
 
     Args: `specs`: shipped names, `package.module:Class`, paths of .py files with a class `Agent`, or `cmd:` and a
     command; `inspect`: looks at an agent, in this process or (`isolation.seating.inspector`) in one of its own.
-    Raises: AgentError, one line, that names the word and what is wrong with it.
+    Raises: AgentError, one line, that names the spec and what is wrong with it.
     """
     seen: Counter[str] = Counter()
     inspections: dict[str, Inspection] = {}
     entrants = []
-    words = [_meant(spec) for spec in specs]
-    for one, name in zip(words, _told_apart(words), strict=True):
+    resolved = [_resolve(spec) for spec in specs]
+    for one, name in zip(resolved, _unique_names(resolved), strict=True):
         if any("\ud800" <= character <= "\udfff" for character in one.spec):  # how Python reads bytes that are no text
             raise AgentError(
                 f"{one.spec!a}: must be text in this system's encoding, {sys.getfilesystemencoding()}: "
@@ -106,7 +106,7 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspected
     return tuple(entrants)
 
 
-def fresh(spec: str) -> Policy:
+def create_policy(spec: str) -> Policy:
     """A new instance of an agent that can play. Raises: AgentError that says why it cannot."""
     found = agent_class(spec)
     try:
@@ -116,7 +116,7 @@ def fresh(spec: str) -> Policy:
     for method, argument in (("reset", "seed"), ("act", "view")):
         if not callable(getattr(policy, method, None)):
             raise AgentError(f"{spec}: {found.__name__} must have a method {method}")
-        if not _takes_one(getattr(policy, method)):
+        if not _takes_one_argument(getattr(policy, method)):
             raise AgentError(
                 f"{spec}: {found.__name__}.{method} must take one argument: def {method}(self, {argument})"
             )
@@ -149,8 +149,8 @@ def agent_class(spec: str) -> type:
     """The class that a spec stands for. Raises: AgentError."""
     if spec.startswith(COMMAND):
         raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
-    place, _, name = (spec, ":", "Agent") if spec.endswith(".py") else spec.partition(":")
-    module = module_at(place)
+    module_name, _, name = (spec, ":", "Agent") if spec.endswith(".py") else spec.partition(":")
+    module = load_module(module_name)
     found = getattr(module, name, None)
     if not isinstance(found, type):
         classes = [key for key, value in vars(module).items() if isinstance(value, type)]
@@ -158,17 +158,17 @@ def agent_class(spec: str) -> type:
     return found
 
 
-def module_at(place: str) -> ModuleType:
+def load_module(name: str) -> ModuleType:
     """The module with a dotted name, or in a .py file. Raises: AgentError."""
-    if place.endswith(".py"):
-        return _from_file(Path(place))
+    if name.endswith(".py"):
+        return _import_file(Path(name))
     if str(Path.cwd()) not in sys.path and "" not in sys.path:
         sys.path.append(str(Path.cwd()))  # as `python -m` finds modules; workers start in the same folder
-    return _imported(place)
+    return _import(name)
 
 
-class _Meant(NamedTuple):
-    """What a word stands for."""
+class _Resolved(NamedTuple):
+    """What a spec stands for."""
 
     spec: str
     path: tuple[str, ...]
@@ -177,32 +177,32 @@ class _Meant(NamedTuple):
     """What the digest is of, where that is known without a look at the agent."""
 
 
-def _meant(spec: str) -> _Meant:
+def _resolve(spec: str) -> _Resolved:
     if spec.startswith(COMMAND):
-        return _command(spec)
+        return _resolve_command(spec)
     if spec.endswith(".py"):
         path = Path(spec).expanduser().resolve()
         if not path.is_file():
             raise AgentError(f"{spec}: no such file")
-        return _Meant(str(path), _path_of(path), path.read_bytes())
+        return _Resolved(str(path), _name_parts(path), path.read_bytes())
     if ":" in spec:
-        return _Meant(spec, tuple(spec.replace(":", ".").split(".")))
+        return _Resolved(spec, tuple(spec.replace(":", ".").split(".")))
     known = shipped()
     if spec not in known:
         raise AgentError(
             f"unknown agent {spec!r}: {suggest(spec, known)} "
             f"(or give package.module:Class, the path of a .py file, or {COMMAND}COMMAND)"
         )
-    return _Meant(f"{_SHIPPED}.{spec}:Agent", (spec,))
+    return _Resolved(f"{_SHIPPED}.{spec}:Agent", (spec,))
 
 
-def _path_of(file: Path) -> tuple[str, ...]:
+def _name_parts(file: Path) -> tuple[str, ...]:
     return *file.parts[1:-1], file.stem
 
 
-def _told_apart(words: Sequence[_Meant]) -> list[str]:
+def _unique_names(agents: Sequence[_Resolved]) -> list[str]:
     """A name for each: the last part of its path, and as many before that as tell it from other paths."""
-    depths = dict.fromkeys((one.path for one in words), 1)
+    depths = dict.fromkeys((one.path for one in agents), 1)
 
     def name(path: tuple[str, ...]) -> str:
         return "/".join(path[-depths[path] :])
@@ -211,10 +211,10 @@ def _told_apart(words: Sequence[_Meant]) -> list[str]:
         often = Counter(map(name, depths))
         for path in [path for path in depths if often[name(path)] > 1]:
             depths[path] += 1
-    return [name(one.path) for one in words]
+    return [name(one.path) for one in agents]
 
 
-def _command(spec: str) -> _Meant:
+def _resolve_command(spec: str) -> _Resolved:
     """A command, with the files that it names under their whole paths: it is started in another folder."""
     try:
         words = shlex.split(spec.removeprefix(COMMAND))
@@ -228,11 +228,11 @@ def _command(spec: str) -> _Meant:
     if found is None:
         raise AgentError(f"{spec}: {words[0]} is no program that can be run")
     content = b"\0".join(files[word].read_bytes() if word in files else word.encode() for word in words)
-    parts = _path_of(next(iter(files.values()), Path(Path(program).name)))
-    return _Meant(COMMAND + shlex.join([found, *arguments]), parts, content)
+    parts = _name_parts(next(iter(files.values()), Path(Path(program).name)))
+    return _Resolved(COMMAND + shlex.join([found, *arguments]), parts, content)
 
 
-def _takes_one(method: Callable[..., object]) -> bool:
+def _takes_one_argument(method: Callable[..., object]) -> bool:
     try:
         signature(method).bind(None)
     except TypeError:
@@ -242,7 +242,7 @@ def _takes_one(method: Callable[..., object]) -> bool:
     return True
 
 
-def _from_file(path: Path) -> ModuleType:
+def _import_file(path: Path) -> ModuleType:
     name = f"catch_arena_agent_{hashlib.blake2b(str(path).encode(), digest_size=8).hexdigest()}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
@@ -257,7 +257,7 @@ def _from_file(path: Path) -> ModuleType:
     return module
 
 
-def _imported(name: str) -> ModuleType:
+def _import(name: str) -> ModuleType:
     try:
         return importlib.import_module(name)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
@@ -273,9 +273,3 @@ def _why_not_imported(error: BaseException, module: str, folder: Path | None = N
     if folder is not None and ((folder / f"{top}.py").is_file() or (folder / top).is_dir()):
         return f"it imports {missing}, which is beside it: an agent of several files must be a package (docs/agents.md)"
     return f"it imports {missing}, {NOT_INSTALLED}"
-
-
-def reason(error: BaseException) -> str:
-    """An exception in one line of at most 200 characters."""
-    text = " ".join(str(error).split())
-    return f"{type(error).__name__}: {text}"[:200] if text else type(error).__name__

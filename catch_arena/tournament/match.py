@@ -1,11 +1,12 @@
-"""One match: agents in their seats, from the first observation to the last."""
+"""One match: as a plan has it, as it is played from the first observation to the last, and what came of it."""
 
 import hashlib
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,15 +14,32 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.policy import Limits, Policy
-from catch_arena.tournament.players import Fault, ForfeitCode, Players, Sight, TrustedPlayers
+from catch_arena.tournament.players import Fault, ForfeitCode, Observation, Players, TrustedPlayers
 from catch_arena.verdicts import Verdict
 
 _HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full": {"cmd_vel": (0.0, 0.0), "catch": 0}}
 """What is played for a seat that gives no action."""
 
 
+@dataclass(frozen=True, slots=True, order=True)
+class Match:
+    """One match of a plan."""
+
+    id: str
+    """The same for the same plan, whenever it is made; ids sort in the order of the plan."""
+    block: int
+    """Its block, from 0: matches of one block share their seed, and so their targets (R3.3)."""
+    seed: int
+    seating: tuple[int, ...]
+    """By seat: the index of its player among the entrants."""
+
+
+Block = tuple[Match, ...]
+"""One seed, played in every rotation of its players through the seats (docs/tournaments.md)."""
+
+
 @dataclass(frozen=True, slots=True)
-class Thinking:
+class MoveTimes:
     """How long one seat took over its moves, by the clock on the wall."""
 
     moves: int
@@ -39,7 +57,7 @@ class Forfeit:
     """The step that it gave no action for, from 1; 0 where it could not begin."""
     reason: str
     """One line for people."""
-    sight: Sight | None = None
+    observation: Observation | None = None
     """What it was shown in that step; a store does not keep it."""
 
     def __str__(self) -> str:
@@ -65,12 +83,23 @@ class MatchResult:
     """The final state's (A.8): matches that agree in it ended alike."""
     forfeits: tuple[str | None, ...]
     """FORFEIT_CRASH, FORFEIT_TIMEOUT, FORFEIT_ILLEGAL, FORFEIT_INIT or FORFEIT_OUT where a seat failed."""
-    thinking: tuple[Thinking, ...] = field(compare=False)
-    """Like all that follows, no part of what another run of the same match repeats."""
+    thinking: tuple[MoveTimes, ...] = field(compare=False)
+    """Like all that follows, no part of what another run of the same match repeats. Stores and exports have this name.
+    """
     details: tuple[Forfeit | None, ...] = field(default=(), compare=False)
     """More about each of `forfeits`."""
     logs: tuple[str, ...] = field(default=(), compare=False)
     """What isolated agents printed, tracebacks included, as far as it is kept; a store does not hold it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """A match of the plan, and what came out of it."""
+
+    match: Match
+    result: MatchResult
+    replay: str | None = None
+    """The digest of its replay's file, where one was kept."""
 
 
 def play(
@@ -79,7 +108,7 @@ def play(
     players: Players | Sequence[Policy],
     names: Sequence[str],
     *,
-    places: Sequence[int] | None = None,
+    indices: Sequence[int] | None = None,
     title: str = "",
     record: Path | BytesIO | None = None,
     watch: Callable[[CatchArenaEnv], None] | None = None,
@@ -87,7 +116,7 @@ def play(
     """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6); the others play on.
 
     Args: `config`, whose `control` gives way to what the players ask for; `seed`, the match's; `players`, fresh for
-    this match (policies are trusted, and play in this process), and their `names`, by seat; `places`, each one's place
+    this match (policies are trusted, and play in this process), and their `names`, by seat; `indices`, each one's index
     among the entrants (else its seat), from which its own seed is made; `title` and `record`, the heading and the file
     of a replay, or the memory that it is written to; `watch`, called after the reset and after every step.
     Raises: OutputError for a replay that cannot be written; NoContest where isolated players could not be held.
@@ -112,35 +141,35 @@ def play(
     playing = dict(enumerate(agents))
     actions: dict[str, Any] = {}
 
-    def forfeit(seat: int, fault: Fault, sight: Sight | None = None) -> None:
-        forfeits[seat] = Forfeit(fault.code, step, fault.reason, sight)
+    def forfeit(seat: int, fault: Fault, observation: Observation | None = None) -> None:
+        forfeits[seat] = Forfeit(fault.code, step, fault.reason, observation)
         actions[agents[seat]] = _HOLD[controls[seat]]  # R1.6: it is among the env's agents for one more step
         del playing[seat]
         env.withdraw(agents[seat])
         players.drop(seat)
 
-    seeds = [agent_seed(seed, place) for place in places or seats]
+    seeds = [agent_seed(seed, index) for index in indices or seats]
     for seat, failed in players.reset(seeds, [Limits.of(env.config, seat) for seat in seats]).items():
         forfeit(seat, failed)
     if watch is not None:
         watch(env)
     while env.agents:
         step += 1
-        told = dict(infos)  # they are made when they are first read, and an ordinary dict is read faster
-        sights = {seat: _sight(observations[agent], told[agent]) for seat, agent in playing.items()}
-        for seat, (action, seconds, fault) in players.act(sights).items():
+        made = dict(infos)  # they are made when they are first read, and an ordinary dict is read faster
+        shown = {seat: _observation(observations[agent], made[agent]) for seat, agent in playing.items()}
+        for seat, (action, seconds, fault) in players.act(shown).items():
             total_s[seat] += seconds
             if seconds > longest_s[seat]:  # noqa: PLR1730 - max() takes twice as long
                 longest_s[seat] = seconds
             if fault is None:
                 actions[agents[seat]] = action
             else:
-                forfeit(seat, fault, sights[seat])
+                forfeit(seat, fault, shown[seat])
         try:
             observations, _, _, _, infos = env.step(actions)
         except ActionError:
             for seat, failed in _illegal(env, actions).items():
-                forfeit(seat, failed, sights[seat])
+                forfeit(seat, failed, shown[seat])
             observations, _, _, _, infos = env.step(actions)
         actions.clear()
         winners = set()
@@ -166,15 +195,20 @@ def play(
         steps=step,
         digest=env.digest().hex(),
         forfeits=tuple(None if one is None else one.code for one in forfeits),
-        thinking=tuple(Thinking(*times) for times in zip(moves, total_s, longest_s, strict=True)),
+        thinking=tuple(MoveTimes(*times) for times in zip(moves, total_s, longest_s, strict=True)),
         details=tuple(forfeits),
         logs=tuple(logs.get(seat, "") for seat in seats),
     )
 
 
-def agent_seed(match_seed: int, place: int) -> int:
+def blocks_of(matches: Iterable[Match]) -> list[Block]:
+    """The matches by block, in the order of the plan."""
+    return [tuple(block) for _, block in groupby(matches, key=lambda match: match.block)]
+
+
+def agent_seed(match_seed: int, index: int) -> int:
     """What an agent is told as its seed, in [0, 2^63): a digest, as the match's own seed would tell it every spawn."""
-    digest = hashlib.blake2b(f"agent {place} of match {match_seed}".encode(), digest_size=8).digest()
+    digest = hashlib.blake2b(f"agent {index} of match {match_seed}".encode(), digest_size=8).digest()
     return int.from_bytes(digest, "little") >> 1
 
 
@@ -191,12 +225,12 @@ def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) 
     return tuple(1 + sum(other > merit for other in merits) for merit in merits)
 
 
-def _sight(observation: Any, info: dict[str, Any]) -> Sight:
+def _observation(vector: Any, info: dict[str, Any]) -> Observation:
     mask = info.get("action_mask")
     if isinstance(mask, dict):  # full control: the mask of "catch"
         mask = mask["catch"]
     # plain numbers: a scripted agent reads them one by one, which is slow on arrays
-    return observation.tolist(), [] if mask is None else mask.tolist()
+    return vector.tolist(), [] if mask is None else mask.tolist()
 
 
 def _illegal(env: CatchArenaEnv, actions: dict[str, Any]) -> dict[int, Fault]:

@@ -1,4 +1,7 @@
-"""Those who sit in one match, in this process or in their own: what a match asks of them, and what it hears."""
+"""The players of one match: what a match asks of them and what they answer, and those that play in this process.
+
+Those in processes of their own are in isolation/.
+"""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -6,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from catch_arena.config import Control
-from catch_arena.errors import AgentError
+from catch_arena.errors import AgentError, reason
 from catch_arena.policy import Limits, Policy, View, control_of
-from catch_arena.tournament.entrants import Entrant, reason
+from catch_arena.tournament.entrants import Entrant
 
 ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_OUT"]
 """How an agent fails: it raises or dies; it takes too long; what it answers is no legal action; it cannot begin; it has
@@ -26,7 +29,7 @@ class Fault:
 
 
 # plain tuples: a trusted match makes thousands of them
-Sight = tuple[list[float], list[int]]
+Observation = tuple[list[float], list[int]]
 """What one seat is shown in a step: R7.1's vector, and R7.2's mask, which is empty under velocity control."""
 Answer = tuple[Any, float, Fault | None]
 """What it makes of that: its action, unchecked (None where there is a fault), how long that took [s], and its fault."""
@@ -42,7 +45,7 @@ class Players(Protocol):
     def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
         """Begin a match: each seat is told its own seed. Returns: those that cannot play, by seat."""
 
-    def act(self, sights: Mapping[int, Sight]) -> dict[int, Answer]:
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
         """Ask these seats for their actions, in one step."""
 
     def drop(self, seat: int) -> None:
@@ -85,12 +88,12 @@ class TrustedPlayers:
                 self._faults[seat] = Fault("FORFEIT_INIT", f"reset raised {reason(error)}")
         return self._faults
 
-    def act(self, sights: Mapping[int, Sight]) -> dict[int, Answer]:
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
         """Ask these seats for their actions."""
         answers: dict[int, Answer] = {}
         policies, all_limits, clock = self._policies, self._limits, time.perf_counter
-        for seat, (observation, mask) in sights.items():
-            view = View(observation, mask, all_limits[seat])
+        for seat, (vector, mask) in observations.items():
+            view = View(vector, mask, all_limits[seat])
             begin = clock()
             try:
                 action = policies[seat].act(view)
@@ -109,8 +112,8 @@ class TrustedPlayers:
         return {}
 
 
-class Absent:
-    """Agents that are not started, each with its fault."""
+class AbsentPlayers:
+    """Agents that are not started, each with the fault that keeps it out."""
 
     def __init__(self, controls: Mapping[int, Control], faults: Mapping[int, Fault]) -> None:
         self.controls = controls
@@ -121,9 +124,9 @@ class Absent:
         del seeds, limits
         return dict(self._faults)
 
-    def act(self, sights: Mapping[int, Sight]) -> dict[int, Answer]:
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
         """Nobody asks them."""
-        del sights
+        del observations
         return {}
 
     def drop(self, seat: int) -> None:
@@ -134,8 +137,8 @@ class Absent:
         return {}
 
 
-class Together:
-    """Several kinds of players in one match, each in seats of its own."""
+class CompositePlayers:
+    """Players of several kinds in one match, each kind in seats of its own."""
 
     def __init__(self, parts: Sequence[Players]) -> None:
         self.controls = {seat: control for part in parts for seat, control in part.controls.items()}
@@ -146,11 +149,11 @@ class Together:
         """Begin a match."""
         return {seat: fault for part in self._parts for seat, fault in part.reset(seeds, limits).items()}
 
-    def act(self, sights: Mapping[int, Sight]) -> dict[int, Answer]:
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
         """Ask these seats for their actions, one kind after the other."""
         answers: dict[int, Answer] = {}
         for part in self._parts:
-            answers |= part.act({seat: sight for seat, sight in sights.items() if seat in part.controls})
+            answers |= part.act({seat: one for seat, one in observations.items() if seat in part.controls})
         return answers
 
     def drop(self, seat: int) -> None:

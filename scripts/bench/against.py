@@ -195,7 +195,7 @@ def measure(ref: str, rows: Sequence[str], rounds: int, seconds: float, *, quick
 
 def _play(versions: tuple[Version, Version], chosen: set[str], rounds: int, seconds: float) -> None:
     """Everything that was chosen; each round of it in the two versions, now one first and now the other."""
-    from catch_arena.tournament.display.tables import progress_bar
+    from catch_arena.cli.progress import progress_bar
 
     steps = [what for what in _STEPS if what in chosen]
     starts = [what for what in _STARTS if what in chosen]

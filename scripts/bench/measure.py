@@ -102,7 +102,7 @@ def play_rounds(subjects: Sequence[Subject], rounds: int, seconds: float) -> Non
     """Subjects take turns in every round, so that a machine that slows down slows all of them; a first, unmeasured
     turn warms up.
     """
-    from catch_arena.tournament.display.tables import progress_bar
+    from catch_arena.cli.progress import progress_bar
 
     turns = [*subjects] * (rounds + 1)
     with progress_bar("measuring", len(turns)) as show:

@@ -10,7 +10,7 @@ from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.seating import inspector, sandboxed
+from catch_arena.tournament.isolation.seating import inspector, sandbox_for
 from catch_arena.tournament.plans.schedule import round_robin
 
 PACKAGE = Path(catch_arena.__file__).parent
@@ -28,7 +28,7 @@ def test_a_match_during_which_the_clock_jumps_by_years_comes_out_as_any_other(tm
         "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 1 if view.targets else 0\n"
     )
     limits = AgentLimits(init_s=60, step_ms=60_000)
-    with sandboxed(limits) as sandbox:
+    with sandbox_for(limits) as sandbox:
         entrants = enter([str(tmp_path / "mine.py"), "nearest"], inspector(sandbox))
     config, plan = scenario("duel", time_limit_s=6), round_robin(2, 2, 1, seed=0)
     before = run(config, entrants, plan, limits=limits)

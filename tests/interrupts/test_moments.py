@@ -34,7 +34,7 @@ COMMANDS = {
     "render": ("render", "m.replay", "--size", "320x320", "--fps", "20"),
     "sheet": ("sheet", "m.replay"),
     "verify": ("verify", "m.replay"),
-    "grade": ("grade", "mine.py", "--spec", "spec.toml", "--junit", "marks.xml"),
+    "grade": ("grade", "mine.py", "--spec", "spec.toml", "--junit", "grades.xml"),
     "check-agent": ("check-agent", "mine.py", "--scenario", "duel"),
     "conformance": ("conformance", "catch_arena:arbitrate"),
     "compare": ("compare", "mine.py", "nearest", "--max-blocks", "4"),
@@ -151,4 +151,4 @@ def test_any_command_is_interrupted_at_any_moment_and_leaves_nothing_half_done(n
     if line is not None:
         assert line["kept"] is None
     left = {path.name for path in folder.iterdir()} - before
-    assert left <= {"match.replay", "m.mp4", "sheet.png", "marks.xml", "out"}  # those that are whole
+    assert left <= {"match.replay", "m.mp4", "sheet.png", "grades.xml", "out"}  # those that are whole

@@ -7,9 +7,9 @@ from random import Random
 from catch_arena.config import ArenaConfig
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, MatchResult, Thinking, ranks_of
-from catch_arena.tournament.plans.schedule import Played, round_robin
-from catch_arena.tournament.records.store import Store, Tournament
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, Played, ranks_of
+from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.store import Store, Tournament
 
 NAMES = ("contested", "patrol", "nearest", "first", "idle", "random")
 
@@ -31,8 +31,8 @@ def tournament(
     entrants = tuple(Entrant(name, f"{name}.py", "target", f"{place:016x}") for place, name in enumerate(names))
     plan = round_robin(len(names), config.hunters, rounds, seed=1)
     folder.mkdir(parents=True, exist_ok=True)
-    with Store.begin(Tournament(config, entrants, plan.words, terms or {}), folder, resume=True) as store:
-        store.plan(plan.stage(0, ()))
+    with Store.begin(Tournament(config, entrants, plan.parameters, terms or {}), folder, resume=True) as store:
+        store.plan(plan.batch(0, ()))
         played = []
         for number, match in enumerate(plan):
             if most is not None and number >= most:
@@ -54,7 +54,7 @@ def tournament(
                         steps=600,
                         digest="0" * 16,
                         forfeits=tuple(one and one.code for one in wrong),
-                        thinking=tuple(Thinking(600, 0.02, 0.001) for _ in scores),
+                        thinking=tuple(MoveTimes(600, 0.02, 0.001) for _ in scores),
                         details=tuple(wrong),
                     ),
                 )

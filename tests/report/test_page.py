@@ -11,7 +11,7 @@ from catch_arena.errors import ReplayError, StoreError
 from catch_arena.report import REPORT, write_report
 from catch_arena.report.chosen import chosen
 from catch_arena.report.findings import Findings
-from catch_arena.tournament.fairness.audit import FILE as AUDIT
+from catch_arena.tournament.audit import FILE as AUDIT
 
 WICKED = ['<script>alert("x")</script>', '"><img src=x onerror=alert(1)>', "{{ 7 * 7 }}", "O'Brien & sons"]
 

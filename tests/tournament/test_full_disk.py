@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.errors import StoreError
-from catch_arena.tournament.records.store import Store
+from catch_arena.tournament.store import Store
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 TOURNAMENT = ["tournament", "nearest", "idle", *QUICK, "--rounds", "150", "--jobs", "1"]
@@ -82,7 +82,7 @@ def test_a_store_without_room_speaks_of_a_full_disk_and_one_with_a_broken_disk_d
     error.sqlite_errorname = code
     with (
         pytest.raises(StoreError, match=rf"tournament\.sqlite: cannot be written: {why}: [\d.]+ \w+ are free in .+"),
-        store._refusals(),
+        store._store_errors(),
     ):
         raise error
     store.close()

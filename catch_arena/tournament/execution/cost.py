@@ -10,7 +10,7 @@ from typing import Final
 from catch_arena.tournament.entrants import is_shipped
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
-from catch_arena.tournament.records.store import store_bytes
+from catch_arena.tournament.store import store_bytes
 
 _SAMPLE_S: Final = 2.0
 """How long matches are tried for, at least one."""
@@ -33,7 +33,7 @@ class Cost:
 
 
 @dataclass(frozen=True, slots=True)
-class Delay:
+class WorstDelay:
     """The most time that agents in processes of their own may take, each by itself."""
 
     agents: int
@@ -46,17 +46,17 @@ class Delay:
     """Of one that hangs in each, before it is out; all of its matches where it never is."""
 
 
-def delay(worker: Worker, matches: int, max_forfeits: int) -> Delay | None:
+def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay | None:
     """What slow agents could cost at worst; None where nobody's time is limited.
 
-    Args: `matches`, the most that an entrant plays; `max_forfeits`, as of `runner.play_out`.
+    Args: `matches`, the most that an entrant plays; `max_forfeits`, as of `runner.play_plan`.
     """
     isolated = [entrant for entrant in worker.entrants if not is_shipped(entrant.spec)]
     if worker.limits is None or not isolated:
         return None
     init_s, step_s, bank_s = worker.limits.init_s, worker.limits.step_ms / 1000.0, worker.limits.bank_s
     in_blocks = -(-max_forfeits // worker.config.hunters) * worker.config.hunters
-    return Delay(
+    return WorstDelay(
         agents=len(isolated),
         hanging_s=init_s + step_s + bank_s,
         slow_s=init_s + worker.config.max_steps * step_s + bank_s,
@@ -64,9 +64,9 @@ def delay(worker: Worker, matches: int, max_forfeits: int) -> Delay | None:
     )
 
 
-def measured(worker: Worker, plan: Plan) -> Cost:
+def measure_cost(worker: Worker, plan: Plan) -> Cost:
     """What a match of this plan costs here: its first block is tried, and none of it kept. Raises: NoContest."""
-    block = next(iter(plan.stage(0, ())))
+    block = next(iter(plan.batch(0, ())))
     seconds, sizes = 0.0, []
     forfeits: dict[str, str] = {}
     try:
@@ -76,9 +76,9 @@ def measured(worker: Worker, plan: Plan) -> Cost:
             ((played, replay),) = worker.play([match])
             seconds += time.perf_counter() - begin
             sizes.append(len(replay))
-            for place, forfeit in zip(match.seating, played.result.details, strict=True):
+            for index, forfeit in zip(match.seating, played.result.details, strict=True):
                 if forfeit is not None:
-                    forfeits.setdefault(worker.entrants[place].name, str(forfeit))
+                    forfeits.setdefault(worker.entrants[index].name, str(forfeit))
             if seconds > _SAMPLE_S:
                 break
     finally:
@@ -87,7 +87,7 @@ def measured(worker: Worker, plan: Plan) -> Cost:
     return Cost(seconds / tried, store_bytes(worker.config.hunters), sum(sizes) // tried, tried, forfeits)
 
 
-def shares(plan: FixedPlan, entrants: int) -> tuple[tuple[int, int], tuple[int, int]]:
+def match_counts(plan: FixedPlan, entrants: int) -> tuple[tuple[int, int], tuple[int, int]]:
     """How many matches an entrant plays, and how many a pair of them has in common: (least, most) of each."""
     played = [0] * entrants
     met: Counter[tuple[int, ...]] = Counter()

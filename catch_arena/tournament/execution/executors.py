@@ -1,4 +1,4 @@
-"""Where blocks are played: in this process, or in several on this machine. `on_ray` has a third place."""
+"""Where blocks are played: in this process, or in several on this machine. `ray_executor` has a third place."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -11,22 +11,22 @@ from typing import Protocol, Self
 from catch_arena.descendants import end
 from catch_arena.engine import Engine
 from catch_arena.errors import ConfigError, NoContest
-from catch_arena.tournament.execution.process import WorkerProcess
-from catch_arena.tournament.execution.worker import Outcome, Worker
-from catch_arena.tournament.plans.schedule import Match
+from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.tournament.execution.worker_process import WorkerProcess
+from catch_arena.tournament.match import Match
 
 
 class Executor(Protocol):
     """Plays blocks side by side; a context, which leaves no process behind."""
 
     @property
-    def ahead(self) -> int:
+    def lookahead(self) -> int:
         """How many blocks it takes before the first must be waited for: enough that no worker is ever idle."""
 
-    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
-        """Begin to play these matches, without those who are `out`: entrants by place, and why."""
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
+        """Begin to play these matches, without the entrants that are `excluded`: by index, and why."""
 
-    def outcome(self, future: Future[list[Outcome]]) -> list[Outcome]:
+    def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """What came of it. Raises: WorkerLost where it should be played again."""
 
     def __enter__(self) -> Self: ...
@@ -36,21 +36,21 @@ class Executor(Protocol):
     ) -> None: ...
 
 
-class InThisProcess:
-    """One block after the other, here."""
+class SerialExecutor:
+    """One block after the other, in this process."""
 
-    ahead = 1
+    lookahead = 1
 
     def __init__(self, worker: Worker) -> None:
         self._worker = worker
 
-    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
         """Play them before it returns."""
-        future: Future[list[Outcome]] = Future()
-        future.set_result(self._worker.play(matches, out))
+        future: Future[list[RecordedMatch]] = Future()
+        future.set_result(self._worker.play(matches, excluded))
         return future
 
-    def outcome(self, future: Future[list[Outcome]]) -> list[Outcome]:
+    def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """What came of it."""
         return future.result()
 
@@ -63,12 +63,12 @@ class InThisProcess:
         self._worker.close()
 
 
-class Processes:
+class ProcessExecutor:
     """Several processes on this machine; a thread here waits for each."""
 
     def __init__(self, worker: Worker, jobs: int) -> None:
         require_jobs(jobs)
-        self.ahead = 4 * jobs
+        self.lookahead = 4 * jobs
         self._worker = worker
         Engine(worker.config)  # compiled once here, and read from the cache there
         self._threads = ThreadPoolExecutor(jobs, "catch-arena-worker")
@@ -77,11 +77,11 @@ class Processes:
         """All that were started; None once no more may be."""
         self._idle: SimpleQueue[WorkerProcess] = SimpleQueue()
 
-    def submit(self, matches: Sequence[Match], out: Mapping[int, str]) -> Future[list[Outcome]]:
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches, when one of the processes is idle or can be started."""
-        return self._threads.submit(self._play, matches, out)
+        return self._threads.submit(self._play, matches, excluded)
 
-    def outcome(self, future: Future[list[Outcome]]) -> list[Outcome]:
+    def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """What came of it."""
         return future.result()
 
@@ -103,14 +103,14 @@ class Processes:
         for process in processes:
             process.wait()
 
-    def _play(self, matches: Sequence[Match], out: Mapping[int, str]) -> list[Outcome]:
+    def _play(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> list[RecordedMatch]:
         try:
             process = self._idle.get_nowait()
         except Empty:
             process = self._start()
-        outcomes = process.play(matches, out)
+        played = process.play(matches, excluded)
         self._idle.put(process)
-        return outcomes
+        return played
 
     def _start(self) -> WorkerProcess:
         with self._lock:

@@ -6,17 +6,17 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.config import ArenaConfig
-from catch_arena.replay import write_whole
+from catch_arena.replay import prepare_folder, write_whole
+from catch_arena.tournament.agent_logs import AgentLogs
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.execution.executors import Executor, InThisProcess, Processes
-from catch_arena.tournament.execution.stage import play_stage
-from catch_arena.tournament.execution.streaks import Streaks
-from catch_arena.tournament.execution.worker import Outcome, Worker
+from catch_arena.tournament.execution.block_queue import play_blocks
+from catch_arena.tournament.execution.executors import Executor, ProcessExecutor, SerialExecutor
+from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
+from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.plans.schedule import Match, Plan, Played, listed
-from catch_arena.tournament.records.logs import Logs
-from catch_arena.tournament.records.results import prepare_folder
-from catch_arena.tournament.records.store import Store, Tournament
+from catch_arena.tournament.match import Match, Played
+from catch_arena.tournament.plans.schedule import Plan, listed
+from catch_arena.tournament.store import Store, Tournament
 
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
@@ -37,70 +37,70 @@ def run(
     """Play every match, without a store on disk; the results come in the order of the plan.
 
     Args: `jobs`, how many processes play, 1 for this one alone; `limits`, those of isolated agents, None where all are
-    trusted; `max_forfeits`, as of `play_out`; `record`, a tournament's folder, for replays and logs; `progress`, called
-    with (played, in all).
-    Raises: as `play_out`.
+    trusted; `max_forfeits`, as of `play_plan`; `record`, a tournament's folder, for replays and logs; `progress`,
+    called with (played, in all).
+    Raises: as `play_plan`.
     """
     plan = listed(matches) if isinstance(matches, Sequence) else matches
     worker = Worker(config, tuple(entrants), record=record is not None, limits=limits)
     done = 0
 
-    def told(played: Sequence[Played]) -> None:
+    def on_results(played: Sequence[Played]) -> None:
         nonlocal done
         done += len(played)
         if progress is not None:
             progress(done, plan.size)
 
     with (
-        Store.begin(Tournament(config, tuple(entrants), plan.words)) as store,
-        InThisProcess(worker) if jobs == 1 else Processes(worker, jobs) as executor,
+        Store.begin(Tournament(config, tuple(entrants), plan.parameters)) as store,
+        SerialExecutor(worker) if jobs == 1 else ProcessExecutor(worker, jobs) as executor,
     ):
-        play_out(store, plan, executor, max_forfeits=max_forfeits, folder=record, told=told)
+        play_plan(store, plan, executor, max_forfeits=max_forfeits, folder=record, on_results=on_results)
         return list(store.played())
 
 
-def play_out(
+def play_plan(
     store: Store,
     plan: Plan,
     executor: Executor,
     *,
     max_forfeits: int = 0,
     folder: Path | None = None,
-    told: Callable[[Sequence[Played]], None] | None = None,
+    on_results: Callable[[Sequence[Played]], None] | None = None,
 ) -> None:
-    """Play what is not in the store yet, stage by stage, until the plan has no further.
+    """Play what is not in the store yet, batch by batch, until the plan has no further.
 
-    A stage is written to the store before it is played, and each block when it and those before it have ended. Whatever
+    A batch is written to the store before it is played, and each block when it and those before it have ended. Whatever
     breaks it off, the same call goes on where it was.
 
-    Args: `max_forfeits`, after how many forfeits in a row an entrant is out, 0 for never; `folder`, in which agents'
-    logs are kept, and replays where the executor's worker makes them; `told`, called with what was played before, and
-    then with the matches of each block.
+    Args: `max_forfeits`, after how many forfeits in a row an entrant is excluded, 0 for never; `folder`, in which
+    agents' logs are kept, and replays where the executor's worker makes them; `on_results`, called with what was played
+    before, and then with the matches of each block.
     Raises: ConfigError; NoContest for a match that could not be held, or whose worker was lost, time and again;
     AgentError for an agent that another machine has not; OutputError and StoreError for what cannot be written. No
     process is left behind.
     """
-    logs = None if folder is None else Logs(folder / LOGS, store.tournament.entrants)
-    streaks = Streaks(max_forfeits)
+    logs = None if folder is None else AgentLogs(folder / LOGS, store.tournament.entrants)
+    streaks = ForfeitStreaks(max_forfeits)
 
-    def keep(outcomes: Sequence[Outcome]) -> None:
-        for one, replay in outcomes:  # files first, so that what is kept has them
+    def keep(recorded: Sequence[RecordedMatch]) -> None:
+        for one, replay in recorded:  # files first, so that what is kept has them
             if folder is not None and replay:
                 write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
             if logs is not None:
                 logs.add(one)
-        played = [one for one, _ in outcomes]
+        played = [one for one, _ in recorded]
         store.keep(played)
-        if told is not None:
-            told(played)
+        if on_results is not None:
+            on_results(played)
 
     streaks.add(store.played())
-    if told is not None:
-        told(list(store.played()))
+    if on_results is not None:
+        on_results(list(store.played()))
     planned = 0
     for number in count():
-        stage = store.plan(plan.stage(number, store.played(planned)))
-        if not stage:
+        batch = store.plan(plan.batch(number, store.played(planned)))
+        if not batch:
             return
-        planned += stage
-        play_stage(store.waiting(), executor, streaks, keep)
+        planned += batch
+        play_blocks(store.waiting(), executor, streaks, keep)

@@ -13,12 +13,11 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.seating import play_entrants
-from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.plans.schedule import Match, Played
+from catch_arena.tournament.match import Match, MatchResult, Played
 
 _DIGEST_BYTES: Final = 16
 
-Outcome = tuple[Played, bytes]
+RecordedMatch = tuple[Played, bytes]
 """A match that was played, and the content of its replay's file: empty where none was asked for."""
 
 
@@ -38,14 +37,14 @@ class Worker:
         """Where its agents are isolated: one for each process, which waits there for the next match."""
         return None if self.limits is None else _sandbox(self.limits)
 
-    def play(self, matches: Iterable[Match], out: Mapping[int, str] = MappingProxyType({})) -> list[Outcome]:
+    def play(self, matches: Iterable[Match], excluded: Mapping[int, str] = MappingProxyType({})) -> list[RecordedMatch]:
         """One match after the other.
 
-        Args: `out`, the places of entrants that are not started, and why.
+        Args: `excluded`, the indices of entrants that are not started, and why.
         Raises: NoContest for a match that could not be held, time and again.
         """
         return [
-            self._recorded(match, out) if self.record else (Played(match, self._result(match, out)), b"")
+            self._recorded(match, excluded) if self.record else (Played(match, self._result(match, excluded)), b"")
             for match in matches
         ]
 
@@ -54,21 +53,21 @@ class Worker:
         if self.sandbox is not None:
             self.sandbox.close()
 
-    def _recorded(self, match: Match, out: Mapping[int, str]) -> Outcome:
+    def _recorded(self, match: Match, excluded: Mapping[int, str]) -> RecordedMatch:
         replay = BytesIO()
-        result = self._result(match, out, replay)
+        result = self._result(match, excluded, replay)
         content = replay.getvalue()
         return Played(match, result, hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest()), content
 
-    def _result(self, match: Match, out: Mapping[int, str], record: BytesIO | None = None) -> MatchResult:
-        players = [self.entrants[place] for place in match.seating]
+    def _result(self, match: Match, excluded: Mapping[int, str], record: BytesIO | None = None) -> MatchResult:
+        players = [self.entrants[index] for index in match.seating]
         return play_entrants(
             self.config,
             match.seed,
             players,
             self.sandbox,
-            out={seat: out[place] for seat, place in enumerate(match.seating) if place in out},
-            places=match.seating,
+            excluded={seat: excluded[index] for seat, index in enumerate(match.seating) if index in excluded},
+            indices=match.seating,
             title=f"match {match.id}",
             record=record,
         )

@@ -1,4 +1,5 @@
 """Agents in processes of their own, with limits; docs/isolation.md says what that protects against, and what not.
 
-From the match down: seating, players, lines; from the tournament's process down: sandbox, keeper, host.
+From the match down: seating, isolated_players, pipes, protocol. From the tournament's process down: sandbox,
+supervisor, fork_server, and in them processes and limits.
 """

@@ -1,4 +1,4 @@
-"""What an agent in a process of its own may take: time, memory, files and words."""
+"""What an agent in a process of its own may take: time, memory, files and output."""
 
 from dataclasses import dataclass, fields
 from typing import Any, Final

@@ -23,13 +23,13 @@ from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.processes import how_it_ended
 
-_HOSTS_KEPT: Final = 16
-"""Entrants whose hosts wait for their next match; each holds its agent's modules in memory."""
-_KEEPER: Final = "catch_arena.tournament.isolation.keeper"
-_KEEPER_S: Final = 30.0
-"""How long the keeper may take over anything that is asked of it."""
-_HOST_S: Final = 1.0
-"""How long a host may take to bury its agent."""
+_MOST_SERVERS: Final = 16
+"""Entrants whose fork servers wait for their next match; each holds its agent's modules in memory."""
+_SUPERVISOR: Final = "catch_arena.tournament.isolation.supervisor"
+_SUPERVISOR_S: Final = 30.0
+"""How long the supervisor may take over anything that is asked of it."""
+_SERVER_S: Final = 1.0
+"""How long a fork server may take to say how its agent's process has ended."""
 _MESSAGE: Final = 100
 _PASSED_ON: Final = ("PATH", "LANG", "LC_ALL", "TZ")
 _SETTINGS: Final = {
@@ -43,21 +43,21 @@ _SETTINGS: Final = {
 """The environment of agents, HOME and TMPDIR besides."""
 
 
-class _Keeper:
-    """The process that all agents of a sandbox descend from (keeper.py)."""
+class _Supervisor:
+    """The process that all agents of a sandbox descend from (supervisor.py)."""
 
     def __init__(self) -> None:
         self._control, theirs = socket.socketpair()
         with theirs:
             self._process = start(
-                _KEEPER,
+                _SUPERVISOR,
                 theirs.fileno(),
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 cwd="/",
                 env={name: os.environ[name] for name in _PASSED_ON if name in os.environ} | _SETTINGS,
             )
-        self._control.settimeout(_KEEPER_S)
+        self._control.settimeout(_SUPERVISOR_S)
         try:
             self.folder = Path(self._heard()["folder"])
         except NoContest:
@@ -73,17 +73,17 @@ class _Keeper:
     def require_alive(self) -> None:
         """Raises: NoContest where it has ended, and all agents with it."""
         if select.select([self._control], [], [], 0.0)[0]:  # it says nothing that it was not asked
-            raise NoContest("the keeper of the agents' processes has ended")
+            raise NoContest("the supervisor of the agents' processes has ended")
 
     def close(self) -> None:
         """Let it end everything, and itself."""
         self._end()
-        shutil.rmtree(self.folder, ignore_errors=True)  # where the keeper was killed
+        shutil.rmtree(self.folder, ignore_errors=True)  # where the supervisor was killed
 
     def _end(self) -> None:
         self._control.close()
         try:
-            self._process.wait(_KEEPER_S)
+            self._process.wait(_SUPERVISOR_S)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
@@ -92,23 +92,23 @@ class _Keeper:
         try:
             received = protocol.receive(self._control)
         except OSError as error:
-            raise NoContest(f"the keeper of the agents' processes does not answer: {error}") from None
+            raise NoContest(f"the supervisor of the agents' processes does not answer: {error}") from None
         if received is None:
-            raise NoContest("the keeper of the agents' processes has ended")
+            raise NoContest("the supervisor of the agents' processes has ended")
         return received[0]
 
 
 @dataclass(slots=True)
-class _Host:
+class _ForkServer:
     pid: int
     channel: socket.socket
     busy: bool = True
     """Whether it has yet to say how the process that it forked has ended."""
 
     def exit_code(self) -> int | None:
-        """That process's, less than 0 for a signal; None where the host does not say."""
+        """That process's, less than 0 for a signal; None where the fork server does not say."""
         try:
-            # one short message, without files: the host may run a stranger's code
+            # one short message, without files: the fork server may run a stranger's code
             code = os.waitstatus_to_exitcode(json.loads(self.channel.recv(_MESSAGE))["ended"])
         except (OSError, ValueError, TypeError, KeyError, OverflowError):
             return None
@@ -119,14 +119,15 @@ class _Host:
 class Sandbox:
     """Where the isolated agents of one tournament process live; it holds one match at a time.
 
-    They descend from one process of ours, the keeper, which is started when it is first needed and ends them all when
-    this process ends, however that ends. Use it as a context manager, or `close` it. Whatever it raises is a NoContest.
+    They descend from one process of ours, the supervisor, which is started when it is first needed, and which ends them
+    all when this process ends, however that ends. Use it as a context manager, or `close` it. Whatever it raises is a
+    NoContest.
     """
 
     def __init__(self, limits: AgentLimits | None = None) -> None:
         self.limits = limits or AgentLimits()
-        self._keeper: _Keeper | None = None
-        self._hosts: dict[tuple[str, str], _Host] = {}
+        self._supervisor: _Supervisor | None = None
+        self._servers: dict[tuple[str, str], _ForkServer] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -136,74 +137,74 @@ class Sandbox:
 
     def close(self) -> None:
         """End all agents, and remove what they wrote; the next match would start anew."""
-        for host in self._hosts.values():
-            host.channel.close()
-        self._hosts.clear()
-        if self._keeper is not None:
-            self._keeper.close()
-            self._keeper = None
+        for server in self._servers.values():
+            server.channel.close()
+        self._servers.clear()
+        if self._supervisor is not None:
+            self._supervisor.close()
+            self._supervisor = None
 
     def start(self, entrant: Entrant, seat: int, files: Sequence[int]) -> None:
-        """Give an entrant a process for this match; `files` are its lines in, its lines out and its log."""
-        if self._keeper is None:
-            self._keeper = _Keeper()
-        folder = self._keeper.folder / f"seat_{seat}"
+        """Give an entrant a process for this match; `files` are its ends of AgentPipes: in, out and log."""
+        if self._supervisor is None:
+            self._supervisor = _Supervisor()
+        folder = self._supervisor.folder / f"seat_{seat}"
         try:
             folder.mkdir()
         except OSError as error:
             raise NoContest(f"{folder}: cannot be made: {error.strerror}") from None
-        host = self._hosts.get(_key(entrant))
-        if host is not None:
+        server = self._servers.get(_key(entrant))
+        if server is not None:
             try:
-                protocol.send(host.channel, files, play=str(folder))
+                protocol.send(server.channel, files, play=str(folder))
             except OSError:  # it has ended since its last match
                 self.end(entrant)
-                host = None
-        if host is None:
-            host = self._start_host(self._keeper, entrant.spec)
-            with suppress(OSError):  # has it ended already, its lines will show
-                protocol.send(host.channel, files, play=str(folder))
-        host.busy = True
-        self._hosts.pop(_key(entrant), None)
-        self._hosts[_key(entrant)] = host  # the last one: those that have waited longest are ended first
+                server = None
+        if server is None:
+            server = self._start_server(self._supervisor, entrant.spec)
+            with suppress(OSError):  # whether it has ended already, its pipes will show
+                protocol.send(server.channel, files, play=str(folder))
+        server.busy = True
+        self._servers.pop(_key(entrant), None)
+        self._servers[_key(entrant)] = server  # the last one: those that have waited longest are ended first
 
     def end(self, entrant: Entrant) -> None:
-        """End an agent and all that it started, its host too."""
-        host = self._hosts.pop(_key(entrant), None)
-        if host is not None and self._keeper is not None:
-            host.channel.close()
-            self._keeper.ask(end=host.pid)
+        """End an agent and all that it started, its fork server too."""
+        server = self._servers.pop(_key(entrant), None)
+        if server is not None and self._supervisor is not None:
+            server.channel.close()
+            self._supervisor.ask(end=server.pid)
 
     def how_it_ended(self, entrant: Entrant) -> str:
-        """Why an agent's lines have ended, in words; where the keeper has ended, that is no agent's fault."""
-        if self._keeper is not None:
-            self._keeper.require_alive()
-        code = self._hosts[_key(entrant)].exit_code()
+        """Why an agent's answers have ended, in words; where the supervisor has ended, that is no agent's fault."""
+        if self._supervisor is not None:
+            self._supervisor.require_alive()
+        code = self._servers[_key(entrant)].exit_code()
         return "its process has ended, or closed its answers" if code is None else how_it_ended(code)
 
     def clear(self) -> None:
-        """End what a match has left, but for the hosts that serve the next one."""
-        if self._keeper is None:
+        """End what a match has left, but for the fork servers that serve the next one."""
+        if self._supervisor is None:
             return
         try:
-            if not self._keeper.ask(sweep=True)["done"]:
+            if not self._supervisor.ask(sweep=True)["done"]:
                 raise NoContest("a process of an agent could not be ended")
-            for key, host in list(self._hosts.items()):
-                unclear = host.busy and host.exit_code() is None
-                if unclear or len(self._hosts) > _HOSTS_KEPT:
-                    del self._hosts[key]
-                    host.channel.close()
-                    self._keeper.ask(end=host.pid)
+            for key, server in list(self._servers.items()):
+                unclear = server.busy and server.exit_code() is None
+                if unclear or len(self._servers) > _MOST_SERVERS:
+                    del self._servers[key]
+                    server.channel.close()
+                    self._supervisor.ask(end=server.pid)
         except BaseException:
             self.close()
             raise
 
-    def _start_host(self, keeper: _Keeper, spec: str) -> _Host:
+    def _start_server(self, supervisor: _Supervisor, spec: str) -> _ForkServer:
         ours, theirs = socket.socketpair()
-        ours.settimeout(_HOST_S)
+        ours.settimeout(_SERVER_S)
         with theirs:
-            pid = keeper.ask([theirs.fileno()], host=spec, limits=asdict(self.limits))["pid"]
-        return _Host(pid, ours)
+            pid = supervisor.ask([theirs.fileno()], serve=spec, limits=asdict(self.limits))["pid"]
+        return _ForkServer(pid, ours)
 
 
 def _key(entrant: Entrant) -> tuple[str, str]:

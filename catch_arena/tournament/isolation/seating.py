@@ -1,4 +1,4 @@
-"""Who sits where in a match, and in which process: the door of this room."""
+"""Which agent of a match plays in which process: what the rest of the package uses of this folder."""
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -8,28 +8,29 @@ from typing import Any, Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import NoContest
-from catch_arena.tournament.entrants import Entrant, Inspection, inspected, is_shipped
+from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent, is_shipped
+from catch_arena.tournament.isolation.isolated_players import IsolatedPlayers
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.players import IsolatedPlayers
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult, play
-from catch_arena.tournament.players import Absent, Fault, Players, Together, TrustedPlayers
+from catch_arena.tournament.players import AbsentPlayers, CompositePlayers, Fault, Players, TrustedPlayers
 
 _PAUSES_S: Final = (0.0, 1.0, 5.0)
 """How long we wait before a match that we failed to hold is begun again; then it is given up."""
 
 
 @contextmanager
-def seated(
-    entrants: Sequence[Entrant], sandbox: Sandbox | None, out: Mapping[int, str] = MappingProxyType({})
+def start_players(
+    entrants: Sequence[Entrant], sandbox: Sandbox | None, excluded: Mapping[int, str] = MappingProxyType({})
 ) -> Iterator[Players]:
-    """These entrants, by seat, for one match: isolated in a sandbox, but for those that come with the package; all in
-    this process without one. Who cannot begin is not started, nor who is `out`: seats, and why.
+    """The players of one match, for as long as the context lasts; all that isolated agents started is ended with it.
 
-    All that isolated agents started is ended afterwards. Raises: NoContest where they could not be held.
+    Args: `entrants`, by seat; those that do not come with the package are isolated in the `sandbox`, where there is
+    one, and those that cannot begin are not started; `excluded`, the seats of others that are not, and why.
+    Raises: NoContest where they could not be held.
     """
     faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in enumerate(entrants) if one.fault is not None}
-    faults |= {seat: Fault("FORFEIT_OUT", why) for seat, why in out.items()}
+    faults |= {seat: Fault("FORFEIT_OUT", why) for seat, why in excluded.items()}
     started = {seat: one for seat, one in enumerate(entrants) if seat not in faults}
     isolated = {seat: one for seat, one in started.items() if sandbox is not None and not is_shipped(one.spec)}
     trusted = {seat: one for seat, one in started.items() if seat not in isolated}
@@ -40,11 +41,11 @@ def seated(
         if sandbox is not None and isolated:
             parts.append(stack.enter_context(_isolated(isolated, sandbox)))
         if faults:
-            parts.append(Absent({seat: entrants[seat].control for seat in faults}, faults))
-        yield parts[0] if len(parts) == 1 else Together(parts)
+            parts.append(AbsentPlayers({seat: entrants[seat].control for seat in faults}, faults))
+        yield parts[0] if len(parts) == 1 else CompositePlayers(parts)
 
 
-def sandboxed(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | None]:
+def sandbox_for(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | None]:
     """A sandbox with these limits; none where there are none, as all are trusted."""
     return nullcontext() if limits is None else Sandbox(limits)
 
@@ -55,18 +56,18 @@ def play_entrants(
     entrants: Sequence[Entrant],
     sandbox: Sandbox | None,
     *,
-    out: Mapping[int, str] = MappingProxyType({}),
+    excluded: Mapping[int, str] = MappingProxyType({}),
     **options: Any,
 ) -> MatchResult:
     """One match of these entrants, by seat; one that we failed to hold is played again, and at last given up.
 
-    Args: `out`, as of `seated`; `options`, those of `play`. Raises: OutputError; NoContest.
+    Args: `excluded`, as of `start_players`; `options`, those of `play`. Raises: OutputError; NoContest.
     """
     names = [entrant.name for entrant in entrants]
     pauses = iter(_PAUSES_S)
     while True:
         try:
-            with seated(entrants, sandbox, out) as players:
+            with start_players(entrants, sandbox, excluded) as players:
                 return play(config, seed, players, names, **options)
         except NoContest:
             pause = next(pauses, None)
@@ -78,11 +79,11 @@ def play_entrants(
 def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
     """How `enter` looks at agents: in this process where it would play them here, else in processes of their own."""
     if sandbox is None:
-        return inspected
+        return inspect_agent
 
     def inspect(spec: str) -> Inspection:
         if is_shipped(spec):
-            return inspected(spec)
+            return inspect_agent(spec)
         entrant = Entrant(spec, spec, "target", "")
         with _isolated({0: entrant}, sandbox) as players:
             found = players.inspect()

@@ -1,1 +1,1 @@
-"""What is played: seedings of blocks in four formats."""
+"""Which matches are played: blocks of seats and seeds, in batches; nothing here plays."""

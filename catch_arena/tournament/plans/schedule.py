@@ -3,16 +3,16 @@
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, groupby, islice
+from itertools import combinations, islice
 from math import comb
 from typing import Final, Protocol
 
 from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.plans.design import groups_in_sweep, sweeps, sweeps_to_meet
-from catch_arena.tournament.plans.swiss import tables
+from catch_arena.tournament.match import Block, Match, Played, blocks_of
+from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
+from catch_arena.tournament.plans.swiss import pair_round
 
 FORMATS: Final = ("round-robin", "balanced", "gauntlet", "swiss")
 
@@ -23,55 +23,29 @@ _MANY_MATCHES: Final = 20_000
 """A round of more than these is cut down to balanced blocks, where nobody asked for all of it."""
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Match:
-    """One match of a plan."""
-
-    id: str
-    """The same for the same plan, whenever it is made; ids sort in the order of the plan."""
-    block: int
-    """Its block, from 0: matches of one block share their seed, and so their targets (R3.3)."""
-    seed: int
-    seating: tuple[int, ...]
-    """By seat: the place of its player among the entrants."""
-
-
-Block = tuple[Match, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Played:
-    """A match of the plan, and what came out of it."""
-
-    match: Match
-    result: MatchResult
-    replay: str | None = None
-    """The digest of its replay's file, where one was kept."""
-
-
 class Plan(Protocol):
-    """What is played, in stages: the blocks of one stage do not depend on each other's results."""
+    """What is played, in batches: the blocks of one batch do not depend on each other's results."""
 
     @property
-    def words(self) -> Mapping[str, str | int | float]:
-        """What it follows from: with as many entrants and seats, equal words make equal plans."""
+    def parameters(self) -> Mapping[str, str | int | float]:
+        """What it follows from: with as many entrants and seats, equal parameters make equal plans."""
 
     @property
     def size(self) -> int:
         """How many matches it has; the most that it may have, where it depends on their results."""
 
-    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
-        """The blocks of a stage, from 0 up; none after the last one.
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+        """The blocks of a batch, from 0 up; none after the last one.
 
-        Args: `played`, all matches of the stages before.
+        Args: `played`, all matches of the batches before.
         """
 
 
 @dataclass(frozen=True, slots=True)
 class FixedPlan:
-    """A plan of one stage, whose blocks are made anew whenever they are walked: none is held."""
+    """A plan of one batch, whose blocks are made anew whenever they are walked: none is held."""
 
-    words: Mapping[str, str | int]
+    parameters: Mapping[str, str | int]
     size: int
     blocks: Callable[[], Iterator[Block]]
 
@@ -81,7 +55,7 @@ class FixedPlan:
     def __iter__(self) -> Iterator[Match]:
         return (match for block in self.blocks() for match in block)
 
-    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
         """All of it."""
         del played
         return () if number else self.blocks()
@@ -89,7 +63,7 @@ class FixedPlan:
 
 @dataclass(frozen=True, slots=True)
 class Swiss:
-    """Rounds of tables, each round paired by the standing so far: a stage a round."""
+    """Rounds that are paired by the ranking so far; each is a batch."""
 
     entrants: int
     seats: int
@@ -100,23 +74,23 @@ class Swiss:
         _check(self.rounds, self.seed, self.size, f"Swiss rounds of {self.entrants} entrants")
 
     @property
-    def words(self) -> Mapping[str, str | int]:
+    def parameters(self) -> Mapping[str, str | int]:
         """The format, the rounds and the seed."""
-        return _words("swiss", self.rounds, self.seed)
+        return _parameters("swiss", self.rounds, self.seed)
 
     @property
     def size(self) -> int:
         """The same, whatever the results."""
         return self.rounds * (self.entrants // self.seats) * self.seats
 
-    def stage(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
         """One round."""
         if number >= self.rounds:
             return
         matches = ((one.match.seating, one.result.ranks) for one in played)
-        drawn = tables(self.entrants, self.seats, matches, lambda one: draw("standing", self.seed, number, one))
-        for index, group in enumerate(drawn):
-            yield _block(group, ("swiss", self.seed, number, index), number, index, len(drawn))
+        groups = pair_round(self.entrants, self.seats, matches, lambda one: draw("standing", self.seed, number, one))
+        for index, group in enumerate(groups):
+            yield _block(group, ("swiss", self.seed, number, index), number, index, len(groups))
 
 
 def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, seed: int) -> Plan:
@@ -149,13 +123,13 @@ def round_robin(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
             for index, group in enumerate(combinations(range(entrants), seats)):
                 yield _block(group, (seed, number, *group), number, index, count)
 
-    return FixedPlan(_words("round-robin", rounds, seed), rounds * count * seats, blocks)
+    return FixedPlan(_parameters("round-robin", rounds, seed), rounds * count * seats, blocks)
 
 
 def balanced(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
     """In each round, as few blocks as have a meeting for each pair, with everybody in as many of them.
 
-    How often a pair meets differs by as little as the swaps of `design.sweeps` can make it.
+    How often a pair meets differs by as little as the swaps of `balanced_groups.sweeps` can make it.
     """
     return _in_sweeps("balanced", entrants, seats, rounds, seed)
 
@@ -176,19 +150,14 @@ def gauntlet(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
             for index, others in enumerate(combinations(range(1, entrants), seats - 1)):
                 yield _block((0, *others), ("gauntlet", seed, number, index), number, index, count)
 
-    return FixedPlan(_words("gauntlet", rounds, seed), rounds * count * seats, blocks)
+    return FixedPlan(_parameters("gauntlet", rounds, seed), rounds * count * seats, blocks)
 
 
 def listed(matches: Sequence[Match]) -> FixedPlan:
     """The plan of these very matches, which stand by block."""
     text = "\n".join(f"{match.id} {match.block} {match.seed} {match.seating}" for match in matches)
-    words = {"format": "listed", "digest": hashlib.blake2b(text.encode(), digest_size=8).hexdigest()}
-    return FixedPlan(words, len(matches), lambda: iter(blocks_of(matches)))
-
-
-def blocks_of(matches: Iterable[Match]) -> list[Block]:
-    """The matches by block, in the order of the plan."""
-    return [tuple(block) for _, block in groupby(matches, key=lambda match: match.block)]
+    parameters = {"format": "listed", "digest": hashlib.blake2b(text.encode(), digest_size=8).hexdigest()}
+    return FixedPlan(parameters, len(matches), lambda: iter(blocks_of(matches)))
 
 
 def require_enough(entrants: int, config: ArenaConfig, scenario: str) -> None:
@@ -218,7 +187,7 @@ def _check(rounds: int, seed: int, size: int, what: str) -> None:
 def _block(group: Sequence[int], about: tuple[object, ...], number: int, index: int, groups: int) -> Block:
     """Every rotation of a drawn circle of the group.
 
-    Args: `about`, the words that its seed and its circle are drawn from; `number`, its round's, and `index`, its own in
+    Args: `about`, what its seed and its circle are drawn from; `number`, its round's, and `index`, its own in
     the round, both from 0; `groups`, how many a round has.
     """
     order = sorted(group, key=lambda player: draw("order", *about, player))
@@ -235,7 +204,7 @@ def _block(group: Sequence[int], about: tuple[object, ...], number: int, index: 
 
 
 def draw(*about: object) -> int:
-    """48 bits that depend on these words alone; exact in a double, as JSON readers keep numbers."""
+    """48 bits that depend on these values alone; exact in a double, as JSON readers keep numbers."""
     text = "/".join(map(str, about))
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=6).digest(), "little")
 
@@ -243,20 +212,20 @@ def draw(*about: object) -> int:
 def _in_sweeps(name: str, entrants: int, seats: int, rounds: int, seed: int, *, challenger: bool = False) -> FixedPlan:
     """Blocks from a balanced design of the entrants, or of the field when a challenger sits in every block."""
     aside = int(challenger)
-    players, places = entrants - aside, seats - aside
-    turns = rounds * sweeps_to_meet(players, places)
-    count = groups_in_sweep(players, places)
+    players, free = entrants - aside, seats - aside
+    turns = rounds * sweeps_to_meet(players, free)
+    count = groups_in_sweep(players, free)
     _check(turns, seed, turns * count * seats, f"balanced blocks of {entrants} entrants")
 
     def blocks() -> Iterator[Block]:
-        drawn = sweeps(players, places, lambda *about: draw(name, seed, *about))
+        drawn = sweeps(players, free, lambda *about: draw(name, seed, *about))
         for number, groups in enumerate(islice(drawn, turns)):
             for index, group in enumerate(groups):
                 everybody = (*range(aside), *(player + aside for player in group))
                 yield _block(everybody, (name, seed, number, index), number, index, count)
 
-    return FixedPlan(_words(name, rounds, seed), turns * count * seats, blocks)
+    return FixedPlan(_parameters(name, rounds, seed), turns * count * seats, blocks)
 
 
-def _words(name: str, rounds: int, seed: int) -> Mapping[str, str | int]:
+def _parameters(name: str, rounds: int, seed: int) -> Mapping[str, str | int]:
     return {"format": name, "rounds": rounds, "seed": seed}

@@ -1,1 +1,1 @@
-"""What the matches say about the entrants, and how sure that is (docs/ratings.md)."""
+"""What the results say about the entrants, and how sure that is (docs/ratings.md): arrays in, figures out."""

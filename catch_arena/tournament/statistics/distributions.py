@@ -66,8 +66,8 @@ def student_tail(freedom: Floats, t: Floats) -> Floats:
 
 def student_critical(freedom: Floats, tail: float) -> Floats:
     """The t that Student's t is above so often, `tail` in (0, 0.5)."""
-    known, places = np.unique(freedom, return_inverse=True)
-    critical: Floats = np.array([_critical(float(one), tail) for one in known])[places].reshape(np.shape(freedom))
+    known, positions = np.unique(freedom, return_inverse=True)
+    critical: Floats = np.array([_critical(float(one), tail) for one in known])[positions].reshape(np.shape(freedom))
     return critical
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import Played
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, sums_by
 

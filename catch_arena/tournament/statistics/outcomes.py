@@ -7,8 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import MatchResult, Played
 
 Floats: TypeAlias = NDArray[np.floating[Any]]
 Ints: TypeAlias = NDArray[np.int64]
@@ -22,7 +21,7 @@ class Outcomes:
     block: Ints
     """(N,): the block of each match, from 0 and without gaps."""
     seating: Ints
-    """(N, H): who sat where, by place among the entrants; one may sit in several seats."""
+    """(N, H): who sat where, by index among the entrants; one may sit in several seats."""
     scores: Ints
     """(N, H)."""
     ranks: Ints

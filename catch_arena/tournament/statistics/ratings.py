@@ -132,10 +132,10 @@ def fit(wins: Floats, ties: Floats) -> tuple[Floats, float, Floats]:
     met = wins + wins.T + ties
     achieved = wins.sum(axis=1) + ties.sum(axis=1) / 2.0
     tied_in_all = ties.sum() / 2.0
-    place = np.zeros(size + 1)
+    found = np.zeros(size + 1)
     information = np.eye(size + 1)
     for _ in range(_MOST_STEPS):
-        strengths, log_tie = place[:size], float(place[size])
+        strengths, log_tie = found[:size], float(found[size])
         above, below, tied = _chances(strengths[:, None] - strengths[None, :], log_tie)
         win, equals_tie = _logistic(strengths), float(_chances(np.zeros(1), log_tie)[2][0])
         gradient = np.empty(size + 1)
@@ -149,8 +149,8 @@ def fit(wins: Floats, ties: Floats) -> tuple[Floats, float, Floats]:
         longest = float(np.abs(step).max())
         if longest < _CLOSE_ENOUGH:
             break
-        place = place + step * min(1.0, _LONGEST_STEP / longest)
-    return place[:size], float(place[size]), information
+        found = found + step * min(1.0, _LONGEST_STEP / longest)
+    return found[:size], float(found[size]), information
 
 
 def _chances(difference: Floats, log_tie: float) -> tuple[Floats, Floats, Floats]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import Played
 from catch_arena.tournament.statistics.distributions import fair_coin_tail, student_tail
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
 from catch_arena.tournament.statistics.ratings import Ratings, rate

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.plans.schedule import Played
+from catch_arena.tournament.match import Played
 from catch_arena.tournament.statistics.intervals import Estimate, estimates, ratios, shares
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import rate
@@ -75,35 +75,35 @@ def standings(entrants: Sequence[Entrant], played: Sequence[Played]) -> list[Sta
     forfeits: list[Counter[str]] = [Counter() for _ in entrants]
     won = [0] * len(entrants)
     for one in played:
-        for seat, place in enumerate(one.match.seating):
-            verdicts[place].update(one.result.verdicts[seat])
+        for seat, index in enumerate(one.match.seating):
+            verdicts[index].update(one.result.verdicts[seat])
             if code := one.result.forfeits[seat]:
-                forfeits[place][code] += 1
-            won[place] += one.result.contests_won[seat]
+                forfeits[index][code] += 1
+            won[index] += one.result.contests_won[seat]
     order = sorted(
-        np.flatnonzero(totals).tolist(), key=lambda place: (-round(rating[place].mean, _DIGITS), entrants[place].name)
+        np.flatnonzero(totals).tolist(), key=lambda index: (-round(rating[index].mean, _DIGITS), entrants[index].name)
     )
     return [
         Standing(
-            place=1 + sum(round(rating[other].mean - rating[place].mean, _DIGITS) > 0 for other in order),
-            name=entrants[place].name,
+            place=1 + sum(round(rating[other].mean - rating[index].mean, _DIGITS) > 0 for other in order),
+            name=entrants[index].name,
             groups=belongs,
-            matches=int(totals[place]),
-            rating=rating[place],
-            score=score[place],
-            iqm=iqm[place],
-            win_share=win_share[place],
-            mean_rank=float(ranks[place] / totals[place]),
-            contests_lost=verdicts[place]["LOST_CONTEST"] / float(totals[place]),
-            contest_wins=_share(won[place], verdicts[place]["LOST_CONTEST"]),
+            matches=int(totals[index]),
+            rating=rating[index],
+            score=score[index],
+            iqm=iqm[index],
+            win_share=win_share[index],
+            mean_rank=float(ranks[index] / totals[index]),
+            contests_lost=verdicts[index]["LOST_CONTEST"] / float(totals[index]),
+            contest_wins=_share(won[index], verdicts[index]["LOST_CONTEST"]),
             refusals={
-                verdict.name: verdicts[place][verdict.name] / float(totals[place])
+                verdict.name: verdicts[index][verdict.name] / float(totals[index])
                 for verdict in Verdict
-                if verdict not in (Verdict.GRANTED, Verdict.LOST_CONTEST) and verdicts[place][verdict.name]
+                if verdict not in (Verdict.GRANTED, Verdict.LOST_CONTEST) and verdicts[index][verdict.name]
             },
-            forfeits=dict(sorted(forfeits[place].items())),
+            forfeits=dict(sorted(forfeits[index].items())),
         )
-        for place, belongs in zip(order, groups(ratings, order), strict=True)
+        for index, belongs in zip(order, groups(ratings, order), strict=True)
     ]
 
 
@@ -117,13 +117,13 @@ def _interquartile_means(outcomes: Outcomes) -> list[Estimate]:
     """
     means = np.full(outcomes.entrants, math.nan)
     pulls = np.zeros(outcomes.seating.shape)
-    for place in range(outcomes.entrants):
-        here = outcomes.seating == place
+    for index in range(outcomes.entrants):
+        here = outcomes.seating == index
         scores = np.sort(outcomes.scores[here])
         cut = len(scores) // 4
         middle = scores[cut : len(scores) - cut]
         if len(middle):
-            means[place] = middle.mean()
+            means[index] = middle.mean()
             held = np.clip(outcomes.scores[here], middle[0], middle[-1])
             pulls[here] = (held - held.mean()) * (len(scores) / len(middle))
     return estimates(means, outcomes.by_block(pulls), outcomes.by_block())

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from catch_arena import scenario
 from catch_arena.errors import ConfigError, WorkerLost
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution import stage
-from catch_arena.tournament.execution.runner import play_out, run
-from catch_arena.tournament.execution.streaks import Streaks
-from catch_arena.tournament.match import MatchResult, ranks_of
-from catch_arena.tournament.plans.schedule import Played, blocks_of, plan_of, round_robin
-from catch_arena.tournament.records.store import Store, Tournament
+from catch_arena.tournament.execution import block_queue
+from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
+from catch_arena.tournament.execution.runner import play_plan, run
+from catch_arena.tournament.match import MatchResult, Played, blocks_of, ranks_of
+from catch_arena.tournament.plans.schedule import plan_of, round_robin
+from catch_arena.tournament.store import Store, Tournament
 
 SEATS = 3
 CONFIG = scenario("standard", hunters=SEATS)
@@ -42,10 +42,10 @@ class Field:
 
 
 class Shuffled:
-    """Ends its blocks in whatever order, loses some, and may be broken off; `wait` stands for the one of `stage`."""
+    """Ends its blocks in any order, loses some, and may be broken off; `wait` stands for the one of `block_queue`."""
 
-    def __init__(self, field, ahead, seed, breaks_after=None):
-        self.field, self.ahead, self.random, self.breaks_after = field, ahead, random.Random(seed), breaks_after
+    def __init__(self, field, lookahead, seed, breaks_after=None):
+        self.field, self.lookahead, self.random, self.breaks_after = field, lookahead, random.Random(seed), breaks_after
         self.begun = {}
         self.lost = Counter()
         self.played = 0
@@ -70,24 +70,24 @@ class Shuffled:
                 self.played += 1
         return SimpleNamespace(done={future for future in futures if future.done()})
 
-    def outcome(self, future):
+    def result(self, future):
         return future.result()
 
 
 def one_after_the_other(field, plan, most):
-    """The records as the rule says it, read word by word: all blocks in order, all rows counted anew each time."""
+    """The records as the rule says it, read word by word: all blocks in order, all streaks counted anew each time."""
     played = []
     for number in range(1000):
-        blocks = list(plan.stage(number, iter(played)))
+        blocks = list(plan.batch(number, iter(played)))
         if not blocks:
             return played
         for block in blocks:
-            out = [place for place in range(len(field.entrants)) if most and row_of(played, place, most)]
+            out = [place for place in range(len(field.entrants)) if most and has_streak(played, place, most)]
             played += [field.play(match, set(out) & set(match.seating)) for match in block]
     raise AssertionError
 
 
-def row_of(played, place, most):
+def has_streak(played, place, most):
     """Whether it has ever forfeited so many in a row."""
     codes = [one.result.forfeits[one.match.seating.index(place)] for one in played if place in one.match.seating]
     return any(all(codes[end - most : end]) for end in range(most, len(codes) + 1))
@@ -97,26 +97,26 @@ def row_of(played, place, most):
     temper=st.lists(st.sampled_from([0.0, 0.02, 0.5, 0.8, 0.95, 1.0]), min_size=4, max_size=6),
     form=st.sampled_from(["round-robin", "balanced", "gauntlet", "swiss"]),
     most=st.sampled_from([0, 1, 2, 5, 10]),
-    ahead=st.sampled_from([1, 2, 7, 28]),
+    lookahead=st.sampled_from([1, 2, 7, 28]),
     seed=st.integers(0, 2**32),
     data=st.data(),
 )
 def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_after_the_other(
-    temper, form, most, ahead, seed, data
+    temper, form, most, lookahead, seed, data
 ):
     field = Field(temper, seed)
     plan = plan_of(form, len(temper), SEATS, 2, seed)
     expected = one_after_the_other(field, plan, most)
     monkeypatch = pytest.MonkeyPatch()
-    with Store.begin(Tournament(CONFIG, field.entrants, plan.words)) as store, monkeypatch.context() as patch:
+    with Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store, monkeypatch.context() as patch:
         for life in range(100):
             breaks_after = data.draw(st.integers(0, 40)) if life < 3 else None
-            executor = Shuffled(field, ahead, seed + life, breaks_after)
-            patch.setattr(stage, "wait", executor.wait)
+            executor = Shuffled(field, lookahead, seed + life, breaks_after)
+            patch.setattr(block_queue, "wait", executor.wait)
             before = list(store.played())
             assert before == expected[: len(before)]
             try:
-                play_out(store, plan, executor, max_forfeits=most)
+                play_plan(store, plan, executor, max_forfeits=most)
             except KeyboardInterrupt:
                 continue
             break
@@ -131,11 +131,11 @@ def test_what_was_begun_too_early_is_played_again():
     for seed in range(5):
         executor = Shuffled(field, 28, seed)
         with (
-            Store.begin(Tournament(CONFIG, field.entrants, plan.words)) as store,
+            Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store,
             pytest.MonkeyPatch.context() as patch,
         ):
-            patch.setattr(stage, "wait", executor.wait)
-            play_out(store, plan, executor, max_forfeits=3)
+            patch.setattr(block_queue, "wait", executor.wait)
+            play_plan(store, plan, executor, max_forfeits=3)
             codes = Counter(code for one in store.played() for code in one.result.forfeits)
         assert codes["FORFEIT_OUT"] > 10
         again += executor.played - len(blocks_of(plan))
@@ -154,9 +154,12 @@ def test_of_one_that_has_ended_no_match_no_more_are_begun_than_it_may_forfeit():
         return Shuffled.submit(executor, block, out)
 
     executor.submit = submit
-    with Store.begin(Tournament(CONFIG, field.entrants, plan.words)) as store, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stage, "wait", executor.wait)
-        play_out(store, plan, executor, max_forfeits=10)
+    with (
+        Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store,
+        pytest.MonkeyPatch.context() as patch,
+    ):
+        patch.setattr(block_queue, "wait", executor.wait)
+        play_plan(store, plan, executor, max_forfeits=10)
     blocks = {block for block, out in begun if not out}
     assert sum(map(len, blocks)) == 12  # whole blocks of three
 
@@ -193,17 +196,17 @@ def played(codes):
         ("C" * 99, 0, False),
     ],
 )
-def test_a_row_is_of_forfeits_of_any_kind_and_ends_with_a_match_that_was_played(codes, most, out):
+def test_a_streak_is_of_forfeits_of_any_kind_and_ends_with_a_match_that_was_played(codes, most, out):
     kinds = {"C": "FORFEIT_CRASH", "T": "FORFEIT_TIMEOUT", ".": None}
-    streaks = Streaks(most)
+    streaks = ForfeitStreaks(most)
     assert streaks.add(played([kinds[code] for code in codes])) is out
     (block, *_) = blocks_of(round_robin(2, 2, 1, seed=0))
-    assert streaks.out_of(block) == ({0: f"it had forfeited {most} matches in a row"} if out else {})
+    assert streaks.excluded_from(block) == ({0: f"it had forfeited {most} matches in a row"} if out else {})
 
 
 def test_less_than_no_forfeit_is_refused():
     with pytest.raises(ConfigError, match="max_forfeits must be at least 1, or 0 for no limit, got -1"):
-        Streaks(-1)
+        ForfeitStreaks(-1)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

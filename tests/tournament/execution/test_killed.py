@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from catch_arena.tournament.records.export import export
-from catch_arena.tournament.records.store import STORE, Store
+from catch_arena.tournament.export import export
+from catch_arena.tournament.store import STORE, Store
 
 KILLS = 20
 AGENTS = ["nearest", "random", "contested", "crashes.py"]
@@ -34,12 +34,12 @@ import os, signal, sys, time
 from catch_arena.cli import main
 from catch_arena import parallel_env
 from catch_arena.tournament import entrants
-from catch_arena.tournament.records import results
+from catch_arena.tournament import standings_files
 from catch_arena.tournament.plans import schedule
-from catch_arena.tournament.display import tables as display
+from catch_arena.cli import live_standings, tables
 from catch_arena.tournament.execution import runner
 from catch_arena.tournament.statistics import standings
-from catch_arena.tournament.records import store
+from catch_arena.tournament import store
 from catch_arena.tournament.execution import worker
 parallel_env("duel").reset(seed=0)  # loads what is compiled
 print("ready", flush=True)

@@ -10,12 +10,14 @@ from tournament.agents import dies_once
 from catch_arena import Replay, scenario
 from catch_arena.descendants import family
 from catch_arena.errors import ConfigError, NoContest, OutputError
+from catch_arena.replay import prepare_folder
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, run
-from catch_arena.tournament.plans.schedule import blocks_of, plan_of, round_robin
-from catch_arena.tournament.records.results import prepare_folder, write_standings
-from catch_arena.tournament.records.store import Tournament
+from catch_arena.tournament.match import blocks_of
+from catch_arena.tournament.plans.schedule import plan_of, round_robin
+from catch_arena.tournament.standings_files import write_standings
 from catch_arena.tournament.statistics.standings import standings
+from catch_arena.tournament.store import Tournament
 
 SHORT = scenario("duel", time_limit_s=6)
 SWISS_SEED = 0
@@ -91,13 +93,13 @@ def test_a_match_whose_worker_was_killed_is_played_again(tmp_path):
 class Growing:
     """Plays a block more for as long as the first entrant has won all."""
 
-    words: ClassVar = {"format": "growing"}
+    parameters: ClassVar = {"format": "growing"}
     size = 20
 
     def __init__(self):
         self.asked = []
 
-    def stage(self, number, played):
+    def batch(self, number, played):
         matches = list(played)
         self.asked.append(len(matches))
         won = all(one.result.ranks[one.match.seating.index(0)] == 1 for one in matches)
@@ -138,6 +140,6 @@ def test_standings_replace_older_ones_and_leave_other_files_alone(tmp_path):
     for seed in (1, 2):
         plan = round_robin(2, 2, 1, seed=seed)
         played = run(SHORT, entrants, plan)
-        write_standings(tmp_path, Tournament(SHORT, entrants, plan.words), 2, standings(entrants, played))
+        write_standings(tmp_path, Tournament(SHORT, entrants, plan.parameters), 2, standings(entrants, played))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.txt", "standings.csv", "standings.json"]
     assert json.loads((tmp_path / "standings.json").read_text())["plan"]["seed"] == 2

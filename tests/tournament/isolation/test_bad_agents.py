@@ -12,7 +12,7 @@ from catch_arena import Replay, scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.seating import inspector, seated
+from catch_arena.tournament.isolation.seating import inspector, start_players
 from catch_arena.tournament.match import play
 
 BAD = Path(__file__).parent / "bad"
@@ -41,7 +41,7 @@ def entered(sandbox, name, *others):
 def played(sandbox, name, *others, record=None):
     entrants = entered(sandbox, name, *others)
     config = SHORT.replace(hunters=len(entrants))
-    with seated(entrants, sandbox) as players:
+    with start_players(entrants, sandbox) as players:
         return play(config, 3, players, [one.name for one in entrants], record=record)
 
 
@@ -61,7 +61,7 @@ def gone(pid):
     [
         ("crashes", "FORFEIT_CRASH", 5, "act raised ZeroDivisionError: integer division or modulo by zero"),
         ("exits", "FORFEIT_CRASH", 5, "act: its process exited with code 3"),
-        ("ends_its_host", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
+        ("ends_its_fork_server", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
         ("closes_its_answers", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
         (
             "hangs",
@@ -170,7 +170,7 @@ def test_the_same_agent_finds_all_of_it_where_it_is_trusted(capsys):
 def test_nothing_is_carried_from_one_match_to_the_next(sandbox):
     entrants = entered(sandbox, "remembers")
     for _ in range(2):
-        with seated(entrants, sandbox) as players:
+        with start_players(entrants, sandbox) as players:
             assert play(SHORT, 1, players, ["a", "b"]).logs[0] == "made 1 1 1\n"
 
 
@@ -206,7 +206,7 @@ def test_one_that_cannot_begin_is_entered_and_forfeits_every_match(sandbox, tmp_
     path.write_text(source)
     entrants = enter([str(path), "nearest"], inspector(sandbox))
     assert re.search(reason, entrants[0].fault)
-    with seated(entrants, sandbox) as players:
+    with start_players(entrants, sandbox) as players:
         result = play(SHORT, 1, players, ["mine", "nearest"])
     assert result.forfeits == ("FORFEIT_INIT", None)
     assert result.details[0].reason == entrants[0].fault

@@ -10,19 +10,18 @@ from hypothesis import strategies as st
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.execution.cost import shares
+from catch_arena.tournament.execution.cost import match_counts
+from catch_arena.tournament.match import Match, blocks_of
 from catch_arena.tournament.plans.schedule import (
     FORMATS,
-    Match,
     balanced,
-    blocks_of,
     gauntlet,
     listed,
     plan_of,
     require_enough,
     round_robin,
 )
-from catch_arena.tournament.plans.swiss import tables
+from catch_arena.tournament.plans.swiss import pair_round
 
 SIZES = st.integers(1, 6).flatmap(lambda seats: st.tuples(st.integers(seats, 8), st.just(seats), st.integers(1, 3)))
 
@@ -38,7 +37,7 @@ def plans(draw):
 @settings(deadline=None, max_examples=80)
 @given(plans())
 def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan):
-    blocks = list(plan.stage(0, ()))
+    blocks = list(plan.batch(0, ()))
     assert [block[0].block for block in blocks] == list(range(len(blocks)))
     assert len({block[0].seed for block in blocks}) == len(blocks)
     for block in blocks:
@@ -48,10 +47,10 @@ def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan)
         assert [match.seating for match in block] == [first[turn:] + first[:turn] for turn in range(len(first))]
     ids = [match.id for block in blocks for match in block]
     assert ids == sorted(set(ids))
-    if plan.words["format"] != "swiss":
+    if plan.parameters["format"] != "swiss":
         assert len(ids) == plan.size
-        assert list(plan.stage(0, ())) == blocks
-        assert not list(plan.stage(1, ()))
+        assert list(plan.batch(0, ())) == blocks
+        assert not list(plan.batch(1, ()))
 
 
 @given(SIZES, st.integers(0, 2**70))
@@ -94,7 +93,7 @@ def test_balanced_blocks_let_everybody_play_and_meet_equally(sizes):
     """No pair has more than five blocks more than another, however many rounds there are; docs/tournaments.md."""
     entrants, seats, rounds = sizes
     plan = balanced(entrants, seats, rounds, seed=3)
-    (least, most), (seldom, often) = shares(plan, entrants)
+    (least, most), (seldom, often) = match_counts(plan, entrants)
     assert least == most == plan.size * seats // entrants
     mean = most * (seats - 1) / (entrants - 1) / seats
     assert mean >= rounds
@@ -103,7 +102,7 @@ def test_balanced_blocks_let_everybody_play_and_meet_equally(sizes):
 
 @pytest.mark.parametrize(("entrants", "seats"), [(5, 2), (9, 2), (9, 3), (5, 4), (13, 12)])
 def test_where_a_design_is_simple_balanced_blocks_are_perfect(entrants, seats):
-    _, (seldom, often) = shares(balanced(entrants, seats, 4, seed=0), entrants)
+    _, (seldom, often) = match_counts(balanced(entrants, seats, 4, seed=0), entrants)
     assert seldom == often
 
 
@@ -120,8 +119,8 @@ def test_in_a_gauntlet_the_first_is_in_every_match_and_meets_the_others_equally(
 
 
 def test_the_default_is_a_round_robin_until_that_is_long():
-    assert plan_of(None, 12, 4, 1, 0).words["format"] == "round-robin"
-    assert plan_of(None, 30, 4, 1, 0).words["format"] == "balanced"
+    assert plan_of(None, 12, 4, 1, 0).parameters["format"] == "round-robin"
+    assert plan_of(None, 30, 4, 1, 0).parameters["format"] == "balanced"
     assert plan_of(None, 30, 4, 1, 0).size == 300
     assert plan_of("round-robin", 30, 4, 1, 0).size == 109_620
 
@@ -129,26 +128,26 @@ def test_the_default_is_a_round_robin_until_that_is_long():
 def test_a_swiss_seats_neighbours_and_those_who_have_not_met():
     """By hand, in duels: 0 beat 1, 2 beat 3, 4 and 5 drew; the lots are the numbers."""
     first = [((0, 1), (1, 2)), ((2, 3), (1, 2)), ((4, 5), (1, 1))]
-    assert tables(6, 2, first, lambda one: one) == [(0, 2), (1, 4), (3, 5)]
+    assert pair_round(6, 2, first, lambda one: one) == [(0, 2), (1, 4), (3, 5)]
     second = [*first, ((0, 2), (1, 2)), ((1, 4), (2, 1)), ((3, 5), (1, 2))]
-    assert tables(6, 2, second, lambda one: one) == [(0, 4), (2, 5), (1, 3)]
+    assert pair_round(6, 2, second, lambda one: one) == [(0, 4), (2, 5), (1, 3)]
 
 
 def test_who_has_played_most_sits_out_where_a_swiss_does_not_come_out_even():
     """Five in duels: each round one sits out, the last of those who have not sat out yet."""
     matches, idle = [], []
     for _ in range(5):
-        drawn = tables(5, 2, matches, lambda one: one)
-        idle += set(range(5)).difference(*drawn)
-        matches += [(table, (1, 2)) for table in drawn]
+        groups = pair_round(5, 2, matches, lambda one: one)
+        idle += set(range(5)).difference(*groups)
+        matches += [(group, (1, 2)) for group in groups]
     assert sorted(idle) == [0, 1, 2, 3, 4]
 
 
 def test_a_list_of_matches_is_a_plan_that_is_known_by_its_matches():
     matches = [Match("a", 0, 7, (0, 1)), Match("b", 0, 7, (1, 0)), Match("c", 1, 8, (0, 1))]
     plan = listed(matches)
-    assert list(plan.stage(0, ())) == blocks_of(matches)
-    assert plan.words == listed(matches).words != listed(matches[:2]).words
+    assert list(plan.batch(0, ())) == blocks_of(matches)
+    assert plan.parameters == listed(matches).parameters != listed(matches[:2]).parameters
 
 
 def test_too_few_entrants_are_told_what_to_do():

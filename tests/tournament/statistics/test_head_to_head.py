@@ -5,8 +5,7 @@ import math
 import pytest
 
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import MatchResult, ranks_of
-from catch_arena.tournament.plans.schedule import Match, Played
+from catch_arena.tournament.match import Match, MatchResult, Played, ranks_of
 from catch_arena.tournament.statistics.head_to_head import head_to_head
 
 FOUR = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in "abcd"]

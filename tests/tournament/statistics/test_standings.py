@@ -9,11 +9,10 @@ import pytest
 
 from catch_arena import scenario
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.match import MatchResult, play, ranks_of
-from catch_arena.tournament.plans.schedule import Match, Played
-from catch_arena.tournament.records.results import summary_text, table_text
-from catch_arena.tournament.records.store import Tournament
+from catch_arena.tournament.match import Match, MatchResult, Played, play, ranks_of
+from catch_arena.tournament.standings_files import summary_text, table_text
 from catch_arena.tournament.statistics.standings import standings
+from catch_arena.tournament.store import Tournament
 
 A, B = (Entrant(name, f"{name}.py", "target", "0" * 16) for name in "ab")
 DUEL = Tournament(scenario("duel"), (A, B), {"format": "round-robin", "rounds": 2, "seed": 3})

@@ -1,0 +1,61 @@
+"""How far some work is: a bar on a terminal, a line now and then elsewhere."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
+
+_LINE_EVERY_S: Final = 10.0
+
+
+@contextmanager
+def progress_bar(what: str, total: int | None = None, *, after_s: float = 0.0) -> Iterator[Callable[[int, int], None]]:
+    """How far it is, on stderr, to be called with (done, total).
+
+    On a terminal it is a bar, which appears after `after_s` seconds and goes away in the end; elsewhere it is a line
+    now and then.
+    """
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield progress_lines(what, console)
+        return
+    begin = time.monotonic()
+    bar = Progress(*bar_columns(), console=console, transient=True)
+    task = bar.add_task(what, total=total)
+
+    def show(done: int, total: int) -> None:
+        bar.update(task, completed=done, total=total)
+        if time.monotonic() - begin >= after_s:
+            bar.start()
+
+    try:
+        if not after_s:
+            bar.start()
+        yield show
+    finally:
+        bar.stop()
+
+
+def progress_lines(
+    what: str, console: Console, clock: Callable[[], float] = time.monotonic
+) -> Callable[[int, int], None]:
+    """For logs and pipes: says how far it is, to be called with (done, total), in a line every ten seconds."""
+    began = clock()
+    said = began
+
+    def show(done: int, total: int) -> None:
+        nonlocal said
+        now = clock()
+        if now - said >= _LINE_EVERY_S:
+            said = now
+            console.print(f"{what}: {done} of {total}, {now - began:.0f} s", highlight=False, soft_wrap=True)
+
+    return show
+
+
+def bar_columns() -> tuple[ProgressColumn, ...]:
+    """What stands beside and in a bar."""
+    return TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()

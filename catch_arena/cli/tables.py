@@ -1,0 +1,96 @@
+"""The standings and the cost of a plan as tables, for a terminal of usually 80 columns, or a file."""
+
+import math
+from collections.abc import Sequence
+from datetime import timedelta
+from typing import Final
+
+from rich.filesize import decimal
+from rich.table import Table
+
+from catch_arena.cli.fitted_table import FittedTable
+from catch_arena.tournament.execution.cost import Cost, match_counts, worst_delay
+from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.plans.schedule import FixedPlan, Plan
+from catch_arena.tournament.plans.until_separated import UntilSeparated
+from catch_arena.tournament.statistics.intervals import Estimate
+from catch_arena.tournament.statistics.standings import Standing
+
+_KEY: Final = """grp: who shares a group cannot be told apart
+rating: points, 0 is the mean; score: catches a match
+wins: ties shared; cont.: of its contests, those it won"""
+
+
+def standings_table(table: Sequence[Standing]) -> Table:
+    """The standings; margins are those of 95 % confidence."""
+    forfeited = any(line.forfeits for line in table)
+    shown = FittedTable(
+        *("#", "agent", "grp", "played", "rating", "score", "wins", "cont."),
+        *["forf."] * forfeited,
+        folded="agent",
+        named_by=2,
+        padding=(0, 1, 0, 0),
+        caption=_KEY + ("\nforf.: matches forfeited" if forfeited else ""),
+    )
+    for column in shown.columns:
+        column.justify = "left" if column.header == "agent" else "right"
+    for line in table:
+        cells = [
+            str(line.place),
+            line.name,
+            line.group,
+            str(line.matches),
+            _with_margin(line.rating, "+.0f", 1),
+            _with_margin(line.score, ".1f", 1),
+            _with_margin(line.win_share, ".0f", 100) + " %",
+            "-" if math.isnan(line.contest_wins) else f"{100 * line.contest_wins:.0f} %",
+        ]
+        if forfeited:
+            cells.append(str(sum(line.forfeits.values())))
+        shown.add_row(*cells, style="bold" if line.place == 1 else None)
+    return shown
+
+
+def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: int) -> Table:
+    """What would be played, and what it costs."""
+    shown = Table(box=None, show_header=False, pad_edge=False)
+    alone_s = plan.size * cost.seconds
+    shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
+    shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
+    most = plan.size
+    if isinstance(plan, FixedPlan):
+        played, met = match_counts(plan, len(worker.entrants))
+        most = played[1]
+        shown.add_row("an agent plays", f"{_span(*played)} matches")
+        shown.add_row("a pair meets in", f"{_span(*met)} matches")
+    shared = f"{_duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
+    shown.add_row("time", f"about {shared}{_duration(alone_s)} with one process")
+    shown.add_row("store", f"about {decimal(plan.size * cost.stored)}")
+    if cost.replay:
+        shown.add_row("replays", f"about {decimal(plan.size * cost.replay)}")
+    shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
+    for name, forfeit in cost.forfeits.items():
+        shown.add_row("", f"{name} forfeited there: {forfeit}")
+    worst = worst_delay(worker, most, max_forfeits)
+    if worst is not None:
+        once, all_s = _duration(worst.hanging_s), worst.matches * worst.hanging_s
+        then = ", then it is out" if worst.matches < most else ""
+        shown.add_row("an agent that hangs", f"may take {once} a match: {_duration(all_s)} for {worst.matches}{then}")
+        if worst.agents > 1:
+            shown.add_row(f"all {worst.agents} that could", f"{_duration(worst.agents * all_s)} with one process")
+        once, all_s = _duration(worst.slow_s), most * worst.slow_s
+        shown.add_row("a slow agent", f"may take {once} a match: {_duration(all_s)} for {most}, no forfeit")
+    return shown
+
+
+def _span(least: int, most: int) -> str:
+    return f"{least}" if least == most else f"{least} to {most}"
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.1f} s" if seconds < 60 else str(timedelta(seconds=round(seconds)))
+
+
+def _with_margin(estimate: Estimate, form: str, scale: int) -> str:
+    margin = "?" if math.isnan(estimate.margin) else format(scale * estimate.margin, form.removeprefix("+"))
+    return f"{scale * estimate.mean:{form}} ± {margin}"

@@ -1,0 +1,118 @@
+"""Whether an agent is fit to play: it plays itself, isolated, and what is wrong is said in plain words."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from catch_arena.config import ArenaConfig
+from catch_arena.policy import Limits, View
+from catch_arena.tournament.entrants import Inspection, enter
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.seating import inspector, play_entrants
+from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.verdicts import REASONS, Verdict
+
+_LINES_SHOWN: Final = 6
+"""Of a log, its last ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that the check found."""
+
+    level: Literal["ok", "warning", "error"]
+    text: str
+    """The first line says it, further ones show it."""
+
+
+def check_fitness(spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox) -> Iterator[Finding]:
+    """Play the agent against itself, in every seat of each arena, and twice in the first that nobody forfeits.
+
+    Args: `spec`, as `enter` takes it; `arenas`, by name. Raises: AgentError where the spec names no agent; NoContest.
+    """
+    looked: list[Inspection] = []
+
+    def look(resolved: str) -> Inspection:
+        if not looked:
+            looked.append(inspector(sandbox)(resolved))
+        return looked[0]
+
+    (entrant,) = enter([spec], look)
+    if entrant.fault is not None:
+        yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
+        return
+    yield Finding("ok", f"control {entrant.control}, digest {entrant.digest}")
+    whole: dict[str, list[bytes]] = {}
+    reported: set[tuple[str, str]] = set()
+    for name, config in arenas.items():
+        digests: list[bytes] = []
+        copies = enter([spec] * config.hunters, look)
+        result = play_entrants(config, seed, copies, sandbox, watch=lambda env, to=digests: to.append(env.digest()))
+        yield from _findings(name, config, result, sandbox.limits.step_ms, reported)
+        if not any(result.forfeits):
+            whole[name] = digests
+    if not whole:  # where and why it forfeited is what there is to say
+        return
+    name, first = next(iter(whole.items()))
+    config = arenas[name]
+    again: list[bytes] = []
+    copies = enter([spec] * config.hunters, look)
+    play_entrants(config, seed, copies, sandbox, watch=lambda env: again.append(env.digest()))
+    if again == first:
+        yield Finding("ok", f"{name}: plays the same match again, given the same seed")
+    else:
+        step = sum(one == two for one, two in zip(first, again, strict=False))
+        yield Finding(
+            "warning",
+            f"{name}: plays another match from step {step} on, given the same seed: "
+            "draw from random.Random(seed) of reset, and not from the clock or the global random",
+        )
+
+
+def _findings(
+    name: str, config: ArenaConfig, result: MatchResult, step_ms: float, reported: set[tuple[str, str]]
+) -> Iterator[Finding]:
+    """What one match shows. Args: `reported`, the failures that were shown at length before, to which it adds."""
+    failed = [(seat, forfeit) for seat, forfeit in enumerate(result.details) if forfeit is not None]
+    here: set[tuple[str, str]] = set()
+    for seat, forfeit in failed:
+        kind = (forfeit.code, forfeit.reason)
+        if kind in here:
+            continue
+        here.add(kind)
+        shown = "" if kind in reported else f"{_shown_to(forfeit, config, seat)}{_tail(result.logs[seat])}"
+        yield Finding("error", f"{name}: {forfeit}{shown}")
+    reported |= here
+    moves = sum(times.moves for times in result.thinking)
+    mean_ms = 1000.0 * sum(times.total_s for times in result.thinking) / max(1, moves)
+    longest_ms = 1000.0 * max(times.longest_s for times in result.thinking)
+    timing = f"{mean_ms:.1f} ms a step, at longest {longest_ms:.1f} of {step_ms:g}"
+    if not failed:
+        scores = " ".join(map(str, result.scores))
+        yield Finding("ok", f"{name}: {result.steps} steps, scores {scores}, {timing}")
+    if longest_ms > step_ms:
+        yield Finding("warning", f"{name}: is too slow: {timing}; what is over comes out of the bank of the match")
+    if not failed and (printed := next((log for log in result.logs if log), "")):
+        first_line = printed.lstrip().partition("\n")[0][:80]
+        yield Finding("warning", f"{name}: prints, which goes to its log: {first_line!r}")
+    for verdict in (Verdict.MALFORMED, Verdict.OUT_OF_REACH):
+        count = sum(tally.get(verdict.name, 0) for tally in result.verdicts)
+        if count:
+            yield Finding("warning", f"{name}: {count} requests were {verdict.name}: {REASONS[verdict]}")
+
+
+def _shown_to(forfeit: Forfeit, config: ArenaConfig, seat: int) -> str:
+    """The view that it failed on, on a line of its own."""
+    if forfeit.observation is None:
+        return ""
+    view = View(*forfeit.observation, Limits.of(config, seat))
+    targets = ", ".join(f"{target.rank}: {target.distance:.2f} m" for target in view.targets)
+    return (
+        f"\nit saw: targets {targets or 'none (view.targets is empty)'}; rivals {len(view.rivals)}; "
+        f"mask {list(view.mask)}; score {view.score:g}; {view.time_left:.1f} s left"
+    )
+
+
+def _tail(log: str) -> str:
+    lines = log.splitlines()[-_LINES_SHOWN:]
+    return "".join(f"\n| {line[:200]}" for line in lines)

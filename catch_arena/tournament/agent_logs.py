@@ -1,0 +1,38 @@
+"""What agents printed, and how they failed: a file for each, which grows match by match up to a limit."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from catch_arena.replay import unwritable
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import Played
+
+MOST_BYTES: Final = 4 << 20
+"""Of one agent's file; the next match is the last that is added."""
+
+
+class AgentLogs:
+    """The folder of these files, which is made when there is something to say."""
+
+    def __init__(self, folder: Path, entrants: Sequence[Entrant]) -> None:
+        self._folder = folder
+        self._entrants = entrants
+
+    def add(self, one: Played) -> None:
+        """Of each seat that forfeited or printed: what. Raises: OutputError."""
+        for seat, index in enumerate(one.match.seating):
+            forfeit, printed = one.result.details[seat], one.result.logs[seat]
+            if forfeit is not None or printed:
+                why = f": {forfeit}" if forfeit is not None else ""
+                self._append(self._entrants[index].name, f"== match {one.match.id}, seat {seat}{why}\n{printed}")
+
+    def _append(self, name: str, text: str) -> None:
+        path = self._folder / f"{name}.log"
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)  # a name may have parts, as ann/agent has
+            with path.open("ab") as file:
+                if file.tell() < MOST_BYTES:
+                    file.write(text.encode() + (b"" if text.endswith("\n") else b"\n"))
+        except OSError as error:
+            raise unwritable(path, error, len(text)) from None

@@ -1,0 +1,249 @@
+"""Is the arena fair? Identical agents in all seats, permuted requests and labels, and one agent under two names."""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from itertools import cycle, islice
+from random import Random
+from typing import Final
+
+import numpy as np
+
+from catch_arena.config import RULESET, ArenaConfig
+from catch_arena.errors import AgentError, ConfigError
+from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.match import Match
+from catch_arena.tournament.permutations import Step, lots, names_matter, order_matters, with_labels
+from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.statistics.distributions import chi_squared_tail
+from catch_arena.tournament.statistics.intervals import Estimate, shares
+from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
+from catch_arena.tournament.statistics.ratings import rate
+from catch_arena.tournament.statistics.separation import holm, p_values
+
+LEVEL: Final = 0.01
+"""A fair arena fails an audit so often: all its tests together, corrected for their number (Holm 1979)."""
+FILE: Final = "audit.json"
+_DRAWS_NOTHING: Final = "nearest"
+_OTHERS: Final = (_DRAWS_NOTHING, "contested", "patrol", "first")
+"""Whom the twins play with."""
+_STEPS: Final = 2000
+_REPLAYED: Final = 5
+_FEWEST_MATCHES: Final = 100
+_FEWEST_TWIN_BLOCKS: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One question, whose right answer is no."""
+
+    question: str
+    passed: bool
+    finding: str
+    """In plain words."""
+    p: float | None = None
+    """How often a fair arena would look at least this unfair, corrected for the number of such questions; None where
+    nothing was left to chance.
+    """
+
+
+@dataclass(frozen=True, slots=True)
+class Seat:
+    """How the identical agents of one seat fared."""
+
+    wins: Estimate
+    """Its share of wins, ties shared."""
+    score: float
+
+
+@dataclass(frozen=True, slots=True)
+class Audit:
+    """All questions and answers."""
+
+    agent: str
+    matches: int
+    """Of identical agents."""
+    seats: tuple[Seat, ...]
+    twin_matches: int
+    twin_difference: Estimate
+    """Between the ratings of one agent under two names, in points; its margin is the noise floor."""
+    checks: tuple[Check, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing unfair was found."""
+        return all(check.passed for check in self.checks)
+
+
+def audit(
+    config: ArenaConfig,
+    agent: str = _DRAWS_NOTHING,
+    *,
+    matches: int = 2000,
+    seed: int = 0,
+    jobs: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> Audit:
+    """Ask all the questions.
+
+    Args: `agent`, as on the command line; it is trusted, and plays in our own processes; `matches`, how many identical
+    agents play, each on targets of its own; the twins play a quarter as many; `progress`, called with (matches played,
+    matches in all).
+    Raises: ConfigError; AgentError.
+    """
+    if config.hunters < 2:
+        raise ConfigError(f"hunters must be at least 2 for an audit, got {config.hunters}")
+    if matches < _FEWEST_MATCHES:
+        raise ConfigError(f"matches must be at least {_FEWEST_MATCHES} for an audit, got {matches}")
+
+    hunters = config.hunters
+    alike, twins = enter([agent] * hunters), enter([agent, agent, *islice(cycle(_OTHERS), hunters - 2)])
+    seat_matches = seat_plan(hunters, matches, seed)
+    twin_matches = tuple(round_robin(hunters, hunters, max(_FEWEST_TWIN_BLOCKS, matches // 4 // hunters), seed))
+    total = len(seat_matches) + len(twin_matches)
+
+    def outcomes(entrants: Sequence[Entrant], plan: Sequence[Match], before: int) -> Outcomes:
+        def show(done: int, _: int) -> None:
+            if progress is not None:
+                progress(before + done, total)
+
+        played = run(config, entrants, plan, jobs=jobs, progress=show)
+        for forfeit in (forfeit for one in played for forfeit in one.result.details if forfeit is not None):
+            raise AgentError(f"{agent}: must be able to play, for an audit: {forfeit}")
+        return Outcomes.of(hunters, played)
+
+    identical, paired = outcomes(alike, seat_matches, 0), outcomes(twins, twin_matches, len(seat_matches))
+    exact, drawn = permuted_steps(config, seed)
+    difference, twin_check = twins_differ(paired)
+    return Audit(
+        agent=alike[0].name,
+        matches=len(identical.block),
+        seats=seats_of(identical),
+        twin_matches=len(paired.block),
+        twin_difference=difference,
+        checks=(
+            *corrected([*seats_differ(identical), twin_check, *drawn]),
+            *exact,
+            _exact(
+                "Does the order of a step's actions matter?",
+                sum(order_matters(config, seed + number) for number in range(_REPLAYED)),
+                f"{_REPLAYED} matches, handed over in other orders",
+            ),
+            _exact(
+                "Do agents' names and places matter?",
+                sum(names_matter(config, seed + number, enter([_DRAWS_NOTHING])[0]) for number in range(_REPLAYED)),
+                f"{_REPLAYED} matches, whose names went round",
+            ),
+        ),
+    )
+
+
+def audit_text(found: Audit, config: ArenaConfig, seed: int) -> str:
+    """What `audit.json` holds."""
+    about = {
+        "ruleset": RULESET,
+        "config_digest": config.digest,
+        "config": config.to_dict(),
+        "seed": seed,
+        "level": LEVEL,
+        "passed": found.passed,
+    }
+    return json.dumps(about | asdict(found), indent=2) + "\n"
+
+
+def seat_plan(seats: int, matches: int, seed: int) -> tuple[Match, ...]:
+    """Matches with a seed each: to turn identical agents round would repeat a match, not add one."""
+    plan = tuple(round_robin(seats, seats, matches, seed))[::seats]
+    return tuple(Match(match.id, match.block, match.seed, tuple(range(seats))) for match in plan)
+
+
+def seats_of(identical: Outcomes) -> tuple[Seat, ...]:
+    """How each seat fared."""
+    wins = shares(identical.win_shares, np.ones_like(identical.win_shares))
+    scores = identical.scores.mean(axis=0).tolist()
+    return tuple(Seat(share, score) for share, score in zip(wins, scores, strict=True))
+
+
+def seats_differ(identical: Outcomes) -> list[Check]:
+    """Whether a seat wins, or catches, more than its part."""
+    wins, scores = identical.win_shares, identical.scores
+    won, caught = 100.0 * wins.mean(axis=0), scores.mean(axis=0)
+    return [
+        _by_chance(
+            "Does a seat win more often than another?",
+            p_of_no_bias(wins - wins.mean(axis=1, keepdims=True)),
+            f"the seats won from {won.min():.1f} to {won.max():.1f} % of the matches (most: seat {won.argmax()})",
+        ),
+        _by_chance(
+            "Does a seat catch more than another?",
+            p_of_no_bias(scores - scores.mean(axis=1, keepdims=True)),
+            f"from {caught.min():.2f} to {caught.max():.2f} catches a match (most: seat {caught.argmax()})",
+        ),
+    ]
+
+
+def twins_differ(paired: Outcomes) -> tuple[Estimate, Check]:
+    """Whether the first two entrants, which are one agent, differ; and by how much."""
+    ratings = rate(paired)
+    difference = ratings.difference(0, 1)
+    return difference, _by_chance(
+        "Does one agent under two names get two ratings?",
+        float(p_values(ratings)[0, 1]),
+        f"{abs(difference.mean):.0f} points apart after {len(paired.block)} matches, "
+        f"where up to {difference.margin:.0f} are noise",
+    )
+
+
+def permuted_steps(config: ArenaConfig, seed: int) -> tuple[list[Check], list[Check]]:
+    """What the arbiter says if requests come in another order, and if hunters change their labels; and whether its lots
+    are fair to all seats.
+
+    Returns: the checks that are exact, and those that chance has a part in.
+    """
+    random = Random(seed)
+    reordered = relabelled = 0
+    drawn: list[list[float]] = []
+    for _ in range(_STEPS):
+        step = Step.drawn(config, random)
+        rulings = step.judged()
+        reordered += step.in_another_order(random).judged() != rulings
+        labels = random.sample(range(config.hunters), config.hunters)
+        by_lot = lots(rulings, config)
+        expected, judged = with_labels(rulings, labels), step.relabelled(labels).judged()
+        relabelled += any(judged[key] != one and one.target not in by_lot for key, one in expected.items())
+        for tied, winner in by_lot.values():
+            drawn.append([(seat in tied) * ((seat == winner) - 1.0 / len(tied)) for seat in range(config.hunters)])
+    exact = [
+        _exact("Does the order of requests matter?", reordered, f"{_STEPS} steps, permuted"),
+        _exact("Do hunters' labels matter, but for lots?", relabelled, f"{_STEPS} steps, permuted"),
+    ]
+    question = "Do lots favour a seat?"
+    return exact, [_by_chance(question, p_of_no_bias(np.array(drawn)), f"{len(drawn)} lots drawn")] if drawn else []
+
+
+def p_of_no_bias(rows: Floats) -> float:
+    """How often rows like these, if they were 0 in the mean, would have a mean at least so far from it.
+
+    Args: `rows` (N, seats), independent of each other (the score test: chi-squared over the mean, in the metric of the
+    second moments).
+    """
+    count = len(rows)
+    moments = rows.T @ rows / count
+    mean = rows.mean(axis=0)
+    rank = int(np.linalg.matrix_rank(moments, hermitian=True))
+    return chi_squared_tail(rank, count * float(mean @ np.linalg.pinv(moments, hermitian=True) @ mean)) if rank else 1.0
+
+
+def corrected(checks: Sequence[Check]) -> list[Check]:
+    """The same checks, with p-values that allow for their number."""
+    p = holm(np.array([check.p for check in checks], dtype=np.float64))
+    return [_by_chance(check.question, float(one), check.finding) for check, one in zip(checks, p, strict=True)]
+
+
+def _by_chance(question: str, p: float, finding: str) -> Check:
+    return Check(question, p >= LEVEL, finding, p)
+
+
+def _exact(question: str, different: int, tried: str) -> Check:
+    return Check(question, different == 0, f"{different} differences in {tried}")

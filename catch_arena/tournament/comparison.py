@@ -1,0 +1,164 @@
+"""Is agent A stronger than agent B? Blocks are played until a sequential test knows."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby, islice
+from typing import Final
+
+import numpy as np
+
+from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.match import Block, Match, Played
+from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.statistics.intervals import Estimate, shares
+from catch_arena.tournament.statistics.sprt import Decision, Sprt
+
+_A, _B, _FIELD = range(3)
+"""Indices among the entrants: the two that are compared, and the first of their field."""
+_FIRST_BATCH: Final = 16
+
+
+@dataclass(frozen=True, slots=True)
+class ComparisonDesign:
+    """Who sits where in each block of a comparison.
+
+    A field that leaves one seat free is met by both in turn, each from every seat, on the same targets. Otherwise both
+    sit in the same match, and share what the field leaves free.
+    """
+
+    seats: int
+    field: int
+
+    def __post_init__(self) -> None:
+        free = self.seats - self.field
+        if free < 1 or (free > 1 and free % 2):
+            fitting = [str(size) for size in range(self.seats) if size == self.seats - 1 or not (self.seats - size) % 2]
+            raise ConfigError(
+                f"the field must be of {' or '.join(fitting)} agents where {self.seats} hunters play, got {self.field}"
+            )
+        if self.seats < 2:
+            raise ConfigError(f"the scenario must have at least 2 hunters, got {self.seats}")
+
+    @property
+    def in_turn(self) -> bool:
+        """Whether they never meet."""
+        return self.seats - self.field == 1
+
+    def block(self, matches: Iterable[Match]) -> tuple[Match, ...]:
+        """A block of a round robin of as many as there are seats, with these two and their field in their roles."""
+        free = self.seats - self.field
+        found = []
+        for match in matches:
+            for turn in (0, 1) if self.in_turn else (0,):
+                seating = [_FIELD + role - free if role >= free else (role + turn) % 2 for role in match.seating]
+                found.append(Match(f"{match.id}-{'ab'[turn]}", match.block, match.seed, tuple(seating)))
+        return tuple(found)
+
+    def outcome(self, block: Sequence[Played]) -> float:
+        """The share that A got of B in a block: in each comparison of two ranks a better one counts 1, an equal one
+        one half.
+        """
+        step = 2 if self.in_turn else 1
+        found = []
+        for begin in range(0, len(block), step):
+            ranks: tuple[list[int], list[int]] = ([], [])
+            for one in block[begin : begin + step]:
+                for index, rank in zip(one.match.seating, one.result.ranks, strict=True):
+                    if index in (_A, _B):
+                        ranks[index].append(rank)
+            found += [0.5 + 0.5 * ((mine < theirs) - (mine > theirs)) for mine in ranks[_A] for theirs in ranks[_B]]
+        return sum(found) / len(found)
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """What came out."""
+
+    decision: Decision | None
+    """None where the blocks ran out first."""
+    blocks: int
+    """That the test needed."""
+    matches: int
+    share: Estimate
+    """What A got of B. As the test stops at an extreme, it lies on average somewhat beyond the truth."""
+    log_likelihood_ratio: float
+    forfeits: Mapping[str, Mapping[str, int]]
+    """Of those who did: by name, how many matches they forfeited, by code."""
+
+
+class _UntilDecided:
+    """A plan of more and more blocks, for as long as the test has not decided."""
+
+    def __init__(
+        self,
+        design: ComparisonDesign,
+        test: Sprt,
+        max_blocks: int,
+        seed: int,
+        progress: Callable[[int, Sprt], None] | None,
+    ) -> None:
+        plan = round_robin(design.seats, design.seats, max_blocks, seed)
+        self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks, "seed": seed}
+        self.size = plan.size * (2 if design.in_turn else 1)
+        self.outcomes: list[float] = []
+        self.matches = 0
+        """In the blocks that the test needed."""
+        self._design, self._test, self._progress = design, test, progress
+        self._blocks = map(design.block, plan.blocks())
+        self._seen, self._next_size = 0, _FIRST_BATCH
+
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+        """The next batch, once the last one has been given to the test in the order of the plan."""
+        for _, block in groupby(islice(played, self._seen, None), key=lambda one: one.match.block):
+            matches = list(block)
+            self._seen += len(matches)
+            if self._test.decision is None:
+                self.outcomes.append(self._design.outcome(matches))
+                self._test.add(self.outcomes[-1])
+                self.matches += len(matches)
+        if number and self._progress is not None:
+            self._progress(len(self.outcomes), self._test)
+        if self._test.decision is not None:
+            return ()
+        size = self._next_size
+        self._next_size += size // 2
+        return islice(self._blocks, size)
+
+
+def compare(
+    config: ArenaConfig,
+    entrants: Sequence[Entrant],
+    test: Sprt,
+    *,
+    max_blocks: int,
+    seed: int = 0,
+    jobs: int = 1,
+    limits: AgentLimits | None = None,
+    max_forfeits: int = 0,
+    progress: Callable[[int, Sprt], None] | None = None,
+) -> Comparison:
+    """Play until `test` has decided, or `max_blocks` blocks.
+
+    The blocks are given to the test in the order of the plan, so the decision does not depend on `jobs`.
+
+    Args: `entrants`, the two to compare, then their field; `limits`, those of isolated agents, None where all are
+    trusted; `max_forfeits`, as of `runner.play_plan`; `progress`, called with (blocks, test) after each batch.
+    Raises: ConfigError; NoContest.
+    """
+    if max_blocks < 1:
+        raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
+    plan = _UntilDecided(ComparisonDesign(config.hunters, len(entrants) - _FIELD), test, max_blocks, seed, progress)
+    played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits)
+    forfeits: dict[str, Counter[str]] = {}
+    for one in played:
+        for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
+            if code is not None:
+                forfeits.setdefault(entrants[index].name, Counter())[code] += 1
+    column = np.array(plan.outcomes)[:, None]
+    (share,) = shares(column, np.ones_like(column))
+    return Comparison(test.decision, len(plan.outcomes), plan.matches, share, test.log_likelihood_ratio, forfeits)

@@ -1,0 +1,60 @@
+"""Who is excluded: an agent that has forfeited so many matches in a row plays no further ones.
+
+Streaks are counted in the order of the plan, whenever and wherever its matches were played, and looked at where a block
+ends: all matches of a block have the same field.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.match import Block, Played
+
+
+class ForfeitStreaks:
+    """How many matches each entrant has forfeited in a row, block by block.
+
+    Args: `most`, how many exclude an entrant, 0 for never. Raises: ConfigError.
+    """
+
+    def __init__(self, most: int) -> None:
+        if most < 0:
+            raise ConfigError(f"max_forfeits must be at least 1, or 0 for no limit, got {most}")
+        self._most = most
+        self._forfeited: Counter[int] = Counter()
+        self._finished: set[int] = set()
+        self._excluded: dict[int, str] = {}
+
+    def add(self, block: Iterable[Played]) -> bool:
+        """The next block of the plan has been played. Returns: whether it excludes anybody."""
+        before = len(self._excluded)
+        for one in block:
+            for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
+                if code is None:
+                    self._forfeited[index] = 0
+                    self._finished.add(index)
+                    continue
+                self._forfeited[index] += 1
+                if self._forfeited[index] == self._most:
+                    self._excluded[index] = f"it had forfeited {self._most} matches in a row"
+        return len(self._excluded) > before
+
+    def excluded_from(self, block: Block) -> Mapping[int, str]:
+        """Which entrants of a block are excluded, and why, as far as the blocks that were added tell."""
+        return {index: why for index, why in self._excluded.items() if index in block[0].seating}
+
+    def may_begin(self, block: Block, before: Sequence[Block]) -> bool:
+        """Whether it makes sense to begin a block while those right before it are still played.
+
+        An agent that ends its matches is trusted to go on so. Of any other no more matches are begun than it may
+        forfeit: one that hangs costs time.
+        """
+        if not self._most:
+            return True
+        doubtful = {
+            index
+            for index in block[0].seating
+            if index not in self._excluded and (self._forfeited[index] or index not in self._finished)
+        }
+        begun = Counter(index for other in before for match in other for index in match.seating if index in doubtful)
+        return all(self._forfeited[index] + begun[index] < self._most for index in doubtful)

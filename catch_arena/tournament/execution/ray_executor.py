@@ -1,0 +1,116 @@
+"""Blocks played by Ray: by workers on this machine, or on all those of a cluster."""
+
+import os
+import platform
+import signal
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future
+from contextlib import suppress
+from functools import cache
+from types import TracebackType
+from typing import Any, Self
+
+from catch_arena.engine import Engine
+from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost, reason
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.execution.executors import require_jobs
+from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.tournament.isolation.seating import inspector
+from catch_arena.tournament.match import Match
+from catch_arena.tournament.store import versions
+
+
+class RayExecutor:
+    """Ray's workers, one core each.
+
+    Args: `jobs`, how many workers are started on this machine; `address`, of a running cluster, all of whose cores play
+    instead: as `ray start --head` tells it, or "auto" on one of its machines.
+    Raises: ConfigError where Ray is missing or does not answer.
+    """
+
+    def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
+        require_jobs(jobs)
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # nobody was asked
+        try:
+            import ray
+        except ImportError:
+            raise ConfigError("executor ray needs Ray: pip install 'catch-arena[ray]'") from None
+        if address is None:
+            Engine(worker.config)  # compiled once here, and read from the cache there
+        before = signal.getsignal(signal.SIGTERM)
+        try:
+            ray.init(
+                address=address or "local",
+                num_cpus=jobs if address is None else None,
+                include_dashboard=False if address is None else None,
+                log_to_driver=False,
+                logging_level="ERROR",
+            )
+        except (ConnectionError, ValueError, RuntimeError) as error:
+            raise ConfigError(
+                f"address must be that of a running Ray cluster, got {address!r}: {reason(error)}"
+            ) from None
+        finally:
+            with suppress(ValueError):  # Ray has put a handler of its own there, unless this is not the main thread
+                signal.signal(signal.SIGTERM, before)
+        self._ray = ray
+        self.lookahead = 4 * int(ray.cluster_resources().get("CPU", 1))
+        self._worker = ray.put(worker)
+        self._versions = tuple(versions().items())
+        self._task = ray.remote(max_retries=0)(_play)  # what is lost is counted and played again by the runner
+
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
+        """Begin to play these matches."""
+        future: Future[list[RecordedMatch]] = self._task.remote(
+            self._worker, matches, excluded, self._versions
+        ).future()
+        return future
+
+    def result(self, future: Future[Any]) -> list[RecordedMatch]:
+        """What came of it."""
+        try:
+            answer: list[RecordedMatch] | CatchArenaError = future.result()
+        except self._ray.exceptions.RayTaskError:
+            raise
+        except self._ray.exceptions.RayError as error:
+            raise WorkerLost(f"a Ray worker was lost: {reason(error)}") from None
+        if isinstance(answer, CatchArenaError):
+            raise answer
+        return answer
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ray.shutdown()
+
+
+def _play(
+    worker: Worker, matches: Sequence[Match], excluded: Mapping[int, str], expected: tuple[tuple[str, str], ...]
+) -> list[RecordedMatch] | CatchArenaError:
+    """The matches that were played, or our error as a value: Ray would wrap one that is raised in its own."""
+    try:
+        require_same(worker, expected)
+        return worker.play(matches, excluded)
+    except CatchArenaError as error:
+        return error
+
+
+@cache
+def require_same(worker: Worker, expected: tuple[tuple[str, str], ...]) -> None:
+    """Raises: AgentError or ConfigError where this machine has not the agents that were entered, or other versions.
+
+    Asked once in each of Ray's processes.
+    """
+    here = versions()
+    for name, wanted in expected:
+        if here[name] != wanted:
+            raise ConfigError(f"{name} must be {wanted} on every machine, got {here[name]} on {platform.node()}")
+    for entrant in worker.entrants:
+        digest = enter([entrant.spec], inspector(worker.sandbox))[0].digest
+        if digest != entrant.digest:
+            raise AgentError(
+                f"{entrant.name}: digest must be {entrant.digest} on every machine, got {digest} on {platform.node()}"
+            )

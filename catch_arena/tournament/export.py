@@ -1,0 +1,133 @@
+"""A store's matches for other tools: JSON lines, one a match, or a table with a row for each seat of each match.
+
+Sorted by match. Without timing, the same plan gives the same bytes, however it was played.
+"""
+
+import csv
+import dataclasses
+import io
+import json
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import IO, Any, Final
+
+from catch_arena.config import RULESET, require_choice
+from catch_arena.errors import ConfigError
+from catch_arena.replay import whole_file
+from catch_arena.tournament.match import MatchResult, agent_seed
+from catch_arena.tournament.store import Store
+from catch_arena.verdicts import Verdict
+
+_RESULTS: Final = [field.name for field in dataclasses.fields(MatchResult) if field.compare]
+_BY_MATCH: Final[dict[str, type]] = {
+    "match": str,
+    "block": int,
+    "seed": int,
+    "steps": int,
+    "digest": str,
+    "replay_digest": str,
+    "ruleset": str,
+    "config_digest": str,
+}
+_BY_SEAT: Final[dict[str, type]] = {
+    "agent": str,
+    "agent_digest": str,
+    "agent_seed": int,
+    "score": int,
+    "rank": int,
+    "contests_won": int,
+    "forfeit": str,
+}
+_VERSIONS: Final[dict[str, type]] = dict.fromkeys(("catch_arena", "python", "numpy", "numba"), str)
+_TIMING: Final[dict[str, type]] = {"moves": int, "total_s": float, "longest_s": float}
+_ROWS: Final = 20_000
+"""How many rows of a Parquet file are held at once."""
+
+
+def export(store: Store, form: str, path: Path, *, timing: bool = True) -> None:
+    """Write all that was played to a file.
+
+    Args: `form`: jsonl, csv or parquet; `timing`, whether the times are in it, which no other run repeats.
+    Raises: ConfigError for a format that is unknown, or needs what is not installed; OutputError; StoreError.
+    """
+    writers = {"jsonl": _write_jsonl, "csv": _write_csv, "parquet": _write_parquet}
+    require_choice("format", form, list(writers))
+    if form == "parquet":
+        _require_pyarrow()
+    with whole_file(path) as file:
+        writers[form](store, file, timing)
+
+
+def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
+    """What is known of each match that was played; lists are by seat."""
+    tournament = store.tournament
+    entrants, config_digest = tournament.entrants, tournament.config.digest
+    for played, versions in store.records():
+        match, result = played.match, played.result
+        players = [entrants[index] for index in match.seating]
+        record = {
+            "match": match.id,
+            "block": match.block,
+            "seed": match.seed,
+            "agents": [entrant.name for entrant in players],
+            "agent_digests": [entrant.digest for entrant in players],
+            "agent_seeds": [agent_seed(match.seed, index) for index in match.seating],
+            **{name: getattr(result, name) for name in _RESULTS},
+            "replay_digest": played.replay,
+            "ruleset": RULESET,
+            "config_digest": config_digest,
+            "versions": versions,
+        }
+        if timing:
+            record["thinking"] = [dataclasses.asdict(seat) for seat in result.thinking]
+            record["details"] = [one and {"step": one.step, "reason": one.reason} for one in result.details]
+        yield record
+
+
+def rows(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
+    """The same as a table: a row for each seat, with `columns`; a verdict that it never met is 0."""
+    for record in records(store, timing=timing):
+        for seat in range(len(record["agents"])):
+            row = {name: record[name] for name in _BY_MATCH} | record["versions"] | {"seat": seat}
+            row |= {name: record[name if name in record else f"{name}s"][seat] for name in _BY_SEAT}
+            row |= {verdict.name.lower(): record["verdicts"][seat].get(verdict.name, 0) for verdict in Verdict}
+            yield row | (record["thinking"][seat] if timing else {})
+
+
+def columns(*, timing: bool = True) -> dict[str, type]:
+    """The table's columns, in order."""
+    verdicts = {verdict.name.lower(): int for verdict in Verdict}
+    return _BY_MATCH | {"seat": int} | _BY_SEAT | verdicts | _VERSIONS | (_TIMING if timing else {})
+
+
+def _write_jsonl(store: Store, file: IO[bytes], timing: bool) -> None:
+    for record in records(store, timing=timing):
+        file.write(json.dumps(record, separators=(",", ":"), ensure_ascii=False).encode() + b"\n")
+
+
+def _write_csv(store: Store, file: IO[bytes], timing: bool) -> None:
+    text = io.TextIOWrapper(file, "utf-8", newline="")
+    writer = csv.DictWriter(text, fieldnames=list(columns(timing=timing)), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows(store, timing=timing))
+    text.detach()  # flushed, and left open
+
+
+def _write_parquet(store: Store, file: IO[bytes], timing: bool) -> None:
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
+
+    kinds = {str: pa.string(), int: pa.int64(), float: pa.float64()}
+    schema = pa.schema([(name, kinds[kind]) for name, kind in columns(timing=timing).items()])
+    table = rows(store, timing=timing)
+    with ParquetWriter(file, schema) as writer:
+        while part := list(islice(table, _ROWS)):
+            writer.write_table(pa.Table.from_pylist(part, schema))
+
+
+def _require_pyarrow() -> None:
+    try:
+        import pyarrow.parquet  # noqa: F401
+    except ImportError:
+        raise ConfigError("format parquet needs PyArrow: pip install 'catch-arena[parquet]'") from None

@@ -1,1 +1,0 @@
-"""Is the arena fair? The audit."""

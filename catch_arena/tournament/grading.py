@@ -1,0 +1,312 @@
+"""Grades by a spec: matches that an agent plays, thresholds that it must reach, points, and hints by rule.
+
+docs/grading.md has the spec's fields and an example.
+"""
+
+import json
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from itertools import cycle, islice
+from pathlib import Path
+from typing import Any, Final
+from xml.etree import ElementTree as ET
+
+from catch_arena.config import RULESET, ArenaConfig
+from catch_arena.errors import CatchArenaError, ConfigError, suggest
+from catch_arena.scenarios import scenario
+from catch_arena.seeding import checked_seed
+from catch_arena.tournament.entrants import NOT_INSTALLED, Entrant
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.seating import play_entrants
+from catch_arena.tournament.match import Forfeit, MatchResult
+
+_OFTEN: Final = 0.1
+"""The part of an agent's requests that a verdict must have for its hint."""
+_LOG_SHOWN: Final = 4000
+_KINDS: Final = {"str": "text", "list": "a list", "dict": "a table"}
+_HINTS: Final[Mapping[str, str]] = {
+    "OUT_OF_REACH": "R5.3: a catch needs less than reach_m between the centres, as they stood when the agent saw them: "
+    "ask when target.distance < view.limits.reach_m",
+    "GRANTED": "R6.1: only granted catches count: it got what it asked for, and asked too seldom: look for the targets "
+    "that it reaches soonest, turning included, and before any rival",
+    "LOST_CONTEST": "R5.4: of several hunters in reach the nearest is granted the target: look at view.rivals too",
+    "MALFORMED": "R5.2: it named a rank that has no target: view.mask and len(view.targets) say which have",
+    "SERVICE_DOWN": "R5.7: the kill service fails at times in this arena: ask again in the next step",
+    "KILL_FAILED": "R5.7: the simulator refuses a kill at times in this arena: ask again in the next step",
+    "no request": "R4.1, R4.4: it never asked for a target: drive closer than view.limits.reach_m to one",
+    "FORFEIT_CRASH": "R7.2: view.targets and view.rivals may be empty",
+    "FORFEIT_TIMEOUT": "docs/isolation.md#limits: an action has step_ms, and all actions of a match together have "
+    "bank_s more: catch-arena check-agent shows how long its steps take",
+    "FORFEIT_ILLEGAL": "R4.1, R4.4: docs/agents.md has the actions of each control; catch-arena check-agent shows "
+    "the view that it failed on",
+    "FORFEIT_INIT": "docs/agents.md: a class Agent with reset(self, seed) and act(self, view): catch-arena check-agent "
+    "shows where it fails",
+    "not installed": "docs/agents.md#what-it-may-import: Python's own modules, NumPy, and what else is installed where "
+    "it plays; it needs no ROS",
+}
+"""What to read, by what happened."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Test:
+    """One `[[test]]` of a spec: some matches, and what must come out; a forfeit fails it."""
+
+    name: str
+    scenario: str = "standard"
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    """Changes of the scenario, as for `--set`."""
+    opponents: tuple[str, ...] = ()
+    """Agents for the other seats, from the first again where there are more seats."""
+    seeds: tuple[int, ...] = ()
+    """One match each; without any, those of the spec."""
+    points: float = 1.0
+    min_mean_score: float | None = None
+    """Catches a match."""
+    min_win_share: float | None = None
+    """Matches won, in [0, 1]; a shared win counts in parts."""
+    max_mean_refused: float | None = None
+    """Requests a match that were refused, lost contests not counted."""
+
+    @property
+    def config(self) -> ArenaConfig:
+        """The arena."""
+        return scenario(self.scenario, **self.settings)
+
+
+@dataclass(frozen=True, slots=True)
+class Spec:
+    """What an agent is graded by."""
+
+    title: str
+    tests: tuple[Test, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Grade:
+    """What one test gave; all figures are of the matches that were played."""
+
+    test: str
+    points: float
+    """Those of the test where nothing failed, else 0."""
+    possible: float
+    matches: int
+    mean_score: float
+    win_share: float
+    mean_refused: float
+    verdicts: Mapping[str, int]
+    failures: tuple[str, ...]
+    hints: tuple[str, ...]
+    log: str
+    """The last of what the agent printed, where it forfeited."""
+
+    def __str__(self) -> str:
+        """For people: what was measured, then what failed, then what to read."""
+        head = (
+            f"{'failed' if self.failures else 'passed'}  {self.points:g}/{self.possible:g}  {self.test}: "
+            f"{self.matches} matches, score {self.mean_score:.2f}, wins {100 * self.win_share:.0f} %, "
+            f"refused {self.mean_refused:.2f}"
+        )
+        return "\n        ".join([head, *self.failures, *(f"hint: {hint}" for hint in self.hints)])
+
+
+def read_spec(path: Path) -> Spec:
+    """The spec in a file. Raises: ConfigError, one line, that names the field, the requirement and the value."""
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: is no TOML: {error}") from None
+    try:
+        _require_known("spec", table, ("title", "seeds", "seed_file", "test"))
+        title = _checked("title", table.get("title", path.stem), str)
+        if "seed_file" in table:
+            if "seeds" in table:
+                raise ConfigError("seeds and seed_file must not both be given")
+            seeds = _seeds_of(path.parent / _checked("seed_file", table["seed_file"], str))
+        else:
+            seeds = _seeds("seeds", table.get("seeds", []))
+        tests = tuple(
+            _test(f"test[{number}]", test, seeds, path.parent)
+            for number, test in enumerate(_checked("test", table.get("test", []), list), 1)
+        )
+        if not tests:
+            raise ConfigError("test must be given at least once, as [[test]], got none")
+    except CatchArenaError as error:
+        raise ConfigError(f"{path}: {error}") from None
+    return Spec(title, tests)
+
+
+def grade_agent(
+    test: Test, student: Entrant, opponents: Sequence[Entrant], sandbox: Sandbox | None, max_forfeits: int = 0
+) -> Grade:
+    """Play a test's matches, the student in each seat in turn.
+
+    Args: `max_forfeits`, after how many in a row the rest is not played, 0 for never. Raises: NoContest.
+    """
+    config = test.config
+    others = list(islice(cycle(opponents), config.hunters - 1)) if opponents else []
+    others = [Entrant(f"{one.name} {seat}", one.spec, one.control, one.digest) for seat, one in enumerate(others, 1)]
+    played: list[tuple[int, MatchResult]] = []
+    forfeited = 0
+    for index, seed in enumerate(test.seeds):
+        seat = index % config.hunters
+        seating = [*others[:seat], student, *others[seat:]]
+        result = play_entrants(config, seed, seating, sandbox)
+        played.append((seat, result))
+        forfeited = 0 if result.forfeits[seat] is None else forfeited + 1
+        if max_forfeits and forfeited == max_forfeits:
+            break
+    return _grade(test, played, max_forfeits)
+
+
+def _grade(test: Test, played: Sequence[tuple[int, MatchResult]], max_forfeits: int) -> Grade:
+    verdicts: Counter[str] = Counter()
+    reasons: dict[str, str] = {}
+    causes: list[str] = []
+    score = wins = 0.0
+    log = ""
+    for seat, result in played:
+        verdicts.update(result.verdicts[seat])
+        score += result.scores[seat]
+        forfeit = result.details[seat]
+        if forfeit is None:
+            wins += (result.ranks[seat] == 1) / result.ranks.count(1)
+        elif forfeit.code not in reasons:
+            reasons[forfeit.code] = str(forfeit)
+            log = log or result.logs[seat][-_LOG_SHOWN:]
+            causes.append("not installed" if _misses_a_module(forfeit) else forfeit.code)
+    count = len(played)
+    refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
+    measured = {"mean_score": score / count, "win_share": wins / count, "mean_refused": refused / count}
+    failures = list(reasons.values())
+    if count < len(test.seeds):
+        left = len(test.seeds) - count
+        failures.append(f"FORFEIT_OUT: it had forfeited {max_forfeits} matches in a row; {left} more were not played")
+    for name, value in measured.items():
+        least, most = getattr(test, f"min_{name}", None), getattr(test, f"max_{name}", None)
+        if least is not None and value < least:
+            failures.append(f"{name} must be at least {least:g}, got {value:.4g}")
+        if most is not None and value > most:
+            failures.append(f"{name} must be at most {most:g}, got {value:.4g}")
+    if failures:
+        often = [name for name, times in verdicts.items() if times > _OFTEN * verdicts.total()]
+        causes += [name for name in often if name != "GRANTED"]
+        causes += [] if causes else often or ["no request"]
+    return Grade(
+        test=test.name,
+        points=0.0 if failures else test.points,
+        possible=test.points,
+        matches=count,
+        **measured,
+        verdicts=dict(sorted(verdicts.items())),
+        failures=tuple(failures),
+        hints=tuple(_HINTS[cause] for cause in causes if cause in _HINTS),
+        log=log,
+    )
+
+
+def _misses_a_module(forfeit: Forfeit) -> bool:
+    return NOT_INSTALLED in forfeit.reason or ModuleNotFoundError.__name__ in forfeit.reason
+
+
+def json_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
+    """The grades as JSON; no seed is told."""
+    content = {
+        "title": spec.title,
+        "agent": student.name,
+        "digest": student.digest,
+        "ruleset": RULESET,
+        "points": sum((one.points for one in grades), 0.0),
+        "possible": sum((one.possible for one in grades), 0.0),
+        "tests": [asdict(one) for one in grades],
+    }
+    return json.dumps(content, indent=2) + "\n"
+
+
+def junit_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
+    """The grades as JUnit XML, a test case for each test; no seed is told."""
+    failed = sum(bool(one.failures) for one in grades)
+    suite = ET.Element("testsuite", name=spec.title, tests=str(len(grades)), failures=str(failed), errors="0")
+    properties = ET.SubElement(suite, "properties")
+    for name in ("points", "possible"):
+        total = sum(getattr(one, name) for one in grades)
+        ET.SubElement(properties, "property", name=name, value=f"{total:g}")
+    for one in grades:
+        case = ET.SubElement(suite, "testcase", classname=student.name, name=one.test)
+        if one.failures:
+            failure = ET.SubElement(case, "failure", message=_printable(one.failures[0]))
+            failure.text = _printable("\n".join([*one.failures, *one.hints]))
+        if one.log:
+            ET.SubElement(case, "system-out").text = _printable(one.log)
+    ET.indent(suite)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{ET.tostring(suite, encoding="unicode")}\n'
+
+
+def _printable(text: str) -> str:
+    """Text without the characters that XML 1.0 has no way to write."""
+    return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)
+
+
+def _test(at: str, table: Any, seeds: tuple[int, ...], folder: Path) -> Test:
+    _checked(at, table, dict)
+    _require_known(at, table, [one.name for one in fields(Test)])
+    for name in ("name", "scenario"):
+        _checked(f"{at}.{name}", table.get(name, "" if name == "name" else "standard"), str)
+    if not table.get("name"):
+        raise ConfigError(f"{at}.name must be given")
+    for name, most in (("points", 1e6), ("min_mean_score", 1e6), ("min_win_share", 1.0), ("max_mean_refused", 1e6)):
+        value = table.get(name, 0.0)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= most:
+            raise ConfigError(f"{at}.{name} must be a number from 0 to {most:g}, got {value!r}")
+    opponents = _checked(f"{at}.opponents", table.get("opponents", []), list)
+    for word in opponents:
+        _checked(f"{at}.opponents", word, str)
+    own_seeds = _seeds(f"{at}.seeds", table.get("seeds", list(seeds)))
+    if not own_seeds:
+        raise ConfigError(f"{at}.seeds must hold at least one seed, here or for the whole spec, got none")
+    settings = _checked(f"{at}.settings", table.get("settings", {}), dict)
+    if "control" in settings:
+        raise ConfigError(f"{at}.settings.control must be left to the agents: each states its own control")
+    # files stand beside the spec, as its seed_file does
+    words = tuple(str(folder / Path(word).expanduser()) if word.endswith(".py") else word for word in opponents)
+    test = Test(**{**table, "opponents": words, "seeds": own_seeds, "points": float(table.get("points", 1))})
+    try:
+        config = test.config
+    except ConfigError as error:
+        raise ConfigError(f"{at}: {error}") from None
+    if config.hunters > 1 and not opponents:
+        empty = config.hunters - 1
+        seats = "1 seat is" if empty == 1 else f"{empty} seats are"
+        raise ConfigError(f'{at} needs opponents: {seats} empty; name agents, as in opponents = ["nearest"]')
+    return test
+
+
+def _seeds(at: str, values: Any) -> tuple[int, ...]:
+    try:
+        return tuple(checked_seed(value) for value in _checked(at, values, list))
+    except ConfigError as error:
+        raise ConfigError(f"{at}: {error}") from None
+
+
+def _seeds_of(path: Path) -> tuple[int, ...]:
+    try:
+        words = path.read_text(encoding="utf-8").split()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"seed_file must be a file of whole numbers: {error}") from None
+    return _seeds("seed_file", [int(word) if word.isdecimal() else word for word in words])
+
+
+def _checked(at: str, value: Any, kind: type) -> Any:
+    if not isinstance(value, kind):
+        raise ConfigError(f"{at} must be {_KINDS[kind.__name__]}, got {value!r}")
+    return value
+
+
+def _require_known(at: str, table: Mapping[str, Any], known: Sequence[str]) -> None:
+    for name in table:
+        if name not in known:
+            raise ConfigError(f"unknown field {at}.{name}: {suggest(name, known)}")

@@ -1,0 +1,192 @@
+"""Those who sit in a match in processes of their own: all are asked at once, each on time or out."""
+
+import json
+import math
+import os
+import select
+import time
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final, NamedTuple, get_args
+
+from catch_arena.config import Control, require_choice
+from catch_arena.errors import ConfigError, NoContest
+from catch_arena.policy import Limits
+from catch_arena.tournament.entrants import Entrant, Inspection
+from catch_arena.tournament.isolation import protocol
+from catch_arena.tournament.isolation.pipes import AgentPipes
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.players import Answer, Fault, Observation
+
+_POLL_S: Final = 0.1
+"""How long it waits at a time, so that it notices when it stood still itself."""
+_STALL_S: Final = 1.0
+"""Where this process itself stood still for so long, nobody can be blamed for being late."""
+
+
+class _Reply(NamedTuple):
+    """One line of an agent."""
+
+    said: dict[str, Any]
+    """Empty where there is a fault."""
+    seconds: float
+    """From the line that it answers until it was read."""
+    fault: Fault | None = None
+
+
+class IsolatedPlayers:
+    """Entrants in seats of one match, each in a process of its own; all are asked at once.
+
+    Args: `entrants`, by seat.
+    """
+
+    def __init__(self, sandbox: Sandbox, entrants: Mapping[int, Entrant]) -> None:
+        self.controls: dict[int, Control] = {seat: entrant.control for seat, entrant in entrants.items()}
+        self._sandbox = sandbox
+        self._entrants = entrants
+        self._limits = sandbox.limits
+        self._bank_s = dict.fromkeys(entrants, sandbox.limits.bank_s)
+        self._granted = {
+            "init": f"init_s ({self._limits.init_s:g} s)",
+            "reset": f"what was left of init_s ({self._limits.init_s:g} s)",
+            "act": f"step_ms ({self._limits.step_ms:g} ms) and what was left of bank_s ({self._limits.bank_s:g} s)",
+        }
+        """What each takes longer than who is late, in words that every match repeats: reports count by them."""
+        self._pipes: dict[int, AgentPipes] = {}
+
+    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+        """Begin a match; all that comes before the first view counts as init."""
+        faults: dict[int, str] = {}
+        greeted = self._greet(self._entrants)
+        for seat, reply in greeted.items():
+            if reply.fault is not None:
+                faults[seat] = reply.fault.reason
+            elif (control := _control_in(reply)) != self.controls[seat]:
+                faults[seat] = f"says that its control is {control!r}, and said {self.controls[seat]!r} before"
+        lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
+        left_s = {seat: max(0.0, self._limits.init_s - greeted[seat].seconds) for seat in lines}
+        for seat, reply in self._exchange(lines, left_s, "reset").items():
+            if reply.fault is not None:
+                faults[seat] = reply.fault.reason
+        return {seat: Fault("FORFEIT_INIT", faults[seat]) for seat in sorted(faults)}
+
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
+        """Ask these seats for their actions: all are shown their views before the first answer is read."""
+        step_s, bank_s = self._limits.step_ms / 1000.0, self._bank_s
+        lines = {seat: protocol.view_line(*observation) for seat, observation in observations.items()}
+        answers: dict[int, Answer] = {}
+        for seat, reply in self._exchange(lines, {seat: step_s + bank_s[seat] for seat in lines}, "act").items():
+            bank_s[seat] -= max(0.0, reply.seconds - step_s)
+            fault = reply.fault
+            if fault is None and "action" not in reply.said:
+                fault = Fault("FORFEIT_ILLEGAL", f"its line holds no action: {reply.said!r:.80}")
+            answers[seat] = reply.said.get("action"), reply.seconds, fault
+        return answers
+
+    def inspect(self) -> Inspection:
+        """What the agent in seat 0 says of itself."""
+        reply = self._greet([0])[0]
+        log = self.logs()[0]
+        if reply.fault is not None:
+            return Inspection(fault=reply.fault.reason, log=log)
+        control, source = _control_in(reply), reply.said.get("source")
+        try:
+            require_choice("control", control, get_args(Control))
+        except ConfigError as error:
+            return Inspection(fault=str(error), log=log)
+        named = isinstance(source, str) and Path(source).is_file()  # a stranger's code may say anything
+        return Inspection(control, source if named else None, log=log)
+
+    def drop(self, seat: int) -> None:
+        """End that agent, and all that it started."""
+        self._sandbox.end(self._entrants[seat])
+
+    def logs(self) -> dict[int, str]:
+        """What each seat has printed."""
+        for pipes in self._pipes.values():
+            pipes.read_log()
+        return {seat: pipes.log.text() for seat, pipes in self._pipes.items()}
+
+    def close(self) -> None:
+        """Close every pipe; whoever reads one finds its end."""
+        for pipes in self._pipes.values():
+            pipes.close()
+
+    def _greet(self, seats: Collection[int]) -> dict[int, _Reply]:
+        """Start the agents of these seats, and ask who they are."""
+        for seat in seats:
+            try:
+                self._pipes[seat] = AgentPipes(self._limits)
+                theirs = self._pipes[seat].take_theirs()
+                try:
+                    self._sandbox.start(self._entrants[seat], seat, theirs)
+                finally:
+                    for file in theirs:
+                        os.close(file)
+            except OSError as error:
+                raise NoContest(f"an agent's process cannot be started: {error.strerror}") from None
+        return self._exchange(dict.fromkeys(seats, protocol.HELLO), dict.fromkeys(seats, self._limits.init_s), "init")
+
+    def _exchange(self, lines: Mapping[int, bytes], allowed_s: Mapping[int, float], doing: str) -> dict[int, _Reply]:
+        """Send each seat its line, and take a line from each: JSON objects, or faults."""
+        replies: dict[int, _Reply] = {}
+        sent_at: dict[int, float] = {}
+        seat_of: dict[int, int] = {}
+        poll = select.poll()
+        now = time.monotonic()
+        for seat, line in lines.items():
+            pipes = self._pipes[seat]
+            sent_at[seat] = time.monotonic()
+            if not pipes.write(line):
+                replies[seat] = _Reply({}, 0.0, Fault("FORFEIT_TIMEOUT", f"{doing}: it does not read its lines"))
+                continue
+            for file in pipes.files():
+                seat_of[file] = seat
+                poll.register(file, select.POLLIN)
+        while len(replies) < len(lines):
+            waiting = [seat for seat in lines if seat not in replies]
+            due = min(sent_at[seat] + allowed_s[seat] for seat in waiting)
+            patience = min(max(0.0, due - now), _POLL_S)
+            events = poll.poll(math.ceil(1000.0 * patience))
+            before, now = now, time.monotonic()
+            if now - before > patience + _STALL_S:
+                raise NoContest(f"this process stood still for {now - before - patience:.1f} s")
+            for file, _ in events:
+                seat = seat_of[file]
+                pipes = self._pipes[seat]
+                if file == pipes.printed:
+                    if not pipes.read_log():
+                        poll.unregister(file)
+                elif (heard := pipes.read()) is not None:
+                    poll.unregister(file)
+                    replies[seat] = _understood(heard, now - sent_at[seat])
+            for seat in waiting:
+                seconds = now - sent_at[seat]
+                if seconds > allowed_s[seat] and (seat not in replies or replies[seat].fault is None):
+                    late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._granted[doing]}")
+                    replies[seat] = _Reply({}, seconds, late)
+        for seat, reply in replies.items():
+            if reply.fault is not None and not reply.fault.reason:
+                ended = f"{doing}: {self._sandbox.how_it_ended(self._entrants[seat])}"
+                replies[seat] = reply._replace(fault=Fault(reply.fault.code, ended))
+        return replies
+
+
+def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
+    """What an agent's line says."""
+    if isinstance(heard, Fault):
+        return _Reply({}, seconds, heard)
+    try:
+        said = json.loads(heard)
+    except (ValueError, RecursionError):
+        said = None
+    if not isinstance(said, dict):
+        text = repr(heard[:80].decode(errors="replace"))
+        return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {text}"))
+    if "error" in said:
+        return _Reply({}, seconds, Fault("FORFEIT_CRASH", " ".join(str(said["error"]).split())[:300]))
+    return _Reply(said, seconds)
+
+
+def _control_in(greeting: _Reply) -> Any:
+    return greeting.said.get("control", "target")

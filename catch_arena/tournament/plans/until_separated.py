@@ -1,0 +1,54 @@
+"""A plan that goes on until the order of all entrants is clear, or its budget is spent."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import islice
+from typing import Final
+
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import Block, Played
+from catch_arena.tournament.plans.schedule import FixedPlan
+from catch_arena.tournament.statistics.separation import Separation, next_look, require_confidence, separation
+
+BUDGET: Final = 10_000
+"""Matches, where nobody says how many."""
+
+
+class UntilSeparated:
+    """Whole rounds of a format; after each batch the standings are looked at.
+
+    The budget is none of the plan's parameters: it may be raised when a tournament is resumed.
+
+    Args: `rounds`, makes the format's plan of so many; `budget`, how many matches it may have.
+    Raises: ConfigError.
+    """
+
+    def __init__(
+        self, entrants: Sequence[Entrant], confidence: float, budget: int, rounds: Callable[[int], FixedPlan]
+    ) -> None:
+        require_confidence(confidence)
+        one = rounds(1)
+        if budget < one.size:
+            raise ConfigError(f"max_matches must be at least {one.size}, the matches of one round, got {budget}")
+        self._whole = rounds(budget // one.size)
+        self._round = sum(1 for _ in one.blocks())
+        self._entrants, self._confidence = entrants, confidence
+        self.parameters: Mapping[str, str | int | float] = {
+            **{name: value for name, value in one.parameters.items() if name != "rounds"},
+            "until_separated": confidence,
+        }
+        self.size = self._whole.size
+        self.last: Separation | None = None
+        """What the last look showed."""
+
+    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+        """The rounds until the next look."""
+        del number
+        matches = list(played)
+        blocks = len({one.match.block for one in matches})
+        if matches:
+            self.last = separation(self._entrants, matches, self._confidence)
+            if self.last.clear:
+                return ()
+        rounds_then = -(-next_look(blocks) // self._round)
+        return islice(self._whole.blocks(), blocks, rounds_then * self._round)

@@ -1,1 +1,0 @@
-"""What is kept of a tournament, and written from it: store, logs, exports, standings."""

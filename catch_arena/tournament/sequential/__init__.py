@@ -1,1 +1,0 @@
-"""Playing until it is known: tests that look while matches are played."""

@@ -1,0 +1,92 @@
+"""What a tournament leaves in its folder beside its store: standings.csv and standings.json.
+
+Nothing in them depends on time, machine or the number of processes: the same plan writes the same bytes.
+"""
+
+import csv
+import io
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from catch_arena.config import RULESET
+from catch_arena.replay import write_whole
+from catch_arena.tournament.statistics.intervals import Estimate
+from catch_arena.tournament.statistics.standings import Standing
+from catch_arena.tournament.store import Tournament
+
+TABLE, SUMMARY = "standings.csv", "standings.json"
+_DIGITS: Final = 6
+
+
+def write_standings(folder: Path, tournament: Tournament, matches: int, table: Sequence[Standing]) -> None:
+    """Write both files, each whole or not at all; files of these names are replaced, others left alone.
+
+    Raises: OutputError.
+    """
+    write_whole(folder / TABLE, table_text(table).encode())
+    write_whole(folder / SUMMARY, summary_text(tournament, matches, table).encode())
+
+
+def table_text(table: Sequence[Standing]) -> str:
+    """The standings as CSV; an interval that is not known is empty."""
+    text = io.StringIO()
+    rows = [_flat(standing) for standing in table]
+    writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def summary_text(tournament: Tournament, matches: int, table: Sequence[Standing]) -> str:
+    """The standings with all that is needed to play the tournament again."""
+    summary = {
+        "ruleset": RULESET,
+        "plan": dict(tournament.plan),
+        "matches": matches,
+        "config_digest": tournament.config.digest,
+        "config": tournament.config.to_dict(),
+        "entrants": [
+            {"name": entrant.name, "control": entrant.control, "digest": entrant.digest}
+            for entrant in tournament.entrants
+        ],
+        "standings": [
+            _flat(standing)
+            | {
+                "refusals": {name: _plain(often) for name, often in standing.refusals.items()},
+                "forfeits": standing.forfeits,
+            }
+            for standing in table
+        ],
+    }
+    return json.dumps(summary, indent=2) + "\n"
+
+
+def _flat(standing: Standing) -> dict[str, Any]:
+    """One line of the table, an interval in two columns; all refusals together, and all forfeits."""
+    row: dict[str, Any] = {
+        "place": standing.place,
+        "agent": standing.name,
+        "group": standing.group,
+        "matches": standing.matches,
+    }
+    for name in ("rating", "score", "iqm", "win_share"):
+        estimate: Estimate = getattr(standing, name)
+        row |= {name: estimate.mean, f"{name}_low": estimate.low, f"{name}_high": estimate.high}
+    row |= {
+        "mean_rank": standing.mean_rank,
+        "contests_lost": standing.contests_lost,
+        "contest_wins": standing.contest_wins,
+        "refused": standing.refused,
+        "forfeits": sum(standing.forfeits.values()),
+    }
+    return {key: _plain(value) for key, value in row.items()}
+
+
+def _plain(value: Any) -> Any:
+    """Numbers as they are written: rounded, so that the last bit of a sum does not show; None where there is none."""
+    if not isinstance(value, float):
+        return value
+    return None if math.isnan(value) else round(value, _DIGITS)

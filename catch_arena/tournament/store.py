@@ -1,0 +1,376 @@
+"""A tournament's matches, planned and played, in one SQLite file: what is in it outlives whatever happens to us.
+
+Each block is a transaction of its own, in write-ahead mode: a process that is killed loses the matches under way, and
+none that was kept. Keeping a match twice changes nothing.
+"""
+
+import dataclasses
+import json
+import platform
+import shutil
+import sqlite3
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from itertools import groupby
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Self
+
+from catch_arena.config import RULESET, ArenaConfig
+from catch_arena.errors import StoreError
+from catch_arena.replay import room
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import Block, Forfeit, Match, MatchResult, MoveTimes, Played
+
+STORE: Final = "tournament.sqlite"
+_APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: what kind of file it is
+_FORMAT: Final = 1
+_PAGE: Final = 1000
+"""How many matches that wait are read at once."""
+_PATIENCE_S: Final = 60.0
+"""How long another process may hold the file."""
+_FULL: Final = "SQLITE_FULL"
+_FAILED: Final = "SQLITE_IOERR"
+"""What SQLite says where it cannot write. It says the second on a full disk too, of the files beside its own."""
+_LEAST_FREE: Final = 1_000_000
+"""Bytes: with less free, a write that failed was for want of room."""
+_TABLES: Final = """
+CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE versions (id INTEGER PRIMARY KEY, value TEXT NOT NULL UNIQUE);
+CREATE TABLE match (
+    id TEXT PRIMARY KEY,
+    block INTEGER NOT NULL,
+    seed INTEGER NOT NULL,
+    seating TEXT NOT NULL
+) WITHOUT ROWID;
+CREATE TABLE result (
+    match TEXT PRIMARY KEY REFERENCES match (id),
+    versions INTEGER NOT NULL REFERENCES versions (id),
+    replay TEXT,
+    {results}
+) WITHOUT ROWID;
+"""
+_RESULTS: Final = tuple(field.name for field in dataclasses.fields(MatchResult) if field.name != "logs")
+"""A column for each part of a result, as JSON; logs are files."""
+_COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in _RESULTS)
+_KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(_RESULTS)})"  # noqa: S608
+_PLAYED: Final = f"SELECT id, block, seed, seating, replay, {', '.join(_RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
+
+
+@dataclass(frozen=True, slots=True)
+class Tournament:
+    """What a store holds the matches of; it can be continued by whoever says the same."""
+
+    config: ArenaConfig
+    entrants: tuple[Entrant, ...]
+    plan: Mapping[str, str | int | float]
+    """The plan's parameters."""
+    terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)
+    """On what terms it is played besides: `recorded`, `trusted`, and the limits of isolated agents."""
+
+    def facts(self) -> dict[str, Any]:
+        """As it is stored."""
+        return {
+            "ruleset": RULESET,
+            "config": self.config.to_dict(),
+            "entrants": [dataclasses.asdict(entrant) for entrant in self.entrants],
+            "plan": dict(self.plan),
+            "terms": dict(self.terms),
+        }
+
+
+class Store:
+    """The matches of one tournament. A context that closes the file.
+
+    Raises: StoreError for whatever SQLite refuses.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        """Open the file, or one in memory; see `begin` and `read`."""
+        self.path = path
+        with self._store_errors():
+            self._db = sqlite3.connect(path or ":memory:", isolation_level=None, timeout=_PATIENCE_S)
+        self._versions = 0
+
+    @classmethod
+    def begin(cls, tournament: Tournament, folder: Path | None = None, *, resume: bool = False) -> Self:
+        """The store of a tournament that is to be played, kept in memory where there is no folder.
+
+        Raises: StoreError where the folder has a store already, unless it is to be resumed and is of this tournament.
+        """
+        store = cls(None if folder is None else folder / STORE)
+        with store._closed_on_error():
+            store._open(tournament, resume=resume)
+        return store
+
+    @classmethod
+    def read(cls, folder: Path) -> Self:
+        """The store of a tournament that has begun. Raises: StoreError where there is none."""
+        path = folder / STORE
+        if not path.is_file():
+            raise StoreError(f"{folder}: holds no tournament (a file {STORE})")
+        store = cls(path)
+        with store._closed_on_error():
+            if not store._has_tables():
+                raise StoreError(f"{folder}: holds a tournament that has not begun")
+        return store
+
+    @property
+    def tournament(self) -> Tournament:
+        """Whose matches these are."""
+        facts = self._facts()
+        entrants = tuple(Entrant(**entrant) for entrant in facts["entrants"])
+        return Tournament(ArenaConfig.from_dict(facts["config"]), entrants, facts["plan"], facts["terms"])
+
+    def plan(self, blocks: Iterable[Block]) -> int:
+        """Write blocks that will be played, all or none; how many matches there are in them."""
+        count = 0
+        with self._transaction() as db:
+            for match in (match for block in blocks for match in block):
+                row = (match.id, match.block, match.seed, _json(match.seating))
+                if not db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?)", row).rowcount:
+                    planned = db.execute("SELECT * FROM match WHERE id = ?", (match.id,)).fetchone()
+                    if planned != row:
+                        raise StoreError(f"{self._name}: match {match.id} must be {_match(planned)}, got {match}")
+                count += 1
+        return count
+
+    def keep(self, block: Iterable[Played]) -> None:
+        """Write matches that were played, all or none; one that was kept before must have come out alike."""
+        with self._transaction():
+            for one in block:
+                self._keep(one)
+
+    def _keep(self, one: Played) -> None:
+        result = one.result
+        parts = {name: getattr(result, name) for name in _RESULTS}
+        parts["thinking"] = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in result.thinking]
+        parts["details"] = [one and (one.code, one.step, one.reason) for one in result.details]
+        row = (one.match.id, self._versions, one.replay, *map(_json, parts.values()))
+        if self._db.execute(_KEEP, row).rowcount:
+            return
+        kept = _played(self._db.execute(f"{_PLAYED} WHERE id = ?", (one.match.id,)).fetchone())
+        if kept != one:
+            raise StoreError(
+                f"{self._name}: match {one.match.id} came out with scores {kept.result.scores} and digest "
+                f"{kept.result.digest}, and when it was played again with {result.scores} and {result.digest}: "
+                "an agent does not repeat itself"
+            )
+
+    def waiting(self) -> Iterator[Block]:
+        """The matches that are planned and not played, by block, in the order of the plan."""
+        for _, block in groupby(self._waiting(), key=lambda match: match.block):
+            yield tuple(block)
+
+    def _waiting(self) -> Iterator[Match]:
+        """Match by match, read a page at a time: in between there are writes."""
+        after = ""
+        while True:
+            with self._store_errors():
+                rows = self._db.execute(
+                    "SELECT match.* FROM match LEFT JOIN result ON match = id "
+                    "WHERE result.match IS NULL AND id > ? ORDER BY id LIMIT ?",
+                    (after, _PAGE),
+                ).fetchall()
+            if not rows:
+                return
+            yield from map(_match, rows)
+            after = rows[-1][0]
+
+    def played(self, most: int = -1) -> Iterator[Played]:
+        """What was played, in the order of the plan; `most`, at most so many."""
+        with self._store_errors():
+            yield from map(_played, self._db.execute(f"{_PLAYED} ORDER BY id LIMIT ?", (most,)))
+
+    def records(self) -> Iterator[tuple[Played, dict[str, str]]]:
+        """What was played, in the order of the plan, each with the versions that played it."""
+        with self._store_errors():
+            known = {key: json.loads(value) for key, value in self._db.execute("SELECT id, value FROM versions")}
+            query = f"SELECT versions, {_PLAYED.removeprefix('SELECT ')} ORDER BY id"
+            for by, *row in self._db.execute(query):
+                yield _played(row), known[by]
+
+    def count_played(self) -> int:
+        """How many matches were played."""
+        return self._count("result")
+
+    def count_planned(self) -> int:
+        """How many matches are planned so far, those that were played included."""
+        return self._count("match")
+
+    def close(self) -> None:
+        """Give the file back."""
+        self._db.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def _name(self) -> str:
+        return "the store" if self.path is None else str(self.path)
+
+    def _open(self, tournament: Tournament, *, resume: bool) -> None:
+        self._has_tables()  # before anything is changed in a file that may not be ours
+        with self._store_errors():
+            self._db.execute("PRAGMA journal_mode = WAL")
+            self._db.execute("PRAGMA synchronous = NORMAL")  # a power cut may take the last matches, but never the file
+            self._db.execute("PRAGMA foreign_keys = ON")
+        with self._transaction() as db:
+            if not self._has_tables():
+                for statement in _TABLES.format(results=_COLUMNS).strip().split(";\n"):
+                    db.execute(statement)
+                db.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
+                db.execute(f"PRAGMA user_version = {_FORMAT}")
+            if not self.count_planned():  # whoever began it got no further
+                facts = [(name, _json(value)) for name, value in tournament.facts().items()]
+                db.executemany("INSERT OR REPLACE INTO fact VALUES (?, ?)", facts)
+            elif not resume:
+                raise StoreError(
+                    f"{self._name}: holds a tournament already, with {self.count_played()} of {self.count_planned()} "
+                    "matches played: go on with --resume, or give another folder"
+                )
+            elif found := difference(self._facts(), json.loads(_json(tournament.facts()))):
+                raise StoreError(f"{self._name}: is of another tournament: {found}")
+            text = _json(versions())
+            db.execute("INSERT OR IGNORE INTO versions (value) VALUES (?)", (text,))
+            (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
+
+    def _has_tables(self) -> bool:
+        """Whether there is anything in it. Raises: StoreError for what we have not made, or in another format."""
+        with self._store_errors():
+            (application_id,) = self._db.execute("PRAGMA application_id").fetchone()
+            (form,) = self._db.execute("PRAGMA user_version").fetchone()
+            empty = not self._count("sqlite_schema")
+        if empty:
+            return False
+        if application_id != _APPLICATION_ID:
+            raise StoreError(f"{self._name}: is no store of a tournament")
+        if form != _FORMAT:
+            raise StoreError(f"{self._name}: is of format {form}, and this version reads format {_FORMAT}")
+        return True
+
+    def _facts(self) -> dict[str, Any]:
+        with self._store_errors():
+            return {name: json.loads(value) for name, value in self._db.execute("SELECT name, value FROM fact")}
+
+    def _count(self, table: str) -> int:
+        with self._store_errors():
+            return int(self._db.execute(f"SELECT count(*) FROM {table}").fetchone()[0])  # noqa: S608 - ours
+
+    @contextmanager
+    def _closed_on_error(self) -> Iterator[None]:
+        try:
+            yield
+        except BaseException:
+            self.close()
+            raise
+
+    @contextmanager
+    def _transaction(self) -> Iterator[sqlite3.Connection]:
+        with self._store_errors():
+            self._db.execute("BEGIN IMMEDIATE")
+            try:
+                yield self._db
+                self._db.execute("COMMIT")
+            except BaseException:
+                if self._db.in_transaction:  # on a full disk SQLite may have rolled back itself
+                    self._db.execute("ROLLBACK")
+                raise
+
+    @contextmanager
+    def _store_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except sqlite3.Error as error:
+            raise StoreError(f"{self._name}: {self._message(error)}") from None
+
+    def _message(self, error: sqlite3.Error) -> str:
+        """What SQLite says; where it cannot write, with the room that there is, and what the rest needs."""
+        name = getattr(error, "sqlite_errorname", "")
+        if self.path is None or not name.startswith((_FULL, _FAILED)):
+            return f"cannot be used: {error}"
+        folder, needed = self.path.parent, self._bytes_needed()
+        why = "the disk is full" if name == _FULL or _is_full(folder, needed or 0) else error
+        return f"cannot be written: {why}: {room(folder, needed)}"
+
+    def _bytes_needed(self) -> int | None:
+        """Bytes for the matches that wait, about; None where the plan is not written either."""
+        with suppress(sqlite3.Error):
+            (count,) = self._db.execute(
+                "SELECT count(*) FROM match LEFT JOIN result ON match = id WHERE result.match IS NULL"
+            ).fetchone()
+            for (seating,) in self._db.execute("SELECT seating FROM match LIMIT 1"):
+                return int(count) * store_bytes(len(json.loads(seating)))
+        return None
+
+
+def _is_full(folder: Path, needed: int) -> bool:
+    with suppress(OSError):
+        return shutil.disk_usage(folder).free < max(_LEAST_FREE, needed)
+    return False
+
+
+def versions() -> dict[str, str]:
+    """What plays in this process, by version: the package, Python, NumPy and Numba."""
+    return {
+        "catch_arena": version("catch-arena"),
+        "python": platform.python_version(),
+        "numpy": version("numpy"),
+        "numba": version("numba"),
+    }
+
+
+def store_bytes(seats: int) -> int:
+    """What a match takes in the store, about: scripts/measure_store.py."""
+    return 120 + 62 * seats
+
+
+def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
+    """The first fact in which a stored tournament differs from this one, in words; None if there is none."""
+    if there["ruleset"] != here["ruleset"]:
+        return f"it was played under ruleset {there['ruleset']}, and this is {here['ruleset']}"
+    for kind in ("config", "plan", "terms"):
+        for name in dict.fromkeys((*there[kind], *here[kind])):
+            begun, now = there[kind].get(name), here[kind].get(name)
+            if begun != now:
+                return f"{name} is {_shown(begun)} there, and {_shown(now)} here"
+    names = [[entrant["name"] for entrant in facts["entrants"]] for facts in (there, here)]
+    if names[0] != names[1]:
+        return f"its agents are {' '.join(names[0])}, and here {' '.join(names[1])}"
+    for begun, now in zip(there["entrants"], here["entrants"], strict=True):
+        for name in ("digest", "control"):
+            if begun[name] != now[name]:
+                return f"the {name} of agent {now['name']} is {begun[name]} there, and {now[name]} here"
+        fit = ["can begin" if one["fault"] is None else "cannot begin" for one in (begun, now)]
+        if fit[0] != fit[1]:
+            return f"agent {now['name']} {fit[0]} there, and {fit[1]} here"
+    return None
+
+
+def _shown(value: object) -> str:
+    return "not given" if value is None else _json(value)
+
+
+def _match(row: Sequence[Any]) -> Match:
+    name, block, seed, seating = row
+    return Match(name, block, seed, tuple(json.loads(seating)))
+
+
+def _played(row: Sequence[Any]) -> Played:
+    parts: dict[str, Any] = {name: json.loads(text) for name, text in zip(_RESULTS, row[5:], strict=True)}
+    parts["thinking"] = [MoveTimes(*part) for part in parts["thinking"]]
+    parts["details"] = [part and Forfeit(*part) for part in parts["details"]]
+    for name, part in parts.items():
+        parts[name] = tuple(part) if isinstance(part, list) else part
+    return Played(_match(row[:4]), MatchResult(**parts), row[4])
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False)

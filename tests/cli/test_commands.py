@@ -1,0 +1,404 @@
+"""The command line: what it prints, what it leaves, and its exit codes."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import arena, main
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.entrants import agent_class
+
+ROOT = Path(__file__).parents[2]
+QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
+
+
+@pytest.fixture
+def catch_arena(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words: str):
+        return CliRunner().invoke(main, list(words))
+
+    return call
+
+
+def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_path):
+    result = catch_arena("tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--out", "o", "--record")
+    assert result.exit_code == 0, result.output
+    assert re.search(r"1 +nearest +1 +2 ", result.output)
+    assert sorted(path.name for path in (tmp_path / "o").iterdir()) == [
+        "replays",
+        "report.html",
+        "standings.csv",
+        "standings.json",
+        "tournament.sqlite",
+    ]
+    replays = sorted(map(str, (tmp_path / "o" / "replays").iterdir()))
+    assert len(replays) == 2
+    verified = catch_arena("verify", *replays)
+    assert verified.exit_code == 0
+    assert verified.output.count("all of 30 steps play as recorded") == 2
+
+
+def test_no_line_of_the_table_is_longer_than_80_columns(catch_arena):
+    result = catch_arena("tournament", "contested_by_time", "contested_by_time", *QUICK, "--jobs", "1", "--out", "o")
+    assert max(map(len, result.output.splitlines())) <= 80
+    assert "contested_by_time#2" in result.output
+
+
+SPOKEN = (
+    "class Agent:\n    def reset(self, seed): print('los, 亀')\n    def act(self, view): raise ValueError('zu spät')\n"
+)
+BAD = ROOT / "tests" / "tournament" / "isolation" / "bad"
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_bad_agents_are_isolated_by_default_and_spoil_nothing(catch_arena, tmp_path, jobs):
+    """One ends its process, one is late, one cannot begin, one writes where it plays; the others play on."""
+    words = ["nearest", "idle", *(str(BAD / f"{name}.py") for name in ("exits", "hangs", "writes_here"))]
+    (tmp_path / "no_agent.py").write_text("1 / 0\n")
+    limits = [*QUICK, "--limit", "bank_s=0", "--limit", "step_ms=1000", "--jobs", jobs, "--out", "o"]
+    result = catch_arena("tournament", *words, "no_agent.py", "--format", "gauntlet", *limits)
+    assert result.exit_code == 0, result.output
+    assert "warning: no_agent cannot begin, and forfeits its matches: " in result.stderr
+    table = {line.split()[1]: line.split()[-1] for line in result.stdout.splitlines() if re.match(r" *\d ", line)}
+    assert table == {"nearest": "0", "idle": "0", "writes_here": "0", "exits": "2", "hangs": "2", "no_agent": "2"}
+    logs = {path.name: path.read_text() for path in (tmp_path / "o" / "logs").iterdir()}
+    assert logs["exits.log"].count("FORFEIT_CRASH in step 5: act: its process exited with code 3") == 2
+    assert logs["hangs.log"].count("FORFEIT_TIMEOUT in step 5: act took longer") == 2
+    assert logs["no_agent.log"].count("FORFEIT_INIT before the first step: ") == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["no_agent.py", "o"]
+    assert catch_arena("export", "o", "-o", "m.jsonl").exit_code == 0
+    details = [one for line in (tmp_path / "m.jsonl").read_text().splitlines() for one in json.loads(line)["details"]]
+    assert sum(one is not None for one in details) == 6
+
+
+def test_one_that_is_trusted_and_one_that_is_isolated_play_the_same_tournament(catch_arena, tmp_path):
+    """But one does not go on with what the other began, nor do other limits."""
+    (tmp_path / "mine.py").write_text((ROOT / "agents" / "contested.py").read_text())
+    words = ["tournament", "mine.py", "nearest", "random", *QUICK, "--jobs", "1"]
+    for out, how in (("a", ["--trusted"]), ("b", [])):
+        assert catch_arena(*words, "--out", out, *how).exit_code == 0
+        catch_arena("export", out, "--no-timing", "-o", f"{out}.csv")
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    for out, how, message in (
+        ("a", [], "trusted is true there, and false here"),
+        ("b", ["--limit", "step_ms=50"], "step_ms is 100.0 there, and 50 here"),
+    ):
+        refused = catch_arena(*words, "--out", out, "--resume", *how)
+        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
+        assert message in refused.stderr
+
+
+def test_a_match_says_who_forfeited_and_what_they_printed(catch_arena):
+    result = catch_arena("match", str(BAD / "crashes.py"), "nearest", *QUICK)
+    assert result.exit_code == 0, result.output
+    assert "crashes: FORFEIT_CRASH in step 5: act raised ZeroDivisionError" in result.stdout
+    assert result.stderr.startswith("crashes printed:\nTraceback")
+
+
+def test_a_match_that_cannot_be_held_is_told_in_one_line_with_what_is_kept(catch_arena, tmp_path):
+    (tmp_path / "ends.py").write_text(
+        "import os\nclass Agent:\n    def reset(self, seed): os._exit(1)\n    def act(self, view): return 0\n"
+    )
+    result = catch_arena("tournament", "ends.py", "idle", *QUICK, "--trusted", "--jobs", "2", "--out", "o")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert re.match(r"catch-arena: a worker process died, 3 times, .*; 0 of 2 matches are kept in o; ", result.stderr)
+
+
+def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
+    words = ["tournament", "nearest", "idle", "-s", "duel", "--set", "time_limit_s=15", "--jobs", "1"]
+    clear = catch_arena(*words, "--until-separated", "0.95", "--out", "a")
+    assert re.search(r"duel: 2 agents, at most 10000 matches", clear.output)
+    assert re.search(r"after \d\d matches, the order is clear", clear.output)
+    words[2] = "nearest"
+    spent = catch_arena(*words, "--until-separated", "0.95", "--max-matches", "21", "--out", "b")
+    assert re.search("after 20 matches, nearest.* cannot be told apart yet", spent.output)
+    more = catch_arena(*words, "--until-separated", "0.95", "--max-matches", "30", "--out", "b", "--resume")
+    assert re.search("after 30 matches, nearest.* cannot be told apart yet", more.output)
+
+
+def test_a_match_is_recorded(catch_arena, tmp_path):
+    result = catch_arena("match", "nearest", "patrol", *QUICK, "--seed", "4", "-o", "m.replay")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "m.replay").is_file()
+
+
+def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_arena, tmp_path):
+    catch_arena("match", "nearest", "patrol", *QUICK, "-o", "m.replay")
+    (tmp_path / "bad.replay").write_bytes((tmp_path / "m.replay").read_bytes()[:-3])
+    result = catch_arena("verify", "bad.replay", "m.replay")
+    assert result.exit_code == 2
+    assert "bad.replay: should be" in result.stderr
+    assert "m.replay: all of 30 steps" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["tournament", "neerest", "idle", *QUICK], "unknown agent 'neerest': did you mean nearest"),
+        (["tournament", "nearest", "idle", "--scenario", "dual"], "unknown scenario 'dual': did you mean duel"),
+        (["tournament", "nearest", "idle"], "--scenario duel"),
+        (["tournament", "nearest", "idle", *QUICK, "--set", "reach=2"], "did you mean reach_m"),
+        (["tournament", "nearest", "idle", *QUICK, "--set", "reach_m=-2"], "reach_m must be above 0"),
+        (["tournament", "nearest", "idle", *QUICK, "--set", "reach_m"], "--set must be KEY=VALUE"),
+        (["tournament", "nearest", "idle", *QUICK, "--set", "control=full"], "left to the agents"),
+        (["tournament", "nearest", "idle", *QUICK, "--jobs", "0"], "jobs must be at least 1"),
+        (["tournament", "nearest", "idle", *QUICK, "--rounds", "0"], "rounds must be at least 1"),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--out", "file/o"],
+            "file: cannot be written: is a file, not a folder",
+        ),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--out", "file"],
+            "file: cannot be written: is a file, not a folder",
+        ),
+        (["tournament", "nearest", "idle", *QUICK, "--address", "auto"], "--address must come with --executor ray"),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--executor", "ray", "--address", "auto", "-j", "2"],
+            "--jobs must be left out with --address",
+        ),
+        (["tournament", "nearest", "idle", *QUICK, "--max-matches", "9"], "--max-matches must come with"),
+        (["tournament", "nearest", "idle", *QUICK, "--until-separated", "2"], "confidence must lie in [0.5, 1)"),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--until-separated", "0.9", "--format", "swiss"],
+            "--format must be another one with --until-separated, got swiss",
+        ),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--until-separated", "0.9", "--rounds", "2"],
+            "--rounds must be left out with --until-separated, got 2",
+        ),
+        (
+            ["tournament", "nearest", "idle", *QUICK, "--limit", "steps=9"],
+            "unknown limit 'steps': did you mean step_ms",
+        ),
+        (["match", "nearest", "idle", *QUICK, "--limit", "step_ms=9", "--trusted"], "--limit must be left out with"),
+        (["match", "cmd:true", "idle", *QUICK, "--trusted"], "must not be trusted"),
+        (["export", "missing", "-o", "e"], "missing: holds no tournament"),
+        (["match", "nearest", *QUICK], "agents must be at least 2"),
+        (["match", "nearest", "idle", "first", *QUICK], "agents must be 2"),
+        (["match", "nearest", "idle", *QUICK, "-o", "file/m.replay"], "file: cannot be written"),
+        (["match", "nearest", "idle", *QUICK, "--seed", "-1"], "seed must be"),
+        (["verify", "file"], "is not a Catch Arena replay"),
+        (["verify", "missing"], "missing: cannot be read"),
+        (["render", "file"], "is not a Catch Arena replay"),
+    ],
+)
+def test_our_errors_are_one_line_and_exit_code_2(catch_arena, tmp_path, words, message):
+    (tmp_path / "file").touch()
+    result = catch_arena(*words)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert "Traceback" not in result.output
+    assert result.stderr.strip().splitlines()[-1].startswith("catch-arena: ")
+    assert sorted(path.name for path in tmp_path.iterdir() if path.name != "out") == ["file"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [(["tornament"], "tournament"), (["tournament", "nearest", "--secnario", "duel"], "--scenario")],
+)
+def test_a_mistyped_command_or_option_is_suggested(catch_arena, words, message):
+    result = catch_arena(*words)
+    assert result.exit_code == 2
+    assert message in result.stderr
+
+
+def test_agents_and_scenarios_are_listed(catch_arena):
+    assert "contested_by_time" in catch_arena("agents").output
+    assert re.search(r"crowd +16 ", catch_arena("scenarios").output)
+    assert re.match(r"catch-arena \d", catch_arena("--version").output)
+
+
+def test_settings_are_numbers_words_or_parts():
+    config = arena(
+        "standard", ["reach_m=0.5", "policy=first_come", "faults.kill_down=0.2", "gains.ki_v=0", "gains.kp_v=3"]
+    )
+    assert (config.reach_m, config.policy, config.faults.kill_down) == (0.5, "first_come", 0.2)
+    assert (config.gains.ki_v, config.gains.kp_v, config.gains.kp_w) == (0, 3, 6.0)
+    with pytest.raises(ConfigError, match=r"unknown setting faults\.kil"):
+        arena("standard", ["faults.kil=1"])
+
+
+def test_help_loads_nothing_heavy():
+    code = (
+        "import sys\nfrom typer.testing import CliRunner\nfrom catch_arena.cli import main\n"
+        "assert CliRunner().invoke(main, ['--help']).exit_code == 0\n"
+        "print([name for name in ('numba', 'pygame', 'cv2', 'av', 'pettingzoo') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_the_script_is_the_command(catch_arena, tmp_path):
+    words = ["nearest", "idle", *QUICK, "--jobs", "1", "--out"]
+    script = [sys.executable, str(ROOT / "scripts" / "tournament.py"), *words, "a"]
+    done = subprocess.run(script, cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert done.stdout.replace(": a", ": b") == catch_arena("tournament", *words, "b").output
+    assert (tmp_path / "a" / "standings.json").read_bytes() == (tmp_path / "b" / "standings.json").read_bytes()
+
+
+def test_a_plan_is_printed_with_its_cost_and_nothing_is_played(catch_arena, tmp_path):
+    result = catch_arena("tournament", "nearest", "idle", "random", *QUICK, "--plan", "--record", "--jobs", "2")
+    assert result.exit_code == 0, result.output
+    for line in (
+        r"plan +format round-robin, rounds 1, seed 0",
+        r"matches +6",
+        r"an agent plays +4 matches",
+        r"a pair meets in +2 matches",
+        r"time +about .* with 2 processes",
+        r"store +about [\d.]+ kB",
+        r"replays +about [\d.]+ kB",
+    ):
+        assert re.search(line, result.output), line
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_plan_says_what_an_agent_that_hangs_could_cost(catch_arena, tmp_path):
+    """0.5 s to begin, a step of 20 ms and a bank of 0.1 s; 30 steps where it is only slow."""
+    (tmp_path / "mine.py").write_text(SPOKEN)
+    words = ["tournament", "mine.py", "mine.py", "nearest", *QUICK, "--plan", "--rounds", "5", "--jobs", "1"]
+    words += ["--limit", "init_s=0.5", "--limit", "step_ms=20", "--limit", "bank_s=0.1"]
+    for most, lines in (
+        ("3", [r"hangs +may take 0\.6 s a match: 2\.5 s for 4, then it is out", r"all 2 that could +5\.0 s with one"]),
+        ("0", [r"hangs +may take 0\.6 s a match: 12\.4 s for 20 *$", r"all 2 that could +24\.8 s with one process"]),
+    ):
+        told = catch_arena(*words, "--max-forfeits", most).output
+        for line in (
+            *lines,
+            r"a slow agent +may take 1\.2 s a match: 24\.0 s for 20, no forfeit",
+            "mine forfeited there: ",
+        ):
+            assert re.search(line, told, re.MULTILINE), told
+    assert "hangs" not in catch_arena(*words[:1], "nearest", "idle", *QUICK, "--plan").output
+
+
+def test_who_was_out_is_told(catch_arena):
+    words = [
+        str(BAD / "crashes.py"),
+        "idle",
+        *QUICK,
+        "--rounds",
+        "4",
+        "--max-forfeits",
+        "3",
+        "--jobs",
+        "1",
+        "--out",
+        "o",
+    ]
+    result = catch_arena("tournament", *words, "--trusted")
+    assert "crashes was out after 3 forfeits in a row: 4 of its 8 matches were played without it" in result.output
+    assert catch_arena("report", "o").exit_code == 0
+    assert "FORFEIT_OUT" in Path("o/report.html").read_text()
+    assert json.loads(Path("o/standings.json").read_text())["standings"][1]["forfeits"] == {
+        "FORFEIT_CRASH": 4,
+        "FORFEIT_OUT": 4,
+    }
+
+
+def test_a_tournament_is_not_overwritten_and_is_continued_by_the_same_words_alone(catch_arena, tmp_path):
+    first = ["tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--out", "o"]
+    begun = catch_arena(*first, "--resume")  # nothing to go on with: it begins
+    assert begun.exit_code == 0, begun.output
+    content = (tmp_path / "o" / "tournament.sqlite").read_bytes()
+    refused = catch_arena(*first)
+    assert refused.exit_code == 2
+    assert "holds a tournament already, with 2 of 2 matches played: go on with --resume" in refused.stderr
+    for more, message in (
+        (["--rounds", "2"], "rounds is 1 there, and 2 here"),
+        (["--set", "reach_m=0.5"], "reach_m is 0.3 there, and 0.5 here"),
+        (["--record"], "recorded is false there, and true here"),
+        (["--max-forfeits", "3"], "max_forfeits is 10 there, and 3 here"),
+        (["first"], "its agents are nearest idle, and here nearest idle first"),
+    ):
+        other = catch_arena(*first, "--resume", *more)
+        assert (other.exit_code, other.stderr.count("\n")) == (2, 1)
+        assert message in other.stderr
+    assert catch_arena(*first, "--resume").output == begun.output
+    assert (tmp_path / "o" / "tournament.sqlite").read_bytes() == content
+
+
+def test_an_agent_that_was_changed_does_not_continue_a_tournament(catch_arena, tmp_path):
+    words = ["tournament", "mine.py", "idle", *QUICK, "--jobs", "1", "--out", "o", "--resume"]
+    source = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
+    (tmp_path / "mine.py").write_text(source)
+    assert catch_arena(*words).exit_code == 0
+    (tmp_path / "mine.py").write_text(source + "# better\n")
+    agent_class.cache_clear()
+    assert "the digest of agent mine is" in catch_arena(*words).stderr
+
+
+@pytest.mark.parametrize("how", [["--trusted"], ["--limit", "step_ms=1000000"]])
+def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
+    hang = tmp_path / "hang.py"
+    hang.write_text(
+        "from pathlib import Path\nclass Agent:\n"
+        "    def reset(self, seed): Path(__file__).with_name('began').touch()\n"
+        "    def act(self, view):\n        while True: pass\n"
+    )
+    command = [sys.executable, "-m", "catch_arena", "tournament", "hang.py", "idle"]
+    words = [*command, "--scenario", "duel", "--jobs", "2", "--out", "o", *how]
+    process = subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    patience = time.monotonic() + 60
+    while not (tmp_path / "began").exists() and time.monotonic() < patience:
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGINT)
+    try:
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 130
+    assert errors == (
+        "catch-arena: interrupted: 0 of 2 matches are kept in o; the same command with --resume goes on\n"
+    )
+    assert [path.name for path in (tmp_path / "o").iterdir()] == ["tournament.sqlite"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "shown"),
+    [({"LC_ALL": "C"}, "jäger_亀"), ({"LANG": "C"}, "jäger_亀"), ({"PYTHONIOENCODING": "ascii"}, "j?ger_?")],
+)
+def test_names_of_any_script_play_and_are_written_whatever_the_terminal_can_show(tmp_path, settings, shown):
+    folder = tmp_path / "Zoë Müller"
+    folder.mkdir()
+    (folder / "jäger_亀.py").write_text(SPOKEN, encoding="utf-8")
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith(("LANG", "LC_", "PYTHONIO"))
+    }
+    command = [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament", "Zoë Müller/jäger_亀.py"]
+    words = [*command, "nearest", *QUICK, "--jobs", "2", "--record", "--out", "größe"]
+    done = subprocess.run(
+        words, cwd=tmp_path, env={**environment, **settings}, capture_output=True, encoding="utf-8", check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.search(rf"2 *\|? *{re.escape(shown)} ", done.stdout), done.stdout
+    assert "act raised ValueError: zu spät" in (tmp_path / "größe" / "logs" / "jäger_亀.log").read_text(
+        encoding="utf-8"
+    )
+    assert "los, 亀" in (tmp_path / "größe" / "logs" / "jäger_亀.log").read_text(encoding="utf-8")
+    assert "jäger_亀" in (tmp_path / "größe" / "report.html").read_text(encoding="utf-8")
+    assert "jäger_亀,1," in (tmp_path / "größe" / "standings.csv").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (b"caf\xe9.py", r"must be text in this system's encoding, utf-8: "),
+        (b"a\nb.py", r"its name must be of characters"),
+    ],
+)
+def test_a_name_that_is_no_text_is_one_line(catch_arena, tmp_path, name, message):
+    (tmp_path / os.fsdecode(name)).write_text(SPOKEN, encoding="utf-8")
+    for words in (["tournament", "{}", "nearest"], ["match", "{}", "nearest"], ["check-agent", "{}"]):
+        refused = catch_arena(*(os.fsdecode(name) if word == "{}" else word for word in words), *QUICK)
+        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
+        assert message in refused.stderr

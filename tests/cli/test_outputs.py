@@ -1,0 +1,158 @@
+"""A command that writes a file replaces none without --force."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.cli.outputs import free_name
+
+QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
+SMALL = ["--size", "320x320", "--fps", "10"]
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory):
+    """A folder with a tournament, its replays, and a spec."""
+    folder = tmp_path_factory.mktemp("played")
+    words = ["tournament", "nearest", "contested", *QUICK, "--jobs", "1", "--record", "--out", str(folder / "o")]
+    assert CliRunner().invoke(main, words).exit_code == 0
+    (folder / "spec.toml").write_text(
+        'seeds = [1]\n[[test]]\nname = "t"\nscenario = "capstone"\nsettings = { time_limit_s = 1 }\n'
+    )
+    return folder
+
+
+WRITERS = {
+    "match.replay": ["match", "nearest", "idle", *QUICK],
+    "mine.replay": ["match", "nearest", "idle", *QUICK, "-o", "mine.replay"],
+    "v.mp4": ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.mp4", *SMALL],
+    "v.gif": ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.gif", *SMALL],
+    "g.mp4": ["mosaic", "{o}/replays", "-o", "g.mp4", "--count", "1", "--fps", "5"],
+    "sheet.png": ["sheet", "{o}/replays/r00001-g000001-s00.replay", "--count", "2"],
+    "e.csv": ["export", "{o}", "--format", "csv", "-o", "e.csv"],
+    "grades.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "grades.json"],
+    "grades.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "grades.xml"],
+    "c.xml": ["conformance", "catch_arena:arbitrate", "--only", "reach", "--junit", "c.xml"],
+    "audit.json": ["audit", "--matches", "100", "-s", "duel", "--set", "time_limit_s=1", "--jobs", "1", "--out", "."],
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    words = [word.replace("{o}", str(played / "o")) for word in WRITERS[name]]
+    Path(name).write_text("mine")
+    refused = CliRunner().invoke(main, words)
+    assert refused.exit_code == 2
+    assert refused.stderr == f"catch-arena: {name}: is there already: give --force to replace it, or another name\n"
+    assert not refused.stdout
+    assert Path(name).read_text() == "mine"
+    CliRunner().invoke(main, [*words, "--force"])
+    assert Path(name).read_bytes() != b"mine"
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_a_video_whose_name_gets_another_ending_replaces_nothing_either(played, tmp_path, monkeypatch):
+    """Without PyAV."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "av", None)
+    Path("v.gif.mp4").write_text("mine")
+    replay = played / "o" / "replays" / "r00001-g000001-s00.replay"
+    refused = CliRunner().invoke(main, ["render", str(replay), "-o", "v.gif", *SMALL])
+    assert refused.stderr.startswith("catch-arena: v.gif.mp4: is there already: ")
+
+
+def test_every_command_that_names_a_file_to_write_can_be_forced():
+    writers = set()
+    for name, command in typer.main.get_command(main).commands.items():
+        options = {option for parameter in command.params for option in parameter.opts}
+        if options & {"--output", "--junit", "--record"} and name != "tournament":  # whose --record is a flag
+            writers.add(name)
+            assert "--force" in options, name
+    assert writers >= {
+        "match",
+        "render",
+        "mosaic",
+        "highlights",
+        "sheet",
+        "export",
+        "grade",
+        "conformance",
+        "play",
+        "watch",
+    }
+
+
+def test_what_a_tournament_writes_from_its_store_is_made_anew(played):
+    """Its standings and its report hold nothing else, so that nothing is lost."""
+    report = played / "o" / "report.html"
+    before = report.read_bytes()
+    report.write_text("old")
+    assert CliRunner().invoke(main, ["report", str(played / "o")]).exit_code == 0
+    assert report.read_bytes() == before
+
+
+def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given(tmp_path, monkeypatch):
+    """A folder without a store has nothing that was made from one, so that it would be lost."""
+    monkeypatch.chdir(tmp_path)
+    words = ["tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--record", "--out", "other"]
+    names = ["report.html", "standings.csv", "standings.json", "replays/mine.replay"]
+    Path("other/replays").mkdir(parents=True)
+    Path("other/notes.txt").write_text("stays")
+    for name in names:
+        Path("other", name).write_text("mine")
+        for more in ([], ["--resume"]):
+            refused = CliRunner().invoke(main, [*words, *more])
+            assert refused.exit_code == 2
+            assert re.fullmatch(r"catch-arena: other/\S+: .* already: give --force to replace .*\n", refused.stderr)
+            assert Path("other", name).read_text() == "mine"
+            assert not Path("other/tournament.sqlite").exists()
+        Path("other", name).unlink()
+    for name in names:
+        Path("other", name).write_text("mine")
+    assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
+    assert [name for name in names if Path("other", name).read_bytes() == b"mine"] == ["replays/mine.replay"]
+    assert Path("other/notes.txt").read_text() == "stays"
+    again = CliRunner().invoke(main, [*words, "--resume"])
+    assert again.exit_code == 0, again.output
+    refused = CliRunner().invoke(main, [*words, "--force"])
+    assert "holds a tournament already" in refused.stderr  # what was played is never replaced
+
+
+@pytest.mark.parametrize(
+    ("words", "start"),
+    [
+        (["-o", "m.jsonl"], b'{"match":'),
+        (["-o", "m.CSV"], b"match,block,seed,"),
+        (["-o", "m.parquet"], b"PAR1"),
+        (["-o", "m.txt"], b'{"match":'),
+        (["-o", "m.txt", "--format", "csv"], b"match,block,seed,"),
+    ],
+)
+def test_an_export_has_the_format_that_its_name_says(played, tmp_path, monkeypatch, words, start):
+    monkeypatch.chdir(tmp_path)
+    assert CliRunner().invoke(main, ["export", str(played / "o"), *words]).exit_code == 0
+    assert Path(words[1]).read_bytes().startswith(start)
+
+
+def test_an_export_whose_name_and_format_contradict_is_refused(played, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    refused = CliRunner().invoke(main, ["export", str(played / "o"), "-o", "hh.csv", "--format", "jsonl"])
+    assert refused.exit_code == 2
+    assert refused.stderr == (
+        "catch-arena: --format must be as the file's name ends or be left out, got jsonl for hh.csv\n"
+    )
+    assert not Path("hh.csv").exists()
+
+
+def test_a_free_name_has_the_next_number(tmp_path):
+    names = []
+    for _ in range(3):
+        names.append(free_name(tmp_path / "match.replay"))
+        names[-1].touch()
+    assert [path.name for path in names] == ["match.replay", "match-2.replay", "match-3.replay"]

@@ -1,0 +1,66 @@
+"""Playing until the order is clear: whole rounds, a budget, and the same answer when it is broken off."""
+
+from itertools import pairwise
+
+import pytest
+
+from catch_arena import scenario
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.plans.until_separated import UntilSeparated
+from catch_arena.tournament.statistics.separation import next_look
+
+SHORT = scenario("duel", time_limit_s=4)
+CLEAR = enter(["nearest", "random", "idle"])
+EQUAL = enter(["nearest", "nearest", "idle"])
+
+
+def plan(entrants, budget, seed=1):
+    return UntilSeparated(entrants, 0.95, budget, lambda rounds: round_robin(3, 2, rounds, seed))
+
+
+def test_it_ends_when_the_order_is_clear_after_whole_rounds():
+    plays = plan(CLEAR, 3000)
+    played = run(scenario("duel", time_limit_s=10), CLEAR, plays)
+    assert plays.last.clear
+    assert len(played) < plays.size == 3000
+    assert len(played) % 6 == 0
+    assert [one.match for one in played] == list(round_robin(3, 2, len(played) // 6, 1))
+
+
+def test_it_ends_when_the_budget_is_spent_and_says_who_is_not_apart():
+    plays = plan(EQUAL, 65)
+    assert len(run(SHORT, EQUAL, plays)) == plays.size == 60
+    assert not plays.last.clear
+    assert set(plays.last.pair) == {"nearest", "nearest#2"}
+    assert "cannot be told apart yet (p = " in str(plays.last)
+
+
+def test_each_batch_reaches_the_next_look():
+    """A round has three blocks."""
+    plays, played, batches = plan(EQUAL, 600), [], []
+    everything = run(SHORT, EQUAL, round_robin(3, 2, 20, 1))
+    while blocks := len(list(plays.batch(len(batches), played))):
+        batches.append(blocks)
+        played = everything[: 2 * sum(batches)]
+        if len(played) == len(everything):
+            break
+    looks = [sum(batches[: number + 1]) for number in range(len(batches))]
+    assert looks[0] == 9
+    for before, look in pairwise(looks[:-1]):
+        assert next_look(before) <= look < next_look(before) + 3
+
+
+def test_a_larger_budget_begins_with_the_same_matches_and_has_the_same_parameters():
+    few, many = plan(EQUAL, 30), plan(EQUAL, 60)
+    assert few.parameters == many.parameters
+    assert list(few.batch(0, ())) == list(many.batch(0, ()))[: len(list(few.batch(0, ())))]
+
+
+def test_what_cannot_be_is_refused():
+    with pytest.raises(ConfigError, match="max_matches must be at least 6, the matches of one round, got 5"):
+        plan(EQUAL, 5)
+    with pytest.raises(ConfigError, match="confidence must lie in"):
+        UntilSeparated(EQUAL, 1.0, 100, lambda rounds: round_robin(3, 2, rounds, 1))

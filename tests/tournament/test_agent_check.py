@@ -1,0 +1,105 @@
+"""`catch-arena check-agent`: what is wrong with an agent, in words."""
+
+import re
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+
+BAD = Path(__file__).parent / "isolation" / "bad"
+QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
+HEAD = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view):\n        "
+
+
+@pytest.fixture
+def check(tmp_path):
+    def call(source, *words):
+        path = Path(source)
+        if "\n" in source:
+            path = tmp_path / "mine.py"
+            path.write_text(source)
+        return CliRunner(env={"COLUMNS": "500"}).invoke(main, ["check-agent", str(path), *(words or QUICK)])
+
+    return call
+
+
+def test_a_good_agent_is_fit_in_every_scenario(check):
+    result = check("patrol", "--set", "time_limit_s=3", "--limit", "step_ms=60000")  # however busy the machine is
+    assert result.exit_code == 0, result.output
+    for scenario in ("standard", "duel", "crowd", "scarce", "faulty", "capstone"):
+        assert re.search(rf"^ok: +{scenario}: 30 steps, scores [\d ]+, [\d.]+ ms a step", result.output, re.MULTILINE)
+    assert "standard: plays the same match again" in result.output
+    assert result.output.endswith("patrol is fit to play\n")
+    assert "warning" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("class Agnet: pass\n", ["cannot begin: ", "has no class Agent; did you mean Agnet"]),
+        ("import rclpy.node\n", ["it imports rclpy, which is not installed here", "| ModuleNotFoundError"]),
+        (HEAD.replace("self, view", "self") + "return 0\n", ["Agent.act must take one argument: def act(self, view)"]),
+        (HEAD + "return 99\n", ["FORFEIT_ILLEGAL in step 1: an action must be", "it saw: targets 1: ", "mask [1, 1, "]),
+        (HEAD + "return view.targets[40].rank\n", ["FORFEIT_CRASH in step 1: act raised IndexError", "| IndexError:"]),
+    ],
+)
+def test_what_would_forfeit_is_explained_and_the_exit_code_is_1(check, source, words):
+    result = check(source)
+    assert result.exit_code == 1
+    for word in words:
+        assert word in result.output, result.output
+    assert "fit to play" not in result.output
+    assert "plays the same match again" not in result.output
+
+
+def test_one_that_fails_in_one_scenario_is_played_again_in_another(check):
+    """Where it does not: a match that a crash cut short says little."""
+    words = ["-s", "standard", "-s", "duel", "--set", "time_limit_s=3"]
+    result = check(HEAD + "return 99 if len(view.rivals) > 1 else 0\n", *words)
+    assert "standard: FORFEIT_ILLEGAL" in result.output
+    assert "duel: plays the same match again" in result.output
+
+
+def test_one_that_fails_without_a_target_is_shown_that_it_saw_none(check):
+    result = check(HEAD + "return view.targets[0].rank\n", "--scenario", "scarce", "--set", "time_limit_s=3")
+    assert result.exit_code == 1
+    assert "it saw: targets none (view.targets is empty); rivals 3; mask " in result.output
+
+
+def test_the_same_failure_in_another_scenario_is_told_in_one_line(check):
+    result = check(HEAD + "return 99\n", "-s", "standard", "-s", "duel", "--set", "time_limit_s=3")
+    assert len(re.findall(r"^error: +\w+: FORFEIT_ILLEGAL in step 1: ", result.output, re.MULTILINE)) == 2
+    assert result.output.count("it saw: ") == 1
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (HEAD + "print('look', view.score)\n        return 0\n", "prints, which goes to its log: 'look 0.0'"),
+        (f"import time\n{HEAD}time.sleep(0.03)\n        return 0\n", "is too slow: "),
+        (f"import os\n{HEAD}return os.urandom(1)[0] % 2\n", "plays another match from step "),
+        (HEAD + "return 8\n", "requests were MALFORMED: the request names no target that could be (R5.2)"),
+    ],
+)
+def test_what_is_only_unwise_is_a_warning(check, source, words):
+    result = check(source, *QUICK, "--limit", "step_ms=20")
+    assert result.exit_code == 0, result.output
+    assert re.search(rf"^warning: duel: .*{re.escape(words)}", result.output, re.MULTILINE), result.output
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["nope"], "unknown agent 'nope'"),
+        (["nearest", "--limit", "step=1"], "unknown limit 'step': did you mean step_ms"),
+        (["nearest", "--limit", "step_ms"], "--limit must be KEY=VALUE"),
+        (["nearest", "--scenario", "dual"], "unknown scenario 'dual': did you mean duel"),
+    ],
+)
+def test_words_that_cannot_be_are_one_line_and_exit_code_2(words, message):
+    result = CliRunner().invoke(main, ["check-agent", *words])
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.splitlines()) == 1

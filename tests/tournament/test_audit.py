@@ -1,0 +1,170 @@
+"""A fair arena passes; one that is not is found out."""
+
+import json
+from random import Random
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena import scenario
+from catch_arena.cli import main
+from catch_arena.tournament import permutations
+from catch_arena.tournament.audit import (
+    LEVEL,
+    corrected,
+    p_of_no_bias,
+    permuted_steps,
+    seat_plan,
+    seats_differ,
+)
+from catch_arena.tournament.permutations import Step, lots
+from catch_arena.tournament.statistics.outcomes import Outcomes
+
+DUEL = scenario("duel")
+FAVOURS_THE_FIRST = """
+from itertools import count
+from catch_arena.agents.nearest import Agent as Nearest
+made = count()
+class Agent(Nearest):
+    def reset(self, seed): self.late = next(made) % 4
+    def act(self, view): return 0 if self.late and len(view.targets) % 4 == 0 else super().act(view)
+"""
+
+
+@pytest.fixture(autouse=True)
+def fewer_steps(monkeypatch):
+    """Made-up ones: what is unfair here shows in the first few."""
+    monkeypatch.setattr("catch_arena.tournament.audit._STEPS", 300)
+
+
+def run(*words):
+    return CliRunner().invoke(main, ["audit", *words, "--jobs", "1", "--set", "time_limit_s=10"])
+
+
+def identical(random, matches, bonus):
+    """Scores of four seats, the third of which gets a bonus now and then."""
+    scores = random.poisson(13, size=(matches, 4))
+    scores[:, 2] += random.random(matches) < bonus
+    ranks = 1 + (scores[:, None, :] > scores[:, :, None]).sum(axis=2)
+    return Outcomes(4, np.arange(matches), np.tile(np.arange(4), (matches, 1)), scores, ranks)
+
+
+def passes(outcomes):
+    return all(check.passed for check in corrected(seats_differ(outcomes)))
+
+
+def test_a_fair_arena_passes_and_audit_json_says_so(tmp_path):
+    result = run("-s", "duel", "--matches", "100", "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    assert "verdict: fair, as far as 100 matches can show" in result.output
+    found = json.loads((tmp_path / "audit.json").read_text())
+    assert (found["passed"], found["matches"], len(found["seats"]), len(found["checks"])) == (True, 100, 2, 8)
+    assert sum(seat["wins"]["mean"] for seat in found["seats"]) == pytest.approx(1)
+    assert found["seats"][0]["wins"]["low"] < 0.5 < found["seats"][0]["wins"]["high"]
+    assert found["twin_difference"]["low"] <= 0 <= found["twin_difference"]["high"]
+
+
+def test_an_agent_that_plays_better_in_the_first_seat_is_an_unfair_arena(tmp_path):
+    """A match begins seat by seat, so that the first of four sits in seat 0."""
+    (tmp_path / "biased.py").write_text(FAVOURS_THE_FIRST)
+    result = run(str(tmp_path / "biased.py"), "--matches", "100", "--out", str(tmp_path))
+    assert result.exit_code == 1, result.output
+    assert "Does a seat catch more than another? YES" in result.output
+    assert "(most: seat 0)" in result.output
+    assert "verdict: NOT FAIR" in result.output
+    assert json.loads((tmp_path / "audit.json").read_text())["passed"] is False
+
+
+def test_a_bonus_of_one_catch_in_two_matches_is_found_in_two_thousand():
+    assert not passes(identical(np.random.default_rng(1), 2000, 0.5))
+
+
+def test_fair_seats_are_accused_as_seldom_as_is_said():
+    """1 % of 600 audits, but for three standard errors."""
+    random = np.random.default_rng(2)
+    accused = sum(not passes(identical(random, 300, 0.0)) for _ in range(600)) / 600
+    assert accused <= LEVEL + 3 * (LEVEL / 600) ** 0.5
+
+
+def test_what_is_always_so_is_no_chance():
+    assert p_of_no_bias(np.tile([0.75, -0.25, -0.25, -0.25], (50, 1))) < 1e-6
+    assert p_of_no_bias(np.zeros((50, 4))) == 1.0
+
+
+def test_an_arbiter_that_serves_whoever_comes_first_is_found_out(monkeypatch):
+    """A test double: the first of those who may have the target gets it."""
+    true = permutations.arbitrate
+
+    def partial(*, hunters, requests, **settings):
+        asked = {seat: place for place, (seat, _) in reversed(list(enumerate(requests)))}
+        first = min(asked, key=asked.__getitem__)
+        return true(
+            hunters=[(9.0, 9.0) if seat != first else at for seat, at in enumerate(hunters)],
+            requests=requests,
+            **settings,
+        )
+
+    monkeypatch.setattr(permutations, "arbitrate", partial)
+    (order, _), _ = permuted_steps(scenario("standard"), 0)
+    assert not order.passed
+
+
+def test_an_arbiter_that_prefers_a_seat_is_found_out(monkeypatch):
+    """A test double: seat 0 reaches further than the others."""
+    true = permutations.arbitrate
+
+    def partial(*, hunters, targets, **settings):
+        target = next(iter(targets.values()))
+        return true(hunters=[target, *hunters[1:]], targets=targets, **settings)
+
+    monkeypatch.setattr(permutations, "arbitrate", partial)
+    (_, labels), _ = permuted_steps(scenario("standard"), 0)
+    assert not labels.passed
+
+
+def test_lots_that_a_seat_always_wins_are_found_out(monkeypatch):
+    monkeypatch.setattr(
+        "catch_arena.tournament.audit.lots",
+        lambda rulings, config: {name: (tied, min(tied)) for name, (tied, _) in lots(rulings, config).items()},
+    )
+    _, (drawn,) = permuted_steps(scenario("standard"), 0)
+    assert not drawn.passed
+
+
+def test_made_up_steps_meet_every_verdict_that_a_contest_has():
+    steps = [Step.drawn(scenario("standard"), Random(seed)) for seed in range(200)]
+    verdicts = {ruling.verdict.name for step in steps for ruling in step.judged().values()}
+    assert {"GRANTED", "LOST_CONTEST", "OUT_OF_REACH", "DUPLICATE", "UNKNOWN_TARGET"} <= verdicts
+
+
+def test_requests_in_another_order_are_the_same_requests():
+    step = Step.drawn(scenario("standard"), Random(5))
+    other = step.in_another_order(Random(6))
+    assert sorted(other.requests) == sorted(step.requests)
+    for seat in range(4):
+        own, others = ([name for asker, name in one.requests if asker == seat] for one in (step, other))
+        assert own == others
+
+
+def test_identical_agents_play_each_match_on_targets_of_its_own():
+    plan = seat_plan(4, 50, 3)
+    assert len({match.seed for match in plan}) == len({match.block for match in plan}) == len(plan) == 50
+    assert {match.seating for match in plan} == {(0, 1, 2, 3)}
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--matches", "99"], "matches must be at least 100 for an audit, got 99"),
+        (["-s", "capstone"], "hunters must be at least 2 for an audit, got 1"),
+        (["neerest"], "did you mean nearest"),
+        (["--out", __file__], "cannot be written"),
+    ],
+)
+def test_what_cannot_be_audited_is_refused_in_one_line(words, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(main, ["audit", *words])
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1

@@ -1,0 +1,122 @@
+"""Is one agent stronger than another? Who sits where for that, and the command."""
+
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena import scenario
+from catch_arena.cli import main
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.comparison import ComparisonDesign, compare
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.match import Match, MatchResult, Played
+from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.statistics.sprt import Sprt
+
+QUICK = ["--set", "time_limit_s=5", "--jobs", "1"]
+
+
+@pytest.mark.parametrize("seats", [2, 4])
+def test_against_each_other_both_sit_in_every_seat_equally_often(seats):
+    block = ComparisonDesign(seats, 0).block(round_robin(seats, seats, 1, 0))
+    sat = [(place, seat) for match in block for seat, place in enumerate(match.seating)]
+    assert all(sat.count((place, seat)) == seats // 2 for place in (0, 1) for seat in range(seats))
+
+
+def test_against_a_full_field_they_take_turns_in_the_same_seats_on_the_same_targets():
+    block = ComparisonDesign(4, 3).block(round_robin(4, 4, 1, 0))
+    assert len(block) == 8
+    for mine, theirs in zip(block[::2], block[1::2], strict=True):
+        assert mine.seed == theirs.seed
+        assert [place or 1 for place in mine.seating] == list(theirs.seating)
+        assert sorted(mine.seating) == [0, 2, 3, 4]
+
+
+def test_beside_a_field_they_sit_together():
+    for match in ComparisonDesign(4, 2).block(round_robin(4, 4, 1, 0)):
+        assert sorted(match.seating) == [0, 1, 2, 3]
+
+
+def test_a_blocks_outcome_by_hand():
+    def block(*matches):
+        return [
+            Played(Match(str(number), 0, 0, seating), MatchResult((), ranks, (), (), 1, "", (), ()))
+            for number, (seating, ranks) in enumerate(matches)
+        ]
+
+    together = block(((0, 1, 2), (1, 2, 3)), ((2, 0, 1), (1, 2, 2)), ((1, 2, 0), (1, 2, 3)))
+    assert ComparisonDesign(3, 1).outcome(together) == (1 + 0.5 + 0) / 3
+    in_turn = block(((0, 2, 3), (1, 2, 3)), ((1, 2, 3), (2, 1, 3)), ((2, 0, 3), (1, 2, 3)), ((2, 1, 3), (1, 2, 3)))
+    assert ComparisonDesign(3, 2).outcome(in_turn) == (1 + 0.5) / 2
+
+
+def test_the_decision_does_not_depend_on_the_number_of_processes():
+    config = scenario("duel", time_limit_s=5)
+
+    def found(jobs):
+        return compare(config, enter(["nearest", "idle"]), Sprt(0.5, 0.7), max_blocks=40, jobs=jobs)
+
+    alone = found(1)
+    assert alone == found(2)
+    assert alone.decision == "H1"
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "verdict"),
+    [
+        (["nearest", "idle", "--elo1", "100"], 0, "nearest is stronger than idle \\(H1\\)"),
+        (["idle", "nearest", "--elo1", "100"], 1, "idle is not stronger than nearest \\(H0\\)"),
+        (["nearest", "contested", "--max-blocks", "2"], 3, "undecided after 2 blocks"),
+        (
+            ["idle", "nearest", "-s", "standard", "--share0", "0.4", "--share1", "0.6", *["--against", "patrol"] * 3],
+            1,
+            "H0",
+        ),
+    ],
+)
+def test_the_command_says_what_it_found_and_its_exit_code_does_too(words, code, verdict):
+    result = CliRunner().invoke(main, ["compare", *words, *QUICK])
+    assert result.exit_code == code, result.output
+    assert re.search(f"verdict: .*{verdict}", result.output)
+    assert max(map(len, result.output.splitlines())) <= 120
+
+
+def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
+    """Else a verdict would hide that there was no play."""
+    (tmp_path / "bad.py").write_text(
+        "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 99\n"
+    )
+    result = CliRunner().invoke(main, ["compare", str(tmp_path / "bad.py"), "nearest", *QUICK, "--max-forfeits", "4"])
+    assert re.search(r"^bad forfeited: 4 times FORFEIT_ILLEGAL, \d+ times FORFEIT_OUT$", result.output, re.MULTILINE)
+    assert result.exit_code == 1
+    assert "verdict: bad is not stronger than nearest (H0)" in result.output
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["nearest"], "agents must be two, A and B, got 1"),
+        (["nearest", "idle", "first"], "the field is named by --against"),
+        (["nearest", "idle", "--elo0", "30"], "share0 < share1"),
+        (["nearest", "idle", "--share0", "0.5"], "--share0 and --share1 must be given together"),
+        (["nearest", "idle", "--share0", "0.5", "--share1", "1.5"], "got 0.5 and 1.5"),
+        (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),
+        (["nearest", "idle", "--alpha", "0"], "alpha must lie in"),
+        (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
+        (["nearest", "idle", "--jobs", "0"], "jobs must be at least 1"),
+        (["nearest", "idle", "-s", "standard", "--against", "first"], "the field must be of 0 or 2 or 3 agents"),
+        (["nearest", "idle", "-s", "capstone"], "at least 2 hunters"),
+        (["nearest", "idel"], "did you mean idle"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused_in_one_line(words, message):
+    result = CliRunner().invoke(main, ["compare", *words])
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_a_field_that_does_not_fit_is_refused():
+    with pytest.raises(ConfigError, match="of 1 or 2 agents where 3 hunters play, got 0"):
+        ComparisonDesign(3, 0)

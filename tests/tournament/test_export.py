@@ -1,0 +1,117 @@
+"""What `catch-arena export` writes."""
+
+import csv
+import json
+import re
+import sys
+
+import pytest
+from pyarrow import parquet
+
+from catch_arena import scenario
+from catch_arena.errors import ConfigError, OutputError
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.execution.executors import SerialExecutor
+from catch_arena.tournament.execution.ray_executor import RayExecutor
+from catch_arena.tournament.execution.runner import play_plan
+from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.export import columns, export
+from catch_arena.tournament.match import agent_seed
+from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.store import Store, Tournament, versions
+
+CONFIG = scenario("duel", time_limit_s=20)
+ENTRANTS = enter(["nearest", "first", "random"])
+PLAN = round_robin(3, 2, 2, seed=1)
+
+
+@pytest.fixture(scope="module")
+def store():
+    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as store:
+        play_plan(store, PLAN, SerialExecutor(Worker(CONFIG, ENTRANTS)))
+        yield store
+
+
+def test_a_line_of_json_says_all_that_is_known_of_a_match(store, tmp_path):
+    export(store, "jsonl", tmp_path / "m")
+    lines = [json.loads(line) for line in (tmp_path / "m").read_text().splitlines()]
+    assert [line["match"] for line in lines] == [match.id for match in PLAN]
+    for line, match, played in zip(lines, PLAN, store.played(), strict=True):
+        result = played.result
+        assert line == {
+            "match": match.id,
+            "block": match.block,
+            "seed": match.seed,
+            "agents": [ENTRANTS[place].name for place in match.seating],
+            "agent_digests": [ENTRANTS[place].digest for place in match.seating],
+            "agent_seeds": [agent_seed(match.seed, place) for place in match.seating],
+            "scores": list(result.scores),
+            "ranks": list(result.ranks),
+            "forfeits": [None, None],
+            "details": [None, None],
+            "verdicts": list(result.verdicts),
+            "contests_won": list(result.contests_won),
+            "steps": 200,
+            "digest": result.digest,
+            "replay_digest": None,
+            "ruleset": "catch_arena_v1",
+            "config_digest": CONFIG.digest,
+            "versions": versions(),
+            "thinking": [
+                {"moves": one.moves, "total_s": one.total_s, "longest_s": one.longest_s} for one in result.thinking
+            ],
+        }
+
+
+def test_the_tables_have_a_row_for_each_seat_and_agree(store, tmp_path):
+    for form in ("csv", "parquet"):
+        export(store, form, tmp_path / form)
+    with (tmp_path / "csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    table = parquet.read_table(tmp_path / "parquet").to_pylist()
+    assert [{name: "" if value is None else str(value) for name, value in row.items()} for row in table] == rows
+    assert list(rows[0]) == list(columns())
+    assert [(row["match"], row["seat"]) for row in table] == [(match.id, seat) for match in PLAN for seat in (0, 1)]
+    caught = sum(row["granted"] for row in table)
+    assert caught == sum(row["score"] for row in table) > 0
+
+
+@pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
+def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
+    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as other:
+        play_plan(other, PLAN, SerialExecutor(Worker(CONFIG, ENTRANTS)))
+        for one, name in ((store, "a"), (other, "b")):
+            export(one, form, tmp_path / name, timing=False)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+    assert b"longest_s" not in (tmp_path / "a").read_bytes()
+
+
+@pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
+def test_a_tournament_without_a_match_yet_is_exported_too(tmp_path, form):
+    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as empty:
+        export(empty, form, tmp_path / "m")
+    assert {
+        "jsonl": lambda path: path.read_bytes() == b"",
+        "csv": lambda path: path.read_text() == ",".join(columns()) + "\n",
+        "parquet": lambda path: parquet.read_table(path).column_names == list(columns()),
+    }[form](tmp_path / "m")
+
+
+def test_what_cannot_be_is_one_line(store, tmp_path):
+    with pytest.raises(ConfigError, match="format must be one of jsonl, csv, parquet, got 'xlsx'"):
+        export(store, "xlsx", tmp_path / "m")
+    with pytest.raises(OutputError, match="cannot be written: No such file"):
+        export(store, "csv", tmp_path / "missing" / "m")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_missing_extra_is_one_line(store, tmp_path, monkeypatch):
+    for name in ("pyarrow", "pyarrow.parquet", "ray"):
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")  # which it would set for this process
+    with pytest.raises(
+        ConfigError, match=re.escape("format parquet needs PyArrow: pip install 'catch-arena[parquet]'")
+    ):
+        export(store, "parquet", tmp_path / "m")
+    with pytest.raises(ConfigError, match=re.escape("executor ray needs Ray: pip install 'catch-arena[ray]'")):
+        RayExecutor(None, 1)

@@ -1,0 +1,244 @@
+"""`catch-arena grade`: grades by a spec, for people, JSON readers and JUnit readers."""
+
+import json
+import re
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.grading import _HINTS, read_spec
+
+BAD = Path(__file__).parent / "isolation" / "bad"
+DOCS = Path(__file__).parents[2] / "docs" / "grading.md"
+SPEC = """
+title = "Exercise 1"
+seeds = [90210, 90211]
+[[test]]
+name = "alone"
+scenario = "capstone"
+settings = { time_limit_s = 10 }
+points = 2
+min_mean_score = 2
+[[test]]
+name = "against one that holds"
+scenario = "duel"
+settings = { time_limit_s = 8 }
+opponents = ["idle"]
+min_win_share = 0.5
+max_mean_refused = 3
+"""
+
+
+@pytest.fixture
+def grade(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def call(agent, *words, spec=SPEC):
+        Path("spec.toml").write_text(spec)
+        return CliRunner().invoke(main, ["grade", str(agent), "--spec", "spec.toml", *words])
+
+    return call
+
+
+def test_a_good_agent_has_all_points(grade):
+    result = grade("nearest", "--json", "out/grades.json", "--junit", "out/grades.xml")
+    assert result.exit_code == 0, result.output
+    assert result.output.endswith("Exercise 1: nearest has 3 of 3 points\n")
+    grades = json.loads(Path("out/grades.json").read_text())
+    assert (grades["agent"], grades["points"], grades["possible"]) == ("nearest", 3.0, 3.0)
+    assert [test["test"] for test in grades["tests"]] == ["alone", "against one that holds"]
+    assert grades["tests"][0]["mean_score"] >= 2
+    assert grades["tests"][1]["win_share"] == 1.0
+    suite = ET.parse("out/grades.xml").getroot()  # noqa: S314 - our own
+    assert (suite.get("tests"), suite.get("failures")) == ("2", "0")
+    assert not suite.findall(".//failure")
+
+
+def test_trusted_and_isolated_give_the_same_marks(grade):
+    grade("contested", "--json", "isolated.json")
+    grade("contested", "--json", "trusted.json", "--trusted")
+    assert Path("isolated.json").read_bytes() == Path("trusted.json").read_bytes()
+
+
+def test_seeds_stand_in_no_output(grade):
+    result = grade(BAD / "crashes.py", "--json", "grades.json", "--junit", "grades.xml")
+    for text in (result.output, Path("grades.json").read_text(), Path("grades.xml").read_text()):
+        assert "9021" not in text
+
+
+def test_a_bad_agent_has_none_and_is_told_why_and_what_to_read(grade):
+    result = grade(BAD / "crashes.py", "--junit", "grades.xml")
+    assert result.exit_code == 1
+    assert "failed  0/2  alone: 2 matches" in result.output
+    assert "FORFEIT_CRASH in step 5: act raised ZeroDivisionError" in result.output
+    assert "hint: R7.2: " in result.output
+    suite = ET.parse("grades.xml").getroot()  # noqa: S314 - our own
+    assert suite.get("failures") == "2"
+    assert suite.find("testcase/failure").get("message").startswith("FORFEIT_CRASH in step 5")
+    assert "ZeroDivisionError" in suite.find("testcase/system-out").text
+    assert {one.get("name"): one.get("value") for one in suite.iter("property")} == {"points": "0", "possible": "3"}
+
+
+def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(grade):
+    spec = SPEC.replace("[90210, 90211]", "[1, 2, 3, 4, 5]")
+    result = grade(BAD / "crashes.py", "--max-forfeits", "3", "--json", "grades.json", spec=spec)
+    assert result.output.count("FORFEIT_OUT: it had forfeited 3 matches in a row; 2 more were not played") == 2
+    assert [test["matches"] for test in json.loads(Path("grades.json").read_text())["tests"]] == [3, 3]
+    assert "FORFEIT_OUT" not in grade(BAD / "crashes.py", "--max-forfeits", "0", spec=spec).output
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (
+            "import rclpy\nclass Agent: pass\n",
+            ["it imports rclpy, which is not installed here", "hint: docs/agents.md#what-it-may-import: "],
+        ),
+        (
+            "class Agent:\n    def reset(self, seed): import rclpy\n    def act(self, view): return 0\n",
+            ["reset raised ModuleNotFoundError: No module named 'rclpy'", "hint: docs/agents.md#what-it-may-import: "],
+        ),
+        (
+            "import time\nclass Agent:\n    def reset(self, seed): pass\n    def act(self, view): time.sleep(60)\n",
+            [
+                "act took longer than step_ms (30 ms) and what was left of bank_s (0.2 s)",
+                "hint: docs/isolation.md#limits: an action has step_ms",
+            ],
+        ),
+    ],
+)
+def test_the_hint_fits_what_went_wrong(grade, tmp_path, source, words):
+    (tmp_path / "mine.py").write_text(source)
+    result = grade("mine.py", "--limit", "step_ms=30", "--limit", "bank_s=0.2")
+    for word in words:
+        assert word in result.output, result.output
+    assert "class Agent" not in result.output
+    assert "R1.3" not in result.output
+
+
+def test_what_hints_point_at_is_there():
+    """Pages, and headings in them."""
+    for page, heading in re.findall(r"docs/(\w+\.md)(?:#([\w-]+))?", " ".join(_HINTS.values())):
+        text = (DOCS.parent / page).read_text()
+        headings = [line.lstrip("# ").lower().replace(" ", "-") for line in text.splitlines() if line.startswith("#")]
+        assert not heading or heading in headings
+
+
+def test_one_that_cannot_begin_fails_every_test(grade, tmp_path):
+    (tmp_path / "mine.py").write_text("class Agent\n")
+    result = grade("mine.py")
+    assert result.exit_code == 1
+    assert result.output.count("FORFEIT_INIT before the first step: ") == 2
+
+
+def test_what_is_missed_is_measured_and_hinted_at(grade, tmp_path):
+    """It drives a circle under full control and asks for whatever is nearest, out of reach."""
+    (tmp_path / "asks.py").write_text(
+        "class Agent:\n    control = 'full'\n    def reset(self, seed): pass\n"
+        "    def act(self, view): return {'cmd_vel': (0.1, 1.0), 'catch': view.mask[1]}\n"
+    )
+    result = grade("asks.py")
+    assert result.exit_code == 1
+    assert re.search(r"mean_refused must be at most 3, got \d\d", result.output)
+    assert "hint: R5.3: a catch needs less than reach_m" in result.output
+
+
+def test_one_that_never_asks_is_told_so(grade):
+    assert "hint: R4.1, R4.4: it never asked" in grade("idle").output
+
+
+def test_one_that_is_granted_all_and_is_too_slow_is_told_so(grade):
+    result = grade("first", spec=SPEC.replace("min_mean_score = 2", "min_mean_score = 100"))
+    assert "hint: R6.1: only granted catches count" in result.output
+
+
+def test_an_opponents_file_stands_beside_the_spec(grade, tmp_path):
+    (tmp_path / "course").mkdir()
+    (tmp_path / "course" / "rival.py").write_text(
+        "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
+    )
+    (tmp_path / "course" / "spec.toml").write_text(SPEC.replace('"idle"', '"rival.py"'))
+    result = grade("nearest", "--spec", "course/spec.toml")
+    assert result.exit_code == 0, result.output
+
+
+def test_the_example_in_the_docs_runs(grade):
+    (spec,) = re.findall(r"```toml\n(.*?)```", DOCS.read_text(), re.DOTALL)
+    short = spec.replace("[[test]]", "[[test]]\nsettings = { time_limit_s = 5 }")
+    assert short.count("settings") == 2
+    Path("hidden_seeds.txt").write_text("3\n1\n")
+    assert read_spec_text(spec).title
+    assert re.search(r"nearest has \d+ of \d+ points", grade("nearest", spec=short).output)
+
+
+def read_spec_text(text):
+    Path("read.toml").write_text(text)
+    return read_spec(Path("read.toml"))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("[[test]]", "[[test"), "is no TOML"),
+        (("title =", "titel ="), "unknown field spec.titel: did you mean title"),
+        (("points = 2", "point = 2"), r"unknown field test\[1\]\.point: did you mean points"),
+        (("points = 2", "points = -2"), r"test\[1\]\.points must be a number from 0 to 1e\+06, got -2"),
+        (
+            ("min_win_share = 0.5", "min_win_share = 50"),
+            r"test\[2\]\.min_win_share must be a number from 0 to 1, got 50",
+        ),
+        (("min_mean_score = 2", "min_mean_score = 'two'"), r"test\[1\]\.min_mean_score must be a number .* got 'two'"),
+        (("seeds = [90210, 90211]", ""), r"test\[1\]\.seeds must hold at least one seed"),
+        (("[90210, 90211]", "[-1]"), "seeds: seed must be a whole number .* got -1"),
+        (("seeds = [90210, 90211]", "seed_file = 'none.txt'"), "seed_file must be a file of whole numbers: .*none.txt"),
+        (("'duel'", "'dual'"), r"test\[2\]: unknown scenario 'dual': did you mean duel"),
+        (("time_limit_s = 10", "time_limit = 10"), r"test\[1\]: unknown setting 'time_limit': did you mean"),
+        (
+            ("opponents = ['idle']", ""),
+            r"test\[2\] needs opponents: 1 seat is empty; name agents, as in opponents = \[\"nearest\"\]",
+        ),
+        (
+            ("settings = { time_limit_s = 8 }\nopponents = ['idle']", "settings = { hunters = 3 }"),
+            r"test\[2\] needs opponents: 2 seats are empty",
+        ),
+        (("opponents = ['idle']", "opponents = 'idle'"), r"test\[2\]\.opponents must be a list, got 'idle'"),
+        (("name = 'alone'", ""), r"test\[1\]\.name must be given"),
+    ],
+)
+def test_a_spec_that_cannot_be_is_one_line(tmp_path, monkeypatch, change, message):
+    monkeypatch.chdir(tmp_path)
+    text = SPEC.replace('"', "'")
+    assert change[0] in text
+    with pytest.raises(ConfigError, match=message) as raised:
+        read_spec_text(text.replace(*change))
+    assert str(raised.value).startswith("read.toml: ")
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["nearest", "--spec", "missing.toml"], "missing.toml: cannot be read: No such file or directory"),
+        (["nope", "--spec", "spec.toml"], "unknown agent 'nope'"),
+        (["nearest", "--spec", "spec.toml", "--json", "file/grades.json"], "file: cannot be written"),
+    ],
+)
+def test_words_that_cannot_be_are_one_line_and_exit_code_2(tmp_path, monkeypatch, words, message):
+    monkeypatch.chdir(tmp_path)
+    Path("spec.toml").write_text(SPEC)
+    Path("file").touch()
+    result = CliRunner().invoke(main, ["grade", *words])
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_an_opponent_that_cannot_play_is_the_specs_fault(grade, tmp_path):
+    (tmp_path / "broken.py").write_text("raise ValueError('no')\n")
+    result = grade("nearest", spec=SPEC.replace('"idle"', '"broken.py"'))
+    assert result.exit_code == 2
+    assert "spec.toml: against one that holds: opponent broken.py must be able to play: " in result.stderr

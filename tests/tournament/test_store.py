@@ -1,0 +1,201 @@
+"""The store: what is kept stays kept, once, and belongs to one tournament."""
+
+import dataclasses
+import sqlite3
+
+import pytest
+
+from catch_arena import scenario
+from catch_arena.errors import StoreError
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, Played, blocks_of
+from catch_arena.tournament.plans.schedule import plan_of, round_robin
+from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
+
+SHORT = scenario("duel", time_limit_s=3)
+ENTRANTS = enter(["nearest", "idle", "random"])
+PLAN = round_robin(3, 2, 2, seed=4)
+FACTS = Tournament(SHORT, ENTRANTS, PLAN.parameters)
+
+
+@pytest.fixture(scope="module")
+def played():
+    return run(SHORT, ENTRANTS, PLAN)
+
+
+@pytest.fixture
+def store(tmp_path):
+    with Store.begin(FACTS, tmp_path) as store:
+        store.plan(PLAN.batch(0, ()))
+        yield store
+
+
+def begun(folder):
+    """A tournament that got as far as its plan."""
+    with Store.begin(FACTS, folder) as store:
+        store.plan(PLAN.batch(0, ()))
+
+
+def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, played):
+    strange = MatchResult(
+        (3, 0),
+        (1, 2),
+        ({"GRANTED": 3}, {}),
+        (0, 1),
+        17,
+        "ab",
+        (None, "FORFEIT_CRASH"),
+        (MoveTimes(17, 0.25, 0.125),) * 2,
+        (None, Forfeit("FORFEIT_CRASH", 17, "it fell")),
+    )
+    kept = [Played(played[0].match, strange, "00ff"), *played[1:]]
+    for one in kept[::-1]:
+        store.keep([one])
+    store.close()
+    with Store.read(tmp_path) as again:
+        assert list(again.played()) == kept
+        result = next(again.played()).result
+        assert (result.thinking, result.details) == (strange.thinking, strange.details)
+        assert again.tournament == FACTS
+        assert list(again.waiting()) == []
+
+
+def test_what_waits_is_what_was_not_played_in_the_order_of_the_plan(store, played, monkeypatch):
+    monkeypatch.setattr("catch_arena.tournament.store._PAGE", 5)
+    assert list(store.waiting()) == blocks_of(PLAN)
+    store.keep([played[3], played[0]])
+    rest = [match for match in PLAN if match not in {played[3].match, played[0].match}]
+    assert [match for block in store.waiting() for match in block] == rest
+    assert (store.count_played(), store.count_planned()) == (2, 12)
+
+
+def test_keeping_a_match_again_changes_nothing_and_must_say_the_same(store, played):
+    store.keep(played[:1])
+    slower = dataclasses.replace(played[0].result, thinking=(MoveTimes(30, 9.0, 8.0),) * 2)
+    store.keep([Played(played[0].match, slower)])
+    assert list(store.played()) == played[:1]
+    assert next(store.played()).result.thinking[0].total_s < 9.0
+    other = dataclasses.replace(played[0].result, scores=(99, 0))
+    with pytest.raises(StoreError, match=rf"match {played[0].match.id} came out with scores .* \(99, 0\)"):
+        store.keep([played[1], Played(played[0].match, other)])
+    assert list(store.played()) == played[:1]
+
+
+def test_planning_again_changes_nothing_and_must_say_the_same(store):
+    assert store.plan(PLAN.batch(0, ())) == store.count_planned() == 12
+    with pytest.raises(StoreError, match=r"match r00001-g000001-s00 must be .* got Match"):
+        store.plan(round_robin(3, 2, 2, seed=5).blocks())
+    assert list(store.waiting()) == blocks_of(PLAN)
+
+
+def test_a_plan_is_written_whole_or_not_at_all(tmp_path):
+    def breaks():
+        yield from blocks_of(PLAN)[:3]
+        raise KeyboardInterrupt
+
+    with Store.begin(FACTS, tmp_path) as store:
+        with pytest.raises(KeyboardInterrupt):
+            store.plan(breaks())
+        assert store.count_planned() == 0
+
+
+CHANGES = {
+    "reach_m is 0.3 there, and 0.4 here": {"config": SHORT.replace(reach_m=0.4)},
+    "rounds is 2 there, and 3 here": {"plan": round_robin(3, 2, 3, seed=4).parameters},
+    'format is "round-robin" there, and "swiss" here': {"plan": plan_of("swiss", 3, 2, 2, 4).parameters},
+    "recorded is not given there, and true here": {"terms": {"recorded": True}},
+    "its agents are nearest idle random, and here nearest idle": {"entrants": ENTRANTS[:2]},
+    "agent idle can begin there, and cannot begin here": {
+        "entrants": (ENTRANTS[0], dataclasses.replace(ENTRANTS[1], fault="it is broken"), ENTRANTS[2])
+    },
+    "the digest of agent idle is": {
+        "entrants": (ENTRANTS[0], dataclasses.replace(ENTRANTS[1], digest="0" * 16), ENTRANTS[2])
+    },
+}
+
+
+@pytest.mark.parametrize("message", CHANGES)
+def test_another_tournament_does_not_go_on_with_it_and_is_told_why(tmp_path, message):
+    begun(tmp_path)
+    with pytest.raises(StoreError, match="is of another tournament") as raised:
+        Store.begin(dataclasses.replace(FACTS, **CHANGES[message]), tmp_path, resume=True)
+    assert message in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_the_place_of_an_agents_file_does_not_matter(tmp_path):
+    begun(tmp_path)
+    moved = tuple(dataclasses.replace(entrant, spec="elsewhere.py") for entrant in ENTRANTS)
+    Store.begin(dataclasses.replace(FACTS, entrants=moved), tmp_path, resume=True).close()
+
+
+def test_nothing_is_overwritten_without_a_word(tmp_path):
+    begun(tmp_path)
+    with pytest.raises(
+        StoreError, match="holds a tournament already, with 0 of 12 matches played: go on with --resume"
+    ):
+        Store.begin(FACTS, tmp_path)
+
+
+def test_one_that_got_no_further_than_its_beginning_may_begin_as_another(tmp_path):
+    """As where a cluster did not answer."""
+    Store.begin(FACTS, tmp_path).close()
+    other = dataclasses.replace(FACTS, plan=round_robin(3, 2, 3, seed=4).parameters)
+    Store.begin(other, tmp_path).close()
+    with Store.read(tmp_path) as store:
+        assert store.tournament == other
+
+
+def test_an_empty_file_is_a_tournament_that_has_not_begun(tmp_path):
+    """A process that is killed before its first transaction leaves such a file."""
+    (tmp_path / STORE).touch()
+    with pytest.raises(StoreError, match="has not begun"):
+        Store.read(tmp_path)
+    Store.begin(FACTS, tmp_path).close()
+    with Store.read(tmp_path) as store:
+        assert store.tournament == FACTS
+
+
+def test_what_is_not_ours_is_refused_and_left_as_it_was(tmp_path):
+    (tmp_path / STORE).write_bytes(b"a shopping list" * 100)
+    with pytest.raises(StoreError, match="cannot be used: file is not a database"):
+        Store.begin(FACTS, tmp_path, resume=True)
+    (tmp_path / STORE).unlink()
+    with sqlite3.connect(tmp_path / STORE) as db:
+        db.execute("CREATE TABLE birds (name TEXT)")
+    db.close()
+    before = (tmp_path / STORE).read_bytes()
+    with pytest.raises(StoreError, match="is no store of a tournament"):
+        Store.begin(FACTS, tmp_path, resume=True)
+    assert (tmp_path / STORE).read_bytes() == before
+
+
+def test_a_store_of_another_format_is_refused(tmp_path):
+    Store.begin(FACTS, tmp_path).close()
+    with sqlite3.connect(tmp_path / STORE) as db:
+        db.execute("PRAGMA user_version = 99")
+    db.close()
+    with pytest.raises(StoreError, match="is of format 99, and this version reads format 1"):
+        Store.read(tmp_path)
+
+
+def test_it_is_read_while_it_is_written(store, tmp_path, played):
+    """As by `export`, in another process, while a tournament runs."""
+    with Store.read(tmp_path) as reader:
+        store.keep(played[:1])
+        assert list(reader.played()) == played[:1]
+        store.keep(played[1:2])
+        assert list(reader.played()) == played[:2]
+
+
+def test_its_size_is_what_a_plan_says(tmp_path):
+    """Within a quarter, on matches of the standard length."""
+    config, entrants = scenario("standard"), enter(["nearest", "contested", "first", "random"])
+    plan = round_robin(4, 4, 500, seed=0)
+    (first, *_) = run(config, entrants, list(plan)[:1])
+    with Store.begin(Tournament(config, entrants, plan.parameters), tmp_path) as store:
+        store.plan(plan.batch(0, ()))
+        for block in plan.blocks():
+            store.keep(Played(match, first.result) for match in block)
+    assert (tmp_path / STORE).stat().st_size / plan.size == pytest.approx(store_bytes(4), rel=1 / 4)
