@@ -178,7 +178,7 @@ def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
             raise wrong(field, "a whole number or None", fields[field])
     target = fields["target"]
     repeated = expected.target if _repeats(expected.target, target) else WrongTarget(in_short(target))
-    return Ruling(verdict, hunter, repeated, **evidence)
+    return Ruling(verdict, hunter, repeated, evidence["distance_um"], evidence["winner"])
 
 
 def _fields(given: object) -> dict[str, object]:
