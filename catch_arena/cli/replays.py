@@ -23,8 +23,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
 
     A match that does not play as recorded: its first step that differs, and in what. The exit code is 2 if any fails.
     """
-    from catch_arena.replay import Replay
-    from catch_arena.replay.verification import faults
+    from catch_arena.replay import Replay, verification
     from catch_arena.tournament.display.tables import progress_bar
 
     bad = 0
@@ -32,7 +31,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
         try:
             replay = Replay.load(path)
             with progress_bar("verifying", after_s=_BAR_AFTER_S) as show:
-                found = [f"{path}: {fault}" for fault in faults(replay, show)]
+                found = [f"{path}: {fault}" for fault in verification.verify(replay, show)]
         except ReplayError as error:
             found = [str(error)]
         bad += bool(found)

@@ -6,15 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from catch_arena.replay.differences import boundary, of_a_screen, state_differences
+from catch_arena.replay.differences import first_lines, state_differences, state_name
+from catch_arena.replay.quantisation import scores
 from catch_arena.replay.recording import Replay
-from catch_arena.replay.witness import scores
 
 
 def replay_differences(one: Replay, other: Replay, called: tuple[str, str] = ("in A", "in B")) -> list[str]:
     """Where two replays part, in the order: headers, the first actions, the first state and its numbers, the scores.
 
-    What was recorded is compared; `faults` says whether it is true. `called` are the replays' names in the lines.
+    What was recorded is compared; `verification.verify` says whether it is true. `called`
+    are the replays' names in the lines.
     Returns: lines, none for equal replays.
     """
     found = [f"{name}: {ours} {called[0]}, {theirs} {called[1]}" for name, ours, theirs in _headers(one, other)]
@@ -26,7 +27,7 @@ def replay_differences(one: Replay, other: Replay, called: tuple[str, str] = ("i
     if one.steps != other.steps:
         found.append(f"steps: {one.steps} {called[0]}, {other.steps} {called[1]}")
     if found:
-        results = [", ".join(map(str, scores(each.witness[-1], each.config.hunters))) for each in (one, other)]
+        results = [", ".join(map(str, scores(each.states[-1], each.config.hunters))) for each in (one, other)]
         same = "the same in both" if results[0] == results[1] else f"{called[0]}, {results[1]} {called[1]}"
         found.append(f"final scores: {results[0]} {same}")
     return found
@@ -77,12 +78,12 @@ def _first_actions(one: Replay, other: Replay, steps: int, called: tuple[str, st
 
 def _first_state(one: Replay, other: Replay, steps: int, called: tuple[str, str]) -> list[str]:
     for step in range(steps + 1):
-        ours, theirs = one.witness[step], other.witness[step]
+        ours, theirs = one.states[step], other.states[step]
         if one.digests[step] != other.digests[step] or not np.array_equal(ours, theirs):
             names = [
                 name if name == twin else seat
                 for name, twin, seat in zip(one.names, other.names, one.config.hunter_names, strict=True)
             ]
             lines = state_differences(one.config, names, ours, theirs, called)
-            return [f"{boundary(step)} is the first that differs", *of_a_screen(step, lines)]
+            return [f"{state_name(step)} is the first that differs", *first_lines(step, lines)]
     return []

@@ -6,35 +6,35 @@ from typing import Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.math import wrap
-from catch_arena.replay.witness import ARENA, HUNTER, TARGET, Witness
+from catch_arena.replay.quantisation import ARENA, HUNTER, TARGET, QuantisedState
 
 _FLAGS: Final = ("at wall", "withdrawn")
 _MOST_LINES: Final = 12
 
 
-def boundary(step: int) -> str:
-    """What a step's boundary is called: the state that step led to."""
+def state_name(step: int) -> str:
+    """What the state is called that a step led to, or that stood before the first one."""
     return "the initial state" if step == 0 else f"step {step}"
 
 
-def in_one_line(differences: Sequence[str]) -> str:
+def on_one_line(differences: Sequence[str]) -> str:
     """The first of them, and how many more there are."""
     more = f" (and {len(differences) - 1} more)" if len(differences) > 1 else ""
     return f"{differences[0]}{more}"
 
 
-def of_a_screen(step: int, differences: Sequence[str]) -> list[str]:
+def first_lines(step: int, differences: Sequence[str]) -> list[str]:
     """A line for each of the first ones, with the step, and how many more there are."""
-    shown = [f"{boundary(step)}: {line}" for line in differences[:_MOST_LINES]]
+    shown = [f"{state_name(step)}: {line}" for line in differences[:_MOST_LINES]]
     more = len(differences) - _MOST_LINES
-    return [*shown, f"{boundary(step)}: and {more} more"] if more > 0 else shown
+    return [*shown, f"{state_name(step)}: and {more} more"] if more > 0 else shown
 
 
 def state_differences(
     config: ArenaConfig,
     names: Sequence[str],
-    one: Witness,
-    other: Witness,
+    one: QuantisedState,
+    other: QuantisedState,
     called: tuple[str, str] = ("as recorded", "as replayed"),
 ) -> list[str]:
     """In what two states of an arena differ whose digests do: a line for each number, at least one line.

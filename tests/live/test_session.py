@@ -7,7 +7,7 @@ from catch_arena.cli import main
 from catch_arena.live import show as live
 from catch_arena.render.libraries import pygame
 from catch_arena.replay import Replay
-from catch_arena.replay.verification import faults
+from catch_arena.replay.verification import verify
 
 QUICK = ["--set", "time_limit_s=1", "--size", "320x320"]
 
@@ -68,7 +68,7 @@ def test_a_person_plays_to_the_end_and_is_recorded(session, tmp_path):
     assert replay.config.controls[:2] == ("target", "velocity")
     assert replay.steps == 10
     assert {float(commands[1][0]) for commands in replay.commands} == {1.0}
-    assert list(faults(replay)) == []
+    assert list(verify(replay)) == []
     assert "  you" in result.output
     assert "replay: mine.replay" in result.output
 

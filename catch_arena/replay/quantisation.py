@@ -1,7 +1,8 @@
-"""What a recorded state was, to the micrometre: the numbers of A.8 in whole millionths, and their short form in files.
+"""Quantised states: the numbers of A.8 in whole millionths, and their short form in files.
 
-A digest tells that two states differ; the witness tells in what. In a file a hunter's numbers stand as what is left
-after R2.2's motion has been taken off, which is almost nothing, and a target's numbers stand once.
+A digest tells that two states differ; the quantised states tell in what. Messages for users call one the *witness* of
+its digest. In a file a hunter's numbers stand as what is left after R2.2's motion has been taken off, which is almost
+nothing, and a target's numbers stand once.
 """
 
 from collections.abc import Sequence
@@ -15,9 +16,9 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.jit import entry
 from catch_arena.core.math import sincos
 from catch_arena.errors import ReplayError
-from catch_arena.replay.columns import Reader, packed
+from catch_arena.replay.columns import Reader, pack_columns
 
-Witness = NDArray[np.int64]
+QuantisedState = NDArray[np.int64]
 """One state: the numbers of `Engine.state()`, those that have a unit other than ms in whole millionths of it."""
 Matrix = NDArray[np.int64]
 """A column for each number, a row for each state."""
@@ -51,25 +52,25 @@ def _scale(hunters: int, targets: int) -> NDArray[np.float64]:
     return np.array([1e6 if unit else 1.0 for unit in units])
 
 
-def whole(numbers: NDArray[np.float64], scale: float | NDArray[np.float64]) -> NDArray[np.int64]:
+def rounded(numbers: NDArray[np.float64], scale: float | NDArray[np.float64]) -> NDArray[np.int64]:
     """floor(scale * number + 0.5), at most 2^53 in size."""
     return np.clip(np.floor(scale * numbers + 0.5), -_LARGEST, _LARGEST).astype(np.int64)
 
 
-def witness_of(state: NDArray[np.float64], hunters: int) -> Witness:
-    """The witness of a state as `Engine.state()` gives it."""
+def quantise(state: NDArray[np.float64], hunters: int) -> QuantisedState:
+    """A state as `Engine.state()` gives it, in whole millionths."""
     fixed = len(ARENA) + hunters * len(HUNTER)
-    return whole(state, _scale(hunters, (len(state) - fixed) // len(TARGET)))
+    return rounded(state, _scale(hunters, (len(state) - fixed) // len(TARGET)))
 
 
-def scores(witness: Witness, hunters: int) -> list[int]:
+def scores(state: QuantisedState, hunters: int) -> list[int]:
     """Every hunter's score in that state."""
     first, size = len(ARENA), len(HUNTER)
-    return [int(score) for score in witness[first + SCORE : first + hunters * size : size]]
+    return [int(score) for score in state[first + SCORE : first + hunters * size : size]]
 
 
-def numbers_of(config: ArenaConfig) -> int:
-    """How many numbers a witness has at most."""
+def state_length(config: ArenaConfig) -> int:
+    """How many numbers a quantised state has at most."""
     return len(ARENA) + config.hunters * len(HUNTER) + config.max_targets * len(TARGET)
 
 
@@ -78,14 +79,16 @@ def driven_seats(config: ArenaConfig) -> list[int]:
     return [seat for seat, control in enumerate(config.controls) if control != "target"]
 
 
-def pack(config: ArenaConfig, commands: NDArray[np.float32], witness: Sequence[Witness]) -> tuple[bytes, int]:
-    """The witnesses of a match, of its initial state and of each step, and how many spans are in them.
+def pack_states(
+    config: ArenaConfig, commands: NDArray[np.float32], states: Sequence[QuantisedState]
+) -> tuple[bytes, int]:
+    """The states of a match, the initial one and that of each step, as bytes; and how many spans are in them.
 
     Args: `commands` (steps, H, 2).
     """
-    fixed = np.array([row[: len(ARENA) + config.hunters * len(HUNTER)] for row in witness])
+    fixed = np.array([row[: len(ARENA) + config.hunters * len(HUNTER)] for row in states])
     arena = fixed[:, : len(ARENA)]
-    parts = [packed(np.diff(arena, axis=0, prepend=0).T)]
+    parts = [pack_columns(np.diff(arena, axis=0, prepend=0).T)]
     ticks = _ticks(arena[:, 0])
     for seat, given in enumerate(_commanded(config, commands)):
         first = len(ARENA) + seat * len(HUNTER)
@@ -96,14 +99,16 @@ def pack(config: ArenaConfig, commands: NDArray[np.float32], witness: Sequence[W
             rest[:, SPEED : TURN_RATE + 1] = numbers[:, SPEED : TURN_RATE + 1] - given
         rest[1:, THETA] -= _turned(numbers, ticks)
         rest[1:, X : Y + 1] -= _travelled(numbers, ticks)
-        parts.append(packed(rest.T))
-    spans = _spans(witness, fixed.shape[1])
+        parts.append(pack_columns(rest.T))
+    spans = _spans(states, fixed.shape[1])
     spans[:, 0] = np.diff(spans[:, 0], prepend=0)
-    return b"".join(parts) + packed(spans.T), len(spans)
+    return b"".join(parts) + pack_columns(spans.T), len(spans)
 
 
-def unpack(config: ArenaConfig, commands: NDArray[np.float32], reader: Reader, spans: int) -> list[Witness]:
-    """The witnesses that `pack` wrote. Raises: ReplayError."""
+def unpack_states(
+    config: ArenaConfig, commands: NDArray[np.float32], reader: Reader, spans: int
+) -> list[QuantisedState]:
+    """The states that `pack_states` wrote. Raises: ReplayError."""
     size, hunter = len(commands) + 1, len(HUNTER)
     fixed = np.zeros((size, len(ARENA) + config.hunters * hunter), dtype=np.int64)
     fixed[:, : len(ARENA)] = _bounded(np.cumsum(reader.columns(len(ARENA), size), axis=0))
@@ -144,7 +149,7 @@ def _commanded(config: ArenaConfig, commands: NDArray[np.float32]) -> list[Matri
     found: list[Matrix | None] = [None] * config.hunters
     for seat in driven_seats(config):
         asked = np.clip(commands[:, seat].astype(np.float64) * high, low, high)
-        found[seat] = np.vstack((np.zeros((1, 2), dtype=np.int64), whole(asked, 1e6)))
+        found[seat] = np.vstack((np.zeros((1, 2), dtype=np.int64), rounded(asked, 1e6)))
     return found
 
 
@@ -155,13 +160,13 @@ def _turned(numbers: Matrix, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def _travelled(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
     """R2.2: how far its velocities carry it in each step: (steps, 2)."""
-    way = np.zeros((len(ticks), 2))
+    displacement = np.zeros((len(ticks), 2))
     theta, speed, turn_rate = (
         numbers[rows, column].astype(np.float64)
         for rows, column in ((slice(-1), THETA), (slice(1, None), SPEED), (slice(1, None), TURN_RATE))
     )
-    _travel(theta, speed, turn_rate, ticks, way)
-    return whole(way, 1.0)
+    _travel(theta, speed, turn_rate, ticks, displacement)
+    return rounded(displacement, 1.0)
 
 
 @entry
@@ -170,7 +175,7 @@ def _travel(
     speed: NDArray[np.float64],
     turn_rate: NDArray[np.float64],
     ticks: NDArray[np.int64],
-    way: NDArray[np.float64],
+    displacement: NDArray[np.float64],
 ) -> None:
     """R2.2 in millionths, on the core's own sine and cosine: every machine must take off what another one put on."""
     for step in range(len(ticks)):
@@ -180,28 +185,28 @@ def _travel(
         for _ in range(ticks[step]):
             angle = angle + turn
             sine, cosine = sincos(angle)
-            way[step, 0] = way[step, 0] + cosine * stride
-            way[step, 1] = way[step, 1] + sine * stride
+            displacement[step, 0] = displacement[step, 0] + cosine * stride
+            displacement[step, 1] = displacement[step, 1] + sine * stride
 
 
-def _spans(witness: Sequence[Witness], first: int) -> Matrix:
+def _spans(states: Sequence[QuantisedState], first: int) -> Matrix:
     """For each stretch of states in which a target's numbers stay as they are: where it begins, how long it is, and
     the numbers; in their order: (spans, 7).
     """
     begun: dict[tuple[int, ...], int] = {}
     spans: list[tuple[int, ...]] = []
-    for at, row in enumerate(witness):
+    for at, row in enumerate(states):
         alive = set(map(tuple, row[first:].reshape(-1, len(TARGET)).tolist()))
         for gone in begun.keys() - alive:
             since = begun.pop(gone)
             spans.append((since, at - since, *gone))
         for target in alive:
             begun.setdefault(target, at)
-    spans += [(since, len(witness) - since, *target) for target, since in begun.items()]
+    spans += [(since, len(states) - since, *target) for target, since in begun.items()]
     return np.array(sorted(spans), dtype=np.int64).reshape(-1, 2 + len(TARGET))
 
 
-def _with_targets(fixed: Matrix, spans: Matrix, most: int) -> list[Witness]:
+def _with_targets(fixed: Matrix, spans: Matrix, most: int) -> list[QuantisedState]:
     """Every row with the targets that are alive in it, by number. Raises: ReplayError for spans that cannot be."""
     beginnings: dict[int, list[list[int]]] = {}
     for begin, *rest in spans.tolist():
