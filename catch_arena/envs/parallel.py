@@ -275,6 +275,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Keep every episode from the next reset on; `names` are the agents' names by seat. Raises: ConfigError for a
         name or a title that is not at most 200 printable characters.
         """
+        import catch_arena.player  # noqa: F401 - notebooks show the replay by it
+
         names = tuple(names) if names is not None else self.config.hunter_names
         if len(names) != self.config.hunters:
             raise ConfigError(f"names must be {self.config.hunters}, one for each hunter, got {names!r}")

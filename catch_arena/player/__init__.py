@@ -2,5 +2,8 @@
 
 from catch_arena.player.element import element_script, page_file, player_html, script_json
 from catch_arena.player.film import film_text, packed_text
+from catch_arena.replay import Replay
 
-__all__ = ["element_script", "film_text", "packed_text", "page_file", "player_html", "script_json"]
+__all__ = ["Replay", "element_script", "film_text", "packed_text", "page_file", "player_html", "script_json"]
+
+Replay.html_formatter = player_html

@@ -1,12 +1,12 @@
 """Rulebook R10.2: a match as its header, its seed and its actions, with a digest of every state and its numbers."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from html import escape
-from importlib import import_module
 from io import BytesIO
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from catch_arena.world import World
 @dataclass(slots=True)
 class Replay:
     """One recorded match, or the part of it that has been played."""
+
+    html_formatter: ClassVar[Callable[["Replay"], str] | None] = None
+    """Makes the HTML that a notebook shows: `catch_arena.player`, which stands above, sets it when it is imported."""
 
     config: ArenaConfig
     seed: int
@@ -97,10 +100,12 @@ class Replay:
             yield engine.world()
 
     def _repr_html_(self) -> str:
-        """How a notebook shows it: the report's player."""
-        player = import_module("catch_arena.player")  # by its name: it stands above, and replays do not lean on it
+        """What a notebook shows: the match, played in the report's player where that was imported."""
+        formatter = Replay.html_formatter
+        if formatter is None:
+            return f"<p>A replay of {self.steps} steps; it plays here after <code>import catch_arena.player</code></p>"
         try:
-            return str(player.player_html(self))
+            return formatter(self)
         except ReplayError as error:
             return f"<p>{escape(str(error))}</p>"
 
