@@ -11,7 +11,7 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.errors import ConfigError, ReplayError
 
 if TYPE_CHECKING:
-    from catch_arena.render.moments import Moment, Story
+    from catch_arena.explanation.highlights import Highlight, MatchEvents
     from catch_arena.render.video import RenderReport
 
 Layout = Literal["broadcast", "arena"]
@@ -137,29 +137,31 @@ def highlights(
 
     Close contests, changes of lead, streaks, the last seconds of close matches, and upsets; the best comes last.
     """
+    from catch_arena.explanation.highlights import select_highlights
     from catch_arena.render.encoders import format_of, written_as
-    from catch_arena.render.highlights import Clip, render_highlights
+    from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
     from catch_arena.render.hud import clock
-    from catch_arena.render.moments import best
     from catch_arena.tournament.display.tables import progress_bar
 
     within = None if size is None else width_and_height(size)
     format_of(output)
     if not listing:
         output_file(written_as(output), force=force)
-    found = _moments_in(folder)
-    chosen = best({str(path): moments for path, moments in found.items()}, count)
+    found = _highlights_in(folder)
+    chosen = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
     if not chosen:
         raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
-    for path, moment in chosen:
-        typer.echo(f"{Path(path).name}  {clock(moment.decisive_ms)} s  {moment.kind}: {moment.what}. {moment.why}")
+    for path, highlight in chosen:
+        typer.echo(
+            f"{Path(path).name}  {clock(highlight.decisive_ms)} s  {highlight.kind}: {highlight.what}. {highlight.why}"
+        )
     if fewer := _fewer(len(chosen), count, "there are no more that do not overlap"):
         typer.echo(f"moments: {len(chosen)}{fewer}", err=True)
     if listing:
         return
     with progress_bar("rendering") as show:
-        clips = [Clip(Path(path), moment) for path, moment in chosen]
-        report = render_highlights(clips, output, size=within, fps=fps, progress=show)
+        recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in chosen]
+        report = render_highlights(recorded, output, size=within, fps=fps, progress=show)
     _tell(report)
 
 
@@ -183,7 +185,7 @@ def sheet(
     ] = None,
 ) -> None:
     """Put pictures of a match side by side, with their times."""
-    from catch_arena.render.moments import best, moments, story
+    from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
     from catch_arena.render.sheet import contact_sheet, even_instants, instants_of, same_picture
     from catch_arena.replay import Replay, write_whole
     from catch_arena.tournament.display.tables import progress_bar
@@ -197,8 +199,8 @@ def sheet(
         if pick == "even":
             instants = even_instants(recorded, count)
         else:
-            chosen = best({"": moments(story(recorded, show))}, count, clash=same_picture)
-            instants = instants_of([moment for _, moment in chosen])
+            chosen = select_highlights({"": find_highlights(extract_events(recorded, show))}, count, clash=same_picture)
+            instants = instants_of([highlight for _, highlight in chosen])
     if not instants:
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
     with progress_bar("drawing") as show:
@@ -213,32 +215,32 @@ def _fewer(got: int, asked: int | None, why: str) -> str:
     return f", not {asked}: {why}" if asked is not None and got < asked else ""
 
 
-def _moments_in(folder: Path) -> "Mapping[Path, Sequence[Moment]]":
-    """What is worth seeing in a folder's matches; those that cannot be played are told and left out."""
-    from catch_arena.render.moments import moments, records, win_rates
+def _highlights_in(folder: Path) -> "Mapping[Path, Sequence[Highlight]]":
+    """What is worth seeing in a folder's matches; those that cannot be played are named and left out."""
+    from catch_arena.explanation.highlights import find_highlights, win_rates, win_records
     from catch_arena.tournament.display.tables import progress_bar
 
     paths = _replays_in(folder)
-    stories = {}
+    matches = {}
     with progress_bar("looking", after_s=_BAR_AFTER_S) as show:
         for done, path in enumerate(paths, start=1):
             try:
-                stories[path] = _story_of(path)
+                matches[path] = _events_of(path)
             except ReplayError as error:
                 _tell_skipped(error)
             show(done, len(paths))
-    _require_some(folder, len(stories), len(paths))
-    known = records(stories.values())
-    return {path: moments(told, win_rates(known, told)) for path, told in stories.items()}
+    _require_some(folder, len(matches), len(paths))
+    known = win_records(matches.values())
+    return {path: find_highlights(events, win_rates(known, events)) for path, events in matches.items()}
 
 
-def _story_of(path: Path) -> "Story":
-    from catch_arena.render.moments import story
+def _events_of(path: Path) -> "MatchEvents":
+    from catch_arena.explanation.highlights import extract_events
     from catch_arena.replay import Replay
 
     replay = Replay.load(path)
     try:
-        return story(replay)
+        return extract_events(replay)
     except ReplayError as error:
         raise ReplayError(f"{path}: {error}") from None
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from catch_arena.explanation.evidence import Contest, contests_of
 from catch_arena.explanation.seats import labels
-from catch_arena.explanation.words import contest_sentence
+from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.render.shapes import Color
 from catch_arena.render.view import Look
 from catch_arena.replay import Replay

@@ -9,6 +9,7 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
+from catch_arena.explanation.lengths import short_length
 from catch_arena.render.shapes import INK, WHITE, Color, Label, Ring, Shape, Stroke, mix
 from catch_arena.render.view import GROUND, Look, Pose, Viewport
 from catch_arena.verdicts import Ruling, Verdict
@@ -110,16 +111,7 @@ def margin(behind_um: int) -> str:
     """How much further away the loser was; an exact tie was drawn by lot (R5.5)."""
     if behind_um == 0:
         return "by lot"
-    return f"−{length_text(behind_um)}"
-
-
-def length_text(length_um: int) -> str:
-    """Two digits of a short length, in the unit that fits."""
-    if length_um < 1000:
-        return f"{length_um} µm"
-    if length_um < 9950:
-        return f"{length_um / 1000:.1f} mm"
-    return f"{length_um / 1000:.0f} mm" if length_um < 99_500 else f"{length_um / 10_000:.0f} cm"
+    return f"−{short_length(behind_um)}"
 
 
 def still_seen(marks: Iterable[Mark], time_ms: float) -> list[Mark]:

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from catch_arena.explanation.lengths import short_length
 from catch_arena.render.hud import BRIGHT, CARD, DIM, NEWS_ROW, Rect, chip, chip_width, clock, fitting
-from catch_arena.render.marks import Mark, length_text
+from catch_arena.render.marks import Mark
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width
 from catch_arena.render.view import Look
@@ -44,7 +45,7 @@ def items_of(marks: Iterable[Mark]) -> list[Item]:
         elif mark.kind == "catch" and mark.rivals and mark.distance_um is not None:
             rival = mark.rivals[0]
             behind = rival.distance_um - mark.distance_um
-            how = f"by {length_text(behind)}" if behind > 0 else "by lot"
+            how = f"by {short_length(behind)}" if behind > 0 else "by lot"
             if rival.asked:
                 items.append(Item(mark.time_ms, mark.seat, "beat", rival.seat, how, contest=True))
             elif behind > 0:

@@ -1,13 +1,13 @@
-"""A contact sheet: a match in some of its moments, side by side in one picture."""
+"""A contact sheet: a match at some of its instants, side by side in one picture."""
 
 from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.errors import ConfigError
+from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.encoders import Progress
 from catch_arena.render.grid import fitted_grid
-from catch_arena.render.moments import Moment
 from catch_arena.render.raster import Canvas
 from catch_arena.render.shapes import Label, Shape
 from catch_arena.render.shots import Stills
@@ -39,14 +39,14 @@ def even_instants(replay: Replay, count: int) -> list[tuple[float, str]]:
     return [(whole * place / max(1, count - 1), "") for place in range(count)]
 
 
-def same_picture(one: Moment, other: Moment) -> bool:
-    """Two moments whose pictures would hardly differ; of a film they may be two scenes only if they do not overlap."""
+def same_picture(one: Highlight, other: Highlight) -> bool:
+    """Whether two highlights' pictures would hardly differ; in a video they may not even overlap."""
     return abs(one.decisive_ms - other.decisive_ms) < _SAME_MS
 
 
-def instants_of(moments: Sequence[Moment]) -> list[tuple[float, str]]:
+def instants_of(highlights: Sequence[Highlight]) -> list[tuple[float, str]]:
     """Just after the decisive instants, in order, each with what happened."""
-    return sorted((float(one.decisive_ms + _LATER_MS), one.what) for one in moments)
+    return sorted((float(one.decisive_ms + _LATER_MS), one.what) for one in highlights)
 
 
 def contact_sheet(

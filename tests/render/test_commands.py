@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.render.moments import best, moments, story
+from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
 from catch_arena.render.sheet import same_picture
 
 SMALL = ["--size", "480x320", "--fps", "10"]
@@ -68,9 +68,9 @@ def test_a_sheet_has_as_many_pictures_as_were_asked_for_or_says_why_not(play):
     """Moments that overlap as scenes of a film are pictures of their own, half a second apart."""
     match = play("duel", time_limit_s=20.0, reach_m=1.0, initial_targets=8, spawn_frequency_hz=2.0)
     match.save("busy.replay")
-    found = {"": moments(story(match))}
-    count = len(best(found, 100, clash=same_picture))
-    assert count > len(best(found, 100))
+    found = {"": find_highlights(extract_events(match))}
+    count = len(select_highlights(found, 100, clash=same_picture))
+    assert count > len(select_highlights(found, 100))
     result = call("sheet", "busy.replay", "--pick", "moments", "--count", str(count))
     assert result.output.endswith(f"sheet: sheet.png ({count} pictures)\n")
     result = call("sheet", "busy.replay", "--pick", "moments", "--count", "99", "--force")

@@ -7,7 +7,7 @@ import pytest
 from render.pictured import a_world, kinds, shapes_of
 
 from catch_arena.render import marks
-from catch_arena.render.marks import Mark, Rival, apart, length_text, marks_of, still_seen
+from catch_arena.render.marks import Mark, Rival, apart, marks_of, still_seen
 from catch_arena.render.shapes import Label, Stroke
 from catch_arena.render.view import Viewport
 from catch_arena.verdicts import Ruling, Verdict
@@ -153,11 +153,3 @@ def test_numbers_do_not_jump_when_hunters_pass_each_other():
         if last is not None:
             assert max(math.dist(a, b) for a, b in zip(last, now, strict=True)) < 0.25
         last = now
-
-
-@pytest.mark.parametrize(
-    ("length", "text"),
-    [(1, "1 µm"), (999, "999 µm"), (1_000, "1.0 mm"), (9_940, "9.9 mm"), (9_960, "10 mm"), (299_999, "30 cm")],
-)
-def test_lengths_are_said_in_the_unit_that_fits(length, text):
-    assert length_text(length) == text

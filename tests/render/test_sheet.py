@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from catch_arena.errors import ConfigError
+from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
-from catch_arena.render.moments import Moment
 from catch_arena.render.sheet import _stamp, contact_sheet, even_instants, instants_of
 from catch_arena.render.text import fitted
 from catch_arena.render.view import GROUND
@@ -24,7 +24,7 @@ def test_even_instants_reach_from_the_beginning_to_the_end(match):
 
 
 def test_moments_are_shown_in_the_order_of_time_with_their_words():
-    late, early = (Moment("lead", 0, at, at + 500, 0.1, f"at {at}", "") for at in (2000, 1000))
+    late, early = (Highlight("lead", 0, at, at + 500, 0.1, f"at {at}", "") for at in (2000, 1000))
     assert instants_of([late, early]) == [(1150.0, "at 1000"), (2150.0, "at 2000")]
 
 

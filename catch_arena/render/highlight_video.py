@@ -1,4 +1,4 @@
-"""A film of the moments that are worth seeing: slow motion about the decisive instant, and a caption."""
+"""A video of highlights: slow motion about the decisive instant, and a caption."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -9,10 +9,10 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from catch_arena.errors import ConfigError
+from catch_arena.explanation.highlights import Highlight, Kind
 from catch_arena.render import hud
 from catch_arena.render.encoders import Pixels, Progress, format_of
 from catch_arena.render.libraries import cv2
-from catch_arena.render.moments import Kind, Moment
 from catch_arena.render.motion import Cut
 from catch_arena.render.raster import Canvas
 from catch_arena.render.shapes import Box, Color, Label, Shape
@@ -40,74 +40,74 @@ HEADINGS: Final[dict[Kind, str]] = {
 }
 
 
-class Clip(NamedTuple):
-    """A moment, and where it is from."""
+class RecordedHighlight(NamedTuple):
+    """A highlight, and where it is from."""
 
     path: Path
     """Of the replay, which is read when its turn comes."""
-    moment: Moment
+    highlight: Highlight
 
 
 def render_highlights(
-    clips: Sequence[Clip],
+    highlights: Sequence[RecordedHighlight],
     path: str | os.PathLike[str],
     *,
     size: tuple[int, int] | None = None,
     fps: int | None = None,
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write the moments as one film, in their order; memory holds one match at a time.
+    """Write highlights as one video, in their order; memory holds one match at a time.
 
     Args: as for `video.render_replay`. Raises: ConfigError, OutputError, ReplayError; no half-written file is left.
     """
-    if not clips:
+    if not highlights:
         raise ConfigError("clips must be one at least, got none")
     kind = format_of(Path(path))
     fps, within = frame_rate(kind, fps), frame_size(kind, size)
-    frames = sum(slowed(clip.moment, fps).frames for clip in clips)
-    return write_film(path, _pictures(clips, within, fps), within, fps, frames, progress)
+    frames = sum(slowed(one.highlight, fps).frames for one in highlights)
+    return write_film(path, _pictures(highlights, within, fps), within, fps, frames, progress)
 
 
-def slowed(moment: Moment, fps: int) -> Splice:
-    """The moment, slow about its decisive instant."""
-    slow_ms = max(moment.start_ms, moment.decisive_ms - _SLOW_FROM_MS)
-    fast_ms = min(moment.end_ms, moment.decisive_ms + _SLOW_TO_MS)
+def slowed(highlight: Highlight, fps: int) -> Splice:
+    """The highlight's frames, slow about its decisive instant."""
+    slow_ms = max(highlight.start_ms, highlight.decisive_ms - _SLOW_FROM_MS)
+    fast_ms = min(highlight.end_ms, highlight.decisive_ms + _SLOW_TO_MS)
     cuts = (
-        Cut(moment.start_ms, slow_ms, fps),
+        Cut(highlight.start_ms, slow_ms, fps),
         Cut(slow_ms, fast_ms, fps, SLOW),
-        Cut(fast_ms, moment.end_ms, fps),
+        Cut(fast_ms, highlight.end_ms, fps),
     )
     return Splice(tuple(cut for cut in cuts if cut.start_ms < cut.end_ms))
 
 
-def _pictures(clips: Sequence[Clip], size: tuple[int, int], fps: int) -> Iterator[Pixels]:
+def _pictures(highlights: Sequence[RecordedHighlight], size: tuple[int, int], fps: int) -> Iterator[Pixels]:
     width, height = size
     frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
     below = round(_CAPTION * height)
     caption = hud.Rect(0, height - below, width, below)
-    for number, (path, moment) in enumerate(clips, start=1):
+    for number, (path, highlight) in enumerate(highlights, start=1):
         replay = Replay.load(path)
         look = Look.of(replay.config, replay.names, replay.title or path.stem, duration_ms(replay))
         stage = Stage(look, (width, height - below), "broadcast", replay.seed)
-        shots = slowed(moment, fps)
-        where = f"{path.stem}   {number} of {len(clips)}"
+        shots = slowed(highlight, fps)
+        where = f"{path.stem}   {number} of {len(highlights)}"
         for shot, pixels in enumerate(filmed(replay, stage, shots)):
             frame.pixels[: height - below] = pixels
             slow = shots.cut_of(shot)[0].speed != 1
             frame.clear(caption, hud.CARD)
-            frame.draw(caption_shapes(caption, moment, where, slow=slow))
+            frame.draw(caption_shapes(caption, highlight, where, slow=slow))
             seen = min(1.0, (shot + 1) / (_FADE_S * fps), (shots.frames - shot) / (_FADE_S * fps))
             yield frame.pixels if seen == 1.0 else _dimmed(frame.pixels, seen)
 
 
-def caption_shapes(area: hud.Rect, moment: Moment, where: str, *, slow: bool) -> list[Shape]:
+def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bool) -> list[Shape]:
     """What happens and why, which match it is, and whether time runs slowly."""
     unit = area.height / 94.0
     pad = 20.0 * unit
     big, small = hud.fitting(28 * unit, 12), hud.fitting(17 * unit, 10)
     tag = hud.fitting(15 * unit, 9)
     upper, lower = area.top + 0.34 * area.height, area.top + 0.72 * area.height
-    heading = HEADINGS[moment.kind]
+    heading = HEADINGS[highlight.kind]
     chip = text_width(heading, tag, 800) + 1.2 * tag
     right = area.left + area.width - pad
     about = f"{where}   slow motion ¼" if slow else where
@@ -117,8 +117,8 @@ def caption_shapes(area: hud.Rect, moment: Moment, where: str, *, slow: bool) ->
         Box(area.left, area.top, area.width, max(2.0, 3.0 * unit), _ACCENT),
         Box(area.left + pad, upper - 0.85 * tag, chip, 1.7 * tag, _ACCENT, 0.4 * tag),
         Label(area.left + pad + 0.5 * chip, upper, heading, tag, hud.PANEL, 800, "center"),
-        Label(beside, upper, moment.what, big, hud.BRIGHT, 800, max_width=right - beside),
-        Label(area.left + pad, lower, moment.why, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
+        Label(beside, upper, highlight.what, big, hud.BRIGHT, 800, max_width=right - beside),
+        Label(area.left + pad, lower, highlight.why, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
         Label(right, lower, about, small, _ACCENT if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
     ]
 

@@ -1,4 +1,4 @@
-"""The film of the best moments."""
+"""The video of the best highlights."""
 
 from fractions import Fraction
 
@@ -7,28 +7,35 @@ import pytest
 from render.films import decoded
 
 from catch_arena.errors import ConfigError
+from catch_arena.explanation.highlights import KINDS, Highlight
 from catch_arena.render import hud
-from catch_arena.render.highlights import HEADINGS, SLOW, Clip, caption_shapes, render_highlights, slowed
-from catch_arena.render.moments import KINDS, Moment
+from catch_arena.render.highlight_video import (
+    HEADINGS,
+    SLOW,
+    RecordedHighlight,
+    caption_shapes,
+    render_highlights,
+    slowed,
+)
 from catch_arena.render.shapes import Label
 
-MOMENT = Moment("contest", 500, 1500, 2500, 0.9, "bob beats ann by 213 µm", "the nearest wins (R5.4)")
+HIGHLIGHT = Highlight("contest", 500, 1500, 2500, 0.9, "bob beats ann by 213 µm", "the nearest wins (R5.4)")
 AREA = hud.Rect(0, 300, 640, 60)
 
 
 def texts(slow: bool) -> list[str]:
-    shapes = caption_shapes(AREA, MOMENT, "m7   1 of 3", slow=slow)
+    shapes = caption_shapes(AREA, HIGHLIGHT, "m7   1 of 3", slow=slow)
     return [shape.text for shape in shapes if isinstance(shape, Label)]
 
 
 def test_the_caption_says_what_and_why_and_where_it_is_from():
-    assert {"CONTEST", MOMENT.what, MOMENT.why, "m7   1 of 3"} <= set(texts(slow=False))
+    assert {"CONTEST", HIGHLIGHT.what, HIGHLIGHT.why, "m7   1 of 3"} <= set(texts(slow=False))
     assert any("slow motion" in text for text in texts(slow=True))
     assert set(HEADINGS) == set(KINDS)
 
 
 def test_time_runs_slowly_about_the_decisive_instant_only():
-    shots = slowed(MOMENT, 60)
+    shots = slowed(HIGHLIGHT, 60)
     speeds = {shots.time_ms(frame): shots.cut_of(frame)[0].speed for frame in range(shots.frames)}
     assert min(speeds) == 500
     assert 2480 < max(speeds) < 2500
@@ -37,7 +44,7 @@ def test_time_runs_slowly_about_the_decisive_instant_only():
 
 
 def test_a_moment_at_the_very_beginning_has_no_empty_part():
-    shots = slowed(Moment("lead", 0, 0, 1500, 0.5, "", ""), 30)
+    shots = slowed(Highlight("lead", 0, 0, 1500, 0.5, "", ""), 30)
     assert shots.time_ms(0) == 0
     assert all(cut.start_ms < cut.end_ms for cut in shots.cuts)
 
@@ -45,12 +52,17 @@ def test_a_moment_at_the_very_beginning_has_no_empty_part():
 def test_the_film_has_every_frame_of_every_moment_and_memory_for_one_match(match, tmp_path):
     path = tmp_path / "m.replay"
     match.save(path)
-    late = Moment("finish", 2000, 2900, 4400, 0.5, "ann 3, bob 2 at the end", "One catch decides")
-    report = render_highlights([Clip(path, MOMENT), Clip(path, late)], tmp_path / "best.mp4", size=(480, 320), fps=20)
+    late = Highlight("finish", 2000, 2900, 4400, 0.5, "ann 3, bob 2 at the end", "One catch decides")
+    report = render_highlights(
+        [RecordedHighlight(path, HIGHLIGHT), RecordedHighlight(path, late)],
+        tmp_path / "best.mp4",
+        size=(480, 320),
+        fps=20,
+    )
     frames = decoded(report.path)
-    assert len(frames) == report.frames == slowed(MOMENT, 20).frames + slowed(late, 20).frames
+    assert len(frames) == report.frames == slowed(HIGHLIGHT, 20).frames + slowed(late, 20).frames
     brightness = [float(frame.mean()) for frame in frames]
-    cut = slowed(MOMENT, 20).frames
+    cut = slowed(HIGHLIGHT, 20).frames
     assert max(brightness[0], brightness[cut - 1], brightness[cut]) < 0.8 * np.median(brightness)  # fades
     caption = frames[20][-38:].astype(int)
     assert (caption.max(axis=2) > 200).any()  # there are words
