@@ -25,11 +25,12 @@ from catch_arena.render import scene, shapes
 from catch_arena.render.encoders import FORMATS, video_file
 from catch_arena.render.libraries import pygame
 from catch_arena.render.marks import Mark, marks_of, still_seen
-from catch_arena.render.motion import Cut, leg, passages
+from catch_arena.render.motion import frame_spans, step_motion
 from catch_arena.render.raster import Pixels
 from catch_arena.render.stage import ArenaPainter
+from catch_arena.render.timing import Clip
 from catch_arena.render.turtle import TURTLE_PARTS
-from catch_arena.render.video import cut_of, filmed, render_replay, stage_of
+from catch_arena.render.video import clip_of, filmed, render_replay, stage_of
 from catch_arena.render.view import OUTSIDE, Look, Pose, Viewport
 
 
@@ -125,8 +126,8 @@ def in_place(seen: list[Pixels], meant: list[Pixels]) -> int:
     good = 0
     for place, frame in enumerate(seen[: len(meant)]):
         near = range(max(0, place - 2), min(len(meant), place + 3))
-        ways = {other: float(np.abs(frame.astype(int) - meant[other]).mean()) for other in near}
-        good += ways[place] <= min(ways.values()) + 1e-9
+        distances = {other: float(np.abs(frame.astype(int) - meant[other]).mean()) for other in near}
+        good += distances[place] <= min(distances.values()) + 1e-9
     return good
 
 
@@ -136,8 +137,8 @@ def bench_moviepy(args: Args) -> None:
 
     replay = played("standard", 3.0)
     stage = stage_of(replay, (1280, 720), "broadcast")
-    cut = cut_of(replay, FORMATS[".mp4"], 60, 0.0, None, 1.0)
-    frames = [cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB) for pixels in filmed(replay, stage, cut)]
+    clip = clip_of(replay, FORMATS[".mp4"], 60, 0.0, None, 1.0)
+    frames = [cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB) for pixels in filmed(replay, stage, clip)]
     meant = [small(frame) for frame in frames]
     with tempfile.TemporaryDirectory() as folder:
         ours, theirs = Path(folder, "ours.mp4"), Path(folder, "theirs.mp4")
@@ -221,28 +222,28 @@ def bench_plain_pygame(args: Args) -> None:
     """The arena alone, 720 x 720, at 60 frames a second."""
     replay = played("standard", 10.0)
     worlds = list(replay.worlds())
-    cut = Cut(0, 10_000, 60)
+    clip = Clip(0, 10_000, 60)
     stage = stage_of(replay, (720, 720), "arena")
 
     def ours() -> None:
         stage.reset()
-        for passage in passages(worlds, cut):
-            stage.enter(passage.leg)
-            for frame in passage.frames:
-                time_ms = cut.time_ms(frame)
-                stage.draw(time_ms, passage.leg.at(time_ms, passage.next_tick))
+        for span in frame_spans(worlds, clip):
+            stage.enter(span.motion)
+            for frame in span.frames:
+                time_ms = clip.time_ms(frame)
+                stage.draw(time_ms, span.motion.at(time_ms, span.next_tick))
 
     plain = PlainPygame(Look.of(replay.config), 720, 680)
 
     def theirs() -> None:
         marks: list[Mark] = []
-        last = leg(worlds[0], worlds[0]).poses[0]
-        for passage in passages(worlds, cut):
-            now = passage.leg
+        last = step_motion(worlds[0], worlds[0]).poses[0]
+        for span in frame_spans(worlds, clip):
+            now = span.motion
             marks += marks_of(now.before, now.after)
-            for frame in passage.frames:
-                time_ms = cut.time_ms(frame)
-                poses = now.at(time_ms, passage.next_tick)
+            for frame in span.frames:
+                time_ms = clip.time_ms(frame)
+                poses = now.at(time_ms, span.next_tick)
                 described = scene.arena_shapes(
                     plain.view,
                     plain.look,
@@ -256,8 +257,8 @@ def bench_plain_pygame(args: Args) -> None:
                 last = poses
 
     our_s, their_s = seconds_of(ours, args.repeats), seconds_of(theirs, args.repeats)
-    told("the arena alone, 720 x 720", cut.frames, our_s)
-    told("plain pygame, supersampled twice", cut.frames, their_s, f"ours is {their_s / our_s:.1f} times as fast")
+    told("the arena alone, 720 x 720", clip.frames, our_s)
+    told("plain pygame, supersampled twice", clip.frames, their_s, f"ours is {their_s / our_s:.1f} times as fast")
 
 
 def memory_of(minutes: float) -> None:

@@ -10,7 +10,7 @@ from catch_arena.live import cards
 from catch_arena.live.keys import Hands, Wish, wish_of
 from catch_arena.render import hud
 from catch_arena.render.libraries import pygame
-from catch_arena.render.motion import Leg, leg
+from catch_arena.render.motion import StepMotion, step_motion
 from catch_arena.render.shapes import Shape
 from catch_arena.render.stage import LARGEST, SMALLEST, Stage
 from catch_arena.render.view import Look, Viewport
@@ -66,7 +66,7 @@ class Show:
         self._clock = pygame.time.Clock()
         self._stage = self._new_stage(size)
         self._last: World
-        self._legs: list[Leg] = []
+        self._motions: list[StepMotion] = []
         self._resized_s: float | None = None
         self._resizing = size
         self._paused = self._helping = False
@@ -99,11 +99,11 @@ class Show:
             self._last = world
             self._begin(world)
             return
-        now = leg(self._last, world)
+        motion = step_motion(self._last, world)
         self._last = world
-        self._legs.append(now)
-        self._stage.enter(now)
-        self._run(now)
+        self._motions.append(motion)
+        self._stage.enter(motion)
+        self._run(motion)
         if not env.agents:
             self._end(world)
 
@@ -113,32 +113,32 @@ class Show:
         self._screen.close()
 
     def _begin(self, world: World) -> None:
-        self._legs = []
+        self._motions = []
         self._stage.reset()
-        now = leg(world, world)
-        self._stage.enter(now)
+        motion = step_motion(world, world)
+        self._stage.enter(motion)
         self._ahead_ms = 0.0
         self._steps = 0
         self._paused = self._helping = False
         while not self._helped:
-            self._draw(now, 0.0, self._keys("any key begins"))
+            self._draw(motion, 0.0, self._keys("any key begins"))
             for event in self._events():
                 if event.type in {pygame.KEYDOWN, pygame.JOYBUTTONDOWN} and not getattr(event, "mod", 0):
                     self._helped = True
         self._clock.tick()
 
-    def _run(self, now: Leg) -> None:
+    def _run(self, motion: StepMotion) -> None:
         """From a step's beginning to its end; a pause holds it there."""
-        time_ms = now.before.time_ms + self._ahead_ms
-        end_ms = now.after.time_ms
+        time_ms = motion.before.time_ms + self._ahead_ms
+        end_ms = motion.after.time_ms
         while time_ms < end_ms:
-            self._draw(now, time_ms, self._written(now, time_ms))
+            self._draw(motion, time_ms, self._written(motion, time_ms))
             self._events()
             time_ms += min(_LONGEST_FRAME_MS, self._clock.tick(_FPS)) * SPEEDS[self._speed]
         self._ahead_ms = time_ms - end_ms
         self._steps = max(0, self._steps - 1)
         while self._paused and not self._steps:
-            self._draw(now, end_ms, self._written(now, end_ms))
+            self._draw(motion, end_ms, self._written(motion, end_ms))
             self._events()
             self._clock.tick(_FPS)
             self._ahead_ms = 0.0
@@ -150,10 +150,10 @@ class Show:
             for seat, (rank, hunter) in enumerate(zip(self.ranks, world.hunters, strict=True))
         ]
         table.sort(key=lambda line: (line[0], line[1].seat))
-        now = self._legs[-1]
+        motion = self._motions[-1]
         while True:
             card = cards.result_card(self._area, self._look, table, "R: again    Ctrl-S: save    Esc: end")
-            self._draw(now, world.time_ms, [*card, *self._note_shapes()])
+            self._draw(motion, world.time_ms, [*card, *self._note_shapes()])
             self._events()
             self._clock.tick(_FPS)
 
@@ -197,16 +197,16 @@ class Show:
         except OutputError as error:
             self._tell(str(error))
 
-    def _draw(self, now: Leg, time_ms: float, over: list[Shape]) -> None:
-        self._stage.draw(time_ms, now.at(time_ms))
+    def _draw(self, motion: StepMotion, time_ms: float, over: list[Shape]) -> None:
+        self._stage.draw(time_ms, motion.at(time_ms))
         self._stage.write_over(over)
         self._screen.show(self._stage.pixels)
 
-    def _written(self, now: Leg, time_ms: float) -> list[Shape]:
+    def _written(self, motion: StepMotion, time_ms: float) -> list[Shape]:
         shapes: list[Shape] = []
         if self._seat is not None and (time_ms < _POINTED_MS or self._paused):
             view = Viewport(*self._area, self._look.config.side_m)
-            shapes += cards.pointer(view, now.at(time_ms)[self._seat][:2], self._look.color(self._seat))
+            shapes += cards.pointer(view, motion.at(time_ms)[self._seat][:2], self._look.color(self._seat))
         if self._helping:
             return shapes + self._keys("H goes on")
         if self._paused:
@@ -241,6 +241,6 @@ class Show:
             self._resized_s, self._resizing = now_s, size
         elif now_s - self._resized_s > _SETTLED_S:
             self._stage = self._new_stage(size)
-            for past in self._legs or [leg(self._last, self._last)]:
+            for past in self._motions or [step_motion(self._last, self._last)]:
                 self._stage.enter(past)
             self._clock.tick()

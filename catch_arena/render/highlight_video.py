@@ -13,13 +13,12 @@ from catch_arena.explanation.highlights import Highlight, Kind
 from catch_arena.render import hud
 from catch_arena.render.encoders import Pixels, Progress, format_of
 from catch_arena.render.libraries import cv2
-from catch_arena.render.motion import Cut
 from catch_arena.render.raster import Canvas
 from catch_arena.render.shapes import Box, Color, Label, Shape
-from catch_arena.render.shots import Splice
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.stage import Stage
 from catch_arena.render.text import text_width
+from catch_arena.render.timing import Clip, ClipSequence
 from catch_arena.render.video import RenderReport, duration_ms, filmed, frame_rate, frame_size, write_film
 from catch_arena.render.view import Look
 from catch_arena.replay import Replay
@@ -68,16 +67,16 @@ def render_highlights(
     return write_film(path, _pictures(highlights, within, fps), within, fps, frames, progress)
 
 
-def slowed(highlight: Highlight, fps: int) -> Splice:
+def slowed(highlight: Highlight, fps: int) -> ClipSequence:
     """The highlight's frames, slow about its decisive instant."""
     slow_ms = max(highlight.start_ms, highlight.decisive_ms - _SLOW_FROM_MS)
     fast_ms = min(highlight.end_ms, highlight.decisive_ms + _SLOW_TO_MS)
-    cuts = (
-        Cut(highlight.start_ms, slow_ms, fps),
-        Cut(slow_ms, fast_ms, fps, SLOW),
-        Cut(fast_ms, highlight.end_ms, fps),
+    clips = (
+        Clip(highlight.start_ms, slow_ms, fps),
+        Clip(slow_ms, fast_ms, fps, SLOW),
+        Clip(fast_ms, highlight.end_ms, fps),
     )
-    return Splice(tuple(cut for cut in cuts if cut.start_ms < cut.end_ms))
+    return ClipSequence(tuple(clip for clip in clips if clip.start_ms < clip.end_ms))
 
 
 def _pictures(highlights: Sequence[RecordedHighlight], size: tuple[int, int], fps: int) -> Iterator[Pixels]:
@@ -89,14 +88,14 @@ def _pictures(highlights: Sequence[RecordedHighlight], size: tuple[int, int], fp
         replay = Replay.load(path)
         look = Look.of(replay.config, replay.names, replay.title or path.stem, duration_ms(replay))
         stage = Stage(look, (width, height - below), "broadcast", replay.seed)
-        shots = slowed(highlight, fps)
+        timing = slowed(highlight, fps)
         where = f"{path.stem}   {number} of {len(highlights)}"
-        for shot, pixels in enumerate(filmed(replay, stage, shots)):
+        for frame_number, pixels in enumerate(filmed(replay, stage, timing)):
             frame.pixels[: height - below] = pixels
-            slow = shots.cut_of(shot)[0].speed != 1
+            slow = timing.clip_of(frame_number)[0].speed != 1
             frame.clear(caption, hud.CARD)
             frame.draw(caption_shapes(caption, highlight, where, slow=slow))
-            seen = min(1.0, (shot + 1) / (_FADE_S * fps), (shots.frames - shot) / (_FADE_S * fps))
+            seen = min(1.0, (frame_number + 1) / (_FADE_S * fps), (timing.frames - frame_number) / (_FADE_S * fps))
             yield frame.pixels if seen == 1.0 else _dimmed(frame.pixels, seen)
 
 

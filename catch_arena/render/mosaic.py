@@ -12,11 +12,11 @@ from catch_arena.render import hud
 from catch_arena.render.encoders import Pixels, Progress, format_of
 from catch_arena.render.grid import Grid, fitted_grid
 from catch_arena.render.libraries import cv2
-from catch_arena.render.motion import Cut
 from catch_arena.render.raster import Canvas
 from catch_arena.render.shapes import Label, Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.stage import Stage
+from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
     duration_ms,
@@ -73,7 +73,7 @@ def render_mosaic(
             f"got {grid.side} in {within[0]} x {within[1]}"
         )
     end_ms = max(_end_ms(replay, fps, pace) for replay in replays.values())
-    whole = Cut(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
+    whole = Clip(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
     return write_film(path, _pictures(replays, grid, within, whole), within, fps, whole.frames, progress)
 
 
@@ -82,7 +82,7 @@ def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
     return duration_ms(replay) + math.ceil(1000 * pace / fps)
 
 
-def _pictures(replays: Mapping[str, Replay], grid: Grid, size: tuple[int, int], whole: Cut) -> Iterator[Pixels]:
+def _pictures(replays: Mapping[str, Replay], grid: Grid, size: tuple[int, int], whole: Clip) -> Iterator[Pixels]:
     sprites = SpriteCache()
     frame = Canvas.blank(*size, hud.PANEL, sprites)
     areas = grid.cells(len(replays), hud.Rect(0, 0, *size))
@@ -100,7 +100,7 @@ class _Cell:
     """One match in its part of the picture."""
 
     def __init__(
-        self, name: str, replay: Replay, frame: Canvas, area: hud.Rect, whole: Cut, sprites: SpriteCache
+        self, name: str, replay: Replay, frame: Canvas, area: hud.Rect, whole: Clip, sprites: SpriteCache
     ) -> None:
         side = area.width
         self._name = name
@@ -110,8 +110,8 @@ class _Cell:
         picture = area._replace(height=area.height - self._label.height)
         self._picture = frame.part(picture)
         self._stage = Stage(self._look, (picture.width, picture.height), "arena", sprites=sprites)
-        cut = Cut(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
-        self._frames = filmed(replay, self._stage, cut)
+        clip = Clip(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
+        self._frames = filmed(replay, self._stage, clip)
         self._running = True
         self._write(None)
         self._leader: int | None = None

@@ -10,11 +10,11 @@ from catch_arena.render.encoders import Progress
 from catch_arena.render.grid import fitted_grid
 from catch_arena.render.raster import Canvas
 from catch_arena.render.shapes import Label, Shape
-from catch_arena.render.shots import Stills
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.stage import Stage, checked_size
 from catch_arena.render.still import png
 from catch_arena.render.text import printable, text_width
+from catch_arena.render.timing import Snapshots
 from catch_arena.render.video import duration_ms, filmed
 from catch_arena.render.view import Look
 from catch_arena.replay import Replay
@@ -78,7 +78,7 @@ def contact_sheet(
     sheet.draw(_heading(hud.Rect(0, 0, width, head), look, replay.seed))
     lines = round(_LINES * grid.side)
     stage = Stage(look, (grid.side, grid.side + grid.extra - lines), "arena", sprites=sprites)
-    pictures = filmed(replay, stage, Stills(tuple(time_ms for time_ms, _ in instants)))
+    pictures = filmed(replay, stage, Snapshots(tuple(time_ms for time_ms, _ in instants)))
     cells = grid.cells(len(instants), area)
     for done, (cell, (time_ms, word), pixels) in enumerate(zip(cells, instants, pictures, strict=True), start=1):
         sheet.pixels[cell.top : cell.top + cell.height - lines, cell.left : cell.left + cell.width] = pixels

@@ -10,7 +10,7 @@ from catch_arena.errors import ConfigError, suggest
 from catch_arena.render import hud, scene, timeline
 from catch_arena.render.libraries import cv2
 from catch_arena.render.marks import Mark, marks_of, still_seen
-from catch_arena.render.motion import TICK_MS, Leg, leg
+from catch_arena.render.motion import TICK_MS, StepMotion, step_motion
 from catch_arena.render.news import News, news_shapes
 from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Shape
@@ -84,25 +84,25 @@ class Stage:
         self._ladder = Ladder()
         self._news = News()
         self._standings: tuple[hud.Standing, ...] = ()
-        self._leg: Leg | None = None
+        self._motion: StepMotion | None = None
         self._poses: tuple[Pose, ...] = ()
         self._moved_ms = time_ms
         self._shown: dict[str, object] = {}
 
-    def enter(self, now: Leg) -> None:
+    def enter(self, motion: StepMotion) -> None:
         """Begin a step: its rulings count from here on. Steps of which no instant is drawn are entered too."""
-        began_ms = now.before.time_ms
-        if self._leg is not None:
+        began_ms = motion.before.time_ms
+        if self._motion is not None:
             self._follow(began_ms)
             self._ground.fade(began_ms)
         else:
-            self._poses = now.poses[0]
-        self._leg = now
-        marks = marks_of(now.before, now.after, by_lot=self._by_lot)
+            self._poses = motion.poses[0]
+        self._motion = motion
+        marks = marks_of(motion.before, motion.after, by_lot=self._by_lot)
         self._marks = still_seen([*self._marks, *marks], began_ms)
         self._news.tell(marks)
         self._standings = tuple(
-            hud.Standing(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(now.after.hunters)
+            hud.Standing(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(motion.after.hunters)
         )
         self._ladder.tell(began_ms, self._standings)
         catchers = [mark.seat for mark in marks if mark.kind == "catch"]
@@ -110,26 +110,26 @@ class Stage:
 
     def draw(self, time_ms: float, poses: tuple[Pose, ...]) -> Pixels:
         """Draw one instant of the step that was entered last into the buffer; the hunters have come to these poses."""
-        if self._leg is None:
+        if self._motion is None:
             raise ValueError("a step must be entered before one of its instants is drawn")
         self._follow(time_ms)
         self._ground.fade(time_ms)
         self._move(poses)
         self._marks = still_seen(self._marks, time_ms)
-        now = self._leg.after
+        world = self._motion.after
         self._arena.pixels[:] = self._ground.pixels
         self._arena.draw(
             scene.arena_shapes(
                 self._ground.view,
                 self.look,
-                hunters=now.hunters,
+                hunters=world.hunters,
                 poses=poses,
-                targets=[target for target in now.targets if target.spawned_ms <= time_ms],
+                targets=[target for target in world.targets if target.spawned_ms <= time_ms],
                 marks=self._marks,
                 time_ms=time_ms,
             )
         )
-        self._draw_around(time_ms, min(time_ms, now.time_ms))
+        self._draw_around(time_ms, min(time_ms, world.time_ms))
         return self.pixels
 
     def write_over(self, drawn: Iterable[Shape]) -> None:
@@ -138,8 +138,8 @@ class Stage:
 
     def _follow(self, until_ms: float) -> None:
         """Lead the trails through the ticks since the last instant, where it lies further back than a frame or two."""
-        if self._leg is not None and until_ms - self._moved_ms > 2 * TICK_MS:
-            for poses in self._leg.ticks_between(self._moved_ms, until_ms):
+        if self._motion is not None and until_ms - self._moved_ms > 2 * TICK_MS:
+            for poses in self._motion.ticks_between(self._moved_ms, until_ms):
                 self._move(poses)
         self._moved_ms = until_ms
 
@@ -220,26 +220,26 @@ class ArenaPainter:
         self._last = world
         if last is None or world.step == 0 or world.step < last.step or not self._led_to(last, world):
             stage.reset(float(world.time_ms))
-            self._leg = leg(world, world)
-            stage.enter(self._leg)
+            self._motion = step_motion(world, world)
+            stage.enter(self._motion)
         elif world.step == last.step:
-            self._leg = leg(world, world)
+            self._motion = step_motion(world, world)
         else:
             if world.step == last.step + 1:
-                self._leg = leg(last, world)
+                self._motion = step_motion(last, world)
             else:  # steps were left out: their rulings are not known, and the way is a straight line
                 poses = tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters)
-                self._leg = Leg(last, world, (poses,))
-            stage.enter(self._leg)
-        return float(world.time_ms - self._leg.before.time_ms)
+                self._motion = StepMotion(last, world, (poses,))
+            stage.enter(self._motion)
+        return float(world.time_ms - self._motion.before.time_ms)
 
     def draw(self, part: float) -> Pixels:
         """That part of the way, up to 1, into a (height, width, 4) buffer, which the next call overwrites."""
-        now = self._leg
+        motion = self._motion
         if part == 1.0:
-            return self._stage.draw(float(now.after.time_ms), now.poses[-1])
-        time_ms = now.before.time_ms + part * (now.after.time_ms - now.before.time_ms)
-        return self._stage.draw(time_ms, now.at(time_ms))
+            return self._stage.draw(float(motion.after.time_ms), motion.poses[-1])
+        time_ms = motion.before.time_ms + part * (motion.after.time_ms - motion.before.time_ms)
+        return self._stage.draw(time_ms, motion.at(time_ms))
 
     def _led_to(self, last: World, world: World) -> bool:
         """Nobody can have driven further."""

@@ -11,8 +11,9 @@ from typing import Final
 from catch_arena.errors import ConfigError
 from catch_arena.render import hud
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
-from catch_arena.render.motion import Cut, Shots, passages
+from catch_arena.render.motion import frame_spans
 from catch_arena.render.stage import Stage, checked_size
+from catch_arena.render.timing import Clip, FrameTiming
 from catch_arena.render.view import Look
 from catch_arena.replay import Replay
 
@@ -67,9 +68,9 @@ def render_replay(
     """
     kind = format_of(Path(path))
     within = frame_size(kind, size)
-    cut = cut_of(replay, kind, fps, start_s, end_s, speed)
+    clip = clip_of(replay, kind, fps, start_s, end_s, speed)
     return write_film(
-        path, filmed(replay, stage_of(replay, within, layout), cut), within, cut.fps, cut.frames, progress
+        path, filmed(replay, stage_of(replay, within, layout), clip), within, clip.fps, clip.frames, progress
     )
 
 
@@ -117,19 +118,19 @@ def duration_ms(replay: Replay) -> int:
     return replay.steps * replay.config.control_period_ms
 
 
-def filmed(replay: Replay, stage: Stage, shots: Shots) -> Iterator[Pixels]:
+def filmed(replay: Replay, stage: Stage, timing: FrameTiming) -> Iterator[Pixels]:
     """The frames, one after the other, in the stage's own buffer: the next one overwrites it.
 
-    Steps before the first shot are played too, so that their trails and catches are there.
+    Steps before the first frame are played too, so that their trails and catches are there.
     """
-    for passage in passages(replay.worlds(), shots):
-        stage.enter(passage.leg)
-        for frame in passage.frames:
-            time_ms = shots.time_ms(frame)
-            yield stage.draw(time_ms, passage.leg.at(time_ms, passage.next_tick))
+    for span in frame_spans(replay.worlds(), timing):
+        stage.enter(span.motion)
+        for frame in span.frames:
+            time_ms = timing.time_ms(frame)
+            yield stage.draw(time_ms, span.motion.at(time_ms, span.next_tick))
 
 
-def cut_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Cut:
+def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Clip:
     """The part of a match and its pace, if they can be. Raises: ConfigError."""
     fps = frame_rate(kind, fps)
     pace = pace_of(speed)
@@ -140,7 +141,7 @@ def cut_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s:
     if not start_s < until_s and whole_s > 0.0:
         raise ConfigError(f"the end must lie after the start, {start_s:g} s, got {until_s!r}")
     end_ms = round(1000.0 * min(whole_s, until_s))
-    return Cut(round(1000.0 * start_s), end_ms, fps, pace)
+    return Clip(round(1000.0 * start_s), end_ms, fps, pace)
 
 
 def frame_rate(kind: Format, fps: int | None) -> int:

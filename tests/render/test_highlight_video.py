@@ -35,8 +35,8 @@ def test_the_caption_says_what_and_why_and_where_it_is_from():
 
 
 def test_time_runs_slowly_about_the_decisive_instant_only():
-    shots = slowed(HIGHLIGHT, 60)
-    speeds = {shots.time_ms(frame): shots.cut_of(frame)[0].speed for frame in range(shots.frames)}
+    timing = slowed(HIGHLIGHT, 60)
+    speeds = {timing.time_ms(frame): timing.clip_of(frame)[0].speed for frame in range(timing.frames)}
     assert min(speeds) == 500
     assert 2480 < max(speeds) < 2500
     for time_ms, speed in speeds.items():
@@ -44,9 +44,9 @@ def test_time_runs_slowly_about_the_decisive_instant_only():
 
 
 def test_a_moment_at_the_very_beginning_has_no_empty_part():
-    shots = slowed(Highlight("lead", 0, 0, 1500, 0.5, "", ""), 30)
-    assert shots.time_ms(0) == 0
-    assert all(cut.start_ms < cut.end_ms for cut in shots.cuts)
+    timing = slowed(Highlight("lead", 0, 0, 1500, 0.5, "", ""), 30)
+    assert timing.time_ms(0) == 0
+    assert all(clip.start_ms < clip.end_ms for clip in timing.clips)
 
 
 def test_the_film_has_every_frame_of_every_moment_and_memory_for_one_match(match, tmp_path):
@@ -62,8 +62,8 @@ def test_the_film_has_every_frame_of_every_moment_and_memory_for_one_match(match
     frames = decoded(report.path)
     assert len(frames) == report.frames == slowed(HIGHLIGHT, 20).frames + slowed(late, 20).frames
     brightness = [float(frame.mean()) for frame in frames]
-    cut = slowed(HIGHLIGHT, 20).frames
-    assert max(brightness[0], brightness[cut - 1], brightness[cut]) < 0.8 * np.median(brightness)  # fades
+    second = slowed(HIGHLIGHT, 20).frames
+    assert max(brightness[0], brightness[second - 1], brightness[second]) < 0.8 * np.median(brightness)  # fades
     caption = frames[20][-38:].astype(int)
     assert (caption.max(axis=2) > 200).any()  # there are words
 

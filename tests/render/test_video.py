@@ -11,8 +11,8 @@ from render.films import ENDINGS, SMALL, decoded, drawn, psnr
 
 from catch_arena.errors import ConfigError
 from catch_arena.render.encoders import FORMATS
-from catch_arena.render.motion import Cut
-from catch_arena.render.video import cut_of, render_replay
+from catch_arena.render.timing import Clip
+from catch_arena.render.video import clip_of, render_replay
 
 
 def boxes(path: Path) -> list[str]:
@@ -137,7 +137,7 @@ def test_progress_is_told_frame_by_frame(match, tmp_path):
 
 def test_an_end_after_the_end_is_the_end(match):
     for end_s in (4.0, float("inf")):
-        assert cut_of(match, FORMATS[".mp4"], 60, 1.0, end_s, 1.0) == Cut(1000, 3000, 60)
+        assert clip_of(match, FORMATS[".mp4"], 60, 1.0, end_s, 1.0) == Clip(1000, 3000, 60)
 
 
 @pytest.mark.parametrize(
