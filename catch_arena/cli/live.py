@@ -86,7 +86,7 @@ def _show(
 ) -> None:
     """Seat the agents, one after the other and over again, and play in a window."""
     from catch_arena.live.session import seated, show_match
-    from catch_arena.render.stage import checked_size
+    from catch_arena.render.renderer import checked_size
     from catch_arena.tournament.entrants import enter
 
     config = arena(scenario, settings)

@@ -24,7 +24,7 @@ Video = Annotated[
     Path,
     typer.Option("--output", "-o", help="The file to write, which ends in .mp4, .webm, .gif or .webp."),
 ]
-FilmSize = Annotated[
+VideoSize = Annotated[
     str | None,
     typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"),
 ]
@@ -45,7 +45,7 @@ def render(
         ),
     ] = None,
     force: Force = False,
-    size: FilmSize = None,
+    size: VideoSize = None,
     fps: Fps = None,
     layout: Annotated[Layout, typer.Option(help="With the scores, or the arena alone.")] = "broadcast",
     start: Annotated[float, typer.Option("--from", metavar="SECONDS", help="Where to begin in the match.")] = 0.0,
@@ -130,7 +130,7 @@ def highlights(
     listing: Annotated[
         bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
     ] = False,
-    size: FilmSize = None,
+    size: VideoSize = None,
     fps: Fps = None,
 ) -> None:
     """Find the moments of a folder's matches that are worth seeing, and film them.
@@ -186,7 +186,7 @@ def sheet(
 ) -> None:
     """Put pictures of a match side by side, with their times."""
     from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
-    from catch_arena.render.sheet import contact_sheet, even_instants, instants_of, same_picture
+    from catch_arena.render.contact_sheet import contact_sheet, even_instants, instants_of, same_picture
     from catch_arena.replay import Replay, write_whole
     from catch_arena.tournament.display.tables import progress_bar
 

@@ -296,7 +296,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self.render_mode is None:
             return None
         self._require_episode("render")
-        from catch_arena.render.stage import ArenaPainter
+        from catch_arena.render.renderer import ArenaPainter
 
         if self._painter is None:
             self._painter = ArenaPainter(self.config, size=RENDER_SIZE)
@@ -318,7 +318,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._seed is None:
             return f"<p>{escape(str(self))}: no episode has begun</p>"
         try:
-            from catch_arena.render.still import png_html
+            from catch_arena.render.renderer import png_html
         except ConfigError as error:  # without the libraries that draw
             return f"<p>{escape(str(self))}: {escape(str(error))}</p>"
         return png_html(self.config, self._engine.world())

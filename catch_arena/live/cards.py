@@ -6,7 +6,7 @@ from typing import Final
 from catch_arena.render import hud
 from catch_arena.render.shapes import INK, WHITE, Box, Color, Label, Polygon, Shape
 from catch_arena.render.text import text_width
-from catch_arena.render.view import Look, Viewport
+from catch_arena.render.viewport import MatchInfo, Viewport
 
 _KEY: Final[Color] = (58, 67, 118)
 
@@ -61,7 +61,7 @@ def keys_card(area: tuple[int, int], title: str, rows: Rows, below: str) -> list
 
 
 def result_card(
-    area: tuple[int, int], look: Look, ranking: Sequence[tuple[int, hud.Standing]], below: str
+    area: tuple[int, int], info: MatchInfo, ranking: Sequence[tuple[int, hud.Standing]], below: str
 ) -> list[Shape]:
     """The final standings, by rank, as many as there is room for."""
     width, height = area
@@ -74,17 +74,17 @@ def result_card(
     shapes: list[Shape] = [
         Box(left, top, wide, high, hud.PANEL, 14 * unit),
         Label(
-            left + pad, top + pad + 0.5 * big, _verdict(look, ranking), big, hud.BRIGHT, 800, max_width=wide - 2 * pad
+            left + pad, top + pad + 0.5 * big, _verdict(info, ranking), big, hud.BRIGHT, 800, max_width=wide - 2 * pad
         ),
     ]
     y = top + pad + 1.9 * big + 0.5 * line
     right = left + wide - pad
     for rank, one in shown:
         chip = left + pad + 2.2 * size
-        name = chip + hud.chip_width(look, size) + 0.7 * size
+        name = chip + hud.chip_width(info, size) + 0.7 * size
         shapes.append(Label(left + pad + 1.2 * size, y, str(rank), size, hud.DIM, 600, "right"))
-        shapes += hud.chip(chip, y, look, one.seat, size, faded=one.withdrawn)
-        shapes.append(Label(name, y, look.names[one.seat], size, hud.BRIGHT, 600, max_width=right - name - 2.4 * size))
+        shapes += hud.chip(chip, y, info, one.seat, size, faded=one.withdrawn)
+        shapes.append(Label(name, y, info.names[one.seat], size, hud.BRIGHT, 600, max_width=right - name - 2.4 * size))
         shapes.append(Label(right, y, str(one.score), size, hud.BRIGHT, 800, "right"))
         y += line
     shapes.append(
@@ -105,11 +105,11 @@ def note(area: tuple[int, int], text: str) -> list[Shape]:
     ]
 
 
-def pointer(view: Viewport, place: tuple[float, float], color: Color) -> list[Shape]:
+def pointer(viewport: Viewport, place: tuple[float, float], color: Color) -> list[Shape]:
     """Which hunter is the person's: a word and an arrow over its place [m]."""
-    x, y = view.place(*place)
-    length = view.hunter_length
-    side = 1.0 if y < view.height - 2.2 * length else -1.0
+    x, y = viewport.to_pixels(*place)
+    length = viewport.hunter_length
+    side = 1.0 if y < viewport.height - 2.2 * length else -1.0
     tip, base = y + side * 0.85 * length, y + side * 1.25 * length
     size = hud.fitting(0.5 * length, 12)
     return [
@@ -118,11 +118,11 @@ def pointer(view: Viewport, place: tuple[float, float], color: Color) -> list[Sh
     ]
 
 
-def _verdict(look: Look, ranking: Sequence[tuple[int, hud.Standing]]) -> str:
+def _verdict(info: MatchInfo, ranking: Sequence[tuple[int, hud.Standing]]) -> str:
     first = [one for rank, one in ranking if rank == 1]
     if len(first) > 1:
         return f"{len(first)} share the first rank"
-    name = look.names[first[0].seat]
+    name = info.names[first[0].seat]
     return "You win" if name == "you" else f"{name} wins"
 
 

@@ -11,7 +11,7 @@ from catch_arena.live.keys import Hands
 from catch_arena.live.person import Person
 from catch_arena.live.show import Again, Ended, Show
 from catch_arena.policy import Policy
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import play
@@ -63,7 +63,7 @@ def show_match(
     """
     hands = Hands()
     show = Show(
-        Look.of(config, seats.names, title),
+        MatchInfo.of(config, seats.names, title),
         seed,
         size,
         hands=None if seats.person is None else hands,

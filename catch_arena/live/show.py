@@ -11,9 +11,9 @@ from catch_arena.live.keys import Hands, Wish, wish_of
 from catch_arena.render import hud
 from catch_arena.render.libraries import pygame
 from catch_arena.render.motion import StepMotion, step_motion
+from catch_arena.render.renderer import LARGEST, SMALLEST, MatchRenderer
 from catch_arena.render.shapes import Shape
-from catch_arena.render.stage import LARGEST, SMALLEST, Stage
-from catch_arena.render.view import Look, Viewport
+from catch_arena.render.viewport import MatchInfo, Viewport
 from catch_arena.render.window import Screen
 from catch_arena.replay import Replay
 from catch_arena.tournament.match import ranks_of
@@ -44,13 +44,13 @@ class Show:
     Between two steps it draws the way from the one to the other, and meanwhile the person steers the next. Its calls
     raise Ended and Again.
 
-    Args: `look`; `seed`, which is shown; `size` of the window; `hands`, which take the keys of the person in `seat`;
+    Args: `info`; `seed`, which is shown; `size` of the window; `hands`, which take the keys of the person in `seat`;
     `save`, called with the replay so far, says where it is.
     """
 
     def __init__(
         self,
-        look: Look,
+        info: MatchInfo,
         seed: int,
         size: tuple[int, int],
         *,
@@ -58,13 +58,13 @@ class Show:
         seat: int | None = None,
         save: Callable[[Replay], str] | None = None,
     ) -> None:
-        self._look, self._seed = look, seed
+        self._info, self._seed = info, seed
         self._hands, self._seat, self._save = hands, seat, save
-        self._screen = Screen(f"Catch Arena: {look.title}", size, for_hands=True)
+        self._screen = Screen(f"Catch Arena: {info.title}", size, for_hands=True)
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(place) for place in range(pygame.joystick.get_count())]
         self._clock = pygame.time.Clock()
-        self._stage = self._new_stage(size)
+        self._renderer = self._new_renderer(size)
         self._last: World
         self._motions: list[StepMotion] = []
         self._resized_s: float | None = None
@@ -102,7 +102,7 @@ class Show:
         motion = step_motion(self._last, world)
         self._last = world
         self._motions.append(motion)
-        self._stage.enter(motion)
+        self._renderer.enter(motion)
         self._run(motion)
         if not env.agents:
             self._end(world)
@@ -114,9 +114,9 @@ class Show:
 
     def _begin(self, world: World) -> None:
         self._motions = []
-        self._stage.reset()
+        self._renderer.reset()
         motion = step_motion(world, world)
-        self._stage.enter(motion)
+        self._renderer.enter(motion)
         self._ahead_ms = 0.0
         self._steps = 0
         self._paused = self._helping = False
@@ -152,7 +152,7 @@ class Show:
         table.sort(key=lambda line: (line[0], line[1].seat))
         motion = self._motions[-1]
         while True:
-            card = cards.result_card(self._area, self._look, table, "R: again    Ctrl-S: save    Esc: end")
+            card = cards.result_card(self._area, self._info, table, "R: again    Ctrl-S: save    Esc: end")
             self._draw(motion, world.time_ms, [*card, *self._note_shapes()])
             self._events()
             self._clock.tick(_FPS)
@@ -198,15 +198,15 @@ class Show:
             self._tell(str(error))
 
     def _draw(self, motion: StepMotion, time_ms: float, over: list[Shape]) -> None:
-        self._stage.draw(time_ms, motion.at(time_ms))
-        self._stage.write_over(over)
-        self._screen.show(self._stage.pixels)
+        self._renderer.draw(time_ms, motion.at(time_ms))
+        self._renderer.draw_over(over)
+        self._screen.show(self._renderer.pixels)
 
     def _written(self, motion: StepMotion, time_ms: float) -> list[Shape]:
         shapes: list[Shape] = []
         if self._seat is not None and (time_ms < _POINTED_MS or self._paused):
-            view = Viewport(*self._area, self._look.config.side_m)
-            shapes += cards.pointer(view, motion.at(time_ms)[self._seat][:2], self._look.color(self._seat))
+            viewport = Viewport(*self._area, self._info.config.side_m)
+            shapes += cards.pointer(viewport, motion.at(time_ms)[self._seat][:2], self._info.color(self._seat))
         if self._helping:
             return shapes + self._keys("H goes on")
         if self._paused:
@@ -225,12 +225,12 @@ class Show:
 
     @property
     def _area(self) -> tuple[int, int]:
-        return self._stage.arena.width, self._stage.arena.height
+        return self._renderer.arena.width, self._renderer.arena.height
 
-    def _new_stage(self, size: tuple[int, int]) -> Stage:
+    def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
         width, height = (min(max(SMALLEST, part), most) for part, most in zip(size, LARGEST, strict=True))
         self._drawn_for = size
-        return Stage(self._look, (width, height), "broadcast", self._seed)
+        return MatchRenderer(self._info, (width, height), "broadcast", self._seed)
 
     def _fit(self) -> None:
         """A new stage for a window that has another size, told all that has happened."""
@@ -240,7 +240,7 @@ class Show:
         elif self._resized_s is None or size != self._resizing:
             self._resized_s, self._resizing = now_s, size
         elif now_s - self._resized_s > _SETTLED_S:
-            self._stage = self._new_stage(size)
+            self._renderer = self._new_renderer(size)
             for past in self._motions or [step_motion(self._last, self._last)]:
-                self._stage.enter(past)
+                self._renderer.enter(past)
             self._clock.tick()

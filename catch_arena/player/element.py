@@ -6,8 +6,7 @@ from importlib.resources import files
 from typing import Any, Final
 
 from catch_arena.player.film import css, film_text
-from catch_arena.render import scene, shapes, view
-from catch_arena.render.turtle import TURTLE_PARTS
+from catch_arena.render import scene, shapes, viewport
 from catch_arena.replay import Replay
 
 _SCRIPTS: Final = ("film.js", "arena.js", "player.js")
@@ -50,14 +49,14 @@ def script_json(value: object) -> str:
 def _look() -> dict[str, Any]:
     """The colours and shapes of render/."""
     return {
-        "ground": css(view.GROUND),
-        "outside": css(view.OUTSIDE),
+        "ground": css(viewport.GROUND),
+        "outside": css(viewport.OUTSIDE),
         "grid": css(scene.GRID),
         "wall": css(scene.WALL),
-        "target": css(view.TARGET),
+        "target": css(viewport.TARGET),
         "ink": css(shapes.INK),
-        "hunterLength": view.HUNTER_LENGTH_M,
-        "targetLength": view.TARGET_LENGTH_M,
-        "margin": view.MARGIN,
-        "turtle": [[own, white, points[::_EVERY].round(3).tolist()] for points, own, white in TURTLE_PARTS],
+        "hunterLength": viewport.HUNTER_LENGTH_M,
+        "targetLength": viewport.TARGET_LENGTH_M,
+        "margin": viewport.MARGIN,
+        "turtle": [[own, white, points[::_EVERY].round(3).tolist()] for points, own, white in shapes.TURTLE_PARTS],
     }

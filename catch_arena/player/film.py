@@ -19,7 +19,7 @@ from catch_arena.explanation.evidence import Contest, contests_of
 from catch_arena.explanation.seats import labels
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.render.shapes import Color
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.world import World
 
@@ -43,8 +43,8 @@ def packed_text(content: bytes) -> str:
 
 def film(replay: Replay) -> bytes:
     """A replay's film before it is packed. Raises: ReplayError."""
-    look = Look.of(replay.config, labels(replay.names))
-    hunters: list[Poses] = [[] for _ in look.names]
+    info = MatchInfo.of(replay.config, labels(replay.names))
+    hunters: list[Poses] = [[] for _ in info.names]
     targets: dict[int, tuple[int, Poses]] = {}
     rulings: list[list[Any]] = []
     contests: list[dict[str, Any]] = []
@@ -54,7 +54,7 @@ def film(replay: Replay) -> bytes:
             poses.append((hunter.x, hunter.y, hunter.theta))
         # judged on the state before (R1.4), where their targets were seen
         rulings += [[state - 1, one.hunter, one.verdict.name, numbers.get(one.target)] for one in world.rulings]
-        contests += [_contest(contest, look.names) for contest in contests_of(replay, world)]
+        contests += [_contest(contest, info.names) for contest in contests_of(replay, world)]
         _follow(state, world, targets, numbers)
     facts = {
         "title": replay.title,
@@ -65,7 +65,7 @@ def film(replay: Replay) -> bytes:
         "steps": replay.steps,
         "grid": GRID,
         "turn": TURN,
-        "hunters": [{"name": name, "color": css(look.color(seat))} for seat, name in enumerate(look.names)],
+        "hunters": [{"name": name, "color": css(info.color(seat))} for seat, name in enumerate(info.names)],
         "targets": [[number, first, len(poses)] for number, (first, poses) in targets.items()],
         "withdrawals": replay.withdrawals,
         "rulings": rulings,

@@ -14,13 +14,13 @@ from catch_arena.render import hud
 from catch_arena.render.encoders import Pixels, Progress, format_of
 from catch_arena.render.libraries import cv2
 from catch_arena.render.raster import Canvas
+from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Box, Color, Label, Shape
 from catch_arena.render.sprites import SpriteCache
-from catch_arena.render.stage import Stage
 from catch_arena.render.text import text_width
 from catch_arena.render.timing import Clip, ClipSequence
-from catch_arena.render.video import RenderReport, duration_ms, filmed, frame_rate, frame_size, write_film
-from catch_arena.render.view import Look
+from catch_arena.render.video import RenderReport, duration_ms, frame_rate, frame_size, rendered_frames, write_video
+from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 
 SLOW: Final = Fraction(1, 4)
@@ -63,11 +63,11 @@ def render_highlights(
         raise ConfigError("clips must be one at least, got none")
     kind = format_of(Path(path))
     fps, within = frame_rate(kind, fps), frame_size(kind, size)
-    frames = sum(slowed(one.highlight, fps).frames for one in highlights)
-    return write_film(path, _pictures(highlights, within, fps), within, fps, frames, progress)
+    frames = sum(slow_motion(one.highlight, fps).frames for one in highlights)
+    return write_video(path, _pictures(highlights, within, fps), within, fps, frames, progress)
 
 
-def slowed(highlight: Highlight, fps: int) -> ClipSequence:
+def slow_motion(highlight: Highlight, fps: int) -> ClipSequence:
     """The highlight's frames, slow about its decisive instant."""
     slow_ms = max(highlight.start_ms, highlight.decisive_ms - _SLOW_FROM_MS)
     fast_ms = min(highlight.end_ms, highlight.decisive_ms + _SLOW_TO_MS)
@@ -86,11 +86,11 @@ def _pictures(highlights: Sequence[RecordedHighlight], size: tuple[int, int], fp
     caption = hud.Rect(0, height - below, width, below)
     for number, (path, highlight) in enumerate(highlights, start=1):
         replay = Replay.load(path)
-        look = Look.of(replay.config, replay.names, replay.title or path.stem, duration_ms(replay))
-        stage = Stage(look, (width, height - below), "broadcast", replay.seed)
-        timing = slowed(highlight, fps)
+        info = MatchInfo.of(replay.config, replay.names, replay.title or path.stem, duration_ms(replay))
+        renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
+        timing = slow_motion(highlight, fps)
         where = f"{path.stem}   {number} of {len(highlights)}"
-        for frame_number, pixels in enumerate(filmed(replay, stage, timing)):
+        for frame_number, pixels in enumerate(rendered_frames(replay, renderer, timing)):
             frame.pixels[: height - below] = pixels
             slow = timing.clip_of(frame_number)[0].speed != 1
             frame.clear(caption, hud.CARD)

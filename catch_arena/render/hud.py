@@ -10,7 +10,7 @@ from typing import Final, Literal, NamedTuple
 
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, mix
 from catch_arena.render.text import printable, text_width
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 
 Layout = Literal["broadcast", "arena"]
 """With a panel of standings and a timeline beside the arena, or with one line over it."""
@@ -143,11 +143,11 @@ def ranked(standings: Sequence[Standing]) -> list[Standing]:
     return sorted(standings, key=lambda one: (-one.score, one.seat))
 
 
-def header_shapes(area: Rect, look: Look, seed: int | None, time_text: str, unit: float) -> list[Shape]:
+def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str, unit: float) -> list[Shape]:
     """The title, what match this is, and the clock."""
     big, small = fitting(34 * unit, 15), fitting(15 * unit, 10)
     right = area.left + area.width
-    about = "   ".join(part for part in (look.title, "" if seed is None else f"seed {seed}") if part)
+    about = "   ".join(part for part in (info.title, "" if seed is None else f"seed {seed}") if part)
     clock_room = len(time_text) * 0.68 * big + 1.6 * small
     middle = area.top + area.height * (0.36 if about else 0.5)
     shapes: list[Shape] = [
@@ -180,30 +180,30 @@ def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
     ]
 
 
-def chip_width(look: Look, size: float) -> float:
+def chip_width(info: MatchInfo, size: float) -> float:
     """Of the chips that bear a match's numbers beside text of that size."""
-    return (0.6 * len(str(len(look.names) - 1)) + 0.7) * size
+    return (0.6 * len(str(len(info.names) - 1)) + 0.7) * size
 
 
-def chip(x: float, middle: float, look: Look, seat: int, size: float, *, faded: bool = False) -> list[Shape]:
+def chip(x: float, middle: float, info: MatchInfo, seat: int, size: float, *, faded: bool = False) -> list[Shape]:
     """A hunter's number on its colour; `x` is its left end."""
-    color = mix(look.color(seat), PANEL, 0.6 if faded else 0.0)
-    width = chip_width(look, size)
+    color = mix(info.color(seat), PANEL, 0.6 if faded else 0.0)
+    width = chip_width(info, size)
     return [
         Box(x, middle - 0.56 * size, width, 1.12 * size, color, 0.3 * size),
         Label(x + width / 2.0, middle, str(seat), fitting(0.82 * size, 9), readable_on(color), 800, "center"),
     ]
 
 
-def chip_shapes(area: Rect, look: Look, standings: Sequence[Standing]) -> list[Shape]:
+def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[Standing]) -> list[Shape]:
     """Every hunter's chip, name and score: by seat, without names or only the best where there is no room for all."""
     size = fitting(0.58 * area.height, 12)
     middle = area.top + area.height / 2.0
     digits = max(len(str(one.score)) for one in standings)
-    step = chip_width(look, size) + (0.9 + 0.66 * digits) * size
+    step = chip_width(info, size) + (0.9 + 0.66 * digits) * size
     room = area.width - 0.5 * size
     small = fitting(0.8 * size, 10)
-    names = [0.3 * size + text_width(printable(name), small, 600) for name in look.names]
+    names = [0.3 * size + text_width(printable(name), small, 600) for name in info.names]
     coming = 0.66 * max(0, 2 - digits) * size  # names do not vanish with the tenth catch
     if sum(names) + len(names) * (step + coming) > room:
         names = [0.0] * len(names)
@@ -212,10 +212,10 @@ def chip_shapes(area: Rect, look: Look, standings: Sequence[Standing]) -> list[S
     shapes: list[Shape] = []
     x = area.left + 0.5 * size
     for one in shown:
-        shapes += chip(x, middle, look, one.seat, size, faded=one.withdrawn)
-        beside = x + chip_width(look, size) + 0.3 * size
+        shapes += chip(x, middle, info, one.seat, size, faded=one.withdrawn)
+        beside = x + chip_width(info, size) + 0.3 * size
         if names[one.seat]:
-            shapes.append(Label(beside, middle, look.names[one.seat], small, DIM, 600))
+            shapes.append(Label(beside, middle, info.names[one.seat], small, DIM, 600))
         shapes.append(Label(beside + names[one.seat], middle, str(one.score), size, BRIGHT, 700))
         x += step + names[one.seat]
     return shapes

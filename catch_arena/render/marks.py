@@ -11,7 +11,7 @@ import numpy as np
 
 from catch_arena.explanation.lengths import short_length
 from catch_arena.render.shapes import INK, WHITE, Color, Label, Ring, Shape, Stroke, mix
-from catch_arena.render.view import GROUND, Look, Pose, Viewport
+from catch_arena.render.viewport import GROUND, MatchInfo, Pose, Viewport
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
@@ -122,7 +122,7 @@ def still_seen(marks: Iterable[Mark], time_ms: float) -> list[Mark]:
 
 
 def mark_shapes(
-    view: Viewport, look: Look, poses: Sequence[Pose], marks: Sequence[Mark], time_ms: float
+    viewport: Viewport, info: MatchInfo, poses: Sequence[Pose], marks: Sequence[Mark], time_ms: float
 ) -> list[Shape]:
     """The rings of catches, the lines of contests, every hunter's number, and the words."""
     shapes: list[Shape] = []
@@ -132,28 +132,33 @@ def mark_shapes(
             seats = [mark.seat, *(rival.seat for rival in mark.rivals)] if mark.rivals else []
             thick = [1.0, *(0.8 if rival.asked else 0.35 for rival in mark.rivals)]
             for seat, much in zip(seats, thick, strict=False):
-                shapes.append(_thread(view, mark, look.color(seat), poses[seat], much * (1.0 - part), part))
-            shapes.append(_catch_ring(view, mark, part))
+                shapes.append(_thread(viewport, mark, info.color(seat), poses[seat], much * (1.0 - part), part))
+            shapes.append(_catch_ring(viewport, mark, part))
         elif mark.kind == "lost":
-            shapes.append(_thread(view, mark, look.color(mark.seat), poses[mark.seat], 0.8 * (1.0 - part), part))
-    size = max(10, round(0.34 * view.hunter_length))
-    numbers = apart([view.place(x, y) for x, y, _ in poses], (1.1 if len(poses) <= 10 else 1.55) * size)
+            shapes.append(_thread(viewport, mark, info.color(mark.seat), poses[mark.seat], 0.8 * (1.0 - part), part))
+    size = max(10, round(0.34 * viewport.hunter_length))
+    numbers = apart([viewport.to_pixels(x, y) for x, y, _ in poses], (1.1 if len(poses) <= 10 else 1.55) * size)
     shapes += [Label(*place, str(seat), size, WHITE, 800, "center", outline=INK) for seat, place in enumerate(numbers)]
-    return shapes + _words(view, look, poses, marks, time_ms, numbers, size)
+    return shapes + _words(viewport, info, poses, marks, time_ms, numbers, size)
 
 
-def _catch_ring(view: Viewport, mark: Mark, part: float) -> Ring:
+def _catch_ring(viewport: Viewport, mark: Mark, part: float) -> Ring:
     eased = 1.0 - (1.0 - part) ** 3
-    length = view.hunter_length
-    x, y = view.place(mark.x, mark.y)
+    length = viewport.hunter_length
+    x, y = viewport.to_pixels(mark.x, mark.y)
     radius = length * (0.3 + 0.75 * eased)
     return Ring(x, y, radius, max(1.2, 0.11 * length * (1.0 - part)), WHITE, (1.0 - part) ** 1.5, glow=True)
 
 
-def _thread(view: Viewport, mark: Mark, color: Color, pose: Pose, much: float, part: float) -> Stroke:
+def _thread(viewport: Viewport, mark: Mark, color: Color, pose: Pose, much: float, part: float) -> Stroke:
     """From somebody who was near to the target; it thins out, since strokes are opaque."""
-    width = max(0.8, 0.08 * view.hunter_length * much)
-    return Stroke(*view.place(pose[0], pose[1]), *view.place(mark.x, mark.y), width, mix(color, GROUND, 0.8 * part))
+    width = max(0.8, 0.08 * viewport.hunter_length * much)
+    return Stroke(
+        *viewport.to_pixels(pose[0], pose[1]),
+        *viewport.to_pixels(mark.x, mark.y),
+        width,
+        mix(color, GROUND, 0.8 * part),
+    )
 
 
 _ROUNDS: Final = 8
@@ -192,8 +197,8 @@ class _Room(NamedTuple):
 
 
 def _words(
-    view: Viewport,
-    look: Look,
+    viewport: Viewport,
+    info: MatchInfo,
     poses: Sequence[Pose],
     marks: Sequence[Mark],
     time_ms: float,
@@ -207,8 +212,8 @@ def _words(
     taken = [
         _Room(x, y, 0.32 * len(str(seat)) * number_size, 0.45 * number_size) for seat, (x, y) in enumerate(numbers)
     ]
-    reach = look.config.reach_m * view.scale
-    length = view.hunter_length
+    reach = info.config.reach_m * viewport.scale
+    length = viewport.hunter_length
     briefly = length < 26 or sum(mark.kind == "refused" for mark in marks) > MOST_REASONS
     shapes: list[Shape] = []
     for mark in marks:
@@ -216,17 +221,17 @@ def _words(
         text = "!" if mark.kind == "refused" and briefly else mark.word
         size = max(11, round({"catch": 0.48, "lost": 0.36, "refused": 0.3}[mark.kind] * length))
         half_width = 0.3 * len(text) * size
-        x, y = view.place(*poses[mark.seat][:2])
+        x, y = viewport.to_pixels(*poses[mark.seat][:2])
         rises = 0.0 if mark.kind == "refused" else 0.3 * length * part  # a refusal may be repeated, step by step
         away = max(reach, 0.5 * length) + 0.75 * size + rises
         side = -1.0 if mark.kind == "catch" else 1.0
-        if not 0.6 * size < y + side * away < view.height - 0.6 * size:
+        if not 0.6 * size < y + side * away < viewport.height - 0.6 * size:
             side = -side
-        x = min(max(x, half_width + 2.0), view.width - half_width - 2.0)
+        x = min(max(x, half_width + 2.0), viewport.width - half_width - 2.0)
         room = _clear(_Room(x, y + side * away, half_width, 0.5 * size), side, taken)
-        room = room._replace(y=min(max(room.y, 0.6 * size), view.height - 0.6 * size))
+        room = room._replace(y=min(max(room.y, 0.6 * size), viewport.height - 0.6 * size))
         taken.append(room)
-        color = WHITE if mark.kind == "catch" else mix(look.color(mark.seat), WHITE, 0.35)
+        color = WHITE if mark.kind == "catch" else mix(info.color(mark.seat), WHITE, 0.35)
         opacity = min(1.0, 3.0 * (1.0 - part))
         shapes.append(Label(x, room.y, text, size, color, 800, "center", outline=INK, opacity=opacity))
     return shapes

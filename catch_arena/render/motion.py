@@ -8,7 +8,7 @@ from typing import Final
 from catch_arena.core.math import sincos
 from catch_arena.core.physics import DT, next_pose, turned
 from catch_arena.render.timing import FrameTiming
-from catch_arena.render.view import Pose
+from catch_arena.render.viewport import Pose
 from catch_arena.world import HunterState, World
 
 TICK_MS: Final = 16

@@ -12,7 +12,7 @@ from catch_arena.render.hud import BRIGHT, CARD, DIM, NEWS_ROW, Rect, chip, chip
 from catch_arena.render.marks import Mark
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 
 KEPT: Final = 8
 """Items; a card shows as many of them as it has room for."""
@@ -68,7 +68,7 @@ class News:
             self.items = (replace(item, times=times), *others)[:KEPT]
 
 
-def news_shapes(area: Rect, look: Look, items: Sequence[Item], unit: float) -> list[Shape]:
+def news_shapes(area: Rect, info: MatchInfo, items: Sequence[Item], unit: float) -> list[Shape]:
     """As many items as there is room for."""
     pad = 8 * unit
     height = NEWS_ROW * unit
@@ -76,7 +76,7 @@ def news_shapes(area: Rect, look: Look, items: Sequence[Item], unit: float) -> l
     shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
     left = area.left + 2.0 * pad
     # in a narrow card by how much a contest was won says more than when
-    timed = left + 4.0 * size + _longest(look, size) <= area.left + area.width - 2.0 * pad
+    timed = left + 4.0 * size + _longest(info, size) <= area.left + area.width - 2.0 * pad
     if not items:
         place = (left, area.top + pad + 0.5 * height)
         shapes.append(Label(*place, "Contests and refusals", size, DIM, 500, max_width=area.width - 4.0 * pad))
@@ -93,8 +93,8 @@ def news_shapes(area: Rect, look: Look, items: Sequence[Item], unit: float) -> l
             parts = (*parts, item.other, item.after)
         for part in parts:
             if isinstance(part, int):
-                shapes += chip(x, middle, look, part, size)
-                x += chip_width(look, size) + 0.6 * size
+                shapes += chip(x, middle, info, part, size)
+                x += chip_width(info, size) + 0.6 * size
             else:
                 room = area.left + area.width - 2.0 * pad - x
                 shapes.append(Label(x, middle, part, size, color, weight, max_width=room))
@@ -102,7 +102,7 @@ def news_shapes(area: Rect, look: Look, items: Sequence[Item], unit: float) -> l
     return shapes
 
 
-def _longest(look: Look, size: int) -> float:
+def _longest(info: MatchInfo, size: int) -> float:
     """Of a line about two hunters, without its time [pixels]."""
     words = text_width("ahead of", size, 500) + text_width("by 99 mm", size, 500)
-    return words + 2.0 * chip_width(look, size) + 1.8 * size
+    return words + 2.0 * chip_width(info, size) + 1.8 * size

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from catch_arena.render import text
 from catch_arena.render.libraries import cv2, pygame
-from catch_arena.render.shapes import INK, Label, Ring, Turtle, mix
-from catch_arena.render.turtle import TURTLE_PARTS, Points, ellipse
+from catch_arena.render.shapes import INK, TURTLE_PARTS, Label, Points, Ring, Turtle, ellipse, mix
 
 PHASES: Final = 2
 """A sprite is drawn at every 1 / PHASES of a pixel."""

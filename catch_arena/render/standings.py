@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 from catch_arena.render.hud import BRIGHT, CARD, DIM, ROW, TRACK, Rect, Standing, fitting, legible, ranked
 from catch_arena.render.shapes import Box, Label, Shape, Turtle, mix
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 
 CLIMB_MS: Final = 400.0
 """How long a line takes to its new place, and a bar to its new length."""
@@ -62,7 +62,7 @@ class Ladder:
         )
 
 
-def standings_shapes(area: Rect, look: Look, lines: Sequence[Line], unit: float) -> list[Shape]:
+def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[Line], unit: float) -> list[Shape]:
     """A line for each hunter: turtle, number, name, its share of the best score as a bar, and the score."""
     pad = 8 * unit
     room = area.height - 2.0 * pad
@@ -87,7 +87,7 @@ def standings_shapes(area: Rect, look: Look, lines: Sequence[Line], unit: float)
             place = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, width, height)
             if line.climbs:
                 shapes.append(Box(*place, mix(CARD, TRACK, 0.6), 0.25 * height))
-            shapes += _line_shapes(place, look, line, best, unit)
+            shapes += _line_shapes(place, info, line, best, unit)
     if shown < len(lines):
         x, y = corner(shown)
         left_out = f"and {len(lines) - shown} more"
@@ -96,25 +96,25 @@ def standings_shapes(area: Rect, look: Look, lines: Sequence[Line], unit: float)
 
 
 def _line_shapes(
-    area: tuple[float, float, float, float], look: Look, line: Line, best: int, unit: float
+    area: tuple[float, float, float, float], info: MatchInfo, line: Line, best: int, unit: float
 ) -> list[Shape]:
     left, top, width, height = area
     one = line.standing
     middle = top + height / 2.0
     size = min(fitting(0.54 * height, 10), fitting(21 * unit, 11), fitting(0.1 * width, 9))
-    color = look.color(one.seat)
+    color = info.color(one.seat)
     x = left + 0.3 * size
     shapes: list[Shape] = [Turtle(x + 0.85 * size, middle, 0.0, 1.75 * size, color, faded=one.withdrawn)]
     x += 2.1 * size
     number_size = fitting(0.8 * size, 9)
-    number_room = 0.62 * number_size * len(str(len(look.names) - 1))
+    number_room = 0.62 * number_size * len(str(len(info.names) - 1))
     shapes.append(Label(x + number_room, middle, str(one.seat), number_size, DIM, 600, "right"))
     x += number_room + 0.6 * size
     right = left + width - 0.5 * size
     bar_end = right - (0.78 * len(str(best)) + 0.6) * size
     has_bar = width >= 21 * size
     bar_start = max(x + 4.5 * size, bar_end - 0.3 * width) if has_bar else bar_end
-    name = look.names[one.seat] + ("  (out)" if one.withdrawn else "")
+    name = info.names[one.seat] + ("  (out)" if one.withdrawn else "")
     shapes.append(
         Label(x, middle, name, size, DIM if one.withdrawn else BRIGHT, 500, max_width=bar_start - x - 0.5 * size)
     )

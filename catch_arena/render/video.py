@@ -12,9 +12,9 @@ from catch_arena.errors import ConfigError
 from catch_arena.render import hud
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
 from catch_arena.render.motion import frame_spans
-from catch_arena.render.stage import Stage, checked_size
+from catch_arena.render.renderer import MatchRenderer, checked_size
 from catch_arena.render.timing import Clip, FrameTiming
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 
 SLOWEST: Final = Fraction(1, 100)
@@ -69,12 +69,17 @@ def render_replay(
     kind = format_of(Path(path))
     within = frame_size(kind, size)
     clip = clip_of(replay, kind, fps, start_s, end_s, speed)
-    return write_film(
-        path, filmed(replay, stage_of(replay, within, layout), clip), within, clip.fps, clip.frames, progress
+    return write_video(
+        path,
+        rendered_frames(replay, renderer_for(replay, within, layout), clip),
+        within,
+        clip.fps,
+        clip.frames,
+        progress,
     )
 
 
-def write_film(
+def write_video(
     path: str | os.PathLike[str],
     pictures: Iterable[Pixels],
     size: tuple[int, int],
@@ -108,9 +113,11 @@ def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
     return (width + width % 2, height + height % 2) if kind.even else (width, height)
 
 
-def stage_of(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> Stage:
+def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> MatchRenderer:
     """The stage on which a recorded match is filmed."""
-    return Stage(Look.of(replay.config, replay.names, replay.title, duration_ms(replay)), size, layout, replay.seed)
+    return MatchRenderer(
+        MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay)), size, layout, replay.seed
+    )
 
 
 def duration_ms(replay: Replay) -> int:
@@ -118,16 +125,16 @@ def duration_ms(replay: Replay) -> int:
     return replay.steps * replay.config.control_period_ms
 
 
-def filmed(replay: Replay, stage: Stage, timing: FrameTiming) -> Iterator[Pixels]:
+def rendered_frames(replay: Replay, renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
     """The frames, one after the other, in the stage's own buffer: the next one overwrites it.
 
     Steps before the first frame are played too, so that their trails and catches are there.
     """
     for span in frame_spans(replay.worlds(), timing):
-        stage.enter(span.motion)
+        renderer.enter(span.motion)
         for frame in span.frames:
             time_ms = timing.time_ms(frame)
-            yield stage.draw(time_ms, span.motion.at(time_ms, span.next_tick))
+            yield renderer.draw(time_ms, span.motion.at(time_ms, span.next_tick))
 
 
 def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Clip:

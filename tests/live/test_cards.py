@@ -8,10 +8,10 @@ from catch_arena.config import ArenaConfig
 from catch_arena.live import cards
 from catch_arena.render.hud import Standing
 from catch_arena.render.shapes import Box, Label
-from catch_arena.render.view import Look, Viewport
+from catch_arena.render.viewport import MatchInfo, Viewport
 
 AREAS = [(320, 240), (720, 720), (2160, 2160)]
-LOOK = Look.of(ArenaConfig(), ("you", "nearest", "patrol", "a name that is longer than any card is wide " * 3))
+LOOK = MatchInfo.of(ArenaConfig(), ("you", "nearest", "patrol", "a name that is longer than any card is wide " * 3))
 
 
 def within(shapes, area) -> bool:
@@ -53,7 +53,7 @@ def test_a_shared_first_rank_and_ones_own_win():
 
 @pytest.mark.parametrize("y", [0.2, 5.0, 10.8])
 def test_the_pointer_stays_in_the_picture(y):
-    view = Viewport(720, 720, LOOK.config.side_m)
-    label = next(shape for shape in cards.pointer(view, (5.0, y), (255, 0, 0)) if isinstance(shape, Label))
+    viewport = Viewport(720, 720, LOOK.config.side_m)
+    label = next(shape for shape in cards.pointer(viewport, (5.0, y), (255, 0, 0)) if isinstance(shape, Label))
     assert 0 < label.y < 720
-    assert math.dist((label.x, label.y), view.place(5.0, y)) < 2.5 * view.hunter_length
+    assert math.dist((label.x, label.y), viewport.to_pixels(5.0, y)) < 2.5 * viewport.hunter_length

@@ -8,7 +8,7 @@ import numpy as np
 from render.matches import played
 
 from catch_arena.render.timing import Clip
-from catch_arena.render.video import filmed, stage_of
+from catch_arena.render.video import rendered_frames, renderer_for
 
 FOLDER = Path(__file__).parent.parent / "data" / "frames"
 
@@ -40,7 +40,7 @@ def frame_of(moment: Moment, later_ms: int = 0) -> np.ndarray:
     """The moment as it is drawn now: (height / 4, width / 4, 3), red, green, blue."""
     replay = played(moment.scenario, time_limit_s=10.0, title="Round 1", **moment.settings)
     at_ms = moment.time_ms + later_ms
-    (pixels,) = filmed(replay, stage_of(replay, moment.size, moment.layout), Clip(at_ms, at_ms, fps=60))
+    (pixels,) = rendered_frames(replay, renderer_for(replay, moment.size, moment.layout), Clip(at_ms, at_ms, fps=60))
     small = cv2.resize(pixels[..., :3], None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
     return np.ascontiguousarray(small)
 

@@ -5,7 +5,7 @@ import itertools
 from catch_arena.config import ArenaConfig
 from catch_arena.render import hud, scene, text
 from catch_arena.render.shapes import Box, Label, Path, Polygon, Stroke, Turtle
-from catch_arena.render.view import Look, Viewport
+from catch_arena.render.viewport import MatchInfo, Viewport
 from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, TargetState, World
 
@@ -20,11 +20,11 @@ def a_world(*rulings: Ruling, places=((1.0, 2.0), (9.0, 3.0)), step: int = 5) ->
 
 
 def shapes_of(world: World, marks=(), time_ms: float = 500.0, size=(720, 720)) -> list:
-    look = Look.of(ArenaConfig(hunters=len(world.hunters)))
-    view = Viewport(*size, world.side_m)
+    info = MatchInfo.of(ArenaConfig(hunters=len(world.hunters)))
+    viewport = Viewport(*size, world.side_m)
     poses = [(hunter.x, hunter.y, hunter.theta) for hunter in world.hunters]
     return scene.arena_shapes(
-        view, look, hunters=world.hunters, poses=poses, targets=world.targets, marks=marks, time_ms=time_ms
+        viewport, info, hunters=world.hunters, poses=poses, targets=world.targets, marks=marks, time_ms=time_ms
     )
 
 
@@ -46,9 +46,9 @@ SIZES = [
 ]
 
 
-def a_look(hunters: int) -> Look:
+def an_info(hunters: int) -> MatchInfo:
     names = [f"contested_by_arrival_time_v{seat}" for seat in range(hunters)]
-    return Look.of(ArenaConfig(hunters=hunters), names, "Round 3   match 12 of 64", 60_000)
+    return MatchInfo.of(ArenaConfig(hunters=hunters), names, "Round 3   match 12 of 64", 60_000)
 
 
 def extent(shape) -> tuple[float, float, float, float]:

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
-from catch_arena.render.sheet import same_picture
+from catch_arena.render.contact_sheet import same_picture
 
 SMALL = ["--size", "480x320", "--fps", "10"]
 

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from render.films import decoded
+from render.videos import decoded
 
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.highlights import KINDS, Highlight
@@ -15,7 +15,7 @@ from catch_arena.render.highlight_video import (
     RecordedHighlight,
     caption_shapes,
     render_highlights,
-    slowed,
+    slow_motion,
 )
 from catch_arena.render.shapes import Label
 
@@ -35,7 +35,7 @@ def test_the_caption_says_what_and_why_and_where_it_is_from():
 
 
 def test_time_runs_slowly_about_the_decisive_instant_only():
-    timing = slowed(HIGHLIGHT, 60)
+    timing = slow_motion(HIGHLIGHT, 60)
     speeds = {timing.time_ms(frame): timing.clip_of(frame)[0].speed for frame in range(timing.frames)}
     assert min(speeds) == 500
     assert 2480 < max(speeds) < 2500
@@ -44,7 +44,7 @@ def test_time_runs_slowly_about_the_decisive_instant_only():
 
 
 def test_a_moment_at_the_very_beginning_has_no_empty_part():
-    timing = slowed(Highlight("lead", 0, 0, 1500, 0.5, "", ""), 30)
+    timing = slow_motion(Highlight("lead", 0, 0, 1500, 0.5, "", ""), 30)
     assert timing.time_ms(0) == 0
     assert all(clip.start_ms < clip.end_ms for clip in timing.clips)
 
@@ -60,9 +60,9 @@ def test_the_film_has_every_frame_of_every_moment_and_memory_for_one_match(match
         fps=20,
     )
     frames = decoded(report.path)
-    assert len(frames) == report.frames == slowed(HIGHLIGHT, 20).frames + slowed(late, 20).frames
+    assert len(frames) == report.frames == slow_motion(HIGHLIGHT, 20).frames + slow_motion(late, 20).frames
     brightness = [float(frame.mean()) for frame in frames]
-    second = slowed(HIGHLIGHT, 20).frames
+    second = slow_motion(HIGHLIGHT, 20).frames
     assert max(brightness[0], brightness[second - 1], brightness[second]) < 0.8 * np.median(brightness)  # fades
     caption = frames[20][-38:].astype(int)
     assert (caption.max(axis=2) > 200).any()  # there are words

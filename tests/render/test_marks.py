@@ -9,7 +9,7 @@ from render.pictured import a_world, kinds, shapes_of
 from catch_arena.render import marks
 from catch_arena.render.marks import Mark, Rival, apart, marks_of, still_seen
 from catch_arena.render.shapes import Label, Stroke
-from catch_arena.render.view import Viewport
+from catch_arena.render.viewport import Viewport
 from catch_arena.verdicts import Ruling, Verdict
 
 LONE = Mark("catch", 400, 1, 9.0, 3.0)
@@ -92,9 +92,9 @@ def test_a_mark_puts_its_word_at_the_hunter_and_passes(mark):
 
 
 def test_a_lost_contest_is_a_line_from_the_loser_to_the_target():
-    view = Viewport(720, 720, 11.088889122009277)
+    viewport = Viewport(720, 720, 11.088889122009277)
     (line,) = kinds(shapes_of(a_world(), [LOST]), Stroke)
-    assert (line.x0, line.y0, line.x1, line.y1) == (*view.place(9.0, 3.0), *view.place(1.1, 2.1))
+    assert (line.x0, line.y0, line.x1, line.y1) == (*viewport.to_pixels(9.0, 3.0), *viewport.to_pixels(1.1, 2.1))
 
 
 def test_of_repeated_refusals_only_the_latest_is_seen():

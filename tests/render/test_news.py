@@ -1,7 +1,7 @@
 """The news, without a pixel."""
 
 import pytest
-from render.pictured import SIZES, a_look, assert_inside, assert_texts_apart, kinds
+from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart, kinds
 
 from catch_arena.render import hud
 from catch_arena.render.marks import Mark, Rival
@@ -55,13 +55,13 @@ def test_only_the_latest_are_kept():
 @pytest.mark.parametrize("hunters", [4, 16])
 @pytest.mark.parametrize("size", SIZES)
 def test_the_news_fit_their_card(size, hunters):
-    plan, look = hud.arrange(size, "broadcast", hunters), a_look(hunters)
+    plan, info = hud.arrange(size, "broadcast", hunters), an_info(hunters)
     if not plan.news.width:
         return
     news = News()
-    assert_inside(news_shapes(plan.news, look, news.items, plan.unit), plan.news)
+    assert_inside(news_shapes(plan.news, info, news.items, plan.unit), plan.news)
     news.tell([CONTEST, NEAR_MISS, *(refused(0, word="no such target") for _ in range(5))] * 3)
-    shapes = news_shapes(plan.news, look, news.items, plan.unit)
+    shapes = news_shapes(plan.news, info, news.items, plan.unit)
     assert_inside(shapes, plan.news)
     assert_texts_apart(shapes)
     rows = {round(label.y) for label in kinds(shapes, Label)}
@@ -71,12 +71,12 @@ def test_the_news_fit_their_card(size, hunters):
 
 @pytest.mark.parametrize("size", SIZES)
 def test_a_line_about_two_hunters_says_by_how_much_in_full(size):
-    plan, look = hud.arrange(size, "broadcast", 4), a_look(4)
+    plan, info = hud.arrange(size, "broadcast", 4), an_info(4)
     if not plan.news.width:
         return
     news = News()
     news.tell([NEAR_MISS])
     (how,) = (
-        label for label in kinds(news_shapes(plan.news, look, news.items, plan.unit), Label) if "by" in label.text
+        label for label in kinds(news_shapes(plan.news, info, news.items, plan.unit), Label) if "by" in label.text
     )
     assert fitted(how.text, how.size, how.weight, how.max_width) == "by 31 cm"

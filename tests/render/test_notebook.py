@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.render.view import GROUND
+from catch_arena.render.viewport import GROUND
 
 
 def test_a_replay_is_the_reports_player(match):

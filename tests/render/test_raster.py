@@ -10,7 +10,7 @@ import pytest
 from catch_arena.render import shapes, sprites, text
 from catch_arena.render.hud import Rect
 from catch_arena.render.raster import Canvas, Ground
-from catch_arena.render.view import Viewport
+from catch_arena.render.viewport import Viewport
 
 
 def a_canvas(width: int = 200, height: int = 100) -> Canvas:
@@ -128,7 +128,7 @@ def test_nothing_is_printed_no_display_is_opened_and_the_environment_stays_as_it
     code = """
 import os
 from catch_arena import ArenaConfig, Engine
-from catch_arena.render.stage import ArenaPainter
+from catch_arena.render.renderer import ArenaPainter
 from catch_arena.render.libraries import pygame
 engine = Engine(ArenaConfig())
 engine.reset([1])

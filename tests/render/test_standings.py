@@ -3,7 +3,7 @@
 import itertools
 
 import pytest
-from render.pictured import SIZES, a_look, assert_inside, assert_texts_apart
+from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart
 
 from catch_arena.render import hud
 from catch_arena.render.shapes import Box, Label
@@ -19,9 +19,9 @@ def settled(standings) -> tuple:
 @pytest.mark.parametrize("hunters", [1, 2, 4, 8, 16, 33, 64])
 @pytest.mark.parametrize("size", SIZES)
 def test_the_standings_fit_their_card(size, hunters):
-    plan, look = hud.arrange(size, "broadcast", hunters), a_look(hunters)
+    plan, info = hud.arrange(size, "broadcast", hunters), an_info(hunters)
     standings = [hud.Standing(seat, (seat * 37) % 123, withdrawn=seat == 1) for seat in range(hunters)]
-    shapes = standings_shapes(plan.standings, look, settled(standings), plan.unit)
+    shapes = standings_shapes(plan.standings, info, settled(standings), plan.unit)
     assert_inside(shapes, plan.standings)
     assert_texts_apart(shapes)
     assert any(label.text == str(max(one.score for one in standings)) for label in shapes if isinstance(label, Label))
@@ -30,19 +30,19 @@ def test_the_standings_fit_their_card(size, hunters):
 @pytest.mark.parametrize("hunters", [4, 64])
 @pytest.mark.parametrize("size", [(320, 320), (1280, 720)])
 def test_lines_that_climb_stay_in_the_card(size, hunters):
-    plan, look = hud.arrange(size, "broadcast", hunters), a_look(hunters)
+    plan, info = hud.arrange(size, "broadcast", hunters), an_info(hunters)
     ladder = Ladder()
     ladder.tell(0.0, [hud.Standing(seat, seat) for seat in range(hunters)])
     ladder.tell(1000.0, [hud.Standing(seat, hunters - seat) for seat in range(hunters)])
     for time_ms in range(1000, 1500, 30):
-        assert_inside(standings_shapes(plan.standings, look, ladder.lines(time_ms), plan.unit), plan.standings)
+        assert_inside(standings_shapes(plan.standings, info, ladder.lines(time_ms), plan.unit), plan.standings)
 
 
 def test_bars_are_as_long_as_their_part_of_the_leaders_score():
-    plan, look = hud.arrange((1280, 720), "broadcast", 2), a_look(2)
+    plan, info = hud.arrange((1280, 720), "broadcast", 2), an_info(2)
     lines = settled([hud.Standing(0, 40), hud.Standing(1, 20)])
-    shapes = standings_shapes(plan.standings, look, lines, plan.unit)
-    full, half = (next(s for s in shapes if isinstance(s, Box) and s.color == look.color(seat)) for seat in (0, 1))
+    shapes = standings_shapes(plan.standings, info, lines, plan.unit)
+    full, half = (next(s for s in shapes if isinstance(s, Box) and s.color == info.color(seat)) for seat in (0, 1))
     assert half.width == pytest.approx(full.width / 2)
 
 

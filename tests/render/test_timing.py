@@ -4,10 +4,10 @@ from fractions import Fraction
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from render.films import SMALL
+from render.videos import SMALL
 
 from catch_arena.render.timing import Clip, ClipSequence, Snapshots
-from catch_arena.render.video import filmed, stage_of
+from catch_arena.render.video import rendered_frames, renderer_for
 
 
 @settings(deadline=None, max_examples=50)
@@ -38,10 +38,10 @@ def test_slow_motion_takes_its_share_of_the_frames():
 
 def test_snapshots_are_the_frames_that_a_video_has_at_those_instants(match):
     whole = Clip(0, 3000, 10)
-    stage = stage_of(match, SMALL["size"], "broadcast")
-    video = [pixels.copy() for pixels in filmed(match, stage, whole)]
-    stage = stage_of(match, SMALL["size"], "broadcast")
-    stills = [pixels.copy() for pixels in filmed(match, stage, Snapshots((0.0, 700.0, 700.0, 2500.0)))]
+    renderer = renderer_for(match, SMALL["size"], "broadcast")
+    video = [pixels.copy() for pixels in rendered_frames(match, renderer, whole)]
+    renderer = renderer_for(match, SMALL["size"], "broadcast")
+    stills = [pixels.copy() for pixels in rendered_frames(match, renderer, Snapshots((0.0, 700.0, 700.0, 2500.0)))]
     assert len(stills) == 4
     for still, frame in zip(stills, (video[0], video[7], video[7], video[25]), strict=True):
         # what fades does so a little otherwise where frames are left out

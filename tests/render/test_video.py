@@ -7,7 +7,7 @@ import av
 import cv2
 import numpy as np
 import pytest
-from render.films import ENDINGS, SMALL, decoded, drawn, psnr
+from render.videos import ENDINGS, SMALL, decoded, drawn, psnr
 
 from catch_arena.errors import ConfigError
 from catch_arena.render.encoders import FORMATS

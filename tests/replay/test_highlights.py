@@ -16,7 +16,7 @@ from catch_arena.explanation.highlights import (
     win_rates,
     win_records,
 )
-from catch_arena.render.sheet import same_picture
+from catch_arena.render.contact_sheet import same_picture
 from catch_arena.verdicts import Verdict
 
 

@@ -12,7 +12,7 @@ import catch_arena
 from catch_arena.explanation import explain
 from catch_arena.player import film_text
 from catch_arena.player.film import GRID, TURN, film
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 
 
 @pytest.fixture(scope="module")
@@ -86,9 +86,9 @@ def test_contests_are_those_that_explain_tells(replay, content):
 
 def test_hunters_have_the_colours_and_the_names_of_the_videos(replay, content):
     facts, _ = content
-    look = Look.of(replay.config)
+    info = MatchInfo.of(replay.config)
     colors = [tuple(int(one["color"][at : at + 2], 16) for at in (1, 3, 5)) for one in facts["hunters"]]
-    assert colors == [look.color(seat) for seat in range(16)]
+    assert colors == [info.color(seat) for seat in range(16)]
     assert [one["name"] for one in facts["hunters"]] == list(replay.names)
     assert facts["withdrawals"] == [[30, 3]]
 

@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from catch_arena.render.hud import CARD, PANEL
-from catch_arena.render.view import GROUND, HUNTER_COLORS
+from catch_arena.render.viewport import GROUND, HUNTER_COLORS
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 

@@ -1,4 +1,4 @@
-"""How a match is shown: who has which colour and name, and where in a picture the arena's square lies."""
+"""How a match is shown: who has which name and colour, and where in a picture the arena's square lies."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ MARGIN: Final = 0.03
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class MatchInfo:
     """What does not change during a match: its arena, and how each seat is called and coloured."""
 
     config: ArenaConfig
@@ -51,8 +51,8 @@ class Look:
     @classmethod
     def of(
         cls, config: ArenaConfig, names: Sequence[str] | None = None, title: str = "", duration_ms: int | None = None
-    ) -> "Look":
-        """The look of one match; agents without names are called as PettingZoo calls them."""
+    ) -> "MatchInfo":
+        """Those of one match; agents without names are called as PettingZoo calls them."""
         called = config.hunter_names if names is None else tuple(names)
         if len(called) != config.hunters:
             raise ConfigError(f"names must be one for each of {config.hunters} hunters, got {len(called)}")
@@ -78,7 +78,7 @@ class Viewport:
         """Pixels per metre."""
         return min(self.width, self.height) / (self.side_m * (1.0 + 2.0 * MARGIN))
 
-    def place(self, x: float, y: float) -> tuple[float, float]:
+    def to_pixels(self, x: float, y: float) -> tuple[float, float]:
         """A point of the world [m] in pixels."""
         left, bottom = self._corner
         return left + x * self.scale, bottom - y * self.scale

@@ -5,8 +5,8 @@ import pytest
 
 import catch_arena
 from catch_arena.errors import ConfigError
-from catch_arena.render.stage import ArenaPainter, checked_size
-from catch_arena.render.view import HUNTER_COLORS, Viewport
+from catch_arena.render.renderer import ArenaPainter, checked_size
+from catch_arena.render.viewport import HUNTER_COLORS, Viewport
 
 
 def test_frames_are_fresh_arrays_of_the_size_asked_for(match, worlds):
@@ -16,7 +16,7 @@ def test_frames_are_fresh_arrays_of_the_size_asked_for(match, worlds):
     second = painter.paint(worlds[10])
     assert first.shape == (400, 500, 3)
     assert first.dtype == np.uint8
-    assert first.flags.owndata or first.base is None or not np.shares_memory(first, painter._stage.pixels)
+    assert first.flags.owndata or first.base is None or not np.shares_memory(first, painter._renderer.pixels)
     assert not np.shares_memory(first, second)
     assert np.array_equal(first, kept)
     assert not np.array_equal(first, second)
@@ -49,9 +49,9 @@ def test_a_jump_that_nobody_can_drive_leaves_no_trail(match, worlds, play):
 
 def test_hunters_are_seen_in_their_colours_where_they_are(match, worlds):
     frame = ArenaPainter(match.config).paint(worlds[0])
-    view = Viewport(500, 472, worlds[0].side_m)
+    viewport = Viewport(500, 472, worlds[0].side_m)
     for seat, hunter in enumerate(worlds[0].hunters):
-        x, y = (round(part) for part in view.place(hunter.x, hunter.y))
+        x, y = (round(part) for part in viewport.to_pixels(hunter.x, hunter.y))
         around = frame[28 + y - 14 : 28 + y + 14, x - 14 : x + 14].reshape(-1, 3).astype(int)
         nearest = np.abs(around - HUNTER_COLORS[seat]).sum(axis=1).min()
         assert nearest < 60

@@ -7,16 +7,15 @@ from catch_arena.errors import ConfigError
 from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.encoders import Progress
-from catch_arena.render.grid import fitted_grid
+from catch_arena.render.mosaic import fit_grid
 from catch_arena.render.raster import Canvas
+from catch_arena.render.renderer import MatchRenderer, checked_size, png
 from catch_arena.render.shapes import Label, Shape
 from catch_arena.render.sprites import SpriteCache
-from catch_arena.render.stage import Stage, checked_size
-from catch_arena.render.still import png
 from catch_arena.render.text import printable, text_width
 from catch_arena.render.timing import Snapshots
-from catch_arena.render.video import duration_ms, filmed
-from catch_arena.render.view import Look
+from catch_arena.render.video import duration_ms, rendered_frames
+from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 
 SIZE: Final = (1600, 1320)
@@ -64,7 +63,7 @@ def contact_sheet(
     """
     width, height = checked_size(SIZE if size is None else size)
     head = max(30, round(0.045 * height))
-    grid = fitted_grid(len(instants), (width, height - head), _STRIP + _LINES)
+    grid = fit_grid(len(instants), (width, height - head), _STRIP + _LINES)
     if size is None:
         width, height = grid.size[0], grid.size[1] + head
     area = hud.Rect(0, head, width, height - head)
@@ -74,11 +73,11 @@ def contact_sheet(
         )
     sprites = SpriteCache()
     sheet = Canvas.blank(width, height, hud.PANEL, sprites)
-    look = Look.of(replay.config, replay.names, replay.title, duration_ms(replay))
-    sheet.draw(_heading(hud.Rect(0, 0, width, head), look, replay.seed))
+    info = MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay))
+    sheet.draw(_heading(hud.Rect(0, 0, width, head), info, replay.seed))
     lines = round(_LINES * grid.side)
-    stage = Stage(look, (grid.side, grid.side + grid.extra - lines), "arena", sprites=sprites)
-    pictures = filmed(replay, stage, Snapshots(tuple(time_ms for time_ms, _ in instants)))
+    renderer = MatchRenderer(info, (grid.side, grid.side + grid.extra - lines), "arena", sprites=sprites)
+    pictures = rendered_frames(replay, renderer, Snapshots(tuple(time_ms for time_ms, _ in instants)))
     cells = grid.cells(len(instants), area)
     for done, (cell, (time_ms, word), pixels) in enumerate(zip(cells, instants, pictures, strict=True), start=1):
         sheet.pixels[cell.top : cell.top + cell.height - lines, cell.left : cell.left + cell.width] = pixels
@@ -89,20 +88,20 @@ def contact_sheet(
     return png(sheet.pixels)
 
 
-def _heading(area: hud.Rect, look: Look, seed: int) -> list[Shape]:
+def _heading(area: hud.Rect, info: MatchInfo, seed: int) -> list[Shape]:
     """Whose match it is: every hunter's chip and name."""
     size = hud.fitting(0.4 * area.height, 11)
     middle = area.top + 0.56 * area.height
-    about = "   ".join(part for part in (look.title, f"seed {seed}") if part)
+    about = "   ".join(part for part in (info.title, f"seed {seed}") if part)
     right = area.left + area.width - size
     room = right - min(0.33 * area.width, text_width(about, size, 500)) - 2.0 * size
     shapes: list[Shape] = [Label(right, middle, about, size, hud.DIM, 500, "right", max_width=0.33 * area.width)]
     x = float(area.left + size)
-    for seat, name in enumerate(look.names):
-        wide = hud.chip_width(look, size) + 0.5 * size
+    for seat, name in enumerate(info.names):
+        wide = hud.chip_width(info, size) + 0.5 * size
         if x + wide + 2.0 * size > room:
             break
-        shapes += hud.chip(x, middle, look, seat, size)
+        shapes += hud.chip(x, middle, info, seat, size)
         shapes.append(Label(x + wide, middle, name, size, hud.BRIGHT, 600, max_width=room - x - wide))
         x += wide + text_width(name, size, 600) + 1.4 * size
     return shapes

@@ -7,9 +7,9 @@ import pytest
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
-from catch_arena.render.sheet import _stamp, contact_sheet, even_instants, instants_of
+from catch_arena.render.contact_sheet import _stamp, contact_sheet, even_instants, instants_of
 from catch_arena.render.text import fitted
-from catch_arena.render.view import GROUND
+from catch_arena.render.viewport import GROUND
 
 
 def picture(content: bytes) -> np.ndarray:

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from catch_arena.render.encoders import FORMATS
-from catch_arena.render.video import clip_of, filmed, stage_of
+from catch_arena.render.video import clip_of, rendered_frames, renderer_for
 
 SMALL = {"size": (480, 320), "fps": 30}
 ENDINGS = list(FORMATS)
@@ -24,7 +24,7 @@ def decoded(path: Path) -> list[np.ndarray]:
 
 def drawn(replay, size, fps, layout="broadcast", start_s=0.0, end_s=None, speed=1.0) -> list[np.ndarray]:
     clip = clip_of(replay, FORMATS[".mp4"], fps, start_s, end_s, speed)
-    return [pixels[..., :3].copy() for pixels in filmed(replay, stage_of(replay, size, layout), clip)]
+    return [pixels[..., :3].copy() for pixels in rendered_frames(replay, renderer_for(replay, size, layout), clip)]
 
 
 def psnr(one: np.ndarray, other: np.ndarray) -> float:

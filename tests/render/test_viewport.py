@@ -7,12 +7,12 @@ import pytest
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
-from catch_arena.render.view import GROUND, HUNTER_COLORS, TARGET, Look
+from catch_arena.render.viewport import GROUND, HUNTER_COLORS, TARGET, MatchInfo
 
 
 def test_names_must_fit_the_seats():
     with pytest.raises(ConfigError, match="names must be one for each of 4 hunters, got 3"):
-        Look.of(ArenaConfig(), ["a", "b", "c"])
+        MatchInfo.of(ArenaConfig(), ["a", "b", "c"])
 
 
 # Machado, Oliveira and Fernandes (2009), severity 1, on linear RGB
@@ -77,7 +77,7 @@ def test_eight_hunters_keep_apart_for_every_sight(sight):
 
 
 def test_sixty_four_hunters_have_colours_and_neighbours_in_the_table_differ():
-    look = Look.of(ArenaConfig(hunters=64))
-    colors = [look.color(seat) for seat in range(64)]
+    info = MatchInfo.of(ArenaConfig(hunters=64))
+    colors = [info.color(seat) for seat in range(64)]
     assert len(set(colors)) == 24
     assert all(a != b for a, b in itertools.pairwise(colors))

@@ -1,5 +1,6 @@
-"""A match as pictures: frames one after the other for videos, and one at a time for `env.render()`."""
+"""A match as pictures: frames one after the other for videos, one at a time for `env.render()`, and as PNG."""
 
+import base64
 from collections.abc import Iterable, Sequence
 from typing import Final, get_args
 
@@ -16,11 +17,12 @@ from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings import Ladder, standings_shapes
-from catch_arena.render.view import Look, Pose, Viewport
+from catch_arena.render.viewport import MatchInfo, Pose, Viewport
 from catch_arena.world import World
 
 SMALLEST: Final = 320
 LARGEST: Final = (3840, 2160)
+NOTEBOOK_SIZE: Final = (800, 450)
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -34,12 +36,12 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
     return size[0], size[1]
 
 
-class Stage:
+class MatchRenderer:
     """A match's frames, one after the other, in one buffer: `enter` each step, then `draw` the instants in it."""
 
     def __init__(
         self,
-        look: Look,
+        info: MatchInfo,
         size: tuple[int, int],
         layout: hud.Layout,
         seed: int | None = None,
@@ -49,15 +51,15 @@ class Stage:
             raise ConfigError(
                 f"layout must be broadcast or arena, got {layout!r}; {suggest(layout, get_args(hud.Layout))}"
             )
-        self.look = look
+        self.info = info
         self._seed = seed
-        self._by_lot = look.config.policy == "first_come"
-        self._plan = hud.arrange(size, layout, look.config.hunters)
+        self._by_lot = info.config.policy == "first_come"
+        self._plan = hud.arrange(size, layout, info.config.hunters)
         if sprites is None:  # stages of the same match or size share theirs
             sprites = SpriteCache()
         self._frame = Canvas.blank(*size, hud.PANEL, sprites)
         self._arena = self._frame.part(self._plan.arena)
-        self._ground = Ground(Viewport(*self._plan.arena[2:], look.config.side_m), sprites)
+        self._ground = Ground(Viewport(*self._plan.arena[2:], info.config.side_m), sprites)
         self.reset()
 
     @property
@@ -80,7 +82,7 @@ class Stage:
         """A new match: no trails, no marks."""
         self._ground.reset(time_ms)
         self._marks: list[Mark] = []
-        self._timeline = timeline.Timeline(self.look.duration_ms)
+        self._timeline = timeline.Timeline(self.info.duration_ms)
         self._ladder = Ladder()
         self._news = News()
         self._standings: tuple[hud.Standing, ...] = ()
@@ -120,8 +122,8 @@ class Stage:
         self._arena.pixels[:] = self._ground.pixels
         self._arena.draw(
             scene.arena_shapes(
-                self._ground.view,
-                self.look,
+                self._ground.viewport,
+                self.info,
                 hunters=world.hunters,
                 poses=poses,
                 targets=[target for target in world.targets if target.spawned_ms <= time_ms],
@@ -132,7 +134,7 @@ class Stage:
         self._draw_around(time_ms, min(time_ms, world.time_ms))
         return self.pixels
 
-    def write_over(self, drawn: Iterable[Shape]) -> None:
+    def draw_over(self, drawn: Iterable[Shape]) -> None:
         """Shapes over the arena, in pixels from its corner; the next `draw` takes them away."""
         self._arena.draw(drawn)
 
@@ -146,37 +148,37 @@ class Stage:
     def _move(self, poses: tuple[Pose, ...]) -> None:
         for seat, (start, end) in enumerate(zip(self._poses, poses, strict=True)):
             if start[:2] != end[:2]:
-                self._ground.trail(self.look.color(seat), start, end)
+                self._ground.trail(self.info.color(seat), start, end)
         self._poses = poses
 
     def _draw_around(self, time_ms: float, played_ms: float) -> None:
         """The panel's parts, each only when it would look different; the clock stands still after the end."""
-        plan, look, unit = self._plan, self.look, self._plan.unit
+        plan, info, unit = self._plan, self.info, self._plan.unit
         clock = hud.clock(played_ms)
         if not plan.standings.width:
             chips, right = hud.split_strip(plan.header, clock)
             if self._changed("chips", (chips, self._standings)):
-                self._redraw(chips, hud.chip_shapes(chips, look, self._standings))
+                self._redraw(chips, hud.chip_shapes(chips, info, self._standings))
             if self._changed("clock", clock):
                 self._redraw(right, hud.strip_clock_shapes(right, clock))
             return
         if self._changed("header", clock):
-            self._redraw(plan.header, hud.header_shapes(plan.header, look, self._seed, clock, unit))
+            self._redraw(plan.header, hud.header_shapes(plan.header, info, self._seed, clock, unit))
         lines = self._ladder.lines(time_ms)
         if self._changed("standings", lines):
-            self._redraw(plan.standings, standings_shapes(plan.standings, look, lines, unit))
+            self._redraw(plan.standings, standings_shapes(plan.standings, info, lines, unit))
         if plan.news.width and self._changed("news", self._news.items):
-            self._redraw(plan.news, news_shapes(plan.news, look, self._news.items, unit))
+            self._redraw(plan.news, news_shapes(plan.news, info, self._news.items, unit))
         area, history = plan.timeline, self._timeline
         cursor = round(timeline.cursor_x(area, history, time_ms, unit))
         card = self._frame.pixels[area.top : area.top + area.height, area.left : area.left + area.width]
         if self._changed("history", history.catches):
-            self._redraw(area, timeline.timeline_shapes(area, look, history, unit))
+            self._redraw(area, timeline.timeline_shapes(area, info, history, unit))
             self._history = card.copy()
             self._shown.pop("present", None)
         if self._changed("present", cursor):
             card[:] = self._history
-            self._frame.draw(timeline.present_shapes(area, look, history, time_ms, unit))
+            self._frame.draw(timeline.present_shapes(area, info, history, time_ms, unit))
 
     def _changed(self, part: str, state: object) -> bool:
         if part in self._shown and self._shown[part] == state:
@@ -206,7 +208,7 @@ class ArenaPainter:
         size: tuple[int, int] = (500, 500),
         layout: hud.Layout = "arena",
     ) -> None:
-        self._stage = Stage(Look.of(config, names), checked_size(size), layout)
+        self._renderer = MatchRenderer(MatchInfo.of(config, names), checked_size(size), layout)
         self._last: World | None = None
 
     def paint(self, world: World) -> Pixels:
@@ -216,12 +218,12 @@ class ArenaPainter:
 
     def enter(self, world: World) -> float:
         """The world that is drawn from now on. Returns: the time that its way from the last one took [ms], or 0."""
-        stage, last = self._stage, self._last
+        renderer, last = self._renderer, self._last
         self._last = world
         if last is None or world.step == 0 or world.step < last.step or not self._led_to(last, world):
-            stage.reset(float(world.time_ms))
+            renderer.reset(float(world.time_ms))
             self._motion = step_motion(world, world)
-            stage.enter(self._motion)
+            renderer.enter(self._motion)
         elif world.step == last.step:
             self._motion = step_motion(world, world)
         else:
@@ -230,21 +232,34 @@ class ArenaPainter:
             else:  # steps were left out: their rulings are not known, and the way is a straight line
                 poses = tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters)
                 self._motion = StepMotion(last, world, (poses,))
-            stage.enter(self._motion)
+            renderer.enter(self._motion)
         return float(world.time_ms - self._motion.before.time_ms)
 
     def draw(self, part: float) -> Pixels:
         """That part of the way, up to 1, into a (height, width, 4) buffer, which the next call overwrites."""
         motion = self._motion
         if part == 1.0:
-            return self._stage.draw(float(motion.after.time_ms), motion.poses[-1])
+            return self._renderer.draw(float(motion.after.time_ms), motion.poses[-1])
         time_ms = motion.before.time_ms + part * (motion.after.time_ms - motion.before.time_ms)
-        return self._stage.draw(time_ms, motion.at(time_ms))
+        return self._renderer.draw(time_ms, motion.at(time_ms))
 
     def _led_to(self, last: World, world: World) -> bool:
         """Nobody can have driven further."""
-        furthest = self._stage.look.config.max_speed_mps * (world.time_ms - last.time_ms + 16) / 1000.0 + 1e-6
+        furthest = self._renderer.info.config.max_speed_mps * (world.time_ms - last.time_ms + 16) / 1000.0 + 1e-6
         return all(
             abs(now.x - then.x) <= furthest and abs(now.y - then.y) <= furthest
             for then, now in zip(last.hunters, world.hunters, strict=True)
         )
+
+
+def png(pixels: Pixels) -> bytes:
+    """A (height, width, 3 or 4) picture, red first, as a PNG file; the fourth byte means nothing."""
+    order = cv2.COLOR_RGB2BGR if pixels.shape[2] == 3 else cv2.COLOR_RGBA2BGR
+    return bytes(cv2.imencode(".png", cv2.cvtColor(pixels, order))[1])
+
+
+def png_html(config: ArenaConfig, world: World) -> str:
+    """An arena as it is now, with its standings, as an image that a page holds itself."""
+    content = png(ArenaPainter(config, size=NOTEBOOK_SIZE, layout="broadcast").paint(world))
+    about = f"step {world.step}, {world.time_ms / 1000:.1f} s"
+    return f'<img alt="Catch Arena, {about}" src="data:image/png;base64,{base64.b64encode(content).decode()}">'
