@@ -22,9 +22,9 @@ import numpy as np
 
 from catch_arena import Replay, parallel_env
 from catch_arena.render import scene, shapes
+from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.encoders import FORMATS, video_file
 from catch_arena.render.libraries import pygame
-from catch_arena.render.marks import Mark, marks_of, still_seen
 from catch_arena.render.motion import frame_spans, step_motion
 from catch_arena.render.raster import Pixels
 from catch_arena.render.renderer import ArenaPainter
@@ -235,11 +235,11 @@ def bench_plain_pygame(args: Args) -> None:
     plain = PlainPygame(MatchInfo.of(replay.config), 720, 680)
 
     def theirs() -> None:
-        marks: list[Mark] = []
+        annotations: list[Annotation] = []
         last = step_motion(worlds[0], worlds[0]).poses[0]
         for span in frame_spans(worlds, clip):
             now = span.motion
-            marks += marks_of(now.before, now.after)
+            annotations += annotations_of(now.before, now.after)
             for frame in span.frames:
                 time_ms = clip.time_ms(frame)
                 poses = now.at(time_ms, span.next_tick)
@@ -249,7 +249,7 @@ def bench_plain_pygame(args: Args) -> None:
                     hunters=now.after.hunters,
                     poses=poses,
                     targets=[target for target in now.after.targets if target.spawned_ms <= time_ms],
-                    marks=still_seen(marks, time_ms),
+                    annotations=visible_annotations(annotations, time_ms),
                     time_ms=time_ms,
                 )
                 plain.frame(poses, last, described, fade=frame % 12 == 0)

@@ -55,14 +55,14 @@ def render(
     speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
 ) -> None:
     """Turn a recorded match, or a part of it, into a video."""
-    from catch_arena.render.encoders import written_as
+    from catch_arena.render.encoders import output_path
     from catch_arena.render.video import render_replay
     from catch_arena.replay import Replay
     from catch_arena.tournament.display.tables import progress_bar
 
     recorded = Replay.load(replay)
     target = replay.with_suffix(".mp4") if output is None else output
-    output_file(written_as(target), force=force)
+    output_file(output_path(target), force=force)
     with progress_bar("rendering") as show:
         report = render_replay(
             recorded,
@@ -96,7 +96,7 @@ def mosaic(
     ] = None,
 ) -> None:
     """Show all matches of a folder at once, in a grid."""
-    from catch_arena.render.encoders import format_of, written_as
+    from catch_arena.render.encoders import format_of, output_path
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay
     from catch_arena.tournament.display.tables import progress_bar
@@ -113,7 +113,7 @@ def mosaic(
         except ReplayError as error:
             _tell_skipped(error)
     _require_some(folder, len(found), len(paths))
-    output_file(written_as(output), force=force)
+    output_file(output_path(output), force=force)
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, size=within, fps=fps, speed=speed, progress=show)
     typer.echo(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
@@ -138,7 +138,7 @@ def highlights(
     Close contests, changes of lead, streaks, the last seconds of close matches, and upsets; the best comes last.
     """
     from catch_arena.explanation.highlights import select_highlights
-    from catch_arena.render.encoders import format_of, written_as
+    from catch_arena.render.encoders import format_of, output_path
     from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
     from catch_arena.render.hud import clock
     from catch_arena.tournament.display.tables import progress_bar
@@ -146,7 +146,7 @@ def highlights(
     within = None if size is None else width_and_height(size)
     format_of(output)
     if not listing:
-        output_file(written_as(output), force=force)
+        output_file(output_path(output), force=force)
     found = _highlights_in(folder)
     chosen = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
     if not chosen:

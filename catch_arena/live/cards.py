@@ -61,7 +61,7 @@ def keys_card(area: tuple[int, int], title: str, rows: Rows, below: str) -> list
 
 
 def result_card(
-    area: tuple[int, int], info: MatchInfo, ranking: Sequence[tuple[int, hud.Standing]], below: str
+    area: tuple[int, int], info: MatchInfo, ranking: Sequence[tuple[int, hud.HunterScore]], below: str
 ) -> list[Shape]:
     """The final standings, by rank, as many as there is room for."""
     width, height = area
@@ -118,7 +118,7 @@ def pointer(viewport: Viewport, place: tuple[float, float], color: Color) -> lis
     ]
 
 
-def _verdict(info: MatchInfo, ranking: Sequence[tuple[int, hud.Standing]]) -> str:
+def _verdict(info: MatchInfo, ranking: Sequence[tuple[int, hud.HunterScore]]) -> str:
     first = [one for rank, one in ranking if rank == 1]
     if len(first) > 1:
         return f"{len(first)} share the first rank"

@@ -60,7 +60,7 @@ class Show:
     ) -> None:
         self._info, self._seed = info, seed
         self._hands, self._seat, self._save = hands, seat, save
-        self._screen = Screen(f"Catch Arena: {info.title}", size, for_hands=True)
+        self._screen = Screen(f"Catch Arena: {info.title}", size, interactive=True)
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(place) for place in range(pygame.joystick.get_count())]
         self._clock = pygame.time.Clock()
@@ -146,7 +146,7 @@ class Show:
     def _end(self, world: World) -> None:
         """The standings, until the user has seen them."""
         table = [
-            (rank, hud.Standing(seat, hunter.score, hunter.withdrawn))
+            (rank, hud.HunterScore(seat, hunter.score, hunter.withdrawn))
             for seat, (rank, hunter) in enumerate(zip(self.ranks, world.hunters, strict=True))
         ]
         table.sort(key=lambda line: (line[0], line[1].seat))
@@ -233,7 +233,7 @@ class Show:
         return MatchRenderer(self._info, (width, height), "broadcast", self._seed)
 
     def _fit(self) -> None:
-        """A new stage for a window that has another size, told all that has happened."""
+        """A new renderer for a window that has another size, told all that has happened."""
         size, now_s = self._screen.size, time.monotonic()
         if size == self._drawn_for:
             self._resized_s = None

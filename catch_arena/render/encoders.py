@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.render.libraries import cv2
-from catch_arena.render.palette import Census
+from catch_arena.render.palette import ColorHistogram
 from catch_arena.replay import regular_file, room, unwritable
 
 Pixels = NDArray[np.uint8]
@@ -94,7 +94,7 @@ def format_of(path: Path) -> Format:
     return found
 
 
-def written_as(path: Path) -> Path:
+def output_path(path: Path) -> Path:
     """The name that a video of this name gets: where its encoder is missing, .mp4 is added to another ending.
 
     Raises: ConfigError.
@@ -153,7 +153,7 @@ def video_file(
     `progress`, told of work that is left when the last frame has come. Raises: ConfigError, OutputError.
     """
     kind = format_of(Path(path))
-    path = written_as(Path(path))
+    path = output_path(Path(path))
     av = _pyav_with(kind.encoder)
     notice = ""
     if av is None:
@@ -287,15 +287,15 @@ class _GifEncoder(_AvEncoder):
         self._stream.pix_fmt = "pal8"
         self._waiting: IO[bytes] = tempfile.TemporaryFile(dir=path.parent)  # noqa: SIM115 - closed by finish or abandon
         self._lengths: list[int] = []
-        self._census = Census()
+        self._histogram = ColorHistogram()
 
     def write(self, pixels: Pixels) -> None:
-        squeezed = zlib.compress(self._census.count(pixels).tobytes(), 1)
+        squeezed = zlib.compress(self._histogram.count(pixels).tobytes(), 1)
         self._lengths.append(len(squeezed))
         self._waiting.write(squeezed)
 
     def finish(self, progress: Progress | None) -> None:
-        palette, places = self._census.palette()
+        palette, places = self._histogram.palette()
         width, height = self._size
         self._waiting.seek(0)
         for done, length in enumerate(self._lengths, start=1):

@@ -24,15 +24,15 @@ BRIGHT: Final[Color] = (240, 243, 255)
 ROW: Final = 50.0
 """The most that a line of the standings takes, in units."""
 CLOSE_ROW: Final = 36.0
-"""What it takes at most where the news would have no room otherwise."""
-NEWS_ROW: Final = 26.0
-"""What a line of the news takes, in units."""
-MOST_NEWS: Final = 4
+"""What it takes at most where the event feed would have no room otherwise."""
+FEED_ROW: Final = 26.0
+"""What a line of the event feed takes, in units."""
+MOST_FEED_LINES: Final = 4
 """Lines."""
-LEAST_NEWS: Final = 200
+LEAST_FEED_WIDTH: Final = 200
 """Pixels: narrower than that, a line cannot be read."""
 TIMELINE: Final = 170.0
-"""The least that the timeline keeps where the standings or the news could take more, in units."""
+"""The least that the timeline keeps where the standings or the feed could take more, in units."""
 
 
 class Rect(NamedTuple):
@@ -56,12 +56,12 @@ class Arrangement:
     unit: float
     """Pixels of the frame for a pixel of a 1280 x 720 one: texts and gaps follow it."""
     standings: Rect = NOWHERE
-    news: Rect = NOWHERE
+    feed: Rect = NOWHERE
     timeline: Rect = NOWHERE
 
 
-class Standing(NamedTuple):
-    """One hunter's line."""
+class HunterScore(NamedTuple):
+    """What one hunter has."""
 
     seat: int
     score: int
@@ -96,38 +96,38 @@ def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
     arena_width = min(round(0.66 * width), round(1.1 * (height - top - bottom)))
     arena = Rect(0, top, arena_width, height - top - bottom)
     beside = Rect(arena_width + gap, top, width - arena_width - 2 * gap, arena.height)
-    standings, news = _with_news(beside, unit, hunters, 0)
+    standings, feed = _with_feed(beside, unit, hunters, 0)
     timeline = Rect(gap, height - bottom + gap, width - 2 * gap, bottom - 2 * gap)
-    return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, standings, news, timeline)
+    return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, standings, feed, timeline)
 
 
 def _cards(panel: Rect, unit: float, hunters: int) -> tuple[Rect, Rect, Rect]:
-    """Standings, news and timeline: one below the other, or the last beside the others in a wide panel."""
+    """Standings, event feed and timeline: one below the other, or the last beside the others in a wide panel."""
     gap = round(14 * unit)
     if panel.width > 1.6 * panel.height:
         half = (panel.width - gap) // 2
         right = Rect(panel.left + half + gap, panel.top, panel.width - half - gap, panel.height)
-        return *_with_news(panel._replace(width=half), unit, hunters, 0), right
+        return *_with_feed(panel._replace(width=half), unit, hunters, 0), right
     least = min(round(0.36 * panel.height), round(TIMELINE * unit))
-    standings, news = _with_news(panel, unit, hunters, least + gap)
-    last = news if news.height else standings
+    standings, feed = _with_feed(panel, unit, hunters, least + gap)
+    last = feed if feed.height else standings
     top = last.top + last.height + gap
     height = min(panel.top + panel.height - top, round(0.95 * panel.width))
-    return standings, news, Rect(panel.left, top, panel.width, height)
+    return standings, feed, Rect(panel.left, top, panel.width, height)
 
 
-def _with_news(area: Rect, unit: float, hunters: int, reserved: int) -> tuple[Rect, Rect]:
-    """The standings, and below them the news if two lines of it fit; so many pixels below belong to others."""
+def _with_feed(area: Rect, unit: float, hunters: int, reserved: int) -> tuple[Rect, Rect]:
+    """The standings, and below them the feed if two lines of it fit; so many pixels below belong to others."""
     gap = round(14 * unit)
-    wanted = round((MOST_NEWS * NEWS_ROW + 16) * unit) + gap + reserved
+    wanted = round((MOST_FEED_LINES * FEED_ROW + 16) * unit) + gap + reserved
     roomy, close = (round((hunters * row + 16) * unit) for row in (ROW, CLOSE_ROW))
     height = min(max(close, min(roomy, area.height - wanted)), area.height - reserved)
     left = area.height - height - reserved - gap
-    rows = min(MOST_NEWS, int((left - 16 * unit) / (NEWS_ROW * unit)))
-    if rows < 2 or area.width < LEAST_NEWS or hunters == 1:  # one alone has nobody to be near
+    rows = min(MOST_FEED_LINES, int((left - 16 * unit) / (FEED_ROW * unit)))
+    if rows < 2 or area.width < LEAST_FEED_WIDTH or hunters == 1:  # one alone has nobody to be near
         return area._replace(height=height), NOWHERE
-    news = Rect(area.left, area.top + height + gap, area.width, round(rows * NEWS_ROW * unit + 16 * unit))
-    return area._replace(height=height), news
+    feed = Rect(area.left, area.top + height + gap, area.width, round(rows * FEED_ROW * unit + 16 * unit))
+    return area._replace(height=height), feed
 
 
 def clock(time_ms: float) -> str:
@@ -138,7 +138,7 @@ def clock(time_ms: float) -> str:
     return f"{tenths // 600}:{tenths % 600 / 10:04.1f}"
 
 
-def ranked(standings: Sequence[Standing]) -> list[Standing]:
+def ranked(standings: Sequence[HunterScore]) -> list[HunterScore]:
     """The best first; equal scores in the order of seats."""
     return sorted(standings, key=lambda one: (-one.score, one.seat))
 
@@ -195,7 +195,7 @@ def chip(x: float, middle: float, info: MatchInfo, seat: int, size: float, *, fa
     ]
 
 
-def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[Standing]) -> list[Shape]:
+def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[HunterScore]) -> list[Shape]:
     """Every hunter's chip, name and score: by seat, without names or only the best where there is no room for all."""
     size = fitting(0.58 * area.height, 12)
     middle = area.top + area.height / 2.0

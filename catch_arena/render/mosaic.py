@@ -1,4 +1,4 @@
-"""Many matches at once, side by side in one film."""
+"""Many matches at once, side by side in one video."""
 
 import math
 import os
@@ -98,7 +98,7 @@ def render_mosaic(
     speed: float = 1.0,
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a film in which all of these matches run at once; one that has ended shows its result until all have.
+    """Write a video in which all of these matches run at once; one that has ended shows its result until all have.
 
     A match that does not play as recorded stops where it differs, and its cell says so.
 

@@ -9,14 +9,14 @@ import numpy as np
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.render import hud, scene, timeline
+from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
+from catch_arena.render.event_feed import EventFeed, feed_shapes
 from catch_arena.render.libraries import cv2
-from catch_arena.render.marks import Mark, marks_of, still_seen
 from catch_arena.render.motion import TICK_MS, StepMotion, step_motion
-from catch_arena.render.news import News, news_shapes
 from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Shape
 from catch_arena.render.sprites import SpriteCache
-from catch_arena.render.standings import Ladder, standings_shapes
+from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
 from catch_arena.render.viewport import MatchInfo, Pose, Viewport
 from catch_arena.world import World
 
@@ -79,13 +79,13 @@ class MatchRenderer:
         return best.seat if best.score > 0 and all(one.score < best.score for one in others) else None
 
     def reset(self, time_ms: float = 0.0) -> None:
-        """A new match: no trails, no marks."""
+        """A new match: no trails, no annotations."""
         self._ground.reset(time_ms)
-        self._marks: list[Mark] = []
+        self._annotations: list[Annotation] = []
         self._timeline = timeline.Timeline(self.info.duration_ms)
-        self._ladder = Ladder()
-        self._news = News()
-        self._standings: tuple[hud.Standing, ...] = ()
+        self._standings_animation = StandingsAnimation()
+        self._feed = EventFeed()
+        self._standings: tuple[hud.HunterScore, ...] = ()
         self._motion: StepMotion | None = None
         self._poses: tuple[Pose, ...] = ()
         self._moved_ms = time_ms
@@ -100,15 +100,15 @@ class MatchRenderer:
         else:
             self._poses = motion.poses[0]
         self._motion = motion
-        marks = marks_of(motion.before, motion.after, by_lot=self._by_lot)
-        self._marks = still_seen([*self._marks, *marks], began_ms)
-        self._news.tell(marks)
+        annotations = annotations_of(motion.before, motion.after, by_lot=self._by_lot)
+        self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
+        self._feed.record(annotations)
         self._standings = tuple(
-            hud.Standing(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(motion.after.hunters)
+            hud.HunterScore(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(motion.after.hunters)
         )
-        self._ladder.tell(began_ms, self._standings)
-        catchers = [mark.seat for mark in marks if mark.kind == "catch"]
-        self._timeline.tell(began_ms, catchers, [one.score for one in self._standings])
+        self._standings_animation.record(began_ms, self._standings)
+        catchers = [annotation.seat for annotation in annotations if annotation.kind == "catch"]
+        self._timeline.record(began_ms, catchers, [one.score for one in self._standings])
 
     def draw(self, time_ms: float, poses: tuple[Pose, ...]) -> Pixels:
         """Draw one instant of the step that was entered last into the buffer; the hunters have come to these poses."""
@@ -117,7 +117,7 @@ class MatchRenderer:
         self._follow(time_ms)
         self._ground.fade(time_ms)
         self._move(poses)
-        self._marks = still_seen(self._marks, time_ms)
+        self._annotations = visible_annotations(self._annotations, time_ms)
         world = self._motion.after
         self._arena.pixels[:] = self._ground.pixels
         self._arena.draw(
@@ -127,7 +127,7 @@ class MatchRenderer:
                 hunters=world.hunters,
                 poses=poses,
                 targets=[target for target in world.targets if target.spawned_ms <= time_ms],
-                marks=self._marks,
+                annotations=self._annotations,
                 time_ms=time_ms,
             )
         )
@@ -164,11 +164,11 @@ class MatchRenderer:
             return
         if self._changed("header", clock):
             self._redraw(plan.header, hud.header_shapes(plan.header, info, self._seed, clock, unit))
-        lines = self._ladder.lines(time_ms)
+        lines = self._standings_animation.lines(time_ms)
         if self._changed("standings", lines):
             self._redraw(plan.standings, standings_shapes(plan.standings, info, lines, unit))
-        if plan.news.width and self._changed("news", self._news.items):
-            self._redraw(plan.news, news_shapes(plan.news, info, self._news.items, unit))
+        if plan.feed.width and self._changed("news", self._feed.items):
+            self._redraw(plan.feed, feed_shapes(plan.feed, info, self._feed.items, unit))
         area, history = plan.timeline, self._timeline
         cursor = round(timeline.cursor_x(area, history, time_ms, unit))
         card = self._frame.pixels[area.top : area.top + area.height, area.left : area.left + area.width]

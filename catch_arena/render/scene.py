@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from catch_arena.render.marks import Mark, mark_shapes
+from catch_arena.render.annotations import Annotation, annotation_shapes
 from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Shape, Stroke, Turtle, mix
 from catch_arena.render.viewport import GROUND, TARGET, TRACE, MatchInfo, Pose, Viewport
 from catch_arena.world import HunterState, TargetState
@@ -53,7 +53,7 @@ def arena_shapes(
     hunters: Sequence[HunterState],
     poses: Sequence[Pose],
     targets: Sequence[TargetState],
-    marks: Sequence[Mark],
+    annotations: Sequence[Annotation],
     time_ms: float,
 ) -> list[Shape]:
     """Everything that moves or comes and goes, from the lowest to the topmost."""
@@ -63,7 +63,7 @@ def arena_shapes(
     reach = info.config.reach_m * viewport.scale
     for seat, hunter in enumerate(hunters):
         shapes += _hunter(viewport, hunter, poses[seat], info.color(seat), reach)
-    return shapes + mark_shapes(viewport, info, poses, marks, time_ms)
+    return shapes + annotation_shapes(viewport, info, poses, annotations, time_ms)
 
 
 def _target(viewport: Viewport, target: TargetState, time_ms: float) -> list[Shape]:

@@ -38,7 +38,7 @@ class Timeline:
         """The part of the match that an instant falls into."""
         return min(COLUMNS - 1, max(0, int(time_ms * COLUMNS / max(1, self.duration_ms))))
 
-    def tell(self, time_ms: float, catchers: Sequence[int], scores: Sequence[int]) -> None:
+    def record(self, time_ms: float, catchers: Sequence[int], scores: Sequence[int]) -> None:
         """Advance to an instant at which those hunters caught and these are the scores."""
         column = self.column(time_ms)
         while len(self.scores) <= column:  # nothing happened in between

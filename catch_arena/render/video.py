@@ -59,7 +59,7 @@ def render_replay(
 
     Args: `path`, which ends in .mp4, .webm, .gif or .webp; `size`, (width, height) from 320 x 320 to 3840 x 2160, and
     `fps`, frames a second from 1 on: without them what is usual for the format (`encoders.FORMATS`); `layout`,
-    "broadcast" (arena, standings, news, timeline) or "arena"; `start_s`, `end_s`, the part of the match; `speed`,
+    "broadcast" (arena, standings, event feed, timeline) or "arena"; `start_s`, `end_s`, the part of the match; `speed`,
     seconds of the match in a second of the video, 0.01 to 100; `progress`, called with (frames written, frames in
     all).
     Raises: ConfigError for a setting that cannot be, OutputError where the file cannot be written, ReplayError where
@@ -87,7 +87,7 @@ def write_video(
     frames: int,
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a film's pictures, as many as were promised, as they come. What is raised is `render_replay`'s."""
+    """Write a video's frames, as many as were promised, as they come. What is raised is `render_replay`'s."""
     began = time.perf_counter()
     with video_file(path, size, fps, frames, progress) as video:
         for done, pixels in enumerate(pictures, start=1):
@@ -114,7 +114,7 @@ def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
 
 
 def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> MatchRenderer:
-    """The stage on which a recorded match is filmed."""
+    """The renderer of a recorded match."""
     return MatchRenderer(
         MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay)), size, layout, replay.seed
     )
@@ -126,7 +126,7 @@ def duration_ms(replay: Replay) -> int:
 
 
 def rendered_frames(replay: Replay, renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
-    """The frames, one after the other, in the stage's own buffer: the next one overwrites it.
+    """The frames, one after the other, in the renderer's own buffer: the next one overwrites it.
 
     Steps before the first frame are played too, so that their trails and catches are there.
     """

@@ -6,12 +6,12 @@ import pytest
 
 from catch_arena.config import ArenaConfig
 from catch_arena.live import cards
-from catch_arena.render.hud import Standing
+from catch_arena.render.hud import HunterScore
 from catch_arena.render.shapes import Box, Label
 from catch_arena.render.viewport import MatchInfo, Viewport
 
 AREAS = [(320, 240), (720, 720), (2160, 2160)]
-LOOK = MatchInfo.of(ArenaConfig(), ("you", "nearest", "patrol", "a name that is longer than any card is wide " * 3))
+INFO = MatchInfo.of(ArenaConfig(), ("you", "nearest", "patrol", "a name that is longer than any card is wide " * 3))
 
 
 def within(shapes, area) -> bool:
@@ -37,8 +37,8 @@ def test_every_key_is_on_the_card(area):
 
 @pytest.mark.parametrize("area", AREAS)
 def test_the_result_is_told_by_rank(area):
-    table = [(1, Standing(2, 9)), (2, Standing(0, 7)), (2, Standing(3, 7)), (4, Standing(1, 0))]
-    shapes = cards.result_card(area, LOOK, table, "Esc: end")
+    table = [(1, HunterScore(2, 9)), (2, HunterScore(0, 7)), (2, HunterScore(3, 7)), (4, HunterScore(1, 0))]
+    shapes = cards.result_card(area, INFO, table, "Esc: end")
     texts = [shape.text for shape in shapes if isinstance(shape, Label)]
     assert texts[0] == "patrol wins"
     assert texts[1:5] == ["1", "2", "patrol", "9"]  # rank, number, name, catches
@@ -46,14 +46,14 @@ def test_the_result_is_told_by_rank(area):
 
 
 def test_a_shared_first_rank_and_ones_own_win():
-    tie = [(1, Standing(0, 7)), (1, Standing(1, 7))]
-    assert cards.result_card((720, 720), LOOK, tie, "")[1].text == "2 share the first rank"
-    assert cards.result_card((720, 720), LOOK, [(1, Standing(0, 7))], "")[1].text == "You win"
+    tie = [(1, HunterScore(0, 7)), (1, HunterScore(1, 7))]
+    assert cards.result_card((720, 720), INFO, tie, "")[1].text == "2 share the first rank"
+    assert cards.result_card((720, 720), INFO, [(1, HunterScore(0, 7))], "")[1].text == "You win"
 
 
 @pytest.mark.parametrize("y", [0.2, 5.0, 10.8])
 def test_the_pointer_stays_in_the_picture(y):
-    viewport = Viewport(720, 720, LOOK.config.side_m)
+    viewport = Viewport(720, 720, INFO.config.side_m)
     label = next(shape for shape in cards.pointer(viewport, (5.0, y), (255, 0, 0)) if isinstance(shape, Label))
     assert 0 < label.y < 720
     assert math.dist((label.x, label.y), viewport.to_pixels(5.0, y)) < 2.5 * viewport.hunter_length

@@ -19,12 +19,18 @@ def a_world(*rulings: Ruling, places=((1.0, 2.0), (9.0, 3.0)), step: int = 5) ->
     return World(100 * step, step, 11.088889122009277, hunters, targets, rulings, 9)
 
 
-def shapes_of(world: World, marks=(), time_ms: float = 500.0, size=(720, 720)) -> list:
+def shapes_of(world: World, annotations=(), time_ms: float = 500.0, size=(720, 720)) -> list:
     info = MatchInfo.of(ArenaConfig(hunters=len(world.hunters)))
     viewport = Viewport(*size, world.side_m)
     poses = [(hunter.x, hunter.y, hunter.theta) for hunter in world.hunters]
     return scene.arena_shapes(
-        viewport, info, hunters=world.hunters, poses=poses, targets=world.targets, marks=marks, time_ms=time_ms
+        viewport,
+        info,
+        hunters=world.hunters,
+        poses=poses,
+        targets=world.targets,
+        annotations=annotations,
+        time_ms=time_ms,
     )
 
 

@@ -27,7 +27,7 @@ def test_the_timeline_fits_its_card(size, hunters):
     for time_ms in range(0, 60_000, 700):
         seat = (time_ms // 700) ** 2 % hunters
         scores[seat] += 1
-        timeline.tell(time_ms, [seat], scores)
+        timeline.record(time_ms, [seat], scores)
     shapes = timeline_shapes(plan.timeline, info, timeline, plan.unit)
     assert_inside(shapes, plan.timeline)
     assert_inside(present_shapes(plan.timeline, info, timeline, 59_990.0, plan.unit), plan.timeline)
@@ -48,10 +48,10 @@ def test_lines_stand_for_how_far_each_is_ahead_of_the_average():
 
 def test_the_timeline_keeps_every_hunters_catches_and_the_scores_between_them():
     timeline = Timeline(COLUMNS * 100)  # 100 ms a column
-    timeline.tell(0, [], [0, 0])
-    timeline.tell(500, [0, 1], [1, 1])
-    timeline.tell(550, [1], [1, 2])
-    timeline.tell(900, [], [1, 2])
+    timeline.record(0, [], [0, 0])
+    timeline.record(500, [0, 1], [1, 1])
+    timeline.record(550, [1], [1, 2])
+    timeline.record(900, [], [1, 2])
     assert timeline.catches == 3
     assert timeline.catchers[5] == {0, 1}
     assert timeline.scores == [(0, 0)] * 5 + [(1, 2)] * 5
@@ -61,16 +61,16 @@ def test_the_timeline_keeps_every_hunters_catches_and_the_scores_between_them():
 def test_the_timeline_does_not_grow_with_the_match():
     timeline = Timeline(10**9)
     for time_ms in range(0, 10**9, 10**5):
-        timeline.tell(time_ms, [0], [time_ms, 0])
+        timeline.record(time_ms, [0], [time_ms, 0])
     assert len(timeline.catchers) == len(timeline.scores) == COLUMNS
 
 
 def a_race() -> Timeline:
     timeline = Timeline(60_000)
-    timeline.tell(0, [], [0, 0, 0])
-    timeline.tell(10_000, [0], [1, 0, 0])
-    timeline.tell(20_000, [0], [2, 0, 0])
-    timeline.tell(30_000, [2], [2, 0, 1])
+    timeline.record(0, [], [0, 0, 0])
+    timeline.record(10_000, [0], [1, 0, 0])
+    timeline.record(20_000, [0], [2, 0, 0])
+    timeline.record(30_000, [2], [2, 0, 1])
     return timeline
 
 

@@ -1,6 +1,6 @@
-"""What the arbiter answered lately, as it is seen in the arena: catches, contests, refusals; and the hunters' numbers.
+"""Annotations of the arena: what the arbiter answered lately (catches, contests, refusals), and the hunters' numbers.
 
-Pure functions. Every word is written where it covers no other word and no number.
+Pure functions. Every text is written where it covers no other text and no number.
 """
 
 from collections.abc import Iterable, Sequence
@@ -21,7 +21,7 @@ NEAR_UM: Final = 1_000_000
 MOST_REASONS: Final = 6
 """While more hunters than these are refused, each has a ! instead of the reason."""
 
-REASONS: Final[dict[Verdict, str]] = {
+SHORT_REASONS: Final[dict[Verdict, str]] = {
     Verdict.MATCH_OVER: "match over",
     Verdict.MALFORMED: "no such target",
     Verdict.HUNTER_INACTIVE: "withdrawn",
@@ -34,7 +34,7 @@ REASONS: Final[dict[Verdict, str]] = {
 }
 """Why a request was refused, in as few words as a moment allows."""
 
-_LASTS_MS: Final = {"catch": 900.0, "lost": 1200.0, "refused": 700.0}
+_VISIBLE_MS: Final = {"catch": 900.0, "lost": 1200.0, "refused": 700.0}
 
 
 class Rival(NamedTuple):
@@ -47,7 +47,7 @@ class Rival(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class Annotation:
     """One ruling, as it is shown for a moment: what, whose, where, since when."""
 
     kind: Literal["catch", "lost", "refused"]
@@ -57,40 +57,42 @@ class Mark:
     x: float
     """The target's place [m], or the hunter's where there was no such target."""
     y: float
-    word: str = "+1"
+    text: str = "+1"
     rivals: tuple[Rival, ...] = ()
     """Of a catch: who else was near, the nearest first."""
     distance_um: int | None = None
     """From the hunter to the target."""
 
     @property
-    def lasts_ms(self) -> float:
+    def visible_ms(self) -> float:
         """How long it is shown."""
-        return _LASTS_MS[self.kind]
+        return _VISIBLE_MS[self.kind]
 
 
-def marks_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Mark, ...]:
+def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Annotation, ...]:
     """What the step from one world to the next is to show of its rulings, which were judged on the former.
 
     Args: `by_lot`, whether contests go by lots and not by distance (R5.9).
     """
     targets = {target.name: (target.x, target.y) for target in before.targets}
     distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}
-    marks = []
+    annotations = []
     for ruling in after.rulings:
         hunter = before.hunters[ruling.hunter]
         place = targets.get(str(ruling.target))
         x, y = place or (hunter.x, hunter.y)
         if ruling.verdict is Verdict.GRANTED:
             rivals = () if place is None else _rivals(before, after.rulings, ruling, place)
-            mark = Mark("catch", before.time_ms, ruling.hunter, x, y, "+1", rivals, ruling.distance_um)
+            annotation = Annotation("catch", before.time_ms, ruling.hunter, x, y, "+1", rivals, ruling.distance_um)
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]
-            mark = Mark("lost", before.time_ms, ruling.hunter, x, y, "by lot" if by_lot else margin(behind))
+            annotation = Annotation(
+                "lost", before.time_ms, ruling.hunter, x, y, "by lot" if by_lot else margin_text(behind)
+            )
         else:
-            mark = Mark("refused", before.time_ms, ruling.hunter, x, y, REASONS[ruling.verdict])
-        marks.append(mark)
-    return tuple(marks)
+            annotation = Annotation("refused", before.time_ms, ruling.hunter, x, y, SHORT_REASONS[ruling.verdict])
+        annotations.append(annotation)
+    return tuple(annotations)
 
 
 def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, place: tuple[float, float]) -> tuple[Rival, ...]:
@@ -107,55 +109,63 @@ def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, place: tuple[
     return tuple(sorted(rivals, key=lambda rival: (not rival.asked, rival.distance_um, rival.seat)))
 
 
-def margin(behind_um: int) -> str:
+def margin_text(behind_um: int) -> str:
     """How much further away the loser was; an exact tie was drawn by lot (R5.5)."""
     if behind_um == 0:
         return "by lot"
     return f"−{short_length(behind_um)}"
 
 
-def still_seen(marks: Iterable[Mark], time_ms: float) -> list[Mark]:
-    """The marks that are not over yet; of each hunter's refusals only the latest, which a step may repeat."""
-    seen = [mark for mark in marks if time_ms - mark.time_ms < mark.lasts_ms]
-    latest = {mark.seat: mark for mark in seen if mark.kind == "refused"}
-    return [mark for mark in seen if mark.kind != "refused" or latest[mark.seat] is mark]
+def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> list[Annotation]:
+    """The annotations that are not over yet; of each hunter's refusals only the latest, which a step may repeat."""
+    seen = [annotation for annotation in annotations if time_ms - annotation.time_ms < annotation.visible_ms]
+    latest = {annotation.seat: annotation for annotation in seen if annotation.kind == "refused"}
+    return [annotation for annotation in seen if annotation.kind != "refused" or latest[annotation.seat] is annotation]
 
 
-def mark_shapes(
-    viewport: Viewport, info: MatchInfo, poses: Sequence[Pose], marks: Sequence[Mark], time_ms: float
+def annotation_shapes(
+    viewport: Viewport, info: MatchInfo, poses: Sequence[Pose], annotations: Sequence[Annotation], time_ms: float
 ) -> list[Shape]:
     """The rings of catches, the lines of contests, every hunter's number, and the words."""
     shapes: list[Shape] = []
-    for mark in marks:
-        part = (time_ms - mark.time_ms) / mark.lasts_ms
-        if mark.kind == "catch":
-            seats = [mark.seat, *(rival.seat for rival in mark.rivals)] if mark.rivals else []
-            thick = [1.0, *(0.8 if rival.asked else 0.35 for rival in mark.rivals)]
+    for annotation in annotations:
+        part = (time_ms - annotation.time_ms) / annotation.visible_ms
+        if annotation.kind == "catch":
+            seats = [annotation.seat, *(rival.seat for rival in annotation.rivals)] if annotation.rivals else []
+            thick = [1.0, *(0.8 if rival.asked else 0.35 for rival in annotation.rivals)]
             for seat, much in zip(seats, thick, strict=False):
-                shapes.append(_thread(viewport, mark, info.color(seat), poses[seat], much * (1.0 - part), part))
-            shapes.append(_catch_ring(viewport, mark, part))
-        elif mark.kind == "lost":
-            shapes.append(_thread(viewport, mark, info.color(mark.seat), poses[mark.seat], 0.8 * (1.0 - part), part))
+                shapes.append(
+                    _line_to_target(viewport, annotation, info.color(seat), poses[seat], much * (1.0 - part), part)
+                )
+            shapes.append(_catch_ring(viewport, annotation, part))
+        elif annotation.kind == "lost":
+            shapes.append(
+                _line_to_target(
+                    viewport, annotation, info.color(annotation.seat), poses[annotation.seat], 0.8 * (1.0 - part), part
+                )
+            )
     size = max(10, round(0.34 * viewport.hunter_length))
-    numbers = apart([viewport.to_pixels(x, y) for x, y, _ in poses], (1.1 if len(poses) <= 10 else 1.55) * size)
+    numbers = spread_apart([viewport.to_pixels(x, y) for x, y, _ in poses], (1.1 if len(poses) <= 10 else 1.55) * size)
     shapes += [Label(*place, str(seat), size, WHITE, 800, "center", outline=INK) for seat, place in enumerate(numbers)]
-    return shapes + _words(viewport, info, poses, marks, time_ms, numbers, size)
+    return shapes + _text_shapes(viewport, info, poses, annotations, time_ms, numbers, size)
 
 
-def _catch_ring(viewport: Viewport, mark: Mark, part: float) -> Ring:
+def _catch_ring(viewport: Viewport, annotation: Annotation, part: float) -> Ring:
     eased = 1.0 - (1.0 - part) ** 3
     length = viewport.hunter_length
-    x, y = viewport.to_pixels(mark.x, mark.y)
+    x, y = viewport.to_pixels(annotation.x, annotation.y)
     radius = length * (0.3 + 0.75 * eased)
     return Ring(x, y, radius, max(1.2, 0.11 * length * (1.0 - part)), WHITE, (1.0 - part) ** 1.5, glow=True)
 
 
-def _thread(viewport: Viewport, mark: Mark, color: Color, pose: Pose, much: float, part: float) -> Stroke:
+def _line_to_target(
+    viewport: Viewport, annotation: Annotation, color: Color, pose: Pose, much: float, part: float
+) -> Stroke:
     """From somebody who was near to the target; it thins out, since strokes are opaque."""
     width = max(0.8, 0.08 * viewport.hunter_length * much)
     return Stroke(
         *viewport.to_pixels(pose[0], pose[1]),
-        *viewport.to_pixels(mark.x, mark.y),
+        *viewport.to_pixels(annotation.x, annotation.y),
         width,
         mix(color, GROUND, 0.8 * part),
     )
@@ -166,8 +176,8 @@ _FURTHEST: Final = 2.0
 """From where it belongs [rooms]."""
 
 
-def apart(places: Sequence[tuple[float, float]], room: float) -> list[tuple[float, float]]:
-    """The places, those that are nearer to each other than `room` moved apart; as they move, so do the results.
+def spread_apart(places: Sequence[tuple[float, float]], room: float) -> list[tuple[float, float]]:
+    """The points, those that are nearer to each other than `room` moved apart; as they move, so do the results.
 
     Some rounds: in a dense crowd a few stay a little too near, and nobody goes further than two rooms.
     """
@@ -187,7 +197,7 @@ def apart(places: Sequence[tuple[float, float]], room: float) -> list[tuple[floa
     return [(x, y) for x, y in kept.tolist()]
 
 
-class _Room(NamedTuple):
+class _TextBox(NamedTuple):
     """What a text takes: its middle, and half its width and height."""
 
     x: float
@@ -196,48 +206,48 @@ class _Room(NamedTuple):
     half_height: float
 
 
-def _words(
+def _text_shapes(
     viewport: Viewport,
     info: MatchInfo,
     poses: Sequence[Pose],
-    marks: Sequence[Mark],
+    annotations: Sequence[Annotation],
     time_ms: float,
     numbers: Sequence[tuple[float, float]],
     number_size: int,
 ) -> list[Shape]:
     """+1 rising over the hunter, what a contest was lost by sinking below it, why a request was refused.
 
-    Kept inside the picture; a word that would cover another one is moved on, the more the more it would.
+    Kept inside the picture; a text that would cover another one is moved on, the more the more it would.
     """
     taken = [
-        _Room(x, y, 0.32 * len(str(seat)) * number_size, 0.45 * number_size) for seat, (x, y) in enumerate(numbers)
+        _TextBox(x, y, 0.32 * len(str(seat)) * number_size, 0.45 * number_size) for seat, (x, y) in enumerate(numbers)
     ]
     reach = info.config.reach_m * viewport.scale
     length = viewport.hunter_length
-    briefly = length < 26 or sum(mark.kind == "refused" for mark in marks) > MOST_REASONS
+    briefly = length < 26 or sum(annotation.kind == "refused" for annotation in annotations) > MOST_REASONS
     shapes: list[Shape] = []
-    for mark in marks:
-        part = (time_ms - mark.time_ms) / mark.lasts_ms
-        text = "!" if mark.kind == "refused" and briefly else mark.word
-        size = max(11, round({"catch": 0.48, "lost": 0.36, "refused": 0.3}[mark.kind] * length))
+    for annotation in annotations:
+        part = (time_ms - annotation.time_ms) / annotation.visible_ms
+        text = "!" if annotation.kind == "refused" and briefly else annotation.text
+        size = max(11, round({"catch": 0.48, "lost": 0.36, "refused": 0.3}[annotation.kind] * length))
         half_width = 0.3 * len(text) * size
-        x, y = viewport.to_pixels(*poses[mark.seat][:2])
-        rises = 0.0 if mark.kind == "refused" else 0.3 * length * part  # a refusal may be repeated, step by step
+        x, y = viewport.to_pixels(*poses[annotation.seat][:2])
+        rises = 0.0 if annotation.kind == "refused" else 0.3 * length * part  # a refusal may be repeated, step by step
         away = max(reach, 0.5 * length) + 0.75 * size + rises
-        side = -1.0 if mark.kind == "catch" else 1.0
+        side = -1.0 if annotation.kind == "catch" else 1.0
         if not 0.6 * size < y + side * away < viewport.height - 0.6 * size:
             side = -side
         x = min(max(x, half_width + 2.0), viewport.width - half_width - 2.0)
-        room = _clear(_Room(x, y + side * away, half_width, 0.5 * size), side, taken)
+        room = _moved_clear(_TextBox(x, y + side * away, half_width, 0.5 * size), side, taken)
         room = room._replace(y=min(max(room.y, 0.6 * size), viewport.height - 0.6 * size))
         taken.append(room)
-        color = WHITE if mark.kind == "catch" else mix(info.color(mark.seat), WHITE, 0.35)
+        color = WHITE if annotation.kind == "catch" else mix(info.color(annotation.seat), WHITE, 0.35)
         opacity = min(1.0, 3.0 * (1.0 - part))
         shapes.append(Label(x, room.y, text, size, color, 800, "center", outline=INK, opacity=opacity))
     return shapes
 
 
-def _clear(room: _Room, side: float, taken: Sequence[_Room]) -> _Room:
+def _moved_clear(room: _TextBox, side: float, taken: Sequence[_TextBox]) -> _TextBox:
     """Moved up or down as far as the others ask for: by all that they overlap, or less where they hardly touch."""
     for _ in range(3):
         for other in taken:

@@ -1,4 +1,4 @@
-"""The standings: a line for each hunter, the best first; a line that gains a place climbs to it.
+"""The standings, animated: a line for each hunter, the best first; a line that gains a position climbs to it.
 
 Pure functions from small states to shapes.
 """
@@ -7,62 +7,62 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from catch_arena.render.hud import BRIGHT, CARD, DIM, ROW, TRACK, Rect, Standing, fitting, legible, ranked
+from catch_arena.render.hud import BRIGHT, CARD, DIM, ROW, TRACK, HunterScore, Rect, fitting, legible, ranked
 from catch_arena.render.shapes import Box, Label, Shape, Turtle, mix
 from catch_arena.render.viewport import MatchInfo
 
 CLIMB_MS: Final = 400.0
-"""How long a line takes to its new place, and a bar to its new length."""
+"""How long a line takes to its new position, and a bar to its new length."""
 
 
-class Line(NamedTuple):
+class AnimatedLine(NamedTuple):
     """One hunter's line at an instant."""
 
-    standing: Standing
-    place: float
-    """From 0, the best; between two places while it moves."""
+    hunter: HunterScore
+    position: float
+    """From 0, the best; between two positions while it moves."""
     share: float
     """Of the best score: the length of its bar."""
     climbs: bool = False
 
 
-class Ladder:
+class StandingsAnimation:
     """Where everybody's line stands at any instant, from the standings as they change."""
 
     def __init__(self) -> None:
-        self._goal: tuple[Line, ...] = ()
-        self._start: tuple[Line, ...] = ()
+        self._goal: tuple[AnimatedLine, ...] = ()
+        self._start: tuple[AnimatedLine, ...] = ()
         self._since_ms = -math.inf
 
-    def tell(self, time_ms: float, standings: Sequence[Standing]) -> None:
+    def record(self, time_ms: float, standings: Sequence[HunterScore]) -> None:
         """These are the standings from that instant on: lines begin to move where they differ from the last ones."""
         now = self.lines(time_ms)
         best = max(1, *(one.score for one in standings)) if standings else 1
-        places = {one.seat: place for place, one in enumerate(ranked(standings))}
-        goal = tuple(Line(one, float(places[one.seat]), one.score / best) for one in sorted(standings))
+        positions = {one.seat: position for position, one in enumerate(ranked(standings))}
+        goal = tuple(AnimatedLine(one, float(positions[one.seat]), one.score / best) for one in sorted(standings))
         if goal == self._goal:
             return
         self._start, self._goal = now or goal, goal
         self._since_ms = time_ms if now else -math.inf
 
-    def lines(self, time_ms: float) -> tuple[Line, ...]:
+    def lines(self, time_ms: float) -> tuple[AnimatedLine, ...]:
         """By seat; the same tuple at every instant at which nothing moves."""
         part = (time_ms - self._since_ms) / CLIMB_MS
         if part >= 1.0:
             return self._goal
         eased = part * part * (3.0 - 2.0 * part)
         return tuple(
-            Line(
-                goal.standing,
-                start.place + (goal.place - start.place) * eased,
+            AnimatedLine(
+                goal.hunter,
+                start.position + (goal.position - start.position) * eased,
                 start.share + (goal.share - start.share) * eased,
-                goal.place < start.place,
+                goal.position < start.position,
             )
             for start, goal in zip(self._start, self._goal, strict=True)
         )
 
 
-def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[Line], unit: float) -> list[Shape]:
+def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[AnimatedLine], unit: float) -> list[Shape]:
     """A line for each hunter: turtle, number, name, its share of the best score as a bar, and the score."""
     pad = 8 * unit
     room = area.height - 2.0 * pad
@@ -74,20 +74,20 @@ def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[Line], unit: f
     height = min(room / per_column, max(28.0, ROW * unit))
     width = (area.width - 2.0 * pad) / columns
 
-    def corner(place: float) -> tuple[float, float]:
-        column, row = divmod(int(place), per_column)
+    def corner(position: float) -> tuple[float, float]:
+        column, row = divmod(int(position), per_column)
         return area.left + pad + column * width, area.top + pad + row * height
 
     shapes: list[Shape] = [Box(area.left, area.top, area.width, per_column * height + 2.0 * pad, CARD, 12 * unit)]
-    best = max(line.standing.score for line in lines)
-    for line in sorted(lines, key=lambda line: (line.climbs, -line.place)):  # those that climb pass over the others
-        if line.place <= shown - 1:
-            (x0, y0), (x1, y1) = corner(math.floor(line.place)), corner(math.ceil(line.place))
-            part = line.place % 1.0 if x0 == x1 else round(line.place % 1.0)  # nobody flies from column to column
-            place = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, width, height)
+    best = max(line.hunter.score for line in lines)
+    for line in sorted(lines, key=lambda line: (line.climbs, -line.position)):  # those that climb pass over the others
+        if line.position <= shown - 1:
+            (x0, y0), (x1, y1) = corner(math.floor(line.position)), corner(math.ceil(line.position))
+            part = line.position % 1.0 if x0 == x1 else round(line.position % 1.0)  # nobody flies from column to column
+            box = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, width, height)
             if line.climbs:
-                shapes.append(Box(*place, mix(CARD, TRACK, 0.6), 0.25 * height))
-            shapes += _line_shapes(place, info, line, best, unit)
+                shapes.append(Box(*box, mix(CARD, TRACK, 0.6), 0.25 * height))
+            shapes += _line_shapes(box, info, line, best, unit)
     if shown < len(lines):
         x, y = corner(shown)
         left_out = f"and {len(lines) - shown} more"
@@ -96,10 +96,10 @@ def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[Line], unit: f
 
 
 def _line_shapes(
-    area: tuple[float, float, float, float], info: MatchInfo, line: Line, best: int, unit: float
+    area: tuple[float, float, float, float], info: MatchInfo, line: AnimatedLine, best: int, unit: float
 ) -> list[Shape]:
     left, top, width, height = area
-    one = line.standing
+    one = line.hunter
     middle = top + height / 2.0
     size = min(fitting(0.54 * height, 10), fitting(21 * unit, 11), fitting(0.1 * width, 9))
     color = info.color(one.seat)

@@ -1,4 +1,4 @@
-"""The news: the latest contests, near misses and refusals in words, the newest first.
+"""The event feed: the latest contests, near misses and refusals in words, the newest first.
 
 Pure functions from small states to shapes.
 """
@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from catch_arena.explanation.lengths import short_length
-from catch_arena.render.hud import BRIGHT, CARD, DIM, NEWS_ROW, Rect, chip, chip_width, clock, fitting
-from catch_arena.render.marks import Mark
+from catch_arena.render.annotations import Annotation
+from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, chip, chip_width, clock, fitting
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width
 from catch_arena.render.viewport import MatchInfo
 
-KEPT: Final = 8
+MOST_ITEMS: Final = 8
 """Items; a card shows as many of them as it has room for."""
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class FeedItem:
     """One line: when, who, what, and whom it concerns besides."""
 
     time_ms: int
@@ -31,47 +31,47 @@ class Item:
     contest: bool = False
     times: int = 1
 
-    def repeated_by(self, other: "Item") -> bool:
+    def repeated_by(self, other: "FeedItem") -> bool:
         """The same hunter was refused again, for the same reason."""
         return self.other is None and (self.seat, self.text, self.other) == (other.seat, other.text, other.other)
 
 
-def items_of(marks: Iterable[Mark]) -> list[Item]:
+def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
     """What is worth a line: catches with somebody near, and refusals."""
     items = []
-    for mark in marks:
-        if mark.kind == "refused":
-            items.append(Item(mark.time_ms, mark.seat, mark.word))
-        elif mark.kind == "catch" and mark.rivals and mark.distance_um is not None:
-            rival = mark.rivals[0]
-            behind = rival.distance_um - mark.distance_um
+    for annotation in annotations:
+        if annotation.kind == "refused":
+            items.append(FeedItem(annotation.time_ms, annotation.seat, annotation.text))
+        elif annotation.kind == "catch" and annotation.rivals and annotation.distance_um is not None:
+            rival = annotation.rivals[0]
+            behind = rival.distance_um - annotation.distance_um
             how = f"by {short_length(behind)}" if behind > 0 else "by lot"
             if rival.asked:
-                items.append(Item(mark.time_ms, mark.seat, "beat", rival.seat, how, contest=True))
+                items.append(FeedItem(annotation.time_ms, annotation.seat, "beat", rival.seat, how, contest=True))
             elif behind > 0:
-                items.append(Item(mark.time_ms, mark.seat, "ahead of", rival.seat, how))
+                items.append(FeedItem(annotation.time_ms, annotation.seat, "ahead of", rival.seat, how))
     return items
 
 
-class News:
+class EventFeed:
     """The latest items, the newest first; a refusal that is repeated is one item that counts."""
 
     def __init__(self) -> None:
-        self.items: tuple[Item, ...] = ()
+        self.items: tuple[FeedItem, ...] = ()
 
-    def tell(self, marks: Iterable[Mark]) -> None:
+    def record(self, annotations: Iterable[Annotation]) -> None:
         """These rulings were made."""
-        for item in items_of(marks):
+        for item in feed_items(annotations):
             same = [old for old in self.items if old.repeated_by(item)]
             others = tuple(old for old in self.items if old not in same)
             times = item.times + sum(old.times for old in same)
-            self.items = (replace(item, times=times), *others)[:KEPT]
+            self.items = (replace(item, times=times), *others)[:MOST_ITEMS]
 
 
-def news_shapes(area: Rect, info: MatchInfo, items: Sequence[Item], unit: float) -> list[Shape]:
+def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: float) -> list[Shape]:
     """As many items as there is room for."""
     pad = 8 * unit
-    height = NEWS_ROW * unit
+    height = FEED_ROW * unit
     size = fitting(14 * unit, 10)
     shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
     left = area.left + 2.0 * pad
