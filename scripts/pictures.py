@@ -22,7 +22,7 @@ MOST_BYTES = 2_000_000
 
 
 def main() -> None:
-    """Play the match, and film it."""
+    """Play the match, and render it."""
     argparse.ArgumentParser(description=__doc__).parse_args()
     replay = recorded()
     picture, animation = DOCS / "picture.png", DOCS / "animation.gif"

@@ -1,15 +1,15 @@
-"""The element `<catch-replay>`, which plays a film, as one script: a page may hold any number of them."""
+"""The element `<catch-replay>`, which plays a replay bundle, as one script: a page may hold any number of them."""
 
 import json
 from functools import cache
 from importlib.resources import files
 from typing import Any, Final
 
-from catch_arena.player.film import css, film_text
+from catch_arena.player.bundle import bundle_text, css
 from catch_arena.render import scene, shapes, viewport
 from catch_arena.replay import Replay
 
-_SCRIPTS: Final = ("film.js", "arena.js", "player.js")
+_SCRIPTS: Final = ("replay.js", "arena.js", "player.js")
 _EVERY: Final = 2
 """Of the points of a turtle's outline, so many are one."""
 _FALLBACK: Final = "This replay plays where scripts may run."
@@ -20,7 +20,7 @@ def player_html(replay: Replay) -> str:
 
     Raises: ReplayError where the match does not play as recorded.
     """
-    return f'{element_script()}<catch-replay film="{film_text(replay)}">{_FALLBACK}</catch-replay>'
+    return f'{element_script()}<catch-replay film="{bundle_text(replay)}">{_FALLBACK}</catch-replay>'
 
 
 @cache

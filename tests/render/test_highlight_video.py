@@ -49,7 +49,7 @@ def test_a_moment_at_the_very_beginning_has_no_empty_part():
     assert all(clip.start_ms < clip.end_ms for clip in timing.clips)
 
 
-def test_the_film_has_every_frame_of_every_moment_and_memory_for_one_match(match, tmp_path):
+def test_the_video_has_every_frame_of_every_moment_and_memory_for_one_match(match, tmp_path):
     path = tmp_path / "m.replay"
     match.save(path)
     late = Highlight("finish", 2000, 2900, 4400, 0.5, "ann 3, bob 2 at the end", "One catch decides")
@@ -68,7 +68,7 @@ def test_the_film_has_every_frame_of_every_moment_and_memory_for_one_match(match
     assert (caption.max(axis=2) > 200).any()  # there are words
 
 
-def test_without_moments_there_is_no_film(tmp_path):
+def test_without_moments_there_is_no_video(tmp_path):
     with pytest.raises(ConfigError, match="one at least"):
         render_highlights([], tmp_path / "best.mp4")
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""Many matches in one film."""
+"""Many matches in one video."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def matches(play):
 
 
 @pytest.mark.parametrize("ending", [".mp4", ".gif"])
-def test_all_run_at_once_and_the_film_lasts_as_long_as_the_longest(matches, tmp_path, ending):
+def test_all_run_at_once_and_the_video_lasts_as_long_as_the_longest(matches, tmp_path, ending):
     seen = []
     report = render_mosaic(
         matches, tmp_path / f"grid{ending}", size=(480, 320), fps=10, progress=lambda *done: seen.append(done)

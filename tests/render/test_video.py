@@ -81,7 +81,7 @@ def test_a_webm_file_is_vp9_that_browsers_play(video):
         assert (context.colorspace, context.color_range) == (6, 1)
 
 
-def test_a_part_is_filmed_as_it_is_in_the_whole(match, frames, tmp_path):
+def test_a_part_is_rendered_as_it_is_in_the_whole(match, frames, tmp_path):
     """The trails, the score and the timeline of what came before are there."""
     whole = frames("broadcast")
     part = drawn(match, start_s=1.2, end_s=2.4, **SMALL)

@@ -1,7 +1,7 @@
 const CLOSE_UP_M = 1.1;
 const LASTS_MS = 900;
 
-/** Paints an instant of a film, as render/ does: `look` comes from its tables. */
+/** Paints an instant of a replay, as render/ does: `look` comes from its tables. */
 class Painter {
   constructor(look) {
     this.look = look;
@@ -15,31 +15,31 @@ class Painter {
   }
 
   /** The whole arena. Args: the seat of the hunter that is picked, or null; `calm`, whether nothing should pulse. */
-  paint(canvas, film, time, picked, calm) {
-    const margin = this.look.margin * film.side;
-    const view = { x: -margin, y: -margin, side: film.side + 2 * margin };
-    const scene = this.#scene(canvas, film, time, view, picked);
+  paint(canvas, replay, time, picked, calm) {
+    const margin = this.look.margin * replay.side;
+    const view = { x: -margin, y: -margin, side: replay.side + 2 * margin };
+    const scene = this.#scene(canvas, replay, time, view, picked);
     this.#ground(scene);
-    film.hunters.forEach((_, seat) => this.#trail(scene, seat));
+    replay.hunters.forEach((_, seat) => this.#trail(scene, seat));
     this.#targets(scene);
-    film.hunters.forEach((_, seat) => this.#hunter(scene, seat));
-    const recent = film.rulings.filter((ruling) => ruling.target && ruling.time < time && time - ruling.time < LASTS_MS);
+    replay.hunters.forEach((_, seat) => this.#hunter(scene, seat));
+    const recent = replay.rulings.filter((ruling) => ruling.target && ruling.time < time && time - ruling.time < LASTS_MS);
     for (const ruling of recent) this.#ruling(scene, ruling, calm);
-    film.hunters.forEach((hunter, seat) => this.#number(scene, seat, film.pose(hunter, time)));
+    replay.hunters.forEach((hunter, seat) => this.#number(scene, seat, replay.pose(hunter, time)));
   }
 
   /** A contest from near by: how far each claimant is from the target, and the circle in which it is within reach. */
-  closeUp(canvas, film, contest) {
-    const middle = film.pose(contest.place, contest.time);
+  closeUp(canvas, replay, contest) {
+    const middle = replay.pose(contest.place, contest.time);
     const view = { x: middle.x - CLOSE_UP_M / 2, y: middle.y - CLOSE_UP_M / 2, side: CLOSE_UP_M };
-    const scene = this.#scene(canvas, film, contest.time, view, null);
+    const scene = this.#scene(canvas, replay, contest.time, view, null);
     const { context, scale, dots, place, length } = scene;
     this.#ground(scene);
     this.#targets(scene);
     context.globalAlpha = 0.35;
     for (const seat of contest.parties) {
-      const { color } = film.hunters[seat];
-      this.#turtle(scene, film.pose(film.hunters[seat], contest.time), length, color, 1);
+      const { color } = replay.hunters[seat];
+      this.#turtle(scene, replay.pose(replay.hunters[seat], contest.time), length, color, 1);
     }
     context.globalAlpha = 1;
     const [x, y] = place(middle);
@@ -47,7 +47,7 @@ class Painter {
     context.strokeStyle = "#ffffff";
     context.setLineDash([4 * dots, 4 * dots]);
     context.beginPath();
-    context.arc(x, y, film.reach * scale, 0, 2 * Math.PI);
+    context.arc(x, y, replay.reach * scale, 0, 2 * Math.PI);
     context.stroke();
     context.setLineDash([]);
     context.fillStyle = "#ffffff";
@@ -57,7 +57,7 @@ class Painter {
     for (const seat of [...contest.parties].reverse()) this.#distance(scene, seat, [x, y]);
   }
 
-  #scene(canvas, film, time, view, picked) {
+  #scene(canvas, replay, time, view, picked) {
     const context = canvas.getContext("2d");
     const size = canvas.width;
     const scale = size / view.side;
@@ -65,22 +65,22 @@ class Painter {
     const place = ({ x, y }) => [(x - view.x) * scale, size - (y - view.y) * scale];
     const smallest = dots * Math.max(18, canvas.clientWidth / 26);
     const length = Math.max(this.look.hunterLength * scale, smallest);
-    return { context, film, time, size, scale, dots, place, length, picked };
+    return { context, replay, time, size, scale, dots, place, length, picked };
   }
 
   #targets(scene) {
-    const { film, time, length } = scene;
+    const { replay, time, length } = scene;
     const small = (length * this.look.targetLength) / this.look.hunterLength;
-    for (const target of film.alive(time)) {
-      this.#turtle(scene, film.pose(target, time), small, this.look.target, 0.6);
+    for (const target of replay.alive(time)) {
+      this.#turtle(scene, replay.pose(target, time), small, this.look.target, 0.6);
     }
   }
 
   /** A claimant's number at its place, and the way to the target. */
   #distance(scene, seat, target) {
-    const { context, film, time, dots, place } = scene;
-    const hunter = film.hunters[seat];
-    const [x, y] = place(film.pose(hunter, time));
+    const { context, replay, time, dots, place } = scene;
+    const hunter = replay.hunters[seat];
+    const [x, y] = place(replay.pose(hunter, time));
     for (const [color, width] of [[this.look.ink, 6], [hunter.color, 3]]) {
       context.strokeStyle = color;
       context.lineWidth = width * dots;
@@ -104,17 +104,17 @@ class Painter {
     context.fillText(seat, x, y + dots);
   }
 
-  #ground({ context, film, size, scale, dots, place }) {
+  #ground({ context, replay, size, scale, dots, place }) {
     context.fillStyle = this.look.outside;
     context.fillRect(0, 0, size, size);
     const [left, bottom] = place({ x: 0, y: 0 });
-    const side = film.side * scale;
+    const side = replay.side * scale;
     context.fillStyle = this.look.ground;
     context.fillRect(left, bottom - side, side, side);
     context.strokeStyle = this.look.grid;
     context.lineWidth = dots;
     context.beginPath();
-    for (let line = 1; line < film.side; line++) {
+    for (let line = 1; line < replay.side; line++) {
       context.moveTo(left + line * scale, bottom);
       context.lineTo(left + line * scale, bottom - side);
       context.moveTo(left, bottom - line * scale);
@@ -125,31 +125,31 @@ class Painter {
     context.strokeRect(left, bottom - side, side, side);
   }
 
-  #trail({ context, film, time, place, length, picked }, seat) {
-    const hunter = film.hunters[seat];
+  #trail({ context, replay, time, place, length, picked }, seat) {
+    const hunter = replay.hunters[seat];
     const span = 1800;
     context.strokeStyle = hunter.color;
     context.lineWidth = 0.1 * length;
     context.lineCap = "butt";
-    for (let from = Math.max(0, time - span); from < time; from += film.period) {
+    for (let from = Math.max(0, time - span); from < time; from += replay.period) {
       context.globalAlpha = (0.65 * (from + span - time)) / span / (picked === null || picked === seat ? 1 : 4);
       context.beginPath();
-      context.moveTo(...place(film.pose(hunter, from)));
-      context.lineTo(...place(film.pose(hunter, Math.min(from + film.period, time))));
+      context.moveTo(...place(replay.pose(hunter, from)));
+      context.lineTo(...place(replay.pose(hunter, Math.min(from + replay.period, time))));
       context.stroke();
     }
     context.globalAlpha = 1;
   }
 
   #hunter(scene, seat) {
-    const { context, film, time, scale, dots, place, length, picked } = scene;
-    const hunter = film.hunters[seat];
-    const pose = film.pose(hunter, time);
+    const { context, replay, time, scale, dots, place, length, picked } = scene;
+    const hunter = replay.hunters[seat];
+    const pose = replay.pose(hunter, time);
     const [x, y] = place(pose);
-    const gone = film.withdrawn(seat, time);
+    const gone = replay.withdrawn(seat, time);
     if (!gone) {
       context.beginPath();
-      context.arc(x, y, film.reach * scale, 0, 2 * Math.PI);
+      context.arc(x, y, replay.reach * scale, 0, 2 * Math.PI);
       context.fillStyle = mixed(hunter.color, "#ffffff", 0.55, 0.14);
       context.fill();
       context.lineWidth = (picked === seat ? 3 : 1.3) * dots;
@@ -162,9 +162,9 @@ class Painter {
     context.globalAlpha = 1;
   }
 
-  #heading({ context, film, scale, place, length }, hunter, pose) {
+  #heading({ context, replay, scale, place, length }, hunter, pose) {
     const [x, y] = place(pose);
-    const base = Math.max(film.reach * scale, 0.55 * length) + 1.5;
+    const base = Math.max(replay.reach * scale, 0.55 * length) + 1.5;
     const size = 0.16 * length;
     context.save();
     context.translate(x, y);
@@ -210,9 +210,9 @@ class Painter {
   }
 
   /** A catch is a ring about the target, a lost contest a dashed line to it. */
-  #ruling({ context, film, time, place, length }, { time: judged, seat, verdict, target }, calm) {
+  #ruling({ context, replay, time, place, length }, { time: judged, seat, verdict, target }, calm) {
     const part = (time - judged) / LASTS_MS;
-    const [x, y] = place(film.pose(target, judged));
+    const [x, y] = place(replay.pose(target, judged));
     context.globalAlpha = 1 - part;
     if (verdict === "GRANTED") {
       const eased = calm ? 0.5 : 1 - (1 - part) ** 3;
@@ -222,11 +222,11 @@ class Painter {
       context.arc(x, y, length * (0.3 + 0.75 * eased), 0, 2 * Math.PI);
       context.stroke();
     } else if (verdict === "LOST_CONTEST") {
-      context.strokeStyle = film.hunters[seat].color;
+      context.strokeStyle = replay.hunters[seat].color;
       context.lineWidth = 0.1 * length;
       context.setLineDash([0.2 * length, 0.14 * length]);
       context.beginPath();
-      context.moveTo(...place(film.pose(film.hunters[seat], time)));
+      context.moveTo(...place(replay.pose(replay.hunters[seat], time)));
       context.lineTo(x, y);
       context.stroke();
       context.setLineDash([]);
@@ -248,22 +248,22 @@ class Painter {
   }
 
   /** The catches of a match, a lane for each hunter, and its contests as diamonds above them. */
-  strip(canvas, film, picked) {
+  strip(canvas, replay, picked) {
     const context = canvas.getContext("2d");
     const { width, height } = canvas;
     const dots = width / canvas.clientWidth || 1;
-    const across = (time) => (time / film.duration) * width;
+    const across = (time) => (time / replay.duration) * width;
     const top = 12 * dots;
-    const lane = (height - top - 3 * dots) / film.hunters.length;
+    const lane = (height - top - 3 * dots) / replay.hunters.length;
     context.fillStyle = this.look.ground;
     context.fillRect(0, 0, width, height);
-    for (const { time, seat } of film.catches) {
+    for (const { time, seat } of replay.catches) {
       context.globalAlpha = picked === null || picked === seat ? 1 : 0.25;
-      context.fillStyle = film.hunters[seat].color;
+      context.fillStyle = replay.hunters[seat].color;
       context.fillRect(across(time) - 1.5 * dots, top + seat * lane, 3 * dots, Math.max(2 * dots, lane - 2 * dots));
     }
     context.globalAlpha = 1;
-    for (const contest of film.contests) {
+    for (const contest of replay.contests) {
       const [x, y, half] = [across(contest.time), 6 * dots, 4 * dots];
       const ours = picked === null || contest.parties.includes(picked);
       context.beginPath();

@@ -35,15 +35,15 @@ class CatchReplay extends HTMLElement {
     new ResizeObserver(() => this.#fit()).observe(this.arena);
   }
 
-  /** A film may come with the element, or later, or be changed for another. */
+  /** A replay may come with the element, or later, or be changed for another. */
   async attributeChangedCallback(_, before, text) {
     if (!text || before === text) return;
     this.pause();
-    this.film = null;
+    this.replay = null;
     try {
-      const film = await Film.of(text);
+      const replay = await Replay.of(text);
       if (this.getAttribute("film") !== text) return; // another one was asked for meanwhile
-      this.film = film;
+      this.replay = replay;
     } catch (error) {
       this.note.textContent = `This browser cannot show the replay: ${error.message}`;
       return;
@@ -56,8 +56,8 @@ class CatchReplay extends HTMLElement {
   }
 
   play() {
-    if (!this.film || this.playing) return;
-    if (this.time >= this.film.duration) this.time = 0;
+    if (!this.replay || this.playing) return;
+    if (this.time >= this.replay.duration) this.time = 0;
     this.playing = true;
     this.last = null;
     this.#button();
@@ -74,7 +74,7 @@ class CatchReplay extends HTMLElement {
 
   /** Show an instant. */
   seek(time) {
-    this.time = Math.min(Math.max(time, 0), this.film.duration);
+    this.time = Math.min(Math.max(time, 0), this.replay.duration);
     this.#draw();
     if (!this.playing) this.#tell();
   }
@@ -91,7 +91,7 @@ class CatchReplay extends HTMLElement {
 
   /** The next contest of the picked hunter, or the one before. */
   jump(direction) {
-    const contests = this.film.contestsOf(this.picked);
+    const contests = this.replay.contestsOf(this.picked);
     const found =
       direction > 0
         ? contests.find(({ time }) => time > this.time)
@@ -149,7 +149,7 @@ class CatchReplay extends HTMLElement {
 
   /** The hunters' list: each line picks one. */
   #cast() {
-    const { hunters, duration, title, seed, contests } = this.film;
+    const { hunters, duration, title, seed, contests } = this.replay;
     this.cast.replaceChildren(
       ...hunters.map(({ name, color }, seat) => {
         const score = make("span", { className: "score" });
@@ -165,7 +165,7 @@ class CatchReplay extends HTMLElement {
     );
     this.pick(null);
     this.scrub.max = duration;
-    this.scrub.step = this.film.period;
+    this.scrub.step = this.replay.period;
     this.before.disabled = this.next.disabled = !contests.length;
     this.shadowRoot.querySelector(".player").setAttribute("aria-label", `Replay: ${title || "match"}, seed ${seed}`);
     this.strip.style.height = `${Math.min(96, 16 + 9 * hunters.length)}px`;
@@ -184,9 +184,9 @@ class CatchReplay extends HTMLElement {
     if (!this.playing) return;
     const passed = this.last === null ? 0 : Math.min(now - this.last, 100); // a page in the background stands still
     this.last = now;
-    this.time = Math.min(this.time + passed * this.speed, this.film.duration);
+    this.time = Math.min(this.time + passed * this.speed, this.replay.duration);
     this.#draw();
-    if (this.time >= this.film.duration) this.pause();
+    if (this.time >= this.replay.duration) this.pause();
     else this.frame = requestAnimationFrame((later) => this.#advance(later));
   }
 
@@ -201,25 +201,25 @@ class CatchReplay extends HTMLElement {
   }
 
   #draw() {
-    if (!this.film || !this.arena.clientWidth) return;
-    const { film, time, picked } = this;
-    this.painter.paint(this.arena, film, time, picked, this.calm.matches);
-    this.painter.strip(this.strip, film, picked);
-    const scores = film.scores(time);
+    if (!this.replay || !this.arena.clientWidth) return;
+    const { replay, time, picked } = this;
+    this.painter.paint(this.arena, replay, time, picked, this.calm.matches);
+    this.painter.strip(this.strip, replay, picked);
+    const scores = replay.scores(time);
     [...this.cast.querySelectorAll(".score")].forEach((node, seat) => (node.textContent = scores[seat]));
-    this.clock.textContent = `${seconds(time)} of ${seconds(film.duration, 0)}`;
+    this.clock.textContent = `${seconds(time)} of ${seconds(replay.duration, 0)}`;
     this.scrub.value = time;
-    this.scrub.setAttribute("aria-valuetext", `${seconds(time)} of ${seconds(film.duration, 0)}`);
+    this.scrub.setAttribute("aria-valuetext", `${seconds(time)} of ${seconds(replay.duration, 0)}`);
     this.#explain();
   }
 
   /** The latest contest: who was how far away, what decided, who won. */
   #explain() {
-    const { film, time, picked } = this;
-    const contests = film.contestsOf(picked);
+    const { replay, time, picked } = this;
+    const contests = replay.contestsOf(picked);
     const contest = contests.findLast((one) => one.time <= time);
     this.contest.hidden = !contest;
-    const who = picked === null ? "" : ` of ${film.hunters[picked].name}`;
+    const who = picked === null ? "" : ` of ${replay.hunters[picked].name}`;
     if (!contests.length) this.note.textContent = `No contest${who}: in no step could two catch the same target.`;
     else if (contest) this.note.textContent = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${who}, step ${contest.state + 1} (${contest.clause})`;
     else this.note.textContent = `${contests.length} ${contests.length === 1 ? "contest" : "contests"}${who}, the first at ${seconds(contests[0].time)}`;
@@ -229,13 +229,13 @@ class CatchReplay extends HTMLElement {
     this.claims.replaceChildren(...contest.claims.map((claim) => this.#claim(claim)));
     this.closeUp.setAttribute("aria-label", `Close-up of ${contest.target} in step ${contest.state + 1}`);
     this.closeUp.width = this.closeUp.height = Math.round(this.closeUp.clientWidth * (window.devicePixelRatio || 1));
-    this.painter.closeUp(this.closeUp, film, contest);
+    this.painter.closeUp(this.closeUp, replay, contest);
   }
 
   #claim([seat, verdict, distance]) {
-    const { name, color } = this.film.hunters[seat];
+    const { name, color } = this.replay.hunters[seat];
     const bar = make("span", { className: "bar" });
-    bar.style.width = `${Math.min(100, (100 * (distance ?? 0)) / (1e6 * this.film.reach))}%`;
+    bar.style.width = `${Math.min(100, (100 * (distance ?? 0)) / (1e6 * this.replay.reach))}%`;
     bar.style.background = color;
     return make(
       "li",
@@ -254,20 +254,20 @@ class CatchReplay extends HTMLElement {
 
   /** For those who cannot see the arena. */
   #tell() {
-    if (!this.film) return;
-    const scores = this.film.scores(this.time);
-    const told = this.film.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ");
+    if (!this.replay) return;
+    const scores = this.replay.scores(this.time);
+    const told = this.replay.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ");
     this.arena.setAttribute("aria-label", `The arena at ${seconds(this.time)}. Catches: ${told}.`);
   }
 
   #key(event) {
     const inside = event.composedPath()[0];
-    if (!this.film || event.ctrlKey || event.metaKey || event.altKey || inside.tagName === "SELECT") return;
+    if (!this.replay || event.ctrlKey || event.metaKey || event.altKey || inside.tagName === "SELECT") return;
     if (inside.tagName !== "CANVAS" && inside !== this.scrub && ["Enter", " "].includes(event.key)) return; // a button's own
-    const stride = event.shiftKey ? this.film.period : 1000;
+    const stride = event.shiftKey ? this.replay.period : 1000;
     const change = (way) => SPEEDS[Math.min(Math.max(SPEEDS.indexOf(this.speed) + way, 0), SPEEDS.length - 1)];
     const pace = (way) => (this.pace.value = this.speed = change(way));
-    const seats = this.film.hunters.length;
+    const seats = this.replay.hunters.length;
     const following = this.picked === null ? 0 : this.picked + 1 < seats ? this.picked + 1 : null;
     const actions = {
       " ": () => this.#toggle(),
@@ -281,7 +281,7 @@ class CatchReplay extends HTMLElement {
       "=": () => pace(1),
       "-": () => pace(-1),
       home: () => this.seek(0),
-      end: () => this.seek(this.film.duration),
+      end: () => this.seek(this.replay.duration),
     };
     const seat = /^\d$/.test(event.key) ? Number(event.key) : NaN;
     const action = seat < seats ? () => this.pick(seat) : actions[event.key.toLowerCase()];

@@ -22,7 +22,7 @@ from catch_arena.tournament.statistics.standings import Standing, standings
 
 
 @dataclass(frozen=True)
-class Findings:
+class ReportData:
     """A tournament, ended or under way."""
 
     folder: Path
@@ -34,7 +34,7 @@ class Findings:
     """Each set of versions that played."""
 
     @classmethod
-    def of(cls, folder: Path) -> "Findings":
+    def of(cls, folder: Path) -> "ReportData":
         """Those in a folder. Raises: StoreError where it holds no tournament, or none that has been played."""
         played, versions = [], {}
         with Store.read(folder) as store:
@@ -48,7 +48,7 @@ class Findings:
 
     @cached_property
     def names(self) -> list[str]:
-        """The entrants' names, by place."""
+        """The entrants' names, as matches number them."""
         return [entrant.name for entrant in self.tournament.entrants]
 
     @cached_property

@@ -1,6 +1,6 @@
-"""A recorded match as a page shows it: where everybody was at every step, and what the arbiter answered.
+"""Replay bundles: a match as a page plays it, where everybody was at every step and what the arbiter answered.
 
-A film is gzip of one line of JSON and the tracks. The tracks are 16-bit numbers, each body's x, y and theta one after
+A bundle is gzip of one line of JSON and the tracks. The tracks are 16-bit numbers, each body's x, y and theta one after
 the other, in states from its first to its last: differences, the sign in the lowest bit, first all low bytes, then all
 high ones. Nothing has to be simulated to play it.
 """
@@ -31,9 +31,9 @@ TURN: Final = 1 << 10
 Poses = list[tuple[float, float, float]]
 
 
-def film_text(replay: Replay) -> str:
-    """A replay's film, in base64. Raises: ReplayError where the match does not play as recorded."""
-    return packed_text(film(replay))
+def bundle_text(replay: Replay) -> str:
+    """A replay's bundle, in base64. Raises: ReplayError where the match does not play as recorded."""
+    return packed_text(encode_bundle(replay))
 
 
 def packed_text(content: bytes) -> str:
@@ -41,8 +41,8 @@ def packed_text(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, mtime=0)).decode()
 
 
-def film(replay: Replay) -> bytes:
-    """A replay's film before it is packed. Raises: ReplayError."""
+def encode_bundle(replay: Replay) -> bytes:
+    """A replay's bundle before it is packed. Raises: ReplayError."""
     info = MatchInfo.of(replay.config, labels(replay.names))
     hunters: list[Poses] = [[] for _ in info.names]
     targets: dict[int, tuple[int, Poses]] = {}

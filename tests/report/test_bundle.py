@@ -1,4 +1,4 @@
-"""A film holds what the replay holds, read back by a second implementation."""
+"""A bundle holds what the replay holds, read back by a second implementation."""
 
 import base64
 import gzip
@@ -10,8 +10,8 @@ import pytest
 
 import catch_arena
 from catch_arena.explanation import explain
-from catch_arena.player import film_text
-from catch_arena.player.film import GRID, TURN, film
+from catch_arena.player import bundle_text
+from catch_arena.player.bundle import GRID, TURN, encode_bundle
 from catch_arena.render.viewport import MatchInfo
 
 
@@ -33,7 +33,7 @@ def replay():
 @pytest.fixture(scope="module")
 def content(replay):
     """(facts, each body's x, y and theta)."""
-    head, tracks = film(replay).split(b"\n", 1)
+    head, tracks = encode_bundle(replay).split(b"\n", 1)
     facts = json.loads(head)
     half = len(tracks) // 2
     words = [tracks[place] + 256 * tracks[half + place] for place in range(half)]
@@ -93,14 +93,14 @@ def test_hunters_have_the_colours_and_the_names_of_the_videos(replay, content):
     assert facts["withdrawals"] == [[30, 3]]
 
 
-def test_the_text_unpacks_to_the_film_and_is_the_same_every_time(replay):
-    assert gzip.decompress(base64.b64decode(film_text(replay))) == film(replay)
-    assert film_text(replay) == film_text(replay)
+def test_the_text_unpacks_to_the_bundle_and_is_the_same_every_time(replay):
+    assert gzip.decompress(base64.b64decode(bundle_text(replay))) == encode_bundle(replay)
+    assert bundle_text(replay) == bundle_text(replay)
 
 
-def test_a_match_before_its_first_step_is_a_film_too():
+def test_a_match_before_its_first_step_is_a_bundle_too():
     env = catch_arena.parallel_env("standard")
     env.record()
     env.reset(seed=1)
-    facts = json.loads(film(env.replay()).split(b"\n", 1)[0])
+    facts = json.loads(encode_bundle(env.replay()).split(b"\n", 1)[0])
     assert (facts["steps"], facts["rulings"], len(facts["targets"])) == (0, [], 8)

@@ -8,18 +8,18 @@ async function unpacked(text) {
 }
 
 /** One match: who was where in every state, and what the arbiter answered. Times are in milliseconds. */
-class Film {
+class Replay {
   static async of(text) {
     const bytes = await unpacked(text);
     const end = bytes.indexOf(10);
     const facts = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));
-    return new Film(facts, bytes.subarray(end + 1));
+    return new Replay(facts, bytes.subarray(end + 1));
   }
 
   constructor(facts, tracks) {
     Object.assign(this, facts);
     this.duration = this.steps * this.period;
-    const numbers = Film.numbers(tracks);
+    const numbers = Replay.numbers(tracks);
     let at = 0;
     const body = (first, length) => {
       const metres = this.side / this.grid;
