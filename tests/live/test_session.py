@@ -4,7 +4,7 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.live import show as live
+from catch_arena.live import match_window
 from catch_arena.render.libraries import pygame
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
@@ -136,9 +136,9 @@ def test_speed_is_the_pace_of_the_window_and_changes_no_match(session, tmp_path)
 def test_the_window_may_be_resized_and_the_keys_shown(session, monkeypatch):
     sizes = iter([(320, 320)] * 20)
     drawn = []
-    monkeypatch.setattr(live.Screen, "size", property(lambda _: next(sizes, (500, 400))))
-    monkeypatch.setattr(live, "_SETTLED_S", 0.0)
-    monkeypatch.setattr(live.Screen, "show", lambda _, pixels: drawn.append(pixels.shape[:2]))
+    monkeypatch.setattr(match_window.Screen, "size", property(lambda _: next(sizes, (500, 400))))
+    monkeypatch.setattr(match_window, "_SETTLED_S", 0.0)
+    monkeypatch.setattr(match_window.Screen, "show", lambda _, pixels: drawn.append(pixels.shape[:2]))
     result = session(["watch", "nearest"], *nothing(10), pygame.K_h, *nothing(30), pygame.K_h, *nothing(9))
     assert result.exit_code == 0, result.output
     assert drawn[0] == (320, 320)

@@ -13,65 +13,65 @@ _RIGHT: Final = {pygame.K_RIGHT, pygame.K_d, pygame.K_KP6}
 _TURNS: Final = (0.45, 0.75, 1.0)
 """Of the turn rate, in the first steps that a key is held: a tap corrects a little, and who holds it turns sharply."""
 _DEAD_ZONE: Final = 0.15
-"""Of a stick's way: so much is no wish."""
+"""Of a stick's way: so much is no command."""
 _GO_BUTTON: Final = 0
 _PAUSE_BUTTONS: Final = (7, 9)
 """Start, on the usual pads."""
 
 
-class Wish(Enum):
+class UserCommand(Enum):
     """What the window is to do."""
 
     PAUSE = auto()
     STEP = auto()
-    AGAIN = auto()
+    RESTART = auto()
     SAVE = auto()
-    END = auto()
+    QUIT = auto()
     HELP = auto()
     FASTER = auto()
     SLOWER = auto()
 
 
-_TYPED: Final = {"+": Wish.FASTER, "-": Wish.SLOWER, ".": Wish.STEP}
+_TYPED: Final = {"+": UserCommand.FASTER, "-": UserCommand.SLOWER, ".": UserCommand.STEP}
 """Where these lie depends on the keyboard."""
-_WISHES: Final = {
-    pygame.K_SPACE: Wish.PAUSE,
-    pygame.K_p: Wish.PAUSE,
-    pygame.K_r: Wish.AGAIN,
-    pygame.K_ESCAPE: Wish.END,
-    pygame.K_h: Wish.HELP,
-    pygame.K_F1: Wish.HELP,
-    pygame.K_PLUS: Wish.FASTER,
-    pygame.K_EQUALS: Wish.FASTER,
-    pygame.K_KP_PLUS: Wish.FASTER,
-    pygame.K_MINUS: Wish.SLOWER,
-    pygame.K_KP_MINUS: Wish.SLOWER,
-    pygame.K_n: Wish.STEP,
-    pygame.K_PERIOD: Wish.STEP,
+_COMMANDS: Final = {
+    pygame.K_SPACE: UserCommand.PAUSE,
+    pygame.K_p: UserCommand.PAUSE,
+    pygame.K_r: UserCommand.RESTART,
+    pygame.K_ESCAPE: UserCommand.QUIT,
+    pygame.K_h: UserCommand.HELP,
+    pygame.K_F1: UserCommand.HELP,
+    pygame.K_PLUS: UserCommand.FASTER,
+    pygame.K_EQUALS: UserCommand.FASTER,
+    pygame.K_KP_PLUS: UserCommand.FASTER,
+    pygame.K_MINUS: UserCommand.SLOWER,
+    pygame.K_KP_MINUS: UserCommand.SLOWER,
+    pygame.K_n: UserCommand.STEP,
+    pygame.K_PERIOD: UserCommand.STEP,
 }
 """None of them drives, and Q asks for nothing: it lies between W and A, where a slip must not end a match."""
 
 
-def wish_of(event: Any) -> Wish | None:
+def user_command(event: Any) -> UserCommand | None:
     """What an event asks of the window, if it asks anything of it."""
     if event.type == pygame.QUIT:
-        return Wish.END
+        return UserCommand.QUIT
     if event.type == pygame.JOYBUTTONDOWN:
-        return Wish.PAUSE if event.button in _PAUSE_BUTTONS else None
+        return UserCommand.PAUSE if event.button in _PAUSE_BUTTONS else None
     if event.type != pygame.KEYDOWN:
         return None
     if event.mod & pygame.KMOD_CTRL:
-        return Wish.SAVE if event.key == pygame.K_s else None
-    return _TYPED.get(getattr(event, "unicode", "")) or _WISHES.get(event.key)
+        return UserCommand.SAVE if event.key == pygame.K_s else None
+    return _TYPED.get(getattr(event, "unicode", "")) or _COMMANDS.get(event.key)
 
 
-class Hands:
+class InputState:
     """What a person holds: keys and a gamepad's stick, as a velocity command."""
 
     def __init__(self) -> None:
-        self.drop()
+        self.release_all()
 
-    def drop(self) -> None:
+    def release_all(self) -> None:
         """Nothing is held."""
         self._held: set[int] = set()
         self._tapped: set[int] = set()
@@ -81,7 +81,7 @@ class Hands:
         self._turned = 0
         self._steps = 0
 
-    def take(self, event: Any) -> None:
+    def handle(self, event: Any) -> None:
         """One event; those that do not drive are left alone."""
         if event.type == pygame.KEYDOWN and not event.mod & pygame.KMOD_CTRL:
             self._held.add(event.key)
@@ -95,9 +95,9 @@ class Hands:
         elif event.type in {pygame.JOYBUTTONDOWN, pygame.JOYBUTTONUP} and event.button == _GO_BUTTON:
             self._go = event.type == pygame.JOYBUTTONDOWN
         elif event.type in {pygame.WINDOWFOCUSLOST, pygame.JOYDEVICEREMOVED}:
-            self.drop()
+            self.release_all()
 
-    def command(self) -> tuple[float, float]:
+    def velocity_command(self) -> tuple[float, float]:
         """The next step's command, linear and angular in [-1, 1]; a key that was only tapped counts for one step."""
         down = self._held | self._tapped
         self._tapped = set()

@@ -31,7 +31,7 @@ _ARROWS: Final = {"↑": (0, -1), "↓": (0, 1), "←": (-1, 0), "→": (1, 0)}
 Rows = Sequence[tuple[tuple[str, ...], str]]
 
 
-def keys_card(area: tuple[int, int], title: str, rows: Rows, below: str) -> list[Shape]:
+def keys_overlay(area: tuple[int, int], title: str, rows: Rows, below: str) -> list[Shape]:
     """A table of keys in the middle of an area of (width, height)."""
     width, height = area
     unit = min(width / 560.0, height / 560.0)
@@ -60,7 +60,7 @@ def keys_card(area: tuple[int, int], title: str, rows: Rows, below: str) -> list
     return shapes
 
 
-def result_card(
+def result_overlay(
     area: tuple[int, int], info: MatchInfo, ranking: Sequence[tuple[int, hud.HunterScore]], below: str
 ) -> list[Shape]:
     """The final standings, by rank, as many as there is room for."""
@@ -93,7 +93,7 @@ def result_card(
     return shapes
 
 
-def note(area: tuple[int, int], text: str) -> list[Shape]:
+def note_overlay(area: tuple[int, int], text: str) -> list[Shape]:
     """A line at the bottom of an area."""
     width, height = area
     size = hud.fitting(0.03 * min(width, height), 11)
@@ -105,7 +105,7 @@ def note(area: tuple[int, int], text: str) -> list[Shape]:
     ]
 
 
-def pointer(viewport: Viewport, place: tuple[float, float], color: Color) -> list[Shape]:
+def seat_pointer(viewport: Viewport, place: tuple[float, float], color: Color) -> list[Shape]:
     """Which hunter is the person's: a word and an arrow over its place [m]."""
     x, y = viewport.to_pixels(*place)
     length = viewport.hunter_length

@@ -6,8 +6,8 @@ from typing import Any, Final
 
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import OutputError
-from catch_arena.live import cards
-from catch_arena.live.keys import Hands, Wish, wish_of
+from catch_arena.live import overlays
+from catch_arena.live.user_input import InputState, UserCommand, user_command
 from catch_arena.render import hud
 from catch_arena.render.libraries import pygame
 from catch_arena.render.motion import StepMotion, step_motion
@@ -30,21 +30,21 @@ _SETTLED_S: Final = 0.2
 """A window that has kept its size for so long is drawn anew in it."""
 
 
-class Ended(Exception):  # noqa: N818 - no error: a person's wish
+class QuitRequested(Exception):  # noqa: N818 - no error: what a person asked for
     """The window's user wants no more."""
 
 
-class Again(Exception):  # noqa: N818
+class RestartRequested(Exception):  # noqa: N818
     """The window's user wants the match from its beginning."""
 
 
-class Show:
+class MatchWindow:
     """A match on the screen, at its own pace: give it to `tournament.match.play` as `watch`.
 
     Between two steps it draws the way from the one to the other, and meanwhile the person steers the next. Its calls
-    raise Ended and Again.
+    raise QuitRequested and RestartRequested.
 
-    Args: `info`; `seed`, which is shown; `size` of the window; `hands`, which take the keys of the person in `seat`;
+    Args: `info`; `seed`, which is shown; `size` of the window; `inputs`, which take the keys of the person in `seat`;
     `save`, called with the replay so far, says where it is.
     """
 
@@ -54,15 +54,15 @@ class Show:
         seed: int,
         size: tuple[int, int],
         *,
-        hands: Hands | None = None,
+        inputs: InputState | None = None,
         seat: int | None = None,
         save: Callable[[Replay], str] | None = None,
     ) -> None:
         self._info, self._seed = info, seed
-        self._hands, self._seat, self._save = hands, seat, save
+        self._inputs, self._seat, self._save = inputs, seat, save
         self._screen = Screen(f"Catch Arena: {info.title}", size, interactive=True)
         pygame.joystick.init()
-        self._pads = [pygame.joystick.Joystick(place) for place in range(pygame.joystick.get_count())]
+        self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
         self._clock = pygame.time.Clock()
         self._renderer = self._new_renderer(size)
         self._last: World
@@ -70,10 +70,10 @@ class Show:
         self._resized_s: float | None = None
         self._resizing = size
         self._paused = self._helping = False
-        self._helped = hands is None
+        self._helped = inputs is None
         self._speed = SPEEDS.index(1.0)
         self._note, self._note_until_s = "", 0.0
-        self._tell("H shows the keys")
+        self._notify("H shows the keys")
 
     @property
     def replay(self) -> Replay:
@@ -121,7 +121,7 @@ class Show:
         self._steps = 0
         self._paused = self._helping = False
         while not self._helped:
-            self._draw(motion, 0.0, self._keys("any key begins"))
+            self._draw(motion, 0.0, self._keys_overlay("any key begins"))
             for event in self._events():
                 if event.type in {pygame.KEYDOWN, pygame.JOYBUTTONDOWN} and not getattr(event, "mod", 0):
                     self._helped = True
@@ -132,13 +132,13 @@ class Show:
         time_ms = motion.before.time_ms + self._ahead_ms
         end_ms = motion.after.time_ms
         while time_ms < end_ms:
-            self._draw(motion, time_ms, self._written(motion, time_ms))
+            self._draw(motion, time_ms, self._overlays(motion, time_ms))
             self._events()
             time_ms += min(_LONGEST_FRAME_MS, self._clock.tick(_FPS)) * SPEEDS[self._speed]
         self._ahead_ms = time_ms - end_ms
         self._steps = max(0, self._steps - 1)
         while self._paused and not self._steps:
-            self._draw(motion, end_ms, self._written(motion, end_ms))
+            self._draw(motion, end_ms, self._overlays(motion, end_ms))
             self._events()
             self._clock.tick(_FPS)
             self._ahead_ms = 0.0
@@ -152,8 +152,8 @@ class Show:
         table.sort(key=lambda line: (line[0], line[1].seat))
         motion = self._motions[-1]
         while True:
-            card = cards.result_card(self._area, self._info, table, "R: again    Ctrl-S: save    Esc: end")
-            self._draw(motion, world.time_ms, [*card, *self._note_shapes()])
+            result = overlays.result_overlay(self._area, self._info, table, "R: again    Ctrl-S: save    Esc: end")
+            self._draw(motion, world.time_ms, [*result, *self._note_shapes()])
             self._events()
             self._clock.tick(_FPS)
 
@@ -161,66 +161,66 @@ class Show:
         """What has come since the last look, after each has had its effect."""
         events = list(pygame.event.get())
         for event in events:
-            if self._hands is not None:
-                self._hands.take(event)
+            if self._inputs is not None:
+                self._inputs.handle(event)
             if event.type == pygame.JOYDEVICEADDED:
                 self._pads.append(pygame.joystick.Joystick(event.device_index))
-            wish = wish_of(event)
-            if wish is not None:
-                self._fulfil(wish)
+            command = user_command(event)
+            if command is not None:
+                self._execute(command)
         self._fit()
         return events
 
-    def _fulfil(self, wish: Wish) -> None:
-        if wish is Wish.END:
-            raise Ended
-        if wish is Wish.AGAIN:
-            raise Again
-        if wish is Wish.PAUSE:
+    def _execute(self, command: UserCommand) -> None:
+        if command is UserCommand.QUIT:
+            raise QuitRequested
+        if command is UserCommand.RESTART:
+            raise RestartRequested
+        if command is UserCommand.PAUSE:
             self._paused, self._helping = not self._paused, False
-        elif wish is Wish.STEP:
+        elif command is UserCommand.STEP:
             self._steps += self._paused
-        elif wish is Wish.HELP:
+        elif command is UserCommand.HELP:
             self._paused = self._helping = not self._helping
-        elif wish is Wish.SAVE:
-            self._keep()
+        elif command is UserCommand.SAVE:
+            self._save_replay()
         else:
-            faster = 1 if wish is Wish.FASTER else -1
+            faster = 1 if command is UserCommand.FASTER else -1
             self._speed = min(max(0, self._speed + faster), len(SPEEDS) - 1)
-            self._tell(f"speed {SPEEDS[self._speed]:g}")
+            self._notify(f"speed {SPEEDS[self._speed]:g}")
 
-    def _keep(self) -> None:
+    def _save_replay(self) -> None:
         if self._save is None:
             return
         try:
-            self._tell(f"saved: {self._save(self.replay)}")
+            self._notify(f"saved: {self._save(self.replay)}")
         except OutputError as error:
-            self._tell(str(error))
+            self._notify(str(error))
 
     def _draw(self, motion: StepMotion, time_ms: float, over: list[Shape]) -> None:
         self._renderer.draw(time_ms, motion.at(time_ms))
         self._renderer.draw_over(over)
         self._screen.show(self._renderer.pixels)
 
-    def _written(self, motion: StepMotion, time_ms: float) -> list[Shape]:
+    def _overlays(self, motion: StepMotion, time_ms: float) -> list[Shape]:
         shapes: list[Shape] = []
         if self._seat is not None and (time_ms < _POINTED_MS or self._paused):
             viewport = Viewport(*self._area, self._info.config.side_m)
-            shapes += cards.pointer(viewport, motion.at(time_ms)[self._seat][:2], self._info.color(self._seat))
+            shapes += overlays.seat_pointer(viewport, motion.at(time_ms)[self._seat][:2], self._info.color(self._seat))
         if self._helping:
-            return shapes + self._keys("H goes on")
+            return shapes + self._keys_overlay("H goes on")
         if self._paused:
-            return shapes + cards.note(self._area, "paused    space: go on    N: one step    H: keys")
+            return shapes + overlays.note_overlay(self._area, "paused    space: go on    N: one step    H: keys")
         return shapes + self._note_shapes()
 
-    def _keys(self, below: str) -> list[Shape]:
-        rows = cards.WINDOW if self._hands is None else (*cards.DRIVING, *cards.WINDOW)
-        return cards.keys_card(self._area, "Keys", rows, below)
+    def _keys_overlay(self, below: str) -> list[Shape]:
+        rows = overlays.WINDOW if self._inputs is None else (*overlays.DRIVING, *overlays.WINDOW)
+        return overlays.keys_overlay(self._area, "Keys", rows, below)
 
     def _note_shapes(self) -> list[Shape]:
-        return cards.note(self._area, self._note) if time.monotonic() < self._note_until_s else []
+        return overlays.note_overlay(self._area, self._note) if time.monotonic() < self._note_until_s else []
 
-    def _tell(self, text: str) -> None:
+    def _notify(self, text: str) -> None:
         self._note, self._note_until_s = text, time.monotonic() + _NOTE_S
 
     @property
