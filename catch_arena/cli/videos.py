@@ -75,7 +75,7 @@ def render(
             speed=speed,
             progress=show,
         )
-    _tell(report)
+    _print_report(report)
 
 
 @main.command()
@@ -101,7 +101,7 @@ def mosaic(
     from catch_arena.replay import Replay
     from catch_arena.tournament.display.tables import progress_bar
 
-    within = None if size is None else width_and_height(size)
+    frame_size = None if size is None else width_and_height(size)
     format_of(output)
     paths = _replays_in(folder)
     found: dict[str, Replay] = {}
@@ -111,13 +111,13 @@ def mosaic(
         try:
             found[path.stem] = Replay.load(path)
         except ReplayError as error:
-            _tell_skipped(error)
+            _print_skipped(error)
     _require_some(folder, len(found), len(paths))
     output_file(output_path(output), force=force)
     with progress_bar("rendering") as show:
-        report = render_mosaic(found, output, size=within, fps=fps, speed=speed, progress=show)
+        report = render_mosaic(found, output, size=frame_size, fps=fps, speed=speed, progress=show)
     typer.echo(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
-    _tell(report)
+    _print_report(report)
 
 
 @main.command()
@@ -143,26 +143,26 @@ def highlights(
     from catch_arena.render.hud import clock
     from catch_arena.tournament.display.tables import progress_bar
 
-    within = None if size is None else width_and_height(size)
+    frame_size = None if size is None else width_and_height(size)
     format_of(output)
     if not listing:
         output_file(output_path(output), force=force)
     found = _highlights_in(folder)
-    chosen = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
-    if not chosen:
+    selected = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
+    if not selected:
         raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
-    for path, highlight in chosen:
+    for path, highlight in selected:
         typer.echo(
             f"{Path(path).name}  {clock(highlight.decisive_ms)} s  {highlight.kind}: {highlight.what}. {highlight.why}"
         )
-    if fewer := _fewer(len(chosen), count, "there are no more that do not overlap"):
-        typer.echo(f"moments: {len(chosen)}{fewer}", err=True)
+    if fewer := _fewer(len(selected), count, "there are no more that do not overlap"):
+        typer.echo(f"moments: {len(selected)}{fewer}", err=True)
     if listing:
         return
     with progress_bar("rendering") as show:
-        recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in chosen]
-        report = render_highlights(recorded, output, size=within, fps=fps, progress=show)
-    _tell(report)
+        recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
+        report = render_highlights(recorded, output, size=frame_size, fps=fps, progress=show)
+    _print_report(report)
 
 
 @main.command()
@@ -192,19 +192,21 @@ def sheet(
 
     if output.suffix.lower() != ".png":
         raise ConfigError(f"output must end in .png, got {str(output)!r}")
-    within = None if size is None else width_and_height(size)
+    frame_size = None if size is None else width_and_height(size)
     recorded = Replay.load(replay)
     output_file(output, force=force)
     with progress_bar("looking", after_s=_BAR_AFTER_S) as show:
         if pick == "even":
             instants = even_instants(recorded, count)
         else:
-            chosen = select_highlights({"": find_highlights(extract_events(recorded, show))}, count, clash=same_picture)
-            instants = instants_of([highlight for _, highlight in chosen])
+            selected = select_highlights(
+                {"": find_highlights(extract_events(recorded, show))}, count, clash=same_picture
+            )
+            instants = instants_of([highlight for _, highlight in selected])
     if not instants:
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
     with progress_bar("drawing") as show:
-        picture = contact_sheet(recorded, instants, size=within, progress=show)
+        picture = contact_sheet(recorded, instants, size=frame_size, progress=show)
     write_whole(output, picture)
     pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
     typer.echo(f"sheet: {output} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
@@ -227,7 +229,7 @@ def _highlights_in(folder: Path) -> "Mapping[Path, Sequence[Highlight]]":
             try:
                 matches[path] = _events_of(path)
             except ReplayError as error:
-                _tell_skipped(error)
+                _print_skipped(error)
             show(done, len(paths))
     _require_some(folder, len(matches), len(paths))
     known = win_records(matches.values())
@@ -260,11 +262,11 @@ def _require_some(folder: Path, good: int, paths: int) -> None:
         raise ReplayError(f"{folder}: none of {paths} replays can be played")
 
 
-def _tell_skipped(error: ReplayError) -> None:
+def _print_skipped(error: ReplayError) -> None:
     typer.echo(f"left out: {error}", err=True)
 
 
-def _tell(report: "RenderReport") -> None:
+def _print_report(report: "RenderReport") -> None:
     """Where the video is."""
     if report.notice:
         typer.echo(report.notice, err=True)

@@ -105,9 +105,9 @@ def note_overlay(area: tuple[int, int], text: str) -> list[Shape]:
     ]
 
 
-def seat_pointer(viewport: Viewport, place: tuple[float, float], color: Color) -> list[Shape]:
+def seat_pointer(viewport: Viewport, position: tuple[float, float], color: Color) -> list[Shape]:
     """Which hunter is the person's: a word and an arrow over its place [m]."""
-    x, y = viewport.to_pixels(*place)
+    x, y = viewport.to_pixels(*position)
     length = viewport.hunter_length
     side = 1.0 if y < viewport.height - 2.2 * length else -1.0
     tip, base = y + side * 0.85 * length, y + side * 1.25 * length

@@ -79,10 +79,10 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
     annotations = []
     for ruling in after.rulings:
         hunter = before.hunters[ruling.hunter]
-        place = targets.get(str(ruling.target))
-        x, y = place or (hunter.x, hunter.y)
+        position = targets.get(str(ruling.target))
+        x, y = position or (hunter.x, hunter.y)
         if ruling.verdict is Verdict.GRANTED:
-            rivals = () if place is None else _rivals(before, after.rulings, ruling, place)
+            rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
             annotation = Annotation("catch", before.time_ms, ruling.hunter, x, y, "+1", rivals, ruling.distance_um)
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]
@@ -95,7 +95,7 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
     return tuple(annotations)
 
 
-def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, place: tuple[float, float]) -> tuple[Rival, ...]:
+def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, position: tuple[float, float]) -> tuple[Rival, ...]:
     lost = {
         ruling.hunter: ruling.distance_um or 0
         for ruling in rulings
@@ -103,7 +103,7 @@ def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, place: tuple[
     }
     rivals = [Rival(seat, distance, asked=True) for seat, distance in lost.items()]
     for seat, hunter in enumerate(before.hunters):
-        distance = round(1e6 * float(np.hypot(hunter.x - place[0], hunter.y - place[1])))
+        distance = round(1e6 * float(np.hypot(hunter.x - position[0], hunter.y - position[1])))
         if seat != won.hunter and seat not in lost and distance < NEAR_UM and not hunter.withdrawn:
             rivals.append(Rival(seat, distance, asked=False))
     return tuple(sorted(rivals, key=lambda rival: (not rival.asked, rival.distance_um, rival.seat)))
@@ -146,7 +146,9 @@ def annotation_shapes(
             )
     size = max(10, round(0.34 * viewport.hunter_length))
     numbers = spread_apart([viewport.to_pixels(x, y) for x, y, _ in poses], (1.1 if len(poses) <= 10 else 1.55) * size)
-    shapes += [Label(*place, str(seat), size, WHITE, 800, "center", outline=INK) for seat, place in enumerate(numbers)]
+    shapes += [
+        Label(*position, str(seat), size, WHITE, 800, "center", outline=INK) for seat, position in enumerate(numbers)
+    ]
     return shapes + _text_shapes(viewport, info, poses, annotations, time_ms, numbers, size)
 
 
@@ -176,13 +178,13 @@ _FURTHEST: Final = 2.0
 """From where it belongs [rooms]."""
 
 
-def spread_apart(places: Sequence[tuple[float, float]], room: float) -> list[tuple[float, float]]:
+def spread_apart(positions: Sequence[tuple[float, float]], room: float) -> list[tuple[float, float]]:
     """The points, those that are nearer to each other than `room` moved apart; as they move, so do the results.
 
     Some rounds: in a dense crowd a few stay a little too near, and nobody goes further than two rooms.
     """
-    around = 2.4 * np.arange(len(places))  # so that those in one very place part too
-    moved = np.array(places) + 1e-3 * np.stack([np.cos(around), np.sin(around)], axis=1)
+    around = 2.4 * np.arange(len(positions))  # so that those in one very place part too
+    moved = np.array(positions) + 1e-3 * np.stack([np.cos(around), np.sin(around)], axis=1)
     for _ in range(_ROUNDS):
         ways = moved[:, None] - moved[None]
         distances = np.hypot(ways[..., 0], ways[..., 1])
@@ -191,9 +193,9 @@ def spread_apart(places: Sequence[tuple[float, float]], room: float) -> list[tup
         if not short.any():
             break
         moved += (0.5 * (short / distances)[..., None] * ways).sum(axis=1)
-    drift = moved - np.array(places)
+    drift = moved - np.array(positions)
     far = np.hypot(drift[:, 0], drift[:, 1])[:, None]
-    kept = np.array(places) + drift * np.minimum(1.0, _FURTHEST * room / np.maximum(far, 1e-9))
+    kept = np.array(positions) + drift * np.minimum(1.0, _FURTHEST * room / np.maximum(far, 1e-9))
     return [(x, y) for x, y in kept.tolist()]
 
 

@@ -35,7 +35,7 @@ def even_instants(replay: Replay, count: int) -> list[tuple[float, str]]:
     if not 1 <= count <= MOST:
         raise ConfigError(f"count must be from 1 to {MOST}, got {count}")
     whole = duration_ms(replay)
-    return [(whole * place / max(1, count - 1), "") for place in range(count)]
+    return [(whole * index / max(1, count - 1), "") for index in range(count)]
 
 
 def same_picture(one: Highlight, other: Highlight) -> bool:

@@ -295,12 +295,12 @@ class _GifEncoder(_AvEncoder):
         self._waiting.write(squeezed)
 
     def finish(self, progress: Progress | None) -> None:
-        palette, places = self._histogram.palette()
+        palette, indices = self._histogram.palette()
         width, height = self._size
         self._waiting.seek(0)
         for done, length in enumerate(self._lengths, start=1):
             codes = np.frombuffer(zlib.decompress(self._waiting.read(length)), dtype=np.uint16)
-            self._encode(self._av.VideoFrame.from_ndarray((places[codes].reshape(height, width), palette), "pal8"))
+            self._encode(self._av.VideoFrame.from_ndarray((indices[codes].reshape(height, width), palette), "pal8"))
             if progress is not None:
                 progress(done, len(self._lengths))
         self._waiting.close()

@@ -78,8 +78,8 @@ def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: fl
     # in a narrow card by how much a contest was won says more than when
     timed = left + 4.0 * size + _longest(info, size) <= area.left + area.width - 2.0 * pad
     if not items:
-        place = (left, area.top + pad + 0.5 * height)
-        shapes.append(Label(*place, "Contests and refusals", size, DIM, 500, max_width=area.width - 4.0 * pad))
+        position = (left, area.top + pad + 0.5 * height)
+        shapes.append(Label(*position, "Contests and refusals", size, DIM, 500, max_width=area.width - 4.0 * pad))
     for row, item in enumerate(items[: max(1, round((area.height - 2.0 * pad) / height))]):
         middle = area.top + pad + (row + 0.5) * height
         x = left

@@ -67,8 +67,8 @@ class Grid(NamedTuple):
         left, top = (area.left + (area.width - self.size[0]) // 2, area.top + (area.height - self.size[1]) // 2)
         across, down = self.side + self.gap, self.side + self.extra + self.gap
         found = []
-        for place in range(count):
-            row, column = divmod(place, self.columns)
+        for index in range(count):
+            row, column = divmod(index, self.columns)
             short = self.columns - min(self.columns, count - row * self.columns)
             x = left + self.gap + column * across + short * across // 2
             found.append(hud.Rect(x, top + self.gap + row * down, self.side, self.side + self.extra))
@@ -187,8 +187,8 @@ class _Cell:
         arena.pixels[:] = cv2.convertScaleAbs(arena.pixels, alpha=0.45)
         size = hud.fitting(0.085 * width, 11)
         color = hud.BRIGHT if seat is None else hud.legible(self._info.color(seat))
-        place = (0.5 * width, 0.5 * height)
-        arena.draw([Label(*place, text, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * width)])
+        middle = (0.5 * width, 0.5 * height)
+        arena.draw([Label(*middle, text, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * width)])
 
     def _write(self, leader: int | None) -> None:
         """What stands below: which match it is, and who leads."""

@@ -74,8 +74,8 @@ class Canvas:
                     self._fill(outline + np.array((shape.left, shape.top)), shape.color)
 
     def _blit(self, sprite: Any, x: int, y: int) -> None:
-        place = (x - sprite.origin_x, y - sprite.origin_y)
-        self._surface.blit(sprite.surface, place, special_flags=pygame.BLEND_PREMULTIPLIED)
+        position = (x - sprite.origin_x, y - sprite.origin_y)
+        self._surface.blit(sprite.surface, position, special_flags=pygame.BLEND_PREMULTIPLIED)
 
     def _ring(self, shape: shapes.Ring) -> None:
         if shape.radius <= _WIDEST_RING:

@@ -186,8 +186,8 @@ def _ring(shape: Ring, phase_x: int, phase_y: int) -> Sprite:
     radius, width, opacity = shape.radius, shape.width, shape.opacity
     reach = radius + (2.5 * width if shape.glow else 0.5 * width) + 2.0
     half = math.ceil(reach)
-    place = np.arange(2 * half, dtype=np.float32) + 0.5 - half
-    distance = np.hypot(place[None, :] - phase_x / PHASES, place[:, None] - phase_y / PHASES)
+    position = np.arange(2 * half, dtype=np.float32) + 0.5 - half
+    distance = np.hypot(position[None, :] - phase_x / PHASES, position[:, None] - phase_y / PHASES)
     off = np.abs(distance - radius)
     cover = np.clip(0.5 + width / 2.0 - off, 0.0, 1.0) * opacity
     if shape.glow:

@@ -139,8 +139,8 @@ def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float
         row_top = chart.lane_top + row * chart.pitch
         shapes.append(Box(chart.left, row_top, chart.width, chart.lane, TRACK, chart.lane / 2))
         if chart.lanes > 1:
-            place = (chart.left - 0.5 * chart.small, row_top + chart.lane / 2)
-            shapes.append(Label(*place, str(row), chart.small, legible(info.color(row)), 700, "right"))
+            position = (chart.left - 0.5 * chart.small, row_top + chart.lane / 2)
+            shapes.append(Label(*position, str(row), chart.small, legible(info.color(row)), 700, "right"))
     tick = max(step, min(3.0 * unit, 3.0), 1.5)
     for part, seats in enumerate(timeline.catchers):
         for seat in sorted(seats):

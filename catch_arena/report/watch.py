@@ -156,5 +156,5 @@ def _listening(report: LiveReport, ports: Sequence[int]) -> _Server:
             reason = error.strerror or error
         except OverflowError:
             raise OutputError(f"port must be from 0 to 65535, got {port}") from None
-    told = str(ports[0]) if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
-    raise OutputError(f"port {told} of {HOST}: cannot be used: {reason}")
+    taken = str(ports[0]) if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
+    raise OutputError(f"port {taken} of {HOST}: cannot be used: {reason}")

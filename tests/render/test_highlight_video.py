@@ -1,5 +1,6 @@
 """The video of the best highlights."""
 
+import tracemalloc
 from fractions import Fraction
 
 import numpy as np
@@ -18,6 +19,7 @@ from catch_arena.render.highlight_video import (
     slow_motion,
 )
 from catch_arena.render.shapes import Label
+from catch_arena.replay import Replay
 
 HIGHLIGHT = Highlight("contest", 500, 1500, 2500, 0.9, "bob beats ann by 213 µm", "the nearest wins (R5.4)")
 AREA = hud.Rect(0, 300, 640, 60)
@@ -49,7 +51,7 @@ def test_a_moment_at_the_very_beginning_has_no_empty_part():
     assert all(clip.start_ms < clip.end_ms for clip in timing.clips)
 
 
-def test_the_video_has_every_frame_of_every_moment_and_memory_for_one_match(match, tmp_path):
+def test_the_video_has_every_frame_of_every_highlight(match, tmp_path):
     path = tmp_path / "m.replay"
     match.save(path)
     late = Highlight("finish", 2000, 2900, 4400, 0.5, "ann 3, bob 2 at the end", "One catch decides")
@@ -68,7 +70,30 @@ def test_the_video_has_every_frame_of_every_moment_and_memory_for_one_match(matc
     assert (caption.max(axis=2) > 200).any()  # there are words
 
 
-def test_without_moments_there_is_no_video(tmp_path):
+def test_a_video_of_many_matches_takes_no_more_memory_than_one_of_two(play, tmp_path):
+    """While one match is read, the one before it may still be there; no others, and none of their frames."""
+    path = tmp_path / "m.replay"
+    play("duel", time_limit_s=60.0).save(path)
+    early = Highlight("lead", 0, 500, 1000, 0.5, "", "")
+
+    def peak_bytes(work) -> int:
+        tracemalloc.start()
+        try:
+            kept = work()
+            assert kept is not None
+            return tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    def video(matches: int):
+        return render_highlights([RecordedHighlight(path, early)] * matches, tmp_path / "v.mp4", size=(320, 320), fps=5)
+
+    one_match = peak_bytes(lambda: Replay.load(path))
+    two, six = (peak_bytes(lambda count=count: video(count)) for count in (2, 6))
+    assert six - two < one_match / 2
+
+
+def test_without_highlights_there_is_no_video(tmp_path):
     with pytest.raises(ConfigError, match="one at least"):
         render_highlights([], tmp_path / "best.mp4")
     assert list(tmp_path.iterdir()) == []

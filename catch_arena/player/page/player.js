@@ -52,7 +52,7 @@ class CatchReplay extends HTMLElement {
     this.picked = null;
     this.#cast();
     this.#fit();
-    this.#tell();
+    this.#describe();
   }
 
   play() {
@@ -69,14 +69,14 @@ class CatchReplay extends HTMLElement {
     this.playing = false;
     cancelAnimationFrame(this.frame);
     this.#button();
-    this.#tell();
+    this.#describe();
   }
 
   /** Show an instant. */
   seek(time) {
     this.time = Math.min(Math.max(time, 0), this.replay.duration);
     this.#draw();
-    if (!this.playing) this.#tell();
+    if (!this.playing) this.#describe();
   }
 
   /** Follow one hunter, or none. */
@@ -86,7 +86,7 @@ class CatchReplay extends HTMLElement {
       row.firstChild.setAttribute("aria-pressed", String(index === seat));
     });
     this.#draw();
-    this.#tell();
+    this.#describe();
   }
 
   /** The next contest of the picked hunter, or the one before. */
@@ -253,11 +253,11 @@ class CatchReplay extends HTMLElement {
   }
 
   /** For those who cannot see the arena. */
-  #tell() {
+  #describe() {
     if (!this.replay) return;
     const scores = this.replay.scores(this.time);
-    const told = this.replay.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ");
-    this.arena.setAttribute("aria-label", `The arena at ${seconds(this.time)}. Catches: ${told}.`);
+    const catches = this.replay.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ");
+    this.arena.setAttribute("aria-label", `The arena at ${seconds(this.time)}. Catches: ${catches}.`);
   }
 
   #key(event) {
