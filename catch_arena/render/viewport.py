@@ -53,10 +53,10 @@ class MatchInfo:
         cls, config: ArenaConfig, names: Sequence[str] | None = None, title: str = "", duration_ms: int | None = None
     ) -> "MatchInfo":
         """Those of one match; agents without names are called as PettingZoo calls them."""
-        called = config.hunter_names if names is None else tuple(names)
-        if len(called) != config.hunters:
-            raise ConfigError(f"names must be one for each of {config.hunters} hunters, got {len(called)}")
-        return cls(config, called, title, config.time_limit_ms if duration_ms is None else duration_ms)
+        seat_names = config.hunter_names if names is None else tuple(names)
+        if len(seat_names) != config.hunters:
+            raise ConfigError(f"names must be one for each of {config.hunters} hunters, got {len(seat_names)}")
+        return cls(config, seat_names, title, config.time_limit_ms if duration_ms is None else duration_ms)
 
     def color(self, seat: int) -> Color:
         """A seat's colour: eight, then the same eight lighter, then darker, and again."""

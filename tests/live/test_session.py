@@ -176,7 +176,7 @@ def test_without_a_display_it_says_so(session, monkeypatch):
     assert "needs a display" in result.output
 
 
-def test_a_window_that_nobody_can_see_does_not_wait_for_hands(session, monkeypatch):
+def test_a_window_that_nobody_can_see_does_not_wait_for_keys(session, monkeypatch):
     """SDL's last resort draws into memory, where no key will ever come from."""
     monkeypatch.setattr(pygame.display, "get_driver", lambda: "offscreen")
     result = session(["play"])

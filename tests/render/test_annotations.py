@@ -84,8 +84,8 @@ def test_where_many_are_refused_or_turtles_are_small_a_refusal_is_an_exclamation
     assert {label.text for label in words(shapes_of(world, refused[:2], size=(320, 300)))} == {"!"}
 
 
-@pytest.mark.parametrize("mark", [LONE, LOST], ids=["catch", "lost"])
-def test_a_mark_puts_its_word_at_the_hunter_and_passes(annotation):
+@pytest.mark.parametrize("annotation", [LONE, LOST], ids=["catch", "lost"])
+def test_an_annotation_puts_its_text_at_the_hunter_and_passes(annotation):
     assert annotation.text in [label.text for label in words(shapes_of(a_world(), [annotation]))]
     assert visible_annotations([annotation], 400 + annotation.visible_ms - 1) == [annotation]
     assert visible_annotations([annotation], 400 + annotation.visible_ms) == []

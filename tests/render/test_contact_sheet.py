@@ -23,7 +23,7 @@ def test_even_instants_reach_from_the_beginning_to_the_end(match):
         even_instants(match, 0)
 
 
-def test_moments_are_shown_in_the_order_of_time_with_their_words():
+def test_highlights_are_shown_in_the_order_of_time_with_their_words():
     late, early = (Highlight("lead", 0, at, at + 500, 0.1, f"at {at}", "") for at in (2000, 1000))
     assert instants_of([late, early]) == [(1150.0, "at 1000"), (2150.0, "at 2000")]
 

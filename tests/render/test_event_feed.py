@@ -17,7 +17,7 @@ def refused(time_ms: int, seat: int = 3, word: str = "out of reach") -> Annotati
     return Annotation("refused", time_ms, seat, 1.0, 1.0, word)
 
 
-def test_contests_near_misses_and_refusals_are_news_and_undisturbed_catches_are_not():
+def test_contests_near_misses_and_refusals_are_in_the_feed_and_undisturbed_catches_are_not():
     feed = EventFeed()
     feed.record([CONTEST, Annotation("catch", 18_900, 1, 1.0, 1.0), NEAR_MISS, refused(19_100)])
     assert [(item.seat, item.text, item.other, item.after) for item in feed.items] == [
@@ -54,7 +54,7 @@ def test_only_the_latest_are_kept():
 
 @pytest.mark.parametrize("hunters", [4, 16])
 @pytest.mark.parametrize("size", SIZES)
-def test_the_news_fit_their_card(size, hunters):
+def test_the_feed_fits_its_card(size, hunters):
     plan, info = hud.arrange(size, "broadcast", hunters), an_info(hunters)
     if not plan.feed.width:
         return

@@ -45,7 +45,7 @@ def test_time_runs_slowly_about_the_decisive_instant_only():
         assert speed == (SLOW if 1100 <= time_ms < 2000 else Fraction(1))
 
 
-def test_a_moment_at_the_very_beginning_has_no_empty_part():
+def test_a_highlight_at_the_very_beginning_has_no_empty_part():
     timing = slow_motion(Highlight("lead", 0, 0, 1500, 0.5, "", ""), 30)
     assert timing.time_ms(0) == 0
     assert all(clip.start_ms < clip.end_ms for clip in timing.clips)

@@ -67,7 +67,7 @@ def test_the_clock_shows_tenths_that_have_passed(time_ms, shown):
 
 
 @pytest.mark.parametrize("hunters", [2, 4, 8])
-def test_a_usual_video_has_room_for_the_news(hunters):
+def test_a_usual_video_has_room_for_the_feed(hunters):
     assert hud.arrange((1280, 720), "broadcast", hunters).feed.height >= 2 * hud.FEED_ROW
 
 

@@ -158,7 +158,7 @@ def test_as_many_as_asked_for_and_no_more():
 
 
 def test_what_may_not_be_chosen_twice_can_be_said_otherwise():
-    """Stills clash only where they show the same."""
+    """Pictures of a contact sheet clash only where they show the same."""
     one = [at("lead", 5000, 0.9), at("streak", 5600, 0.8), at("contest", 5700, 0.7)]
     chosen = select_highlights({"a": one}, 9, clash=same_picture)
     assert [highlight.decisive_ms for _, highlight in chosen] == [5600, 5000]
