@@ -35,7 +35,7 @@ def keys_overlay(area: tuple[int, int], title: str, rows: Rows, below: str) -> l
     """A table of keys in the middle of an area of (width, height)."""
     width, height = area
     unit = min(width / 560.0, height / 560.0)
-    size, big = hud.fitting(17 * unit, 10), hud.fitting(26 * unit, 13)
+    size, big = hud.font_size(17 * unit, 10), hud.font_size(26 * unit, 13)
     pad = 1.6 * size
     line = min(2.0 * size, (height - 4.0 - 2.0 * pad - 2.4 * big) / (len(rows) + 1.2))
     keys = max(sum(_key_width(key, size) + 0.4 * size for key in row[0]) for row in rows)
@@ -66,7 +66,7 @@ def result_overlay(
     """The final standings, by rank, as many as there is room for."""
     width, height = area
     unit = min(width / 560.0, height / 560.0)
-    size, big = hud.fitting(20 * unit, 11), hud.fitting(30 * unit, 14)
+    size, big = hud.font_size(20 * unit, 11), hud.font_size(30 * unit, 14)
     line, pad = 1.8 * size, 1.6 * size
     shown = ranking[: max(1, int((0.9 * height - 2.0 * pad - 3.0 * big) // line))]
     wide, high = min(width - 4.0, 24.0 * size), len(shown) * line + 2.0 * pad + 3.0 * big
@@ -88,7 +88,7 @@ def result_overlay(
         shapes.append(Label(right, y, str(one.score), size, hud.BRIGHT, 800, "right"))
         y += line
     shapes.append(
-        Label(left + pad, y + 0.3 * line, below, hud.fitting(0.8 * size, 10), hud.DIM, 500, max_width=wide - 2 * pad)
+        Label(left + pad, y + 0.3 * line, below, hud.font_size(0.8 * size, 10), hud.DIM, 500, max_width=wide - 2 * pad)
     )
     return shapes
 
@@ -96,7 +96,7 @@ def result_overlay(
 def note_overlay(area: tuple[int, int], text: str) -> list[Shape]:
     """A line at the bottom of an area."""
     width, height = area
-    size = hud.fitting(0.03 * min(width, height), 11)
+    size = hud.font_size(0.03 * min(width, height), 11)
     wide = min(width - 4.0, text_width(text, size, 600) + 2.0 * size)
     top = height - 2.9 * size
     return [
@@ -111,7 +111,7 @@ def seat_pointer(viewport: Viewport, position: tuple[float, float], color: Color
     length = viewport.hunter_length
     side = 1.0 if y < viewport.height - 2.2 * length else -1.0
     tip, base = y + side * 0.85 * length, y + side * 1.25 * length
-    size = hud.fitting(0.5 * length, 12)
+    size = hud.font_size(0.5 * length, 12)
     return [
         Polygon(((x, tip), (x - 0.26 * length, base), (x + 0.26 * length, base)), color),
         Label(x, base + side * 0.75 * size, "you", size, WHITE, 800, "center", outline=INK),

@@ -90,7 +90,7 @@ def contact_sheet(
 
 def _heading(area: hud.Rect, info: MatchInfo, seed: int) -> list[Shape]:
     """Whose match it is: every hunter's chip and name."""
-    size = hud.fitting(0.4 * area.height, 11)
+    size = hud.font_size(0.4 * area.height, 11)
     middle = area.top + 0.56 * area.height
     about = "   ".join(part for part in (info.title, f"seed {seed}") if part)
     right = area.left + area.width - size
@@ -108,7 +108,7 @@ def _heading(area: hud.Rect, info: MatchInfo, seed: int) -> list[Shape]:
 
 
 def _stamp(area: hud.Rect, time_ms: float, word: str) -> list[Shape]:
-    size = hud.fitting(0.5 * area.height, 9)
+    size = hud.font_size(0.5 * area.height, 9)
     middle = area.top + 0.52 * area.height
     at = f"{hud.clock(time_ms)} s"
     beside = text_width(at, size, 700) + 0.8 * size

@@ -119,7 +119,7 @@ class Encoder(Protocol):
     def finish(self, progress: Progress | None) -> None:
         """No more frames: make the file whole; what takes long tells its progress."""
 
-    def abandon(self) -> None:
+    def abort(self) -> None:
         """Let go of the file, in whatever state it is."""
 
     def count(self) -> int:
@@ -170,7 +170,7 @@ def video_file(
     unfinished = Path(name)
     encoder: Encoder | None = None
     try:
-        encoder = _PlainEncoder(unfinished, size, fps) if av is None else _encoder(av, kind, unfinished, size, fps)
+        encoder = _Cv2Encoder(unfinished, size, fps) if av is None else _encoder(av, kind, unfinished, size, fps)
         yield VideoFile(path, encoder.codec, encoder.write, notice)
         encoder.finish(progress)
         _require_frames(path, encoder.count(), frames)
@@ -178,7 +178,7 @@ def video_file(
         unfinished.replace(target)
     except BaseException as error:
         if encoder is not None:
-            encoder.abandon()
+            encoder.abort()
         unfinished.unlink(missing_ok=True)
         if isinstance(error, (OSError,) if encoder is None else encoder.failures):
             raise unwritable(path, error) from None
@@ -234,7 +234,7 @@ class _AvEncoder:
         self._container.mux(self._stream.encode(None))
         self._container.close()
 
-    def abandon(self) -> None:
+    def abort(self) -> None:
         with suppress(*self.failures):  # a full disk fails again when its file is closed
             self._container.close()
 
@@ -285,7 +285,7 @@ class _GifEncoder(_AvEncoder):
     def __init__(self, av: Any, kind: Format, path: Path, size: tuple[int, int], fps: int) -> None:
         super().__init__(av, kind, path, size, fps)
         self._stream.pix_fmt = "pal8"
-        self._waiting: IO[bytes] = tempfile.TemporaryFile(dir=path.parent)  # noqa: SIM115 - closed by finish or abandon
+        self._waiting: IO[bytes] = tempfile.TemporaryFile(dir=path.parent)  # noqa: SIM115 - closed by finish or abort
         self._lengths: list[int] = []
         self._histogram = ColorHistogram()
 
@@ -306,13 +306,13 @@ class _GifEncoder(_AvEncoder):
         self._waiting.close()
         super().finish(progress)
 
-    def abandon(self) -> None:
+    def abort(self) -> None:
         with suppress(*self.failures):
             self._waiting.close()
-        super().abandon()
+        super().abort()
 
 
-class _PlainEncoder:
+class _Cv2Encoder:
     """MPEG-4 Part 2 through cv2, for those who have no PyAV."""
 
     codec = "mpeg4"
@@ -336,7 +336,7 @@ class _PlainEncoder:
         del progress
         self._writer.release()
 
-    def abandon(self) -> None:
+    def abort(self) -> None:
         self._writer.release()
 
     def count(self) -> int:

@@ -9,7 +9,7 @@ from typing import Final
 
 from catch_arena.explanation.lengths import short_length
 from catch_arena.render.annotations import Annotation
-from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, chip, chip_width, clock, fitting
+from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, chip, chip_width, clock, font_size
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width
 from catch_arena.render.viewport import MatchInfo
@@ -72,7 +72,7 @@ def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: fl
     """As many items as there is room for."""
     pad = 8 * unit
     height = FEED_ROW * unit
-    size = fitting(14 * unit, 10)
+    size = font_size(14 * unit, 10)
     shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
     left = area.left + 2.0 * pad
     # in a narrow card by how much a contest was won says more than when

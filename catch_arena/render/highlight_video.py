@@ -103,8 +103,8 @@ def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bo
     """What happens and why, which match it is, and whether time runs slowly."""
     unit = area.height / 94.0
     pad = 20.0 * unit
-    big, small = hud.fitting(28 * unit, 12), hud.fitting(17 * unit, 10)
-    tag = hud.fitting(15 * unit, 9)
+    big, small = hud.font_size(28 * unit, 12), hud.font_size(17 * unit, 10)
+    tag = hud.font_size(15 * unit, 9)
     upper, lower = area.top + 0.34 * area.height, area.top + 0.72 * area.height
     heading = HEADINGS[highlight.kind]
     chip = text_width(heading, tag, 800) + 1.2 * tag

@@ -44,7 +44,7 @@ class Rect(NamedTuple):
     height: int
 
 
-NOWHERE: Final = Rect(0, 0, 0, 0)
+EMPTY_RECT: Final = Rect(0, 0, 0, 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +55,9 @@ class Arrangement:
     header: Rect
     unit: float
     """Pixels of the frame for a pixel of a 1280 x 720 one: texts and gaps follow it."""
-    standings: Rect = NOWHERE
-    feed: Rect = NOWHERE
-    timeline: Rect = NOWHERE
+    standings: Rect = EMPTY_RECT
+    feed: Rect = EMPTY_RECT
+    timeline: Rect = EMPTY_RECT
 
 
 class HunterScore(NamedTuple):
@@ -125,7 +125,7 @@ def _with_feed(area: Rect, unit: float, hunters: int, reserved: int) -> tuple[Re
     left = area.height - height - reserved - gap
     rows = min(MOST_FEED_LINES, int((left - 16 * unit) / (FEED_ROW * unit)))
     if rows < 2 or area.width < LEAST_FEED_WIDTH or hunters == 1:  # one alone has nobody to be near
-        return area._replace(height=height), NOWHERE
+        return area._replace(height=height), EMPTY_RECT
     feed = Rect(area.left, area.top + height + gap, area.width, round(rows * FEED_ROW * unit + 16 * unit))
     return area._replace(height=height), feed
 
@@ -145,14 +145,20 @@ def ranked(standings: Sequence[HunterScore]) -> list[HunterScore]:
 
 def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str, unit: float) -> list[Shape]:
     """The title, what match this is, and the clock."""
-    big, small = fitting(34 * unit, 15), fitting(15 * unit, 10)
+    big, small = font_size(34 * unit, 15), font_size(15 * unit, 10)
     right = area.left + area.width
     about = "   ".join(part for part in (info.title, "" if seed is None else f"seed {seed}") if part)
     clock_room = len(time_text) * 0.68 * big + 1.6 * small
     middle = area.top + area.height * (0.36 if about else 0.5)
     shapes: list[Shape] = [
         Label(
-            area.left, middle, "CATCH ARENA", fitting(28 * unit, 13), BRIGHT, 700, max_width=area.width - clock_room - 8
+            area.left,
+            middle,
+            "CATCH ARENA",
+            font_size(28 * unit, 13),
+            BRIGHT,
+            700,
+            max_width=area.width - clock_room - 8,
         ),
         Label(right - 1.2 * small, middle, time_text, big, BRIGHT, 700, "right"),
         Label(right, middle + 0.36 * (big - small), "s" if ":" not in time_text else "", small, DIM, 500, "right"),
@@ -168,13 +174,13 @@ def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str,
 
 def split_strip(area: Rect, time_text: str) -> tuple[Rect, Rect]:
     """The line over the arena: the part for the scores, and the clock's at its right end."""
-    room = round((len(time_text) + 1.5) * 0.62 * fitting(0.58 * area.height, 12))
+    room = round((len(time_text) + 1.5) * 0.62 * font_size(0.58 * area.height, 12))
     return area._replace(width=area.width - room), area._replace(left=area.left + area.width - room, width=room)
 
 
 def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
     """The clock in the line over the arena."""
-    size = fitting(0.58 * area.height, 12)
+    size = font_size(0.58 * area.height, 12)
     return [
         Label(area.left + area.width - 0.5 * size, area.top + area.height / 2.0, time_text, size, BRIGHT, 700, "right")
     ]
@@ -191,18 +197,18 @@ def chip(x: float, middle: float, info: MatchInfo, seat: int, size: float, *, fa
     width = chip_width(info, size)
     return [
         Box(x, middle - 0.56 * size, width, 1.12 * size, color, 0.3 * size),
-        Label(x + width / 2.0, middle, str(seat), fitting(0.82 * size, 9), readable_on(color), 800, "center"),
+        Label(x + width / 2.0, middle, str(seat), font_size(0.82 * size, 9), readable_on(color), 800, "center"),
     ]
 
 
 def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[HunterScore]) -> list[Shape]:
     """Every hunter's chip, name and score: by seat, without names or only the best where there is no room for all."""
-    size = fitting(0.58 * area.height, 12)
+    size = font_size(0.58 * area.height, 12)
     middle = area.top + area.height / 2.0
     digits = max(len(str(one.score)) for one in standings)
     step = chip_width(info, size) + (0.9 + 0.66 * digits) * size
     room = area.width - 0.5 * size
-    small = fitting(0.8 * size, 10)
+    small = font_size(0.8 * size, 10)
     names = [0.3 * size + text_width(printable(name), small, 600) for name in info.names]
     coming = 0.66 * max(0, 2 - digits) * size  # names do not vanish with the tenth catch
     if sum(names) + len(names) * (step + coming) > room:
@@ -237,6 +243,6 @@ def _luminance(color: Color) -> float:
     return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
 
 
-def fitting(pixels: float, least: int) -> int:
+def font_size(pixels: float, least: int) -> int:
     """A text's size: whole pixels, and enough of them to be read."""
     return max(least, round(pixels))

@@ -185,7 +185,7 @@ class _Cell:
         arena = self._picture.part(self._renderer.arena)
         height, width = arena.pixels.shape[:2]
         arena.pixels[:] = cv2.convertScaleAbs(arena.pixels, alpha=0.45)
-        size = hud.fitting(0.085 * width, 11)
+        size = hud.font_size(0.085 * width, 11)
         color = hud.BRIGHT if seat is None else hud.legible(self._info.color(seat))
         middle = (0.5 * width, 0.5 * height)
         arena.draw([Label(*middle, text, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * width)])
@@ -193,7 +193,7 @@ class _Cell:
     def _write(self, leader: int | None) -> None:
         """What stands below: which match it is, and who leads."""
         area = self._label
-        size = hud.fitting(0.58 * area.height, 9)
+        size = hud.font_size(0.58 * area.height, 9)
         middle = area.top + 0.5 * area.height
         shapes: list[Shape] = [
             Label(area.left + 2, middle, self._name, size, hud.DIM, 500, max_width=0.52 * area.width)

@@ -45,7 +45,7 @@ class StepMotion:
         else:
             return self.poses[-1]
         part = time_ms / TICK_MS - tick
-        return tuple(between(a, b, part) for a, b in zip(start, end, strict=True))
+        return tuple(interpolate(a, b, part) for a, b in zip(start, end, strict=True))
 
     def ticks_between(self, after_ms: float, until_ms: float) -> list[tuple[Pose, ...]]:
         """The poses at those of this step's ticks that fall into (after, until]."""
@@ -55,7 +55,7 @@ class StepMotion:
         ]
 
 
-def between(start: Pose, end: Pose, part: float) -> Pose:
+def interpolate(start: Pose, end: Pose, part: float) -> Pose:
     """The pose that far along the straight way, turning the shorter way round."""
     turn = (end[2] - start[2] + math.pi) % (2.0 * math.pi) - math.pi
     return (
@@ -87,7 +87,7 @@ def _hunter_ticks(start: HunterState, end: HunterState, ticks: int, side_m: floa
     if math.hypot(x - end.x, y - end.y) > _AGREES_M:
         # in steps of more than a second the watchdog has taken the velocity away: a straight line is all that is known
         goal = (end.x, end.y, end.theta)
-        poses = [between(poses[0], goal, tick / max(1, ticks)) for tick in range(ticks + 1)]
+        poses = [interpolate(poses[0], goal, tick / max(1, ticks)) for tick in range(ticks + 1)]
     return poses
 
 

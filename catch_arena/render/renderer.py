@@ -55,7 +55,7 @@ class MatchRenderer:
         self._seed = seed
         self._by_lot = info.config.policy == "first_come"
         self._plan = hud.arrange(size, layout, info.config.hunters)
-        if sprites is None:  # stages of the same match or size share theirs
+        if sprites is None:  # renderers of the same match or size share theirs
             sprites = SpriteCache()
         self._frame = Canvas.blank(*size, hud.PANEL, sprites)
         self._arena = self._frame.part(self._plan.arena)
@@ -95,7 +95,7 @@ class MatchRenderer:
         """Begin a step: its rulings count from here on. Steps of which no instant is drawn are entered too."""
         began_ms = motion.before.time_ms
         if self._motion is not None:
-            self._follow(began_ms)
+            self._extend_trails(began_ms)
             self._ground.fade(began_ms)
         else:
             self._poses = motion.poses[0]
@@ -114,9 +114,9 @@ class MatchRenderer:
         """Draw one instant of the step that was entered last into the buffer; the hunters have come to these poses."""
         if self._motion is None:
             raise ValueError("a step must be entered before one of its instants is drawn")
-        self._follow(time_ms)
+        self._extend_trails(time_ms)
         self._ground.fade(time_ms)
-        self._move(poses)
+        self._move_hunters(poses)
         self._annotations = visible_annotations(self._annotations, time_ms)
         world = self._motion.after
         self._arena.pixels[:] = self._ground.pixels
@@ -138,14 +138,14 @@ class MatchRenderer:
         """Shapes over the arena, in pixels from its corner; the next `draw` takes them away."""
         self._arena.draw(drawn)
 
-    def _follow(self, until_ms: float) -> None:
+    def _extend_trails(self, until_ms: float) -> None:
         """Lead the trails through the ticks since the last instant, where it lies further back than a frame or two."""
         if self._motion is not None and until_ms - self._moved_ms > 2 * TICK_MS:
             for poses in self._motion.ticks_between(self._moved_ms, until_ms):
-                self._move(poses)
+                self._move_hunters(poses)
         self._moved_ms = until_ms
 
-    def _move(self, poses: tuple[Pose, ...]) -> None:
+    def _move_hunters(self, poses: tuple[Pose, ...]) -> None:
         for seat, (start, end) in enumerate(zip(self._poses, poses, strict=True)):
             if start[:2] != end[:2]:
                 self._ground.trail(self.info.color(seat), start, end)

@@ -91,7 +91,7 @@ class SpriteCache:
 
     def label(self, shape: Label) -> tuple[Sprite, int, int]:
         """A text's sprite, likewise; only outlined ones move, and stand at half pixels."""
-        shown = text.fitted(shape.text, shape.size, shape.weight, shape.max_width)
+        shown = text.truncated(shape.text, shape.size, shape.weight, shape.max_width)
         width = text.text_width(shown, shape.size, shape.weight)
         left = shape.x - {"left": 0.0, "center": width / 2.0, "right": width}[shape.align]
         baseline = shape.y + text.MIDDLE * shape.size

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from catch_arena.render.hud import BRIGHT, CARD, DIM, ROW, TRACK, HunterScore, Rect, fitting, legible, ranked
+from catch_arena.render.hud import BRIGHT, CARD, DIM, ROW, TRACK, HunterScore, Rect, font_size, legible, ranked
 from catch_arena.render.shapes import Box, Label, Shape, Turtle, mix
 from catch_arena.render.viewport import MatchInfo
 
@@ -91,7 +91,7 @@ def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[AnimatedLine],
     if shown < len(lines):
         x, y = corner(shown)
         left_out = f"and {len(lines) - shown} more"
-        shapes.append(Label(x + 0.3 * height, y + 0.5 * height, left_out, fitting(0.5 * height, 10), DIM, 500))
+        shapes.append(Label(x + 0.3 * height, y + 0.5 * height, left_out, font_size(0.5 * height, 10), DIM, 500))
     return shapes
 
 
@@ -101,12 +101,12 @@ def _line_shapes(
     left, top, width, height = area
     one = line.hunter
     middle = top + height / 2.0
-    size = min(fitting(0.54 * height, 10), fitting(21 * unit, 11), fitting(0.1 * width, 9))
+    size = min(font_size(0.54 * height, 10), font_size(21 * unit, 11), font_size(0.1 * width, 9))
     color = info.color(one.seat)
     x = left + 0.3 * size
     shapes: list[Shape] = [Turtle(x + 0.85 * size, middle, 0.0, 1.75 * size, color, faded=one.withdrawn)]
     x += 2.1 * size
-    number_size = fitting(0.8 * size, 9)
+    number_size = font_size(0.8 * size, 9)
     number_room = 0.62 * number_size * len(str(len(info.names) - 1))
     shapes.append(Label(x + number_room, middle, str(one.seat), number_size, DIM, 600, "right"))
     x += number_room + 0.6 * size
@@ -118,7 +118,7 @@ def _line_shapes(
     shapes.append(
         Label(x, middle, name, size, DIM if one.withdrawn else BRIGHT, 500, max_width=bar_start - x - 0.5 * size)
     )
-    shapes.append(Label(right, middle, str(one.score), fitting(1.1 * size, 11), BRIGHT, 800, "right"))
+    shapes.append(Label(right, middle, str(one.score), font_size(1.1 * size, 11), BRIGHT, 800, "right"))
     if has_bar:
         thick = max(3.0, 0.48 * size)
         length = bar_end - bar_start

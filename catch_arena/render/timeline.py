@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final, NamedTuple
 
-from catch_arena.render.hud import CARD, DIM, TRACK, Rect, fitting, legible
+from catch_arena.render.hud import CARD, DIM, TRACK, Rect, font_size, legible
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Path, Shape, Stroke, mix
-from catch_arena.render.text import fitted, text_width
+from catch_arena.render.text import text_width, truncated
 from catch_arena.render.viewport import MatchInfo
 
 COLUMNS: Final = 220
@@ -57,7 +57,7 @@ def lead(scores: Sequence[int]) -> tuple[int, int]:
     return list(scores).index(best), best - max((score for score in scores if score != best), default=0)
 
 
-def ahead(scores: Sequence[int]) -> list[float]:
+def over_average(scores: Sequence[int]) -> list[float]:
     """How far each is ahead of the average; one alone, of nothing."""
     average = sum(scores) / len(scores) if len(scores) > 1 else 0.0
     return [score - average for score in scores]
@@ -87,7 +87,7 @@ class _Chart(NamedTuple):
 
 
 def _chart(area: Rect, hunters: int, unit: float) -> _Chart:
-    text, small = fitting(14 * unit, 10), fitting(12 * unit, 9)
+    text, small = font_size(14 * unit, 10), font_size(12 * unit, 9)
     pad = 16 * unit
     axis = 2.6 * small
     head = area.top + max(0.95 * text, min(0.11 * area.height, 22 * unit))
@@ -121,7 +121,7 @@ class _Scale(NamedTuple):
 
 
 def _scale(chart: _Chart, timeline: Timeline, alone: bool) -> _Scale:
-    values = [value for scores in set(timeline.scores) for value in ahead(scores)] or [0.0]
+    values = [value for scores in set(timeline.scores) for value in over_average(scores)] or [0.0]
     most, least = max(2.0, *values), 0.0 if alone else min(-2.0, *values)
     pixels = (chart.base - chart.top) / (most - least)
     return _Scale(chart.base + least * pixels, pixels)
@@ -148,7 +148,7 @@ def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float
             x = chart.left + (part + 0.5) * step - tick / 2
             shapes.append(Box(x, row_top, tick, chart.lane, legible(info.color(seat))))
     if chart.base - chart.top >= 8:
-        shapes += _race(chart, info, timeline, unit)
+        shapes += _score_lines(chart, info, timeline, unit)
     for at_s in tick_seconds(timeline.duration_ms / 1000.0, chart.width / (5.2 * chart.small)):
         x = min(chart.x(1000.0 * at_s, timeline), chart.left + chart.width - 1.2 * chart.small)
         shapes.append(Label(x, chart.foot, axis_time(at_s), chart.small, DIM, 500, "center"))
@@ -173,7 +173,7 @@ def _title(area: Rect, chart: _Chart, info: MatchInfo, timeline: Timeline, unit:
         name_room = room - text_width(said, chart.text, 700)
         if name_room > 3 * chart.text:
             name = info.names[leader]
-            width = text_width(fitted(name, chart.text, 700, name_room), chart.text, 700)
+            width = text_width(truncated(name, chart.text, 700, name_room), chart.text, 700)
             color = legible(info.color(leader))
             shapes += [
                 Label(left, chart.head, name, chart.text, color, 700, max_width=name_room),
@@ -182,17 +182,17 @@ def _title(area: Rect, chart: _Chart, info: MatchInfo, timeline: Timeline, unit:
     return shapes
 
 
-def _race(chart: _Chart, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
+def _score_lines(chart: _Chart, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
     scale = _scale(chart, timeline, len(info.names) == 1)
-    shapes: list[Shape] = [_level(chart, scale)]
+    shapes: list[Shape] = [_zero_line(chart, scale)]
     if not timeline.scores:
         return shapes
     step = chart.width / COLUMNS
     changes = [0, *(k for k in range(1, len(timeline.scores)) if timeline.scores[k] != timeline.scores[k - 1])]
-    heights = [[scale.y(value) for value in ahead(timeline.scores[column])] for column in changes]
+    heights = [[scale.y(value) for value in over_average(timeline.scores[column])] for column in changes]
     for start, end in pairwise(changes):
         shapes += _lead_area(info, timeline.scores[start], scale, chart.left + start * step, chart.left + end * step)
-    for seat, color, thick in _drawn(info, timeline.scores[-1], unit):
+    for seat, color, thick in _line_styles(info, timeline.scores[-1], unit):
         points = [(chart.left, heights[0][seat])]
         for start, column in zip(changes[1:], heights[1:], strict=True):
             x = chart.left + start * step
@@ -206,15 +206,15 @@ def _lead_area(info: MatchInfo, scores: Sequence[int], scale: _Scale, left: floa
     left, right = round(left), round(right)  # whole pixels: no seams between one area and the next
     if leader < 0 or right <= left:
         return []
-    top = scale.y(ahead(scores)[leader])
+    top = scale.y(over_average(scores)[leader])
     return [Box(left, top, right - left, by * scale.pixels, mix(legible(info.color(leader)), CARD, 0.7))]
 
 
-def _level(chart: _Chart, scale: _Scale) -> Stroke:
+def _zero_line(chart: _Chart, scale: _Scale) -> Stroke:
     return Stroke(chart.left, scale.zero, chart.left + chart.width, scale.zero, 1.0, mix(CARD, DIM, 0.4))
 
 
-def _drawn(info: MatchInfo, scores: Sequence[int], unit: float) -> list[tuple[int, Color, float]]:
+def _line_styles(info: MatchInfo, scores: Sequence[int], unit: float) -> list[tuple[int, Color, float]]:
     """The lines from the lowest to the topmost: seat, colour, width."""
     order = sorted(range(len(scores)), key=lambda seat: (scores[seat], -seat))
     faint = order[: max(0, len(order) - _BRIGHT_LINES)]
@@ -234,9 +234,9 @@ def present_shapes(area: Rect, info: MatchInfo, timeline: Timeline, time_ms: flo
     if chart.base - chart.top >= 8 and timeline.scores:
         scale = _scale(chart, timeline, len(info.names) == 1)
         start = chart.left + timeline.last_change * chart.width / COLUMNS
-        values = ahead(timeline.scores[-1])
+        values = over_average(timeline.scores[-1])
         shapes += _lead_area(info, timeline.scores[-1], scale, start, x)
-        lines = _drawn(info, timeline.scores[-1], unit)
+        lines = _line_styles(info, timeline.scores[-1], unit)
         for seat, color, thick in lines:
             y = scale.y(values[seat])
             shapes.append(Stroke(min(start, x), y, x, y, thick, color))

@@ -14,7 +14,7 @@ from catch_arena.render.hud import PANEL
 from catch_arena.render.libraries import pygame
 
 _FPS: Final = 60
-_NAP_S: Final = 0.02
+_POLL_S: Final = 0.02
 """The window answers its user at least so often."""
 
 
@@ -136,4 +136,4 @@ class Window:
             wait_s = due_s - time.perf_counter()
             if wait_s <= 0.0:
                 return
-            time.sleep(min(wait_s, _NAP_S))
+            time.sleep(min(wait_s, _POLL_S))

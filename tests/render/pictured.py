@@ -63,7 +63,7 @@ def extent(shape) -> tuple[float, float, float, float]:
         case Box():
             return shape.left, shape.top, shape.left + shape.width, shape.top + shape.height
         case Label():
-            shown = text.fitted(shape.text, shape.size, shape.weight, shape.max_width)
+            shown = text.truncated(shape.text, shape.size, shape.weight, shape.max_width)
             width = text.text_width(shown, shape.size, shape.weight)
             left = shape.x - {"left": 0.0, "center": width / 2, "right": width}[shape.align]
             return left, shape.y - 0.4 * shape.size, left + width, shape.y + 0.4 * shape.size

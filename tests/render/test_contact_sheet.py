@@ -8,7 +8,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.contact_sheet import _stamp, contact_sheet, even_instants, instants_of
-from catch_arena.render.text import fitted
+from catch_arena.render.text import truncated
 from catch_arena.render.viewport import GROUND
 
 
@@ -54,5 +54,5 @@ def test_pictures_that_would_be_too_small_are_refused(match):
 def test_what_is_said_about_a_picture_is_made_smaller_before_it_is_cut_off():
     area = hud.Rect(0, 0, 500, 42)
     *_, word = _stamp(area, 3700.0, "patrol beats contested_by_time by 17 mm")
-    assert fitted(word.text, word.size, word.weight, word.max_width) == word.text
+    assert truncated(word.text, word.size, word.weight, word.max_width) == word.text
     assert word.size < _stamp(area, 3700.0, "a tie")[-1].size

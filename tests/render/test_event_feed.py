@@ -7,7 +7,7 @@ from catch_arena.render import hud
 from catch_arena.render.annotations import Annotation, Rival
 from catch_arena.render.event_feed import MOST_ITEMS, EventFeed, feed_shapes
 from catch_arena.render.shapes import Label
-from catch_arena.render.text import fitted
+from catch_arena.render.text import truncated
 
 CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", (Rival(2, 155_000, asked=True),), 143_000)
 NEAR_MISS = Annotation("catch", 19_000, 1, 1.0, 1.0, "+1", (Rival(0, 455_000, asked=False),), 143_000)
@@ -79,4 +79,4 @@ def test_a_line_about_two_hunters_says_by_how_much_in_full(size):
     (how,) = (
         label for label in kinds(feed_shapes(plan.feed, info, feed.items, plan.unit), Label) if "by" in label.text
     )
-    assert fitted(how.text, how.size, how.weight, how.max_width) == "by 31 cm"
+    assert truncated(how.text, how.size, how.weight, how.max_width) == "by 31 cm"

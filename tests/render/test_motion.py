@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from catch_arena.render.motion import TICK_MS, between, frame_spans, step_motion
+from catch_arena.render.motion import TICK_MS, frame_spans, interpolate, step_motion
 from catch_arena.render.timing import Clip
 
 
@@ -30,7 +30,7 @@ def test_at_a_tick_the_tick_is_shown_and_between_two_the_line_between_them(world
 
 
 def test_turning_takes_the_shorter_way():
-    _, _, theta = between((0.0, 0.0, 3.0), (0.0, 0.0, -3.0), 0.5)
+    _, _, theta = interpolate((0.0, 0.0, 3.0), (0.0, 0.0, -3.0), 0.5)
     assert math.cos(theta) == pytest.approx(-1.0)
 
 

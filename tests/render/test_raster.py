@@ -75,7 +75,7 @@ def test_what_lies_outside_is_cut_off():
 def test_text_is_drawn_with_either_font(monkeypatch, bundled):
     if bundled:
         monkeypatch.setattr(text, "_FACE", None)
-    for cached in (text.text_width, text.fitted):
+    for cached in (text.text_width, text.truncated):
         cached.cache_clear()
     try:
         canvas = a_canvas()
@@ -86,7 +86,7 @@ def test_text_is_drawn_with_either_font(monkeypatch, bundled):
         assert abs((columns.max() + columns.min()) / 2 - 100) < 3
         assert canvas.pixels[..., :3].max() == 255
     finally:
-        for cached in (text.text_width, text.fitted):
+        for cached in (text.text_width, text.truncated):
             cached.cache_clear()
 
 

@@ -10,8 +10,8 @@ from catch_arena.render.shapes import Box, Label, Path
 from catch_arena.render.timeline import (
     COLUMNS,
     Timeline,
-    ahead,
     lead,
+    over_average,
     present_shapes,
     tick_seconds,
     timeline_shapes,
@@ -42,8 +42,8 @@ def test_the_lead():
 
 
 def test_lines_stand_for_how_far_each_is_ahead_of_the_average():
-    assert ahead([4, 2, 0]) == [2.0, 0.0, -2.0]
-    assert ahead([7]) == [7]
+    assert over_average([4, 2, 0]) == [2.0, 0.0, -2.0]
+    assert over_average([7]) == [7]
 
 
 def test_the_timeline_keeps_every_hunters_catches_and_the_scores_between_them():
