@@ -12,7 +12,7 @@ from report.synthetic import tournament
 import catch_arena
 from catch_arena.explanation import explain
 from catch_arena.player import player_html
-from catch_arena.render import view
+from catch_arena.render import viewport
 from catch_arena.report import REPORT, watch, write_report
 from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
@@ -132,9 +132,9 @@ def test_a_click_plays_and_another_one_pauses(player):
 
 def test_the_arena_has_the_colours_of_the_videos(player):
     pixels = picture(player, "canvas.arena")
-    assert share_of(pixels, view.GROUND) > 0.5
+    assert share_of(pixels, viewport.GROUND) > 0.5
     for seat in range(8):
-        shell = np.array(view.HUNTER_COLORS[seat]) * 0.96 + 5  # render.sprites has the parts
+        shell = np.array(viewport.HUNTER_COLORS[seat]) * 0.96 + 5  # render.sprites has the parts
         assert share_of(pixels, shell) * pixels.shape[0] * pixels.shape[1] > 30, seat
 
 
@@ -152,7 +152,7 @@ def test_the_next_contest_says_who_won_by_what_and_how_far_away_each_was(player,
         assert player.locator(".claims li").first.inner_text().startswith(f"{contest.claims[0].seat}\n")
     player.get_by_role("button", name="Previous contest").click()
     assert clock(player) == pytest.approx((contests[1].step - 1) / 10)
-    assert share_of(picture(player, "canvas.close-up"), view.GROUND) > 0.2
+    assert share_of(picture(player, "canvas.close-up"), viewport.GROUND) > 0.2
 
 
 def test_a_picked_hunter_has_its_own_contests(player, crowd):
