@@ -40,7 +40,7 @@ _HOMES = {
     "Gains": "config",
     "Limits": "policy",
     "Policy": "policy",
-    "Replay": "replay",
+    "Replay": "player",  # replay/ has it; the player gives it a picture in notebooks
     "RewardWeights": "config",
     "Ruling": "verdicts",
     "SCENARIOS": "scenarios",

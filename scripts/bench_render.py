@@ -22,15 +22,15 @@ import numpy as np
 
 from catch_arena import Replay, parallel_env
 from catch_arena.render import scene, shapes
+from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.encoders import FORMATS, video_file
 from catch_arena.render.libraries import pygame
-from catch_arena.render.marks import Mark, marks_of, still_seen
-from catch_arena.render.motion import Cut, leg, passages
+from catch_arena.render.motion import frame_spans, step_motion
 from catch_arena.render.raster import Pixels
-from catch_arena.render.stage import ArenaPainter
-from catch_arena.render.turtle import TURTLE_PARTS
-from catch_arena.render.video import cut_of, filmed, render_replay, stage_of
-from catch_arena.render.view import OUTSIDE, Look, Pose, Viewport
+from catch_arena.render.renderer import ArenaPainter
+from catch_arena.render.timing import Clip
+from catch_arena.render.video import clip_of, render_replay, rendered_frames, renderer_for
+from catch_arena.render.viewport import OUTSIDE, MatchInfo, Pose, Viewport
 
 
 @dataclass(frozen=True)
@@ -125,8 +125,8 @@ def in_place(seen: list[Pixels], meant: list[Pixels]) -> int:
     good = 0
     for place, frame in enumerate(seen[: len(meant)]):
         near = range(max(0, place - 2), min(len(meant), place + 3))
-        ways = {other: float(np.abs(frame.astype(int) - meant[other]).mean()) for other in near}
-        good += ways[place] <= min(ways.values()) + 1e-9
+        distances = {other: float(np.abs(frame.astype(int) - meant[other]).mean()) for other in near}
+        good += distances[place] <= min(distances.values()) + 1e-9
     return good
 
 
@@ -135,9 +135,9 @@ def bench_moviepy(args: Args) -> None:
     from moviepy import ImageSequenceClip
 
     replay = played("standard", 3.0)
-    stage = stage_of(replay, (1280, 720), "broadcast")
-    cut = cut_of(replay, FORMATS[".mp4"], 60, 0.0, None, 1.0)
-    frames = [cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB) for pixels in filmed(replay, stage, cut)]
+    renderer = renderer_for(replay, (1280, 720), "broadcast")
+    clip = clip_of(replay, FORMATS[".mp4"], 60, 0.0, None, 1.0)
+    frames = [cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB) for pixels in rendered_frames(replay, renderer, clip)]
     meant = [small(frame) for frame in frames]
     with tempfile.TemporaryDirectory() as folder:
         ours, theirs = Path(folder, "ours.mp4"), Path(folder, "theirs.mp4")
@@ -161,15 +161,15 @@ def bench_moviepy(args: Args) -> None:
 class PlainPygame:
     """The arena as one draws it with pygame alone: everything twice as large, then made smaller smoothly."""
 
-    def __init__(self, look: Look, width: int, height: int) -> None:
+    def __init__(self, info: MatchInfo, width: int, height: int) -> None:
         pygame.font.init()
-        self.look = look
-        self.view = Viewport(2 * width, 2 * height, look.config.side_m)
+        self.info = info
+        self.viewport = Viewport(2 * width, 2 * height, info.config.side_m)
         self.size = (width, height)
         self.screen = pygame.Surface((2 * width, 2 * height), depth=32)
         self.ground = self.screen.copy()
         self.ground.fill(OUTSIDE)
-        for shape in scene.ground_shapes(self.view):
+        for shape in scene.ground_shapes(self.viewport):
             self.draw(self.ground, shape)
         self.clean = self.ground.copy()
         self.clean.set_alpha(12)
@@ -180,7 +180,7 @@ class PlainPygame:
         if fade:
             self.ground.blit(self.clean, (0, 0))
         for seat, (start, end) in enumerate(zip(last, poses, strict=True)):
-            self.draw(self.ground, scene.trail_shapes(self.view, self.look.color(seat), start, end)[0])
+            self.draw(self.ground, scene.trail_shapes(self.viewport, self.info.color(seat), start, end)[0])
         self.screen.blit(self.ground, (0, 0))
         for shape in described:
             self.draw(self.screen, shape)
@@ -208,7 +208,7 @@ class PlainPygame:
             case shapes.Turtle():
                 cosine, sine = math.cos(shape.theta), math.sin(shape.theta)
                 turn = shape.length * np.array([[cosine, -sine], [-sine, -cosine]])
-                for points, own, white in TURTLE_PARTS:
+                for points, own, white in shapes.TURTLE_PARTS:
                     color = [min(255, round(own * part + 255 * white)) for part in shape.color]
                     pygame.draw.polygon(on, color, points @ turn.T + (shape.x, shape.y))
             case shapes.Label():
@@ -221,43 +221,43 @@ def bench_plain_pygame(args: Args) -> None:
     """The arena alone, 720 x 720, at 60 frames a second."""
     replay = played("standard", 10.0)
     worlds = list(replay.worlds())
-    cut = Cut(0, 10_000, 60)
-    stage = stage_of(replay, (720, 720), "arena")
+    clip = Clip(0, 10_000, 60)
+    renderer = renderer_for(replay, (720, 720), "arena")
 
     def ours() -> None:
-        stage.reset()
-        for passage in passages(worlds, cut):
-            stage.enter(passage.leg)
-            for frame in passage.frames:
-                time_ms = cut.time_ms(frame)
-                stage.draw(time_ms, passage.leg.at(time_ms, passage.next_tick))
+        renderer.reset()
+        for span in frame_spans(worlds, clip):
+            renderer.enter(span.motion)
+            for frame in span.frames:
+                time_ms = clip.time_ms(frame)
+                renderer.draw(time_ms, span.motion.at(time_ms, span.next_tick))
 
-    plain = PlainPygame(Look.of(replay.config), 720, 680)
+    plain = PlainPygame(MatchInfo.of(replay.config), 720, 680)
 
     def theirs() -> None:
-        marks: list[Mark] = []
-        last = leg(worlds[0], worlds[0]).poses[0]
-        for passage in passages(worlds, cut):
-            now = passage.leg
-            marks += marks_of(now.before, now.after)
-            for frame in passage.frames:
-                time_ms = cut.time_ms(frame)
-                poses = now.at(time_ms, passage.next_tick)
+        annotations: list[Annotation] = []
+        last = step_motion(worlds[0], worlds[0]).poses[0]
+        for span in frame_spans(worlds, clip):
+            now = span.motion
+            annotations += annotations_of(now.before, now.after)
+            for frame in span.frames:
+                time_ms = clip.time_ms(frame)
+                poses = now.at(time_ms, span.next_tick)
                 described = scene.arena_shapes(
-                    plain.view,
-                    plain.look,
+                    plain.viewport,
+                    plain.info,
                     hunters=now.after.hunters,
                     poses=poses,
                     targets=[target for target in now.after.targets if target.spawned_ms <= time_ms],
-                    marks=still_seen(marks, time_ms),
+                    annotations=visible_annotations(annotations, time_ms),
                     time_ms=time_ms,
                 )
                 plain.frame(poses, last, described, fade=frame % 12 == 0)
                 last = poses
 
     our_s, their_s = seconds_of(ours, args.repeats), seconds_of(theirs, args.repeats)
-    told("the arena alone, 720 x 720", cut.frames, our_s)
-    told("plain pygame, supersampled twice", cut.frames, their_s, f"ours is {their_s / our_s:.1f} times as fast")
+    told("the arena alone, 720 x 720", clip.frames, our_s)
+    told("plain pygame, supersampled twice", clip.frames, their_s, f"ours is {their_s / our_s:.1f} times as fast")
 
 
 def memory_of(minutes: float) -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 import cv2
 
 from catch_arena import Replay
-from catch_arena.render.motion import Cut
-from catch_arena.render.video import filmed, render_replay, stage_of
+from catch_arena.render.timing import Clip
+from catch_arena.render.video import render_replay, rendered_frames, renderer_for
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import play
@@ -22,12 +22,12 @@ MOST_BYTES = 2_000_000
 
 
 def main() -> None:
-    """Play the match, and film it."""
+    """Play the match, and render it."""
     argparse.ArgumentParser(description=__doc__).parse_args()
     replay = recorded()
     picture, animation = DOCS / "picture.png", DOCS / "animation.gif"
-    moment = Cut(round(1000 * MOMENT_S), round(1000 * MOMENT_S), fps=60)
-    (pixels,) = filmed(replay, stage_of(replay, (1280, 720), "broadcast"), moment)
+    moment = Clip(round(1000 * MOMENT_S), round(1000 * MOMENT_S), fps=60)
+    (pixels,) = rendered_frames(replay, renderer_for(replay, (1280, 720), "broadcast"), moment)
     cv2.imwrite(str(picture), cv2.cvtColor(pixels, cv2.COLOR_RGBA2BGR), [cv2.IMWRITE_PNG_COMPRESSION, 9])
     render_replay(replay, animation, start_s=FROM_S, end_s=TO_S)
     size = picture.stat().st_size + animation.stat().st_size

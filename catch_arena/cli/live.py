@@ -85,15 +85,15 @@ def _show(
     force: bool,
 ) -> None:
     """Seat the agents, one after the other and over again, and play in a window."""
-    from catch_arena.live.session import seated, show_match
-    from catch_arena.render.stage import checked_size
+    from catch_arena.live.session import line_up, show_match
+    from catch_arena.render.renderer import checked_size
     from catch_arena.tournament.entrants import enter
 
     config = arena(scenario, settings)
     if len(agents) > free:
         raise ConfigError(f"agents must be {free} at most, one for each free seat of {scenario}, got {len(agents)}")
     window = checked_size(width_and_height(size))
-    seats = seated(enter([agents[number % len(agents)] for number in range(free)]), config.hunters, person)
+    lineup = line_up(enter([agents[index % len(agents)] for index in range(free)]), config.hunters, person)
     unasked = Path("match.replay")
     output_file(unasked if record is None else record, force=force or record is None)
 
@@ -102,7 +102,7 @@ def _show(
         replay.save(target)
         return str(target)
 
-    replay, scores, ranks = show_match(config, seed, seats, title=scenario, size=window, save=save)
+    replay, scores, ranks = show_match(config, seed, lineup, title=scenario, size=window, save=save)
     ranking = sorted(zip(ranks, scores, replay.names, strict=True), key=lambda line: line[0])
     for rank, score, name in ranking:
         typer.echo(f"{rank:>3}  {score:>3}  {name}")

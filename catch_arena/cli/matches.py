@@ -164,9 +164,9 @@ def tournament(
 @contextmanager
 def _watched(folder: Path) -> Iterator[None]:
     """Serve the report of a tournament that is under way, and of one that has ended until Ctrl-C."""
-    from catch_arena.report.watch import Watched, serving
+    from catch_arena.report.watch import LiveReport, serve
 
-    with serving(Watched(folder)) as address:
+    with serve(LiveReport(folder)) as address:
         typer.echo(f"watch: {address}")
         yield
         typer.echo(f"the report stays at {address} until Ctrl-C")

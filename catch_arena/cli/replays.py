@@ -24,21 +24,20 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
     A match that does not play as recorded: its first step that differs, and in what. The exit code is 2 if any fails.
     """
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.replay import Replay
-    from catch_arena.replay.verification import faults
+    from catch_arena.replay import Replay, verification
 
     bad = 0
     for path in replays:
         try:
             replay = Replay.load(path)
             with progress_bar("verifying", after_s=_BAR_AFTER_S) as show:
-                found = [f"{path}: {fault}" for fault in faults(replay, show)]
+                lines = [f"{path}: {fault}" for fault in verification.verify(replay, show)]
         except ReplayError as error:
-            found = [str(error)]
-        bad += bool(found)
-        for line in found:
+            lines = [str(error)]
+        bad += bool(lines)
+        for line in lines:
             typer.echo(line, err=True)
-        if not found:
+        if not lines:
             typer.echo(f"{path}: all of {replay.steps} steps play as recorded")
     if bad:
         raise ReplayError(f"{bad} of {len(replays)} replays failed")
@@ -56,12 +55,12 @@ def diff(
     from catch_arena.replay import Replay
     from catch_arena.replay.comparison import replay_differences
 
-    found = replay_differences(Replay.load(a), Replay.load(b))
-    if not found:
+    lines = replay_differences(Replay.load(a), Replay.load(b))
+    if not lines:
         typer.echo("the replays are equal")
         return
     typer.echo(f"A: {a}\nB: {b}")
-    for line in found:
+    for line in lines:
         typer.echo(line)
     raise typer.Exit(_EXIT_DIFFERENT)
 
@@ -82,15 +81,15 @@ def explain(
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
-    explained: explanation.Explanation | explanation.StepExplanation
+    result: explanation.Explanation | explanation.StepExplanation
     if step is None:
         with progress_bar("playing", after_s=_BAR_AFTER_S) as show:
-            explained = explanation.explain(recorded, hunter, show)
+            result = explanation.explain(recorded, hunter, show)
     else:
-        explained = explanation.explain_step(recorded, step, hunter)
+        result = explanation.explain_step(recorded, step, hunter)
     if as_json:
-        typer.echo(json.dumps(explained.to_dict(), indent=1))
+        typer.echo(json.dumps(result.to_dict(), indent=1))
         return
     width = min(WIDE, columns())
-    for paragraph in explained.lines():
+    for paragraph in result.lines():
         typer.echo(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))

@@ -35,11 +35,11 @@ def report(
     if watch:
         if budget is not None or match:
             raise ConfigError("--budget and --match must be left out with --watch, whose page plays every replay")
-        from catch_arena.report.watch import Watched, serving
+        from catch_arena.report.watch import LiveReport, serve
 
-        watched = Watched(folder)
-        watched.state()  # what is wrong is said here, before anybody looks
-        with serving(watched, port) as address:
+        live = LiveReport(folder)
+        live.state()  # what is wrong is said here, before anybody looks
+        with serve(live, port) as address:
             typer.echo(f"report: {address} (Ctrl-C ends)")
             interrupts.wait()
         return

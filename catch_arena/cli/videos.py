@@ -11,7 +11,7 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.errors import ConfigError, ReplayError
 
 if TYPE_CHECKING:
-    from catch_arena.render.moments import Moment, Story
+    from catch_arena.explanation.highlights import Highlight, MatchEvents
     from catch_arena.render.video import RenderReport
 
 Layout = Literal["broadcast", "arena"]
@@ -24,7 +24,7 @@ Video = Annotated[
     Path,
     typer.Option("--output", "-o", help="The file to write, which ends in .mp4, .webm, .gif or .webp."),
 ]
-FilmSize = Annotated[
+VideoSize = Annotated[
     str | None,
     typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"),
 ]
@@ -45,7 +45,7 @@ def render(
         ),
     ] = None,
     force: Force = False,
-    size: FilmSize = None,
+    size: VideoSize = None,
     fps: Fps = None,
     layout: Annotated[Layout, typer.Option(help="With the scores, or the arena alone.")] = "broadcast",
     start: Annotated[float, typer.Option("--from", metavar="SECONDS", help="Where to begin in the match.")] = 0.0,
@@ -56,13 +56,13 @@ def render(
 ) -> None:
     """Turn a recorded match, or a part of it, into a video."""
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.render.encoders import written_as
+    from catch_arena.render.encoders import output_path
     from catch_arena.render.video import render_replay
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
     target = replay.with_suffix(".mp4") if output is None else output
-    output_file(written_as(target), force=force)
+    output_file(output_path(target), force=force)
     with progress_bar("rendering") as show:
         report = render_replay(
             recorded,
@@ -75,7 +75,7 @@ def render(
             speed=speed,
             progress=show,
         )
-    _tell(report)
+    _print_report(report)
 
 
 @main.command()
@@ -97,11 +97,11 @@ def mosaic(
 ) -> None:
     """Show all matches of a folder at once, in a grid."""
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.render.encoders import format_of, written_as
+    from catch_arena.render.encoders import format_of, output_path
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay
 
-    within = None if size is None else width_and_height(size)
+    frame_size = None if size is None else width_and_height(size)
     format_of(output)
     paths = _replays_in(folder)
     found: dict[str, Replay] = {}
@@ -111,13 +111,13 @@ def mosaic(
         try:
             found[path.stem] = Replay.load(path)
         except ReplayError as error:
-            _tell_skipped(error)
+            _print_skipped(error)
     _require_some(folder, len(found), len(paths))
-    output_file(written_as(output), force=force)
+    output_file(output_path(output), force=force)
     with progress_bar("rendering") as show:
-        report = render_mosaic(found, output, size=within, fps=fps, speed=speed, progress=show)
+        report = render_mosaic(found, output, size=frame_size, fps=fps, speed=speed, progress=show)
     typer.echo(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
-    _tell(report)
+    _print_report(report)
 
 
 @main.command()
@@ -130,7 +130,7 @@ def highlights(
     listing: Annotated[
         bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
     ] = False,
-    size: FilmSize = None,
+    size: VideoSize = None,
     fps: Fps = None,
 ) -> None:
     """Find the moments of a folder's matches that are worth seeing, and film them.
@@ -138,29 +138,31 @@ def highlights(
     Close contests, changes of lead, streaks, the last seconds of close matches, and upsets; the best comes last.
     """
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.render.encoders import format_of, written_as
-    from catch_arena.render.highlights import Clip, render_highlights
+    from catch_arena.explanation.highlights import select_highlights
+    from catch_arena.render.encoders import format_of, output_path
+    from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
     from catch_arena.render.hud import clock
-    from catch_arena.render.moments import best
 
-    within = None if size is None else width_and_height(size)
+    frame_size = None if size is None else width_and_height(size)
     format_of(output)
     if not listing:
-        output_file(written_as(output), force=force)
-    found = _moments_in(folder)
-    chosen = best({str(path): moments for path, moments in found.items()}, count)
-    if not chosen:
+        output_file(output_path(output), force=force)
+    found = _highlights_in(folder)
+    selected = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
+    if not selected:
         raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
-    for path, moment in chosen:
-        typer.echo(f"{Path(path).name}  {clock(moment.decisive_ms)} s  {moment.kind}: {moment.what}. {moment.why}")
-    if fewer := _fewer(len(chosen), count, "there are no more that do not overlap"):
-        typer.echo(f"moments: {len(chosen)}{fewer}", err=True)
+    for path, highlight in selected:
+        typer.echo(
+            f"{Path(path).name}  {clock(highlight.decisive_ms)} s  {highlight.kind}: {highlight.what}. {highlight.why}"
+        )
+    if fewer := _fewer(len(selected), count, "there are no more that do not overlap"):
+        typer.echo(f"moments: {len(selected)}{fewer}", err=True)
     if listing:
         return
     with progress_bar("rendering") as show:
-        clips = [Clip(Path(path), moment) for path, moment in chosen]
-        report = render_highlights(clips, output, size=within, fps=fps, progress=show)
-    _tell(report)
+        recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
+        report = render_highlights(recorded, output, size=frame_size, fps=fps, progress=show)
+    _print_report(report)
 
 
 @main.command()
@@ -184,25 +186,27 @@ def sheet(
 ) -> None:
     """Put pictures of a match side by side, with their times."""
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.render.moments import best, moments, story
-    from catch_arena.render.sheet import contact_sheet, even_instants, instants_of, same_picture
+    from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
+    from catch_arena.render.contact_sheet import contact_sheet, even_instants, instants_of, same_picture
     from catch_arena.replay import Replay, write_whole
 
     if output.suffix.lower() != ".png":
         raise ConfigError(f"output must end in .png, got {str(output)!r}")
-    within = None if size is None else width_and_height(size)
+    frame_size = None if size is None else width_and_height(size)
     recorded = Replay.load(replay)
     output_file(output, force=force)
     with progress_bar("looking", after_s=_BAR_AFTER_S) as show:
         if pick == "even":
             instants = even_instants(recorded, count)
         else:
-            chosen = best({"": moments(story(recorded, show))}, count, clash=same_picture)
-            instants = instants_of([moment for _, moment in chosen])
+            selected = select_highlights(
+                {"": find_highlights(extract_events(recorded, show))}, count, clash=same_picture
+            )
+            instants = instants_of([highlight for _, highlight in selected])
     if not instants:
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
     with progress_bar("drawing") as show:
-        picture = contact_sheet(recorded, instants, size=within, progress=show)
+        picture = contact_sheet(recorded, instants, size=frame_size, progress=show)
     write_whole(output, picture)
     pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
     typer.echo(f"sheet: {output} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
@@ -213,32 +217,32 @@ def _fewer(got: int, asked: int | None, why: str) -> str:
     return f", not {asked}: {why}" if asked is not None and got < asked else ""
 
 
-def _moments_in(folder: Path) -> "Mapping[Path, Sequence[Moment]]":
+def _highlights_in(folder: Path) -> "Mapping[Path, Sequence[Highlight]]":
     """What is worth seeing in a folder's matches; those that cannot be played are named and left out."""
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.render.moments import moments, records, win_rates
+    from catch_arena.explanation.highlights import find_highlights, win_rates, win_records
 
     paths = _replays_in(folder)
-    stories = {}
+    matches = {}
     with progress_bar("looking", after_s=_BAR_AFTER_S) as show:
         for done, path in enumerate(paths, start=1):
             try:
-                stories[path] = _story_of(path)
+                matches[path] = _events_of(path)
             except ReplayError as error:
-                _tell_skipped(error)
+                _print_skipped(error)
             show(done, len(paths))
-    _require_some(folder, len(stories), len(paths))
-    known = records(stories.values())
-    return {path: moments(told, win_rates(known, told)) for path, told in stories.items()}
+    _require_some(folder, len(matches), len(paths))
+    known = win_records(matches.values())
+    return {path: find_highlights(events, win_rates(known, events)) for path, events in matches.items()}
 
 
-def _story_of(path: Path) -> "Story":
-    from catch_arena.render.moments import story
+def _events_of(path: Path) -> "MatchEvents":
+    from catch_arena.explanation.highlights import extract_events
     from catch_arena.replay import Replay
 
     replay = Replay.load(path)
     try:
-        return story(replay)
+        return extract_events(replay)
     except ReplayError as error:
         raise ReplayError(f"{path}: {error}") from None
 
@@ -258,11 +262,11 @@ def _require_some(folder: Path, good: int, paths: int) -> None:
         raise ReplayError(f"{folder}: none of {paths} replays can be played")
 
 
-def _tell_skipped(error: ReplayError) -> None:
+def _print_skipped(error: ReplayError) -> None:
     typer.echo(f"left out: {error}", err=True)
 
 
-def _tell(report: "RenderReport") -> None:
+def _print_report(report: "RenderReport") -> None:
     """Where the video is."""
     if report.notice:
         typer.echo(report.notice, err=True)

@@ -285,6 +285,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         Raises:
             ConfigError: for a name or a title that is not at most 200 printable characters.
         """
+        import catch_arena.player  # noqa: F401 - notebooks show the replay by it
+
         names = tuple(names) if names is not None else self.config.hunter_names
         if len(names) != self.config.hunters:
             raise ConfigError(f"names must be {self.config.hunters}, one for each hunter, got {names!r}")
@@ -304,7 +306,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self.render_mode is None:
             return None
         self._require_episode("render")
-        from catch_arena.render.stage import ArenaPainter
+        from catch_arena.render.renderer import ArenaPainter
 
         if self._painter is None:
             self._painter = ArenaPainter(self.config, size=RENDER_SIZE)
@@ -326,7 +328,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._seed is None:
             return f"<p>{escape(str(self))}: no episode has begun</p>"
         try:
-            from catch_arena.render.still import png_html
+            from catch_arena.render.renderer import png_html
         except ConfigError as error:  # without the libraries that draw
             return f"<p>{escape(str(self))}: {escape(str(error))}</p>"
         return png_html(self.config, self._engine.world())

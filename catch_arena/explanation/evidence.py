@@ -71,7 +71,7 @@ class Refusals:
 
 
 @dataclass(slots=True)
-class Record:
+class HunterSummary:
     """What became of one hunter."""
 
     seat: int
@@ -92,7 +92,7 @@ class Record:
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """The contests and refusals of a match, and a record for each hunter that was asked about."""
+    """The contests and refusals of a match, and a summary of each hunter that was asked about."""
 
     title: str
     policy: str
@@ -104,13 +104,13 @@ class Explanation:
     scores: tuple[int, ...]
     contests: tuple[Contest, ...]
     refusals: tuple[Refusals, ...]
-    records: tuple[Record, ...]
+    records: tuple[HunterSummary, ...]
 
     def lines(self) -> list[str]:
         """The match in words: a paragraph for each contest and each run of refusals in their order, then one for each
         hunter.
         """
-        from catch_arena.explanation.words import paragraphs
+        from catch_arena.explanation.sentences import paragraphs
 
         return paragraphs(self)
 
@@ -134,13 +134,13 @@ def explain(
     refusals: list[Refusals] = []
     running: dict[tuple[int, Verdict], Refusals] = {}
     refused = [Counter[str]() for _ in names]
-    records = [Record(seat, name) for seat, name in enumerate(names)]
+    summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
     scores: tuple[int, ...] = ()
     for step, world in enumerate(replay.worlds()):
         found = contests_of(replay, world)
         contests += found
         _note_refusals(world, {claim.seat for contest in found for claim in contest.claims}, running, refusals)
-        _note_forestalled(world, found, records)
+        _note_forestalled(world, found, summaries)
         for ruling in world.rulings:
             if ruling.verdict not in (Verdict.GRANTED, Verdict.LOST_CONTEST):
                 refused[ruling.hunter][ruling.verdict.name] += 1
@@ -148,10 +148,10 @@ def explain(
         if progress is not None:
             progress(step, replay.steps)
     for before, seat in replay.withdrawals:
-        records[seat].withdrawn_ms = before * replay.config.control_period_ms
-    _settle(records, contests)
-    for record, score, tally in zip(records, scores, refused, strict=True):
-        record.catches, record.refused = score, dict(sorted(tally.items()))
+        summaries[seat].withdrawn_ms = before * replay.config.control_period_ms
+    _count_contests(summaries, contests)
+    for summary, score, tally in zip(summaries, scores, refused, strict=True):
+        summary.catches, summary.refused = score, dict(sorted(tally.items()))
     return Explanation(
         title=replay.title,
         policy=replay.config.policy,
@@ -162,7 +162,7 @@ def explain(
         scores=scores,
         contests=tuple(one for one in contests if any(claim.seat in chosen for claim in one.claims)),
         refusals=tuple(one for one in refusals if one.seat in chosen),
-        records=tuple(records[seat] for seat in chosen),
+        records=tuple(summaries[seat] for seat in chosen),
     )
 
 
@@ -233,20 +233,20 @@ def _note_refusals(
             run.farthest_um = distance if run.farthest_um is None else max(run.farthest_um, distance)
 
 
-def _note_forestalled(world: World, contests: Sequence[Contest], records: Sequence[Record]) -> None:
+def _note_forestalled(world: World, contests: Sequence[Contest], summaries: Sequence[HunterSummary]) -> None:
     """R4.1's active target was caught by somebody else, and the hunter did not even contest it."""
     catchers = {ruling.target: ruling.hunter for ruling in world.rulings if ruling.success}
     contested = {(contest.target, claim.seat) for contest in contests for claim in contest.claims}
-    for record, hunter in zip(records, world.hunters, strict=True):
+    for summary, hunter in zip(summaries, world.hunters, strict=True):
         goal = hunter.active_target
-        if catchers.get(goal, record.seat) != record.seat and (goal, record.seat) not in contested:
-            record.forestalled += 1
+        if catchers.get(goal, summary.seat) != summary.seat and (goal, summary.seat) not in contested:
+            summary.forestalled += 1
 
 
-def _settle(records: Sequence[Record], contests: Sequence[Contest]) -> None:
+def _count_contests(summaries: Sequence[HunterSummary], contests: Sequence[Contest]) -> None:
     """Contests won and lost, and by how much on average."""
-    won: list[list[int]] = [[] for _ in records]
-    lost: list[list[int]] = [[] for _ in records]
+    won: list[list[int]] = [[] for _ in summaries]
+    lost: list[list[int]] = [[] for _ in summaries]
     for contest in contests:
         if contest.clause == "R9.1":
             continue  # everybody won
@@ -254,11 +254,11 @@ def _settle(records: Sequence[Record], contests: Sequence[Contest]) -> None:
         won[winner.seat].append(contest.margin_um or 0)
         for claim in losers:
             lost[claim.seat].append((claim.distance_um or 0) - (winner.distance_um or 0))
-    for record in records:
-        wins, losses = won[record.seat], lost[record.seat]
-        record.contests_won, record.contests_lost = len(wins), len(losses)
-        record.won_by_um = sum(wins) / len(wins) if wins else None
-        record.lost_by_um = sum(losses) / len(losses) if losses else None
+    for summary in summaries:
+        wins, losses = won[summary.seat], lost[summary.seat]
+        summary.contests_won, summary.contests_lost = len(wins), len(losses)
+        summary.won_by_um = sum(wins) / len(wins) if wins else None
+        summary.lost_by_um = sum(losses) / len(losses) if losses else None
 
 
 def json_ready(value: Any) -> Any:

@@ -16,7 +16,7 @@ from catch_arena.world import World
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class HunterAction:
     """What one hunter did in a step, and the answer."""
 
     seat: int
@@ -45,7 +45,7 @@ class StepExplanation:
     end_ms: int
     names: tuple[str, ...]
     """What the hunters are called, by seat."""
-    asked: tuple[Asked, ...]
+    asked: tuple[HunterAction, ...]
     """A line for each hunter that was asked about."""
     distances_um: dict[str, tuple[int, ...]]
     """For each target that these named or requested: every hunter's distance, by seat (R5.3)."""
@@ -53,7 +53,7 @@ class StepExplanation:
 
     def lines(self) -> list[str]:
         """The step in words: a paragraph for each hunter, each target and each contest."""
-        from catch_arena.explanation.words import step_paragraphs
+        from catch_arena.explanation.sentences import step_paragraphs
 
         return step_paragraphs(self)
 
@@ -94,10 +94,10 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     )
 
 
-def _asked(replay: Replay, before: World, step: int, seat: int, ruling: Ruling | None) -> Asked:
+def _asked(replay: Replay, before: World, step: int, seat: int, ruling: Ruling | None) -> HunterAction:
     rank = int(replay.choices[step - 1][seat])
     seen = _seen(replay, before, seat)
-    return Asked(
+    return HunterAction(
         seat=seat,
         control=replay.config.controls[seat],
         action=replay.action(step - 1, seat),

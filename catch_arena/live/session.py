@@ -4,21 +4,39 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
-from catch_arena.config import ArenaConfig
-from catch_arena.live.keys import Hands
-from catch_arena.live.person import Person
-from catch_arena.live.show import Again, Ended, Show
-from catch_arena.policy import Policy
-from catch_arena.render.view import Look
+from catch_arena.config import ArenaConfig, Control
+from catch_arena.live.match_window import MatchWindow, QuitRequested, RestartRequested
+from catch_arena.live.user_input import InputState
+from catch_arena.policy import Policy, View
+from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import play
 
 
+class HumanPolicy:
+    """Drives by hand; the nearest target within reach is requested for it (R4.4)."""
+
+    control: ClassVar[Control] = "velocity"
+
+    def __init__(self, inputs: InputState) -> None:
+        self._inputs = inputs
+
+    def reset(self, seed: int) -> None:
+        """Nothing is held from the match before."""
+        del seed
+        self._inputs.release_all()
+
+    def act(self, view: View) -> tuple[float, float]:
+        """What the person commands."""
+        del view
+        return self._inputs.velocity_command()
+
+
 @dataclass(frozen=True, slots=True)
-class Seats:
+class Lineup:
     """Who plays: entrants by seat, None for the person."""
 
     players: tuple[Entrant | None, ...]
@@ -33,12 +51,12 @@ class Seats:
         """The person's seat."""
         return self.players.index(None) if None in self.players else None
 
-    def policies(self, hands: Hands) -> list[Policy]:
+    def policies(self, inputs: InputState) -> list[Policy]:
         """Fresh ones, for one match."""
-        return [Person(hands) if player is None else player.create() for player in self.players]
+        return [HumanPolicy(inputs) if player is None else player.create() for player in self.players]
 
 
-class Outcome(NamedTuple):
+class SessionResult(NamedTuple):
     """What was played last, to its end or not; scores and ranks by seat."""
 
     replay: Replay
@@ -49,25 +67,25 @@ class Outcome(NamedTuple):
 def show_match(
     config: ArenaConfig,
     seed: int,
-    seats: Seats,
+    lineup: Lineup,
     *,
     title: str,
     size: tuple[int, int],
     save: Callable[[Replay], str],
-) -> Outcome:
+) -> SessionResult:
     """Play a match in a window until its user has seen enough.
 
     Args: as for `tournament.match.play`; `size` of the window; `save`, called when the user asks for it, says where
     the replay is.
     Raises: OutputError without a display; AgentError.
     """
-    hands = Hands()
-    show = Show(
-        Look.of(config, seats.names, title),
+    inputs = InputState()
+    window = MatchWindow(
+        MatchInfo.of(config, lineup.names, title),
         seed,
         size,
-        hands=None if seats.person is None else hands,
-        seat=seats.person,
+        inputs=None if lineup.person is None else inputs,
+        seat=lineup.person,
         save=save,
     )
     try:
@@ -75,17 +93,17 @@ def show_match(
             record = Path(folder, "match.replay")  # a match is recorded where it is to be written; `save` decides
             while True:
                 try:
-                    play(config, seed, seats.policies(hands), seats.names, title=title, record=record, watch=show)
-                except Again:
+                    play(config, seed, lineup.policies(inputs), lineup.names, title=title, record=record, watch=window)
+                except RestartRequested:
                     continue
-                except Ended:
+                except QuitRequested:
                     pass
-                return Outcome(show.replay, show.scores, show.ranks)
+                return SessionResult(window.replay, window.scores, window.ranks)
     finally:
-        show.close()
+        window.close()
 
 
-def seated(players: Sequence[Entrant], hunters: int, person: int | None) -> Seats:
+def line_up(players: Sequence[Entrant], hunters: int, person: int | None) -> Lineup:
     """The entrants in their order, about the person's seat."""
     rest = iter(players)
-    return Seats(tuple(None if seat == person else next(rest) for seat in range(hunters)))
+    return Lineup(tuple(None if seat == person else next(rest) for seat in range(hunters)))

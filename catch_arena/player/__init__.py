@@ -1,6 +1,9 @@
 """A replay as a piece of a web page: a canvas that plays it, with nothing to load from anywhere."""
 
+from catch_arena.player.bundle import bundle_text, packed_text
 from catch_arena.player.element import element_script, page_file, player_html, script_json
-from catch_arena.player.film import film_text, packed_text
+from catch_arena.replay import Replay
 
-__all__ = ["element_script", "film_text", "packed_text", "page_file", "player_html", "script_json"]
+__all__ = ["Replay", "bundle_text", "element_script", "packed_text", "page_file", "player_html", "script_json"]
+
+Replay.html_formatter = player_html

@@ -1,4 +1,4 @@
-"""The element `<catch-replay>`, which plays a film, as one script: a page may hold any number of them."""
+"""The element `<catch-replay>`, which plays a replay bundle, as one script: a page may hold any number of them."""
 
 import json
 import re
@@ -6,12 +6,11 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Final
 
-from catch_arena.player.film import css, film_text
-from catch_arena.render import scene, shapes, view
-from catch_arena.render.turtle import TURTLE_PARTS
+from catch_arena.player.bundle import bundle_text, css
+from catch_arena.render import scene, shapes, viewport
 from catch_arena.replay import Replay
 
-_SCRIPTS: Final = ("film.js", "arena.js", "player.js")
+_SCRIPTS: Final = ("replay.js", "arena.js", "player.js")
 _MODULE: Final = re.compile(r"^(import [^;]*;\n|export )", re.MULTILINE)
 """What makes a module of a file: checkers and tests read them so, and in a page they are one script."""
 _EVERY: Final = 2
@@ -24,7 +23,7 @@ def player_html(replay: Replay) -> str:
 
     Raises: ReplayError where the match does not play as recorded.
     """
-    return f'{element_script()}<catch-replay film="{film_text(replay)}">{_FALLBACK}</catch-replay>'
+    return f'{element_script()}<catch-replay film="{bundle_text(replay)}">{_FALLBACK}</catch-replay>'
 
 
 @cache
@@ -53,14 +52,14 @@ def script_json(value: object) -> str:
 def _look() -> dict[str, Any]:
     """The colours and shapes of render/."""
     return {
-        "ground": css(view.GROUND),
-        "outside": css(view.OUTSIDE),
+        "ground": css(viewport.GROUND),
+        "outside": css(viewport.OUTSIDE),
         "grid": css(scene.GRID),
         "wall": css(scene.WALL),
-        "target": css(view.TARGET),
+        "target": css(viewport.TARGET),
         "ink": css(shapes.INK),
-        "hunterLength": view.HUNTER_LENGTH_M,
-        "targetLength": view.TARGET_LENGTH_M,
-        "margin": view.MARGIN,
-        "turtle": [[own, white, points[::_EVERY].round(3).tolist()] for points, own, white in TURTLE_PARTS],
+        "hunterLength": viewport.HUNTER_LENGTH_M,
+        "targetLength": viewport.TARGET_LENGTH_M,
+        "margin": viewport.MARGIN,
+        "turtle": [[own, white, points[::_EVERY].round(3).tolist()] for points, own, white in shapes.TURTLE_PARTS],
     }

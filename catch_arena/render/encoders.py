@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.render.libraries import cv2
-from catch_arena.render.palette import Census
+from catch_arena.render.palette import ColorHistogram
 from catch_arena.replay import regular_file, room, unwritable
 
 Pixels = NDArray[np.uint8]
@@ -94,7 +94,7 @@ def format_of(path: Path) -> Format:
     return found
 
 
-def written_as(path: Path) -> Path:
+def output_path(path: Path) -> Path:
     """The name that a video of this name gets: where its encoder is missing, .mp4 is added to another ending.
 
     Raises: ConfigError.
@@ -119,7 +119,7 @@ class Encoder(Protocol):
     def finish(self, progress: Progress | None) -> None:
         """No more frames: make the file whole; what takes long tells its progress."""
 
-    def abandon(self) -> None:
+    def abort(self) -> None:
         """Let go of the file, in whatever state it is."""
 
     def count(self) -> int:
@@ -153,7 +153,7 @@ def video_file(
     `progress`, told of work that is left when the last frame has come. Raises: ConfigError, OutputError.
     """
     kind = format_of(Path(path))
-    path = written_as(Path(path))
+    path = output_path(Path(path))
     av = _pyav_with(kind.encoder)
     notice = ""
     if av is None:
@@ -170,7 +170,7 @@ def video_file(
     unfinished = Path(name)
     encoder: Encoder | None = None
     try:
-        encoder = _PlainEncoder(unfinished, size, fps) if av is None else _encoder(av, kind, unfinished, size, fps)
+        encoder = _Cv2Encoder(unfinished, size, fps) if av is None else _encoder(av, kind, unfinished, size, fps)
         yield VideoFile(path, encoder.codec, encoder.write, notice)
         encoder.finish(progress)
         _require_frames(path, encoder.count(), frames)
@@ -178,7 +178,7 @@ def video_file(
         unfinished.replace(target)
     except BaseException as error:
         if encoder is not None:
-            encoder.abandon()
+            encoder.abort()
         unfinished.unlink(missing_ok=True)
         if isinstance(error, (OSError,) if encoder is None else encoder.failures):
             raise unwritable(path, error) from None
@@ -234,7 +234,7 @@ class _AvEncoder:
         self._container.mux(self._stream.encode(None))
         self._container.close()
 
-    def abandon(self) -> None:
+    def abort(self) -> None:
         with suppress(*self.failures):  # a full disk fails again when its file is closed
             self._container.close()
 
@@ -285,34 +285,34 @@ class _GifEncoder(_AvEncoder):
     def __init__(self, av: Any, kind: Format, path: Path, size: tuple[int, int], fps: int) -> None:
         super().__init__(av, kind, path, size, fps)
         self._stream.pix_fmt = "pal8"
-        self._waiting: IO[bytes] = tempfile.TemporaryFile(dir=path.parent)  # noqa: SIM115 - closed by finish or abandon
+        self._waiting: IO[bytes] = tempfile.TemporaryFile(dir=path.parent)  # noqa: SIM115 - closed by finish or abort
         self._lengths: list[int] = []
-        self._census = Census()
+        self._histogram = ColorHistogram()
 
     def write(self, pixels: Pixels) -> None:
-        squeezed = zlib.compress(self._census.count(pixels).tobytes(), 1)
+        squeezed = zlib.compress(self._histogram.count(pixels).tobytes(), 1)
         self._lengths.append(len(squeezed))
         self._waiting.write(squeezed)
 
     def finish(self, progress: Progress | None) -> None:
-        palette, places = self._census.palette()
+        palette, indices = self._histogram.palette()
         width, height = self._size
         self._waiting.seek(0)
         for done, length in enumerate(self._lengths, start=1):
             codes = np.frombuffer(zlib.decompress(self._waiting.read(length)), dtype=np.uint16)
-            self._encode(self._av.VideoFrame.from_ndarray((places[codes].reshape(height, width), palette), "pal8"))
+            self._encode(self._av.VideoFrame.from_ndarray((indices[codes].reshape(height, width), palette), "pal8"))
             if progress is not None:
                 progress(done, len(self._lengths))
         self._waiting.close()
         super().finish(progress)
 
-    def abandon(self) -> None:
+    def abort(self) -> None:
         with suppress(*self.failures):
             self._waiting.close()
-        super().abandon()
+        super().abort()
 
 
-class _PlainEncoder:
+class _Cv2Encoder:
     """MPEG-4 Part 2 through cv2, for those who have no PyAV."""
 
     codec = "mpeg4"
@@ -336,7 +336,7 @@ class _PlainEncoder:
         del progress
         self._writer.release()
 
-    def abandon(self) -> None:
+    def abort(self) -> None:
         self._writer.release()
 
     def count(self) -> int:

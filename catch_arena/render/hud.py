@@ -10,7 +10,7 @@ from typing import Final, Literal, NamedTuple
 
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, mix
 from catch_arena.render.text import printable, text_width
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 
 Layout = Literal["broadcast", "arena"]
 """With a panel of standings and a timeline beside the arena, or with one line over it."""
@@ -24,15 +24,15 @@ BRIGHT: Final[Color] = (240, 243, 255)
 ROW: Final = 50.0
 """The most that a line of the standings takes, in units."""
 CLOSE_ROW: Final = 36.0
-"""What it takes at most where the news would have no room otherwise."""
-NEWS_ROW: Final = 26.0
-"""What a line of the news takes, in units."""
-MOST_NEWS: Final = 4
+"""What it takes at most where the event feed would have no room otherwise."""
+FEED_ROW: Final = 26.0
+"""What a line of the event feed takes, in units."""
+MOST_FEED_LINES: Final = 4
 """Lines."""
-LEAST_NEWS: Final = 200
+LEAST_FEED_WIDTH: Final = 200
 """Pixels: narrower than that, a line cannot be read."""
 TIMELINE: Final = 170.0
-"""The least that the timeline keeps where the standings or the news could take more, in units."""
+"""The least that the timeline keeps where the standings or the feed could take more, in units."""
 
 
 class Rect(NamedTuple):
@@ -44,7 +44,7 @@ class Rect(NamedTuple):
     height: int
 
 
-NOWHERE: Final = Rect(0, 0, 0, 0)
+EMPTY_RECT: Final = Rect(0, 0, 0, 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,13 +55,13 @@ class Arrangement:
     header: Rect
     unit: float
     """Pixels of the frame for a pixel of a 1280 x 720 one: texts and gaps follow it."""
-    standings: Rect = NOWHERE
-    news: Rect = NOWHERE
-    timeline: Rect = NOWHERE
+    standings: Rect = EMPTY_RECT
+    feed: Rect = EMPTY_RECT
+    timeline: Rect = EMPTY_RECT
 
 
-class Standing(NamedTuple):
-    """One hunter's line."""
+class HunterScore(NamedTuple):
+    """What one hunter has."""
 
     seat: int
     score: int
@@ -96,38 +96,38 @@ def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
     arena_width = min(round(0.66 * width), round(1.1 * (height - top - bottom)))
     arena = Rect(0, top, arena_width, height - top - bottom)
     beside = Rect(arena_width + gap, top, width - arena_width - 2 * gap, arena.height)
-    standings, news = _with_news(beside, unit, hunters, 0)
+    standings, feed = _with_feed(beside, unit, hunters, 0)
     timeline = Rect(gap, height - bottom + gap, width - 2 * gap, bottom - 2 * gap)
-    return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, standings, news, timeline)
+    return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, standings, feed, timeline)
 
 
 def _cards(panel: Rect, unit: float, hunters: int) -> tuple[Rect, Rect, Rect]:
-    """Standings, news and timeline: one below the other, or the last beside the others in a wide panel."""
+    """Standings, event feed and timeline: one below the other, or the last beside the others in a wide panel."""
     gap = round(14 * unit)
     if panel.width > 1.6 * panel.height:
         half = (panel.width - gap) // 2
         right = Rect(panel.left + half + gap, panel.top, panel.width - half - gap, panel.height)
-        return *_with_news(panel._replace(width=half), unit, hunters, 0), right
+        return *_with_feed(panel._replace(width=half), unit, hunters, 0), right
     least = min(round(0.36 * panel.height), round(TIMELINE * unit))
-    standings, news = _with_news(panel, unit, hunters, least + gap)
-    last = news if news.height else standings
+    standings, feed = _with_feed(panel, unit, hunters, least + gap)
+    last = feed if feed.height else standings
     top = last.top + last.height + gap
     height = min(panel.top + panel.height - top, round(0.95 * panel.width))
-    return standings, news, Rect(panel.left, top, panel.width, height)
+    return standings, feed, Rect(panel.left, top, panel.width, height)
 
 
-def _with_news(area: Rect, unit: float, hunters: int, reserved: int) -> tuple[Rect, Rect]:
-    """The standings, and below them the news if two lines of it fit; so many pixels below belong to others."""
+def _with_feed(area: Rect, unit: float, hunters: int, reserved: int) -> tuple[Rect, Rect]:
+    """The standings, and below them the feed if two lines of it fit; so many pixels below belong to others."""
     gap = round(14 * unit)
-    wanted = round((MOST_NEWS * NEWS_ROW + 16) * unit) + gap + reserved
+    wanted = round((MOST_FEED_LINES * FEED_ROW + 16) * unit) + gap + reserved
     roomy, close = (round((hunters * row + 16) * unit) for row in (ROW, CLOSE_ROW))
     height = min(max(close, min(roomy, area.height - wanted)), area.height - reserved)
     left = area.height - height - reserved - gap
-    rows = min(MOST_NEWS, int((left - 16 * unit) / (NEWS_ROW * unit)))
-    if rows < 2 or area.width < LEAST_NEWS or hunters == 1:  # one alone has nobody to be near
-        return area._replace(height=height), NOWHERE
-    news = Rect(area.left, area.top + height + gap, area.width, round(rows * NEWS_ROW * unit + 16 * unit))
-    return area._replace(height=height), news
+    rows = min(MOST_FEED_LINES, int((left - 16 * unit) / (FEED_ROW * unit)))
+    if rows < 2 or area.width < LEAST_FEED_WIDTH or hunters == 1:  # one alone has nobody to be near
+        return area._replace(height=height), EMPTY_RECT
+    feed = Rect(area.left, area.top + height + gap, area.width, round(rows * FEED_ROW * unit + 16 * unit))
+    return area._replace(height=height), feed
 
 
 def clock(time_ms: float) -> str:
@@ -138,21 +138,27 @@ def clock(time_ms: float) -> str:
     return f"{tenths // 600}:{tenths % 600 / 10:04.1f}"
 
 
-def ranked(standings: Sequence[Standing]) -> list[Standing]:
+def ranked(standings: Sequence[HunterScore]) -> list[HunterScore]:
     """The best first; equal scores in the order of seats."""
     return sorted(standings, key=lambda one: (-one.score, one.seat))
 
 
-def header_shapes(area: Rect, look: Look, seed: int | None, time_text: str, unit: float) -> list[Shape]:
+def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str, unit: float) -> list[Shape]:
     """The title, what match this is, and the clock."""
-    big, small = fitting(34 * unit, 15), fitting(15 * unit, 10)
+    big, small = font_size(34 * unit, 15), font_size(15 * unit, 10)
     right = area.left + area.width
-    about = "   ".join(part for part in (look.title, "" if seed is None else f"seed {seed}") if part)
+    about = "   ".join(part for part in (info.title, "" if seed is None else f"seed {seed}") if part)
     clock_room = len(time_text) * 0.68 * big + 1.6 * small
     middle = area.top + area.height * (0.36 if about else 0.5)
     shapes: list[Shape] = [
         Label(
-            area.left, middle, "CATCH ARENA", fitting(28 * unit, 13), BRIGHT, 700, max_width=area.width - clock_room - 8
+            area.left,
+            middle,
+            "CATCH ARENA",
+            font_size(28 * unit, 13),
+            BRIGHT,
+            700,
+            max_width=area.width - clock_room - 8,
         ),
         Label(right - 1.2 * small, middle, time_text, big, BRIGHT, 700, "right"),
         Label(right, middle + 0.36 * (big - small), "s" if ":" not in time_text else "", small, DIM, 500, "right"),
@@ -168,42 +174,42 @@ def header_shapes(area: Rect, look: Look, seed: int | None, time_text: str, unit
 
 def split_strip(area: Rect, time_text: str) -> tuple[Rect, Rect]:
     """The line over the arena: the part for the scores, and the clock's at its right end."""
-    room = round((len(time_text) + 1.5) * 0.62 * fitting(0.58 * area.height, 12))
+    room = round((len(time_text) + 1.5) * 0.62 * font_size(0.58 * area.height, 12))
     return area._replace(width=area.width - room), area._replace(left=area.left + area.width - room, width=room)
 
 
 def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
     """The clock in the line over the arena."""
-    size = fitting(0.58 * area.height, 12)
+    size = font_size(0.58 * area.height, 12)
     return [
         Label(area.left + area.width - 0.5 * size, area.top + area.height / 2.0, time_text, size, BRIGHT, 700, "right")
     ]
 
 
-def chip_width(look: Look, size: float) -> float:
+def chip_width(info: MatchInfo, size: float) -> float:
     """Of the chips that bear a match's numbers beside text of that size."""
-    return (0.6 * len(str(len(look.names) - 1)) + 0.7) * size
+    return (0.6 * len(str(len(info.names) - 1)) + 0.7) * size
 
 
-def chip(x: float, middle: float, look: Look, seat: int, size: float, *, faded: bool = False) -> list[Shape]:
+def chip(x: float, middle: float, info: MatchInfo, seat: int, size: float, *, faded: bool = False) -> list[Shape]:
     """A hunter's number on its colour; `x` is its left end."""
-    color = mix(look.color(seat), PANEL, 0.6 if faded else 0.0)
-    width = chip_width(look, size)
+    color = mix(info.color(seat), PANEL, 0.6 if faded else 0.0)
+    width = chip_width(info, size)
     return [
         Box(x, middle - 0.56 * size, width, 1.12 * size, color, 0.3 * size),
-        Label(x + width / 2.0, middle, str(seat), fitting(0.82 * size, 9), readable_on(color), 800, "center"),
+        Label(x + width / 2.0, middle, str(seat), font_size(0.82 * size, 9), readable_on(color), 800, "center"),
     ]
 
 
-def chip_shapes(area: Rect, look: Look, standings: Sequence[Standing]) -> list[Shape]:
+def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[HunterScore]) -> list[Shape]:
     """Every hunter's chip, name and score: by seat, without names or only the best where there is no room for all."""
-    size = fitting(0.58 * area.height, 12)
+    size = font_size(0.58 * area.height, 12)
     middle = area.top + area.height / 2.0
     digits = max(len(str(one.score)) for one in standings)
-    step = chip_width(look, size) + (0.9 + 0.66 * digits) * size
+    step = chip_width(info, size) + (0.9 + 0.66 * digits) * size
     room = area.width - 0.5 * size
-    small = fitting(0.8 * size, 10)
-    names = [0.3 * size + text_width(printable(name), small, 600) for name in look.names]
+    small = font_size(0.8 * size, 10)
+    names = [0.3 * size + text_width(printable(name), small, 600) for name in info.names]
     coming = 0.66 * max(0, 2 - digits) * size  # names do not vanish with the tenth catch
     if sum(names) + len(names) * (step + coming) > room:
         names = [0.0] * len(names)
@@ -212,10 +218,10 @@ def chip_shapes(area: Rect, look: Look, standings: Sequence[Standing]) -> list[S
     shapes: list[Shape] = []
     x = area.left + 0.5 * size
     for one in shown:
-        shapes += chip(x, middle, look, one.seat, size, faded=one.withdrawn)
-        beside = x + chip_width(look, size) + 0.3 * size
+        shapes += chip(x, middle, info, one.seat, size, faded=one.withdrawn)
+        beside = x + chip_width(info, size) + 0.3 * size
         if names[one.seat]:
-            shapes.append(Label(beside, middle, look.names[one.seat], small, DIM, 600))
+            shapes.append(Label(beside, middle, info.names[one.seat], small, DIM, 600))
         shapes.append(Label(beside + names[one.seat], middle, str(one.score), size, BRIGHT, 700))
         x += step + names[one.seat]
     return shapes
@@ -237,6 +243,6 @@ def _luminance(color: Color) -> float:
     return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
 
 
-def fitting(pixels: float, least: int) -> int:
+def font_size(pixels: float, least: int) -> int:
     """A text's size: whole pixels, and enough of them to be read."""
     return max(least, round(pixels))

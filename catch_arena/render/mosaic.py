@@ -1,32 +1,31 @@
-"""Many matches at once, side by side in one film."""
+"""Many matches at once, side by side in one video."""
 
 import math
 import os
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.render import hud
 from catch_arena.render.encoders import Pixels, Progress, format_of
-from catch_arena.render.grid import Grid, fitted_grid
 from catch_arena.render.libraries import cv2
-from catch_arena.render.motion import Cut
 from catch_arena.render.raster import Canvas
+from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Label, Shape
 from catch_arena.render.sprites import SpriteCache
-from catch_arena.render.stage import Stage
+from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
     duration_ms,
-    filmed,
     frame_rate,
     frame_size,
     pace_of,
-    write_film,
+    rendered_frames,
+    write_video,
 )
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 
 MOST: Final = 64
@@ -44,6 +43,52 @@ _STAYS_S: Final = 2.0
 """How long the last result is seen."""
 
 
+class Grid(NamedTuple):
+    """Where the cells lie: squares in rows and columns, each with some lines below it."""
+
+    columns: int
+    rows: int
+    side: int
+    """Of a cell's square [pixels]."""
+    extra: int
+    """Below the square."""
+    gap: int
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) of all cells with a gap around each."""
+        return (
+            self.columns * (self.side + self.gap) + self.gap,
+            self.rows * (self.side + self.extra + self.gap) + self.gap,
+        )
+
+    def cells(self, count: int, area: hud.Rect) -> list[hud.Rect]:
+        """The cells, row by row, in the middle of an area; those of a last row that is not full in its middle too."""
+        left, top = (area.left + (area.width - self.size[0]) // 2, area.top + (area.height - self.size[1]) // 2)
+        across, down = self.side + self.gap, self.side + self.extra + self.gap
+        found = []
+        for index in range(count):
+            row, column = divmod(index, self.columns)
+            short = self.columns - min(self.columns, count - row * self.columns)
+            x = left + self.gap + column * across + short * across // 2
+            found.append(hud.Rect(x, top + self.gap + row * down, self.side, self.side + self.extra))
+        return found
+
+
+def fit_grid(count: int, size: tuple[int, int], extra: float, gap: float = 0.025) -> Grid:
+    """The grid of so many cells whose squares are the largest; `extra` and `gap` are parts of a square's side."""
+    width, height = size
+
+    def grid(columns: int) -> Grid:
+        rows = -(-count // columns)
+        wide = width / (columns + (columns + 1) * gap)
+        high = height / (rows * (1.0 + extra) + (rows + 1) * gap)
+        side = int(min(wide, high))
+        return Grid(columns, rows, side - side % 2, round(extra * side), max(2, round(gap * side)))
+
+    return max(map(grid, range(1, count + 1)), key=lambda one: one.side)
+
+
 def render_mosaic(
     replays: Mapping[str, Replay],
     path: str | os.PathLike[str],
@@ -53,7 +98,7 @@ def render_mosaic(
     speed: float = 1.0,
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a film in which all of these matches run at once; one that has ended shows its result until all have.
+    """Write a video in which all of these matches run at once; one that has ended shows its result until all have.
 
     A match that does not play as recorded stops where it differs, and its cell says so.
 
@@ -65,7 +110,7 @@ def render_mosaic(
     kind = format_of(Path(path))
     fps, pace = frame_rate(kind, min(USUAL_FPS, kind.fps) if fps is None else fps), pace_of(speed)
     box = (SIZE if kind.even else SMALL_SIZE) if size is None else size
-    grid = fitted_grid(len(replays), box, _STRIP + _LABEL)
+    grid = fit_grid(len(replays), box, _STRIP + _LABEL)
     within = frame_size(kind, grid.size if size is None else size)
     if grid.side < LEAST_SIDE:
         raise ConfigError(
@@ -73,8 +118,8 @@ def render_mosaic(
             f"got {grid.side} in {within[0]} x {within[1]}"
         )
     end_ms = max(_end_ms(replay, fps, pace) for replay in replays.values())
-    whole = Cut(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
-    return write_film(path, _pictures(replays, grid, within, whole), within, fps, whole.frames, progress)
+    whole = Clip(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
+    return write_video(path, _pictures(replays, grid, within, whole), within, fps, whole.frames, progress)
 
 
 def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
@@ -82,7 +127,7 @@ def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
     return duration_ms(replay) + math.ceil(1000 * pace / fps)
 
 
-def _pictures(replays: Mapping[str, Replay], grid: Grid, size: tuple[int, int], whole: Cut) -> Iterator[Pixels]:
+def _pictures(replays: Mapping[str, Replay], grid: Grid, size: tuple[int, int], whole: Clip) -> Iterator[Pixels]:
     sprites = SpriteCache()
     frame = Canvas.blank(*size, hud.PANEL, sprites)
     areas = grid.cells(len(replays), hud.Rect(0, 0, *size))
@@ -100,18 +145,18 @@ class _Cell:
     """One match in its part of the picture."""
 
     def __init__(
-        self, name: str, replay: Replay, frame: Canvas, area: hud.Rect, whole: Cut, sprites: SpriteCache
+        self, name: str, replay: Replay, frame: Canvas, area: hud.Rect, whole: Clip, sprites: SpriteCache
     ) -> None:
         side = area.width
         self._name = name
-        self._look = Look.of(replay.config, replay.names)
+        self._info = MatchInfo.of(replay.config, replay.names)
         self._label = area._replace(top=area.top + area.height - round(_LABEL * side), height=round(_LABEL * side))
         self._frame = frame
         picture = area._replace(height=area.height - self._label.height)
         self._picture = frame.part(picture)
-        self._stage = Stage(self._look, (picture.width, picture.height), "arena", sprites=sprites)
-        cut = Cut(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
-        self._frames = filmed(replay, self._stage, cut)
+        self._renderer = MatchRenderer(self._info, (picture.width, picture.height), "arena", sprites=sprites)
+        clip = Clip(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
+        self._frames = rendered_frames(replay, self._renderer, clip)
         self._running = True
         self._write(None)
         self._leader: int | None = None
@@ -126,37 +171,37 @@ class _Cell:
             self._end("does not play as recorded", None)
             return
         if pixels is None:
-            winner = self._stage.leader
-            self._end("a tie" if winner is None else f"{self._look.names[winner]} wins", winner)
+            winner = self._renderer.leader
+            self._end("a tie" if winner is None else f"{self._info.names[winner]} wins", winner)
             return
         self._picture.pixels[:] = pixels
-        if self._stage.leader != self._leader:
-            self._leader = self._stage.leader
+        if self._renderer.leader != self._leader:
+            self._leader = self._renderer.leader
             self._write(self._leader)
 
     def _end(self, text: str, seat: int | None) -> None:
         """The last picture, darker, and the result on it."""
         self._running = False
-        arena = self._picture.part(self._stage.arena)
+        arena = self._picture.part(self._renderer.arena)
         height, width = arena.pixels.shape[:2]
         arena.pixels[:] = cv2.convertScaleAbs(arena.pixels, alpha=0.45)
-        size = hud.fitting(0.085 * width, 11)
-        color = hud.BRIGHT if seat is None else hud.legible(self._look.color(seat))
-        place = (0.5 * width, 0.5 * height)
-        arena.draw([Label(*place, text, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * width)])
+        size = hud.font_size(0.085 * width, 11)
+        color = hud.BRIGHT if seat is None else hud.legible(self._info.color(seat))
+        middle = (0.5 * width, 0.5 * height)
+        arena.draw([Label(*middle, text, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * width)])
 
     def _write(self, leader: int | None) -> None:
         """What stands below: which match it is, and who leads."""
         area = self._label
-        size = hud.fitting(0.58 * area.height, 9)
+        size = hud.font_size(0.58 * area.height, 9)
         middle = area.top + 0.5 * area.height
         shapes: list[Shape] = [
             Label(area.left + 2, middle, self._name, size, hud.DIM, 500, max_width=0.52 * area.width)
         ]
         if leader is not None:
-            color, right = hud.legible(self._look.color(leader)), area.left + area.width - 2
+            color, right = hud.legible(self._info.color(leader)), area.left + area.width - 2
             shapes.append(
-                Label(right, middle, self._look.names[leader], size, color, 700, "right", max_width=0.44 * area.width)
+                Label(right, middle, self._info.names[leader], size, color, 700, "right", max_width=0.44 * area.width)
             )
         self._frame.clear(area, hud.PANEL)
         self._frame.draw(shapes)

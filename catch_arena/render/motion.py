@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from fractions import Fraction
-from typing import Final, Protocol
+from typing import Final
 
 from catch_arena.core.math import sincos
 from catch_arena.core.physics import DT, next_pose, turned
-from catch_arena.render.view import Pose
+from catch_arena.render.timing import FrameTiming
+from catch_arena.render.viewport import Pose
 from catch_arena.world import HunterState, World
 
 TICK_MS: Final = 16
@@ -18,7 +18,7 @@ _AGREES_M: Final = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class StepMotion:
     """One step's motion.
 
     `after` has the scores, the rulings and the targets that count from the step's beginning on:
@@ -45,7 +45,7 @@ class Leg:
         else:
             return self.poses[-1]
         part = time_ms / TICK_MS - tick
-        return tuple(between(a, b, part) for a, b in zip(start, end, strict=True))
+        return tuple(interpolate(a, b, part) for a, b in zip(start, end, strict=True))
 
     def ticks_between(self, after_ms: float, until_ms: float) -> list[tuple[Pose, ...]]:
         """The poses at those of this step's ticks that fall into (after, until]."""
@@ -55,7 +55,7 @@ class Leg:
         ]
 
 
-def between(start: Pose, end: Pose, part: float) -> Pose:
+def interpolate(start: Pose, end: Pose, part: float) -> Pose:
     """The pose that far along the straight way, turning the shorter way round."""
     turn = (end[2] - start[2] + math.pi) % (2.0 * math.pi) - math.pi
     return (
@@ -65,105 +65,64 @@ def between(start: Pose, end: Pose, part: float) -> Pose:
     )
 
 
-def leg(before: World, after: World) -> Leg:
+def step_motion(before: World, after: World) -> StepMotion:
     """One step's ticks, from the former world's poses with the velocities that the latter shows."""
     first = before.time_ms // TICK_MS
     ticks = min(after.time_ms, before.time_ms + WATCHDOG_MS) // TICK_MS - first
-    ways = [_way(start, end, ticks, after.side_m) for start, end in zip(before.hunters, after.hunters, strict=True)]
-    return Leg(before, after, tuple(zip(*ways, strict=True)))
+    tracks = [
+        _hunter_ticks(start, end, ticks, after.side_m) for start, end in zip(before.hunters, after.hunters, strict=True)
+    ]
+    return StepMotion(before, after, tuple(zip(*tracks, strict=True)))
 
 
-def _way(start: HunterState, end: HunterState, ticks: int, side_m: float) -> list[Pose]:
+def _hunter_ticks(start: HunterState, end: HunterState, ticks: int, side_m: float) -> list[Pose]:
     x, y = start.x, start.y
-    way = [(x, y, start.theta)]
+    poses = [(x, y, start.theta)]
     stride, turn = end.linear_velocity * DT, end.angular_velocity * DT
     sine, cosine = sincos(start.theta)
     turn_sine, turn_cosine = sincos(turn)
     for tick in range(1, ticks + 1):
         x, y, sine, cosine, _ = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side_m)
-        way.append((x, y, turned(start.theta, turn, tick)))
+        poses.append((x, y, turned(start.theta, turn, tick)))
     if math.hypot(x - end.x, y - end.y) > _AGREES_M:
-        # in steps of more than a second the watchdog has taken the velocity away: a straight way is all that is known
+        # in steps of more than a second the watchdog has taken the velocity away: a straight line is all that is known
         goal = (end.x, end.y, end.theta)
-        way = [between(way[0], goal, tick / max(1, ticks)) for tick in range(ticks + 1)]
-    return way
-
-
-class Shots(Protocol):
-    """Which instants of a match the frames of a film show; none lies before the one of the frame before."""
-
-    @property
-    def frames(self) -> int:
-        """How many."""
-
-    def time_ms(self, frame: int) -> float:
-        """The instant that a frame shows."""
-
-    def frames_before(self, time_ms: int) -> int:
-        """How many frames show earlier instants."""
+        poses = [interpolate(poses[0], goal, tick / max(1, ticks)) for tick in range(ticks + 1)]
+    return poses
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
-    """The part of a match that a video shows, and its pace: which instant each frame shows."""
+class FrameSpan:
+    """One step's motion and the frames in it: none where steps are shorter than frames, or before the clip."""
 
-    start_ms: int
-    end_ms: int
-    fps: int
-    speed: Fraction = Fraction(1)
-    """Seconds of the match in a second of the video: below 1 is slow motion."""
-
-    @property
-    def frames(self) -> int:
-        """As many as the part lasts, rounded half up, at least 1."""
-        return max(1, math.floor((self.end_ms - self.start_ms) / self._pace + Fraction(1, 2)))
-
-    @property
-    def _pace(self) -> Fraction:
-        """Milliseconds of the match from frame to frame."""
-        return 1000 * self.speed / self.fps
-
-    def time_ms(self, frame: int) -> float:
-        """The instant that a frame shows."""
-        return float(self.start_ms + frame * self._pace)
-
-    def frames_before(self, time_ms: int) -> int:
-        """How many frames show earlier instants."""
-        return min(self.frames, max(0, math.ceil((time_ms - self.start_ms) / self._pace)))
-
-
-@dataclass(frozen=True, slots=True)
-class Passage:
-    """One leg and the frames that fall into it: none where steps are shorter than frames, or before the cut."""
-
-    leg: Leg
+    motion: StepMotion
     frames: range
     next_tick: tuple[Pose, ...] | None
 
 
-def passages(worlds: Iterable[World], shots: Shots) -> Iterator[Passage]:
-    """The legs of a match up to the last shot with their frames; a leg has those that show [t, t + period).
+def frame_spans(worlds: Iterable[World], timing: FrameTiming) -> Iterator[FrameSpan]:
+    """The steps of a match up to the last frame, each with its frames: those that show [t, t + period).
 
-    Memory does not grow with the match: two legs are known at a time. A match without steps is one leg that leads
+    Memory does not grow with the match: two steps are known at a time. A match without steps is one motion that leads
     nowhere.
     """
-    stream = _legs(worlds)
-    now: Leg | None = next(stream)
+    motions = _motions(worlds)
+    motion: StepMotion | None = next(motions)
     shown = 0
-    while now is not None and shown < shots.frames:
-        following = next(stream, None)
-        end = shots.frames if following is None else shots.frames_before(now.after.time_ms)
-        yield Passage(
-            now, range(shown, end), None if following is None else following.poses[min(1, len(following.poses) - 1)]
+    while motion is not None and shown < timing.frames:
+        following = next(motions, None)
+        end = timing.frames if following is None else timing.frames_before(motion.after.time_ms)
+        yield FrameSpan(
+            motion, range(shown, end), None if following is None else following.poses[min(1, len(following.poses) - 1)]
         )
-        shown, now = end, following
+        shown, motion = end, following
 
 
-def _legs(worlds: Iterable[World]) -> Iterator[Leg]:
+def _motions(worlds: Iterable[World]) -> Iterator[StepMotion]:
     stream = iter(worlds)
     first = before = next(stream)
     for after in stream:
-        yield leg(before, after)
+        yield step_motion(before, after)
         before = after
     if before is first:
-        yield leg(first, first)
+        yield step_motion(first, first)

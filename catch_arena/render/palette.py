@@ -1,4 +1,4 @@
-"""The 256 colours that stand for all those of a film."""
+"""The 256 colours that stand for all those of a video."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,10 @@ Codes = NDArray[np.uint16]
 _CODES = 1 << 16
 _SAMPLE = 30_000
 _COLORS = 255
-"""One place of the 256 is left for what FFmpeg lets shine through."""
+"""One of the 256 is left for what FFmpeg lets shine through."""
 
 
-class Census:
+class ColorHistogram:
     """How often each colour was seen; memory does not grow with the frames."""
 
     def __init__(self) -> None:
@@ -32,16 +32,16 @@ class Census:
         return codes
 
     def palette(self) -> tuple[Pixels, Pixels]:
-        """The palette, (256, 4) as alpha, red, green, blue; and each code's place in it, (65536,)."""
+        """The palette, (256, 4) as alpha, red, green, blue; and each code's index in it, (65536,)."""
         known = np.flatnonzero(self._seen)
         often = self._seen[known]
         colors = (self._sums[:, known] / often).T.astype(np.float32)
         centers = colors.copy() if len(known) <= _COLORS else _means(colors, np.sqrt(often))
         nearest = _nearest(colors, centers)
-        for place in range(len(centers)):  # the most frequent colour of each group stands for it: large areas are exact
-            group = np.flatnonzero(nearest == place)
+        for index in range(len(centers)):  # the most frequent colour of each group stands for it: large areas are exact
+            group = np.flatnonzero(nearest == index)
             if len(group):
-                centers[place] = colors[group[often[group].argmax()]]
+                centers[index] = colors[group[often[group].argmax()]]
         palette = np.zeros((256, 4), dtype=np.uint8)
         palette[:, 0] = 255
         palette[: len(centers), 1:] = np.rint(centers)
@@ -66,9 +66,9 @@ def _means(colors: NDArray[np.float32], weights: NDArray[np.float64]) -> NDArray
 
 
 def _nearest(colors: NDArray[np.float32], centers: NDArray[np.float32]) -> Pixels:
-    """The place of the centre that is nearest to each colour."""
-    places = [
+    """The index of the centre that is nearest to each colour."""
+    indices = [
         ((part[:, None] - centers[None]) ** 2).sum(axis=2).argmin(axis=1)
         for part in np.array_split(colors, 1 + len(colors) // 1024)
     ]
-    return np.concatenate(places).astype(np.uint8)
+    return np.concatenate(indices).astype(np.uint8)

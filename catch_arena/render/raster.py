@@ -11,7 +11,7 @@ from catch_arena.render import scene, shapes
 from catch_arena.render.hud import Rect
 from catch_arena.render.libraries import cv2, pygame
 from catch_arena.render.sprites import SpriteCache
-from catch_arena.render.view import OUTSIDE, Pose, Viewport
+from catch_arena.render.viewport import OUTSIDE, Pose, Viewport
 
 Pixels = NDArray[np.uint8]
 
@@ -74,8 +74,8 @@ class Canvas:
                     self._fill(outline + np.array((shape.left, shape.top)), shape.color)
 
     def _blit(self, sprite: Any, x: int, y: int) -> None:
-        place = (x - sprite.origin_x, y - sprite.origin_y)
-        self._surface.blit(sprite.surface, place, special_flags=pygame.BLEND_PREMULTIPLIED)
+        position = (x - sprite.origin_x, y - sprite.origin_y)
+        self._surface.blit(sprite.surface, position, special_flags=pygame.BLEND_PREMULTIPLIED)
 
     def _ring(self, shape: shapes.Ring) -> None:
         if shape.radius <= _WIDEST_RING:
@@ -131,13 +131,13 @@ def _outline(width: float, height: float, radius: float) -> NDArray[np.float64]:
 class Ground:
     """The arena's floor with its trails, which fade to a faint trace and at last to nothing."""
 
-    def __init__(self, view: Viewport, sprites: SpriteCache) -> None:
-        self.view = view
-        clean = Canvas.blank(view.width, view.height, OUTSIDE, sprites)
-        clean.draw(scene.ground_shapes(view))
+    def __init__(self, viewport: Viewport, sprites: SpriteCache) -> None:
+        self.viewport = viewport
+        clean = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
+        clean.draw(scene.ground_shapes(viewport))
         self._clean = clean.pixels
-        self._trace = Canvas.blank(view.width, view.height, OUTSIDE, sprites)
-        self._floor = Canvas.blank(view.width, view.height, OUTSIDE, sprites)
+        self._trace = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
+        self._floor = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
         # kept, since a new megabyte for every fade costs more than the fade
         self._above, self._below = np.empty_like(self._clean), np.empty_like(self._clean)
         self._time_ms = 0.0
@@ -156,7 +156,7 @@ class Ground:
 
     def trail(self, seat_color: shapes.Color, start: Pose, end: Pose) -> None:
         """A hunter went that way."""
-        fresh, trace = scene.trail_shapes(self.view, seat_color, start, end)
+        fresh, trace = scene.trail_shapes(self.viewport, seat_color, start, end)
         self._trace.draw((trace,))
         self._floor.draw((fresh,))
 

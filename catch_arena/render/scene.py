@@ -8,9 +8,9 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from catch_arena.render.marks import Mark, mark_shapes
+from catch_arena.render.annotations import Annotation, annotation_shapes
 from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Shape, Stroke, Turtle, mix
-from catch_arena.render.view import GROUND, TARGET, TRACE, Look, Pose, Viewport
+from catch_arena.render.viewport import GROUND, TARGET, TRACE, MatchInfo, Pose, Viewport
 from catch_arena.world import HunterState, TargetState
 
 WALL: Final[Color] = (112, 127, 255)
@@ -19,65 +19,68 @@ SPAWN_MS: Final = 450.0
 """How long the ring about a new target is seen."""
 
 
-def ground_shapes(view: Viewport) -> list[Shape]:
+def ground_shapes(viewport: Viewport) -> list[Shape]:
     """What lies under everything and never changes: the square within its walls, and a grid of whole metres."""
-    left, bottom = view.place(0.0, 0.0)
-    side = view.side_m * view.scale
+    left, bottom = viewport.to_pixels(0.0, 0.0)
+    side = viewport.side_m * viewport.scale
     top = bottom - side
     shapes: list[Shape] = [Box(left, top, side, side, GROUND)]
     spacing = next(
-        step * 10.0**power for power in range(5) for step in (1.0, 2.0, 5.0) if step * 10.0**power * view.scale >= 24
+        step * 10.0**power
+        for power in range(5)
+        for step in (1.0, 2.0, 5.0)
+        if step * 10.0**power * viewport.scale >= 24
     )
-    for line in range(1, math.ceil(view.side_m / spacing)):
-        x, y = view.place(line * spacing, line * spacing)
+    for line in range(1, math.ceil(viewport.side_m / spacing)):
+        x, y = viewport.to_pixels(line * spacing, line * spacing)
         shapes += [Stroke(x, top, x, bottom, 1.0, GRID), Stroke(left, y, left + side, y, 1.0, GRID)]
     corners = ((left, bottom), (left + side, bottom), (left + side, top), (left, top))
     shapes += [Stroke(*a, *b, 1.0, WALL) for a, b in zip(corners, (*corners[1:], corners[0]), strict=True)]
     return shapes
 
 
-def trail_shapes(view: Viewport, seat_color: Color, start: Pose, end: Pose) -> tuple[Stroke, Stroke]:
+def trail_shapes(viewport: Viewport, seat_color: Color, start: Pose, end: Pose) -> tuple[Stroke, Stroke]:
     """A piece of a hunter's way: in its colour, which fades, and in the trace's, which stays longer."""
-    points = (*view.place(*start[:2]), *view.place(*end[:2]))
-    width = view.trail_width
+    points = (*viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]))
+    width = viewport.trail_width
     return Stroke(*points, width, seat_color), Stroke(*points, width, TRACE)
 
 
 def arena_shapes(
-    view: Viewport,
-    look: Look,
+    viewport: Viewport,
+    info: MatchInfo,
     *,
     hunters: Sequence[HunterState],
     poses: Sequence[Pose],
     targets: Sequence[TargetState],
-    marks: Sequence[Mark],
+    annotations: Sequence[Annotation],
     time_ms: float,
 ) -> list[Shape]:
     """Everything that moves or comes and goes, from the lowest to the topmost."""
     shapes: list[Shape] = []
     for target in targets:
-        shapes += _target(view, target, time_ms)
-    reach = look.config.reach_m * view.scale
+        shapes += _target(viewport, target, time_ms)
+    reach = info.config.reach_m * viewport.scale
     for seat, hunter in enumerate(hunters):
-        shapes += _hunter(view, hunter, poses[seat], look.color(seat), reach)
-    return shapes + mark_shapes(view, look, poses, marks, time_ms)
+        shapes += _hunter(viewport, hunter, poses[seat], info.color(seat), reach)
+    return shapes + annotation_shapes(viewport, info, poses, annotations, time_ms)
 
 
-def _target(view: Viewport, target: TargetState, time_ms: float) -> list[Shape]:
-    x, y = view.place(target.x, target.y)
+def _target(viewport: Viewport, target: TargetState, time_ms: float) -> list[Shape]:
+    x, y = viewport.to_pixels(target.x, target.y)
     shapes: list[Shape] = []
     age = time_ms - target.spawned_ms
     if 0.0 <= age < SPAWN_MS and target.spawned_ms > 0:
         part = age / SPAWN_MS
-        radius = view.target_length * (1.3 - 0.7 * part)
+        radius = viewport.target_length * (1.3 - 0.7 * part)
         shapes.append(Ring(x, y, radius, 1.5, WHITE, 0.8 * part))
-    shapes.append(Turtle(x, y, target.theta, view.target_length, TARGET, contrast=0.6))
+    shapes.append(Turtle(x, y, target.theta, viewport.target_length, TARGET, contrast=0.6))
     return shapes
 
 
-def _hunter(view: Viewport, hunter: HunterState, pose: Pose, color: Color, reach: float) -> list[Shape]:
-    x, y = view.place(pose[0], pose[1])
-    length = view.hunter_length
+def _hunter(viewport: Viewport, hunter: HunterState, pose: Pose, color: Color, reach: float) -> list[Shape]:
+    x, y = viewport.to_pixels(pose[0], pose[1])
+    length = viewport.hunter_length
     body = Turtle(x, y, pose[2], length, color, faded=hunter.withdrawn)
     if hunter.withdrawn:
         return [body]

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from catch_arena.render import text
 from catch_arena.render.libraries import cv2, pygame
-from catch_arena.render.shapes import INK, Label, Ring, Turtle, mix
-from catch_arena.render.turtle import TURTLE_PARTS, Points, ellipse
+from catch_arena.render.shapes import INK, TURTLE_PARTS, Label, Points, Ring, Turtle, ellipse, mix
 
 PHASES: Final = 2
 """A sprite is drawn at every 1 / PHASES of a pixel."""
@@ -21,7 +20,7 @@ LIGHT: Final = (0.55, 0.83)
 CACHE_BYTES: Final = 96 << 20
 """Of turtles and rings, which come again."""
 MOST_TEXTS: Final = 512
-"""As many as a picture of 64 hunters shows. A clock's never come again: without a limit they grow with the film."""
+"""As many as a picture of 64 hunters shows. A clock's never come again: without a limit they grow with the video."""
 
 
 class Sprite(NamedTuple):
@@ -32,7 +31,7 @@ class Sprite(NamedTuple):
     origin_y: int
 
 
-class _Shelf:
+class _LruCache:
     """What was made, by key; what was not asked for longest makes room when all weighs too much."""
 
     def __init__(self, most: int, weigh: Callable[[Any], int]) -> None:
@@ -61,8 +60,8 @@ class SpriteCache:
     """Sprites by what they show; those that were not used for longest make room when there are too many."""
 
     def __init__(self, most_bytes: int = CACHE_BYTES) -> None:
-        self._figures = _Shelf(most_bytes, _bytes_of)
-        self._texts = _Shelf(MOST_TEXTS, lambda _: 1)
+        self._figures = _LruCache(most_bytes, _bytes_of)
+        self._texts = _LruCache(MOST_TEXTS, lambda _: 1)
 
     def turtle(self, shape: Turtle) -> tuple[Sprite, int, int]:
         """A turtle's sprite, and the whole pixels at which its origin belongs."""
@@ -77,7 +76,7 @@ class SpriteCache:
                 ("inks", length, angle, phase_x, phase_y),
                 lambda: _turtle_inks(length, 2.0 * math.pi * angle / turns, phase_x / PHASES, phase_y / PHASES),
             )
-            return _dyed(inks, shape)
+            return _tinted(inks, shape)
 
         return self._figures.get(key, make), x, y
 
@@ -92,7 +91,7 @@ class SpriteCache:
 
     def label(self, shape: Label) -> tuple[Sprite, int, int]:
         """A text's sprite, likewise; only outlined ones move, and stand at half pixels."""
-        shown = text.fitted(shape.text, shape.size, shape.weight, shape.max_width)
+        shown = text.truncated(shape.text, shape.size, shape.weight, shape.max_width)
         width = text.text_width(shown, shape.size, shape.weight)
         left = shape.x - {"left": 0.0, "center": width / 2.0, "right": width}[shape.align]
         baseline = shape.y + text.MIDDLE * shape.size
@@ -167,15 +166,15 @@ def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> N
     return np.dstack([small, np.rint(under).astype(np.uint8)])
 
 
-def _dyed(inks: NDArray[np.uint8], shape: Turtle) -> Sprite:
+def _tinted(inks: NDArray[np.uint8], shape: Turtle) -> Sprite:
     """Every channel is a sum of the inks: one matrix dyes them all."""
-    dye = mix(shape.color, INK, 0.5) if shape.faded else shape.color
+    tint = mix(shape.color, INK, 0.5) if shape.faded else shape.color
     kept = 0.55 if shape.faded else 1.0
     # of what is neither its own colour nor white, the less is dark the less contrast there is
-    lit = [own * (1.0 - shape.contrast) / 255.0 for own in dye]
+    lit = [own * (1.0 - shape.contrast) / 255.0 for own in tint]
     matrix = [
         (own * shape.contrast / 255.0, 1.0 - light, light, ink / 255.0)
-        for own, light, ink in zip(dye, lit, INK, strict=True)
+        for own, light, ink in zip(tint, lit, INK, strict=True)
     ]
     matrix.append((0.0, 0.0, 1.0, 1.0))
     half = inks.shape[0] // 2
@@ -187,8 +186,8 @@ def _ring(shape: Ring, phase_x: int, phase_y: int) -> Sprite:
     radius, width, opacity = shape.radius, shape.width, shape.opacity
     reach = radius + (2.5 * width if shape.glow else 0.5 * width) + 2.0
     half = math.ceil(reach)
-    place = np.arange(2 * half, dtype=np.float32) + 0.5 - half
-    distance = np.hypot(place[None, :] - phase_x / PHASES, place[:, None] - phase_y / PHASES)
+    position = np.arange(2 * half, dtype=np.float32) + 0.5 - half
+    distance = np.hypot(position[None, :] - phase_x / PHASES, position[:, None] - phase_y / PHASES)
     off = np.abs(distance - radius)
     cover = np.clip(0.5 + width / 2.0 - off, 0.0, 1.0) * opacity
     if shape.glow:

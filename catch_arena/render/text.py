@@ -51,7 +51,7 @@ def text_width(text: str, size: int, weight: int) -> int:
 
 
 @lru_cache(maxsize=512)
-def fitted(text: str, size: int, weight: int, max_width: float) -> str:
+def truncated(text: str, size: int, weight: int, max_width: float) -> str:
     """The text, or as much of it as fits with an ellipsis, or nothing where not even that fits."""
     text = printable(text)
     if text_width(text, size, weight) <= max_width:

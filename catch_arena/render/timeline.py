@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final, NamedTuple
 
-from catch_arena.render.hud import CARD, DIM, TRACK, Rect, fitting, legible
+from catch_arena.render.hud import CARD, DIM, TRACK, Rect, font_size, legible
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Path, Shape, Stroke, mix
-from catch_arena.render.text import fitted, text_width
-from catch_arena.render.view import Look
+from catch_arena.render.text import text_width, truncated
+from catch_arena.render.viewport import MatchInfo
 
 COLUMNS: Final = 220
 """However long the match, the timeline is kept and drawn in so many parts."""
@@ -38,7 +38,7 @@ class Timeline:
         """The part of the match that an instant falls into."""
         return min(COLUMNS - 1, max(0, int(time_ms * COLUMNS / max(1, self.duration_ms))))
 
-    def tell(self, time_ms: float, catchers: Sequence[int], scores: Sequence[int]) -> None:
+    def record(self, time_ms: float, catchers: Sequence[int], scores: Sequence[int]) -> None:
         """Advance to an instant at which those hunters caught and these are the scores."""
         column = self.column(time_ms)
         while len(self.scores) <= column:  # nothing happened in between
@@ -57,7 +57,7 @@ def lead(scores: Sequence[int]) -> tuple[int, int]:
     return list(scores).index(best), best - max((score for score in scores if score != best), default=0)
 
 
-def ahead(scores: Sequence[int]) -> list[float]:
+def over_average(scores: Sequence[int]) -> list[float]:
     """How far each is ahead of the average; one alone, of nothing."""
     average = sum(scores) / len(scores) if len(scores) > 1 else 0.0
     return [score - average for score in scores]
@@ -87,7 +87,7 @@ class _Chart(NamedTuple):
 
 
 def _chart(area: Rect, hunters: int, unit: float) -> _Chart:
-    text, small = fitting(14 * unit, 10), fitting(12 * unit, 9)
+    text, small = font_size(14 * unit, 10), font_size(12 * unit, 9)
     pad = 16 * unit
     axis = 2.6 * small
     head = area.top + max(0.95 * text, min(0.11 * area.height, 22 * unit))
@@ -121,45 +121,45 @@ class _Scale(NamedTuple):
 
 
 def _scale(chart: _Chart, timeline: Timeline, alone: bool) -> _Scale:
-    values = [value for scores in set(timeline.scores) for value in ahead(scores)] or [0.0]
+    values = [value for scores in set(timeline.scores) for value in over_average(scores)] or [0.0]
     most, least = max(2.0, *values), 0.0 if alone else min(-2.0, *values)
     pixels = (chart.base - chart.top) / (most - least)
     return _Scale(chart.base + least * pixels, pixels)
 
 
-def timeline_shapes(area: Rect, look: Look, timeline: Timeline, unit: float) -> list[Shape]:
+def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
     """What has been: catches as ticks in their hunters' colours; below, how far each hunter was ahead of the average.
 
     The topmost line is the leader's, and the area under it, down to the second, is the lead.
     """
-    chart = _chart(area, len(look.names), unit)
-    shapes: list[Shape] = [Box(*area, CARD, 12 * unit), *_title(area, chart, look, timeline, unit)]
+    chart = _chart(area, len(info.names), unit)
+    shapes: list[Shape] = [Box(*area, CARD, 12 * unit), *_title(area, chart, info, timeline, unit)]
     step = chart.width / COLUMNS
     for row in range(chart.lanes):
         row_top = chart.lane_top + row * chart.pitch
         shapes.append(Box(chart.left, row_top, chart.width, chart.lane, TRACK, chart.lane / 2))
         if chart.lanes > 1:
-            place = (chart.left - 0.5 * chart.small, row_top + chart.lane / 2)
-            shapes.append(Label(*place, str(row), chart.small, legible(look.color(row)), 700, "right"))
+            position = (chart.left - 0.5 * chart.small, row_top + chart.lane / 2)
+            shapes.append(Label(*position, str(row), chart.small, legible(info.color(row)), 700, "right"))
     tick = max(step, min(3.0 * unit, 3.0), 1.5)
     for part, seats in enumerate(timeline.catchers):
         for seat in sorted(seats):
             row_top = chart.lane_top + (seat * chart.pitch if chart.lanes > 1 else 0.0)
             x = chart.left + (part + 0.5) * step - tick / 2
-            shapes.append(Box(x, row_top, tick, chart.lane, legible(look.color(seat))))
+            shapes.append(Box(x, row_top, tick, chart.lane, legible(info.color(seat))))
     if chart.base - chart.top >= 8:
-        shapes += _race(chart, look, timeline, unit)
+        shapes += _score_lines(chart, info, timeline, unit)
     for at_s in tick_seconds(timeline.duration_ms / 1000.0, chart.width / (5.2 * chart.small)):
         x = min(chart.x(1000.0 * at_s, timeline), chart.left + chart.width - 1.2 * chart.small)
         shapes.append(Label(x, chart.foot, axis_time(at_s), chart.small, DIM, 500, "center"))
     return shapes
 
 
-def _title(area: Rect, chart: _Chart, look: Look, timeline: Timeline, unit: float) -> list[Shape]:
+def _title(area: Rect, chart: _Chart, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
     left, right = area.left + 16 * unit, chart.left + chart.width
     many = "1 catch" if timeline.catches == 1 else f"{timeline.catches} catches"
     leader, by = lead(timeline.scores[-1]) if timeline.scores else (-1, 0)
-    alone = len(look.names) == 1
+    alone = len(info.names) == 1
     title = "Catches" if alone else "Catches and lead"
     room = right - left - text_width(many, chart.text, 500) - chart.text
     shapes: list[Shape] = [
@@ -172,9 +172,9 @@ def _title(area: Rect, chart: _Chart, look: Look, timeline: Timeline, unit: floa
         said = f"  +{by}"
         name_room = room - text_width(said, chart.text, 700)
         if name_room > 3 * chart.text:
-            name = look.names[leader]
-            width = text_width(fitted(name, chart.text, 700, name_room), chart.text, 700)
-            color = legible(look.color(leader))
+            name = info.names[leader]
+            width = text_width(truncated(name, chart.text, 700, name_room), chart.text, 700)
+            color = legible(info.color(leader))
             shapes += [
                 Label(left, chart.head, name, chart.text, color, 700, max_width=name_room),
                 Label(left + width, chart.head, said, chart.text, color, 700),
@@ -182,17 +182,17 @@ def _title(area: Rect, chart: _Chart, look: Look, timeline: Timeline, unit: floa
     return shapes
 
 
-def _race(chart: _Chart, look: Look, timeline: Timeline, unit: float) -> list[Shape]:
-    scale = _scale(chart, timeline, len(look.names) == 1)
-    shapes: list[Shape] = [_level(chart, scale)]
+def _score_lines(chart: _Chart, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
+    scale = _scale(chart, timeline, len(info.names) == 1)
+    shapes: list[Shape] = [_zero_line(chart, scale)]
     if not timeline.scores:
         return shapes
     step = chart.width / COLUMNS
     changes = [0, *(k for k in range(1, len(timeline.scores)) if timeline.scores[k] != timeline.scores[k - 1])]
-    heights = [[scale.y(value) for value in ahead(timeline.scores[column])] for column in changes]
+    heights = [[scale.y(value) for value in over_average(timeline.scores[column])] for column in changes]
     for start, end in pairwise(changes):
-        shapes += _lead_area(look, timeline.scores[start], scale, chart.left + start * step, chart.left + end * step)
-    for seat, color, thick in _drawn(look, timeline.scores[-1], unit):
+        shapes += _lead_area(info, timeline.scores[start], scale, chart.left + start * step, chart.left + end * step)
+    for seat, color, thick in _line_styles(info, timeline.scores[-1], unit):
         points = [(chart.left, heights[0][seat])]
         for start, column in zip(changes[1:], heights[1:], strict=True):
             x = chart.left + start * step
@@ -201,42 +201,42 @@ def _race(chart: _Chart, look: Look, timeline: Timeline, unit: float) -> list[Sh
     return shapes
 
 
-def _lead_area(look: Look, scores: Sequence[int], scale: _Scale, left: float, right: float) -> list[Shape]:
+def _lead_area(info: MatchInfo, scores: Sequence[int], scale: _Scale, left: float, right: float) -> list[Shape]:
     leader, by = lead(scores)
     left, right = round(left), round(right)  # whole pixels: no seams between one area and the next
     if leader < 0 or right <= left:
         return []
-    top = scale.y(ahead(scores)[leader])
-    return [Box(left, top, right - left, by * scale.pixels, mix(legible(look.color(leader)), CARD, 0.7))]
+    top = scale.y(over_average(scores)[leader])
+    return [Box(left, top, right - left, by * scale.pixels, mix(legible(info.color(leader)), CARD, 0.7))]
 
 
-def _level(chart: _Chart, scale: _Scale) -> Stroke:
+def _zero_line(chart: _Chart, scale: _Scale) -> Stroke:
     return Stroke(chart.left, scale.zero, chart.left + chart.width, scale.zero, 1.0, mix(CARD, DIM, 0.4))
 
 
-def _drawn(look: Look, scores: Sequence[int], unit: float) -> list[tuple[int, Color, float]]:
+def _line_styles(info: MatchInfo, scores: Sequence[int], unit: float) -> list[tuple[int, Color, float]]:
     """The lines from the lowest to the topmost: seat, colour, width."""
     order = sorted(range(len(scores)), key=lambda seat: (scores[seat], -seat))
     faint = order[: max(0, len(order) - _BRIGHT_LINES)]
     return [
-        (seat, mix(legible(look.color(seat)), CARD, 0.65), max(1.0, 1.2 * unit))
+        (seat, mix(legible(info.color(seat)), CARD, 0.65), max(1.0, 1.2 * unit))
         if seat in faint
-        else (seat, legible(look.color(seat)), max(1.0, 2.2 * unit))
+        else (seat, legible(info.color(seat)), max(1.0, 2.2 * unit))
         for seat in order
     ]
 
 
-def present_shapes(area: Rect, look: Look, timeline: Timeline, time_ms: float, unit: float) -> list[Shape]:
+def present_shapes(area: Rect, info: MatchInfo, timeline: Timeline, time_ms: float, unit: float) -> list[Shape]:
     """What is now: the lines reach to the present, which is a line across, and end in dots."""
-    chart = _chart(area, len(look.names), unit)
+    chart = _chart(area, len(info.names), unit)
     x = chart.x(time_ms, timeline)
     shapes: list[Shape] = []
     if chart.base - chart.top >= 8 and timeline.scores:
-        scale = _scale(chart, timeline, len(look.names) == 1)
+        scale = _scale(chart, timeline, len(info.names) == 1)
         start = chart.left + timeline.last_change * chart.width / COLUMNS
-        values = ahead(timeline.scores[-1])
-        shapes += _lead_area(look, timeline.scores[-1], scale, start, x)
-        lines = _drawn(look, timeline.scores[-1], unit)
+        values = over_average(timeline.scores[-1])
+        shapes += _lead_area(info, timeline.scores[-1], scale, start, x)
+        lines = _line_styles(info, timeline.scores[-1], unit)
         for seat, color, thick in lines:
             y = scale.y(values[seat])
             shapes.append(Stroke(min(start, x), y, x, y, thick, color))

@@ -11,9 +11,10 @@ from typing import Final
 from catch_arena.errors import ConfigError
 from catch_arena.render import hud
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
-from catch_arena.render.motion import Cut, Shots, passages
-from catch_arena.render.stage import Stage, checked_size
-from catch_arena.render.view import Look
+from catch_arena.render.motion import frame_spans
+from catch_arena.render.renderer import MatchRenderer, checked_size
+from catch_arena.render.timing import Clip, FrameTiming
+from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 
 SLOWEST: Final = Fraction(1, 100)
@@ -58,7 +59,7 @@ def render_replay(
 
     Args: `path`, which ends in .mp4, .webm, .gif or .webp; `size`, (width, height) from 320 x 320 to 3840 x 2160, and
     `fps`, frames a second from 1 on: without them what is usual for the format (`encoders.FORMATS`); `layout`,
-    "broadcast" (arena, standings, news, timeline) or "arena"; `start_s`, `end_s`, the part of the match; `speed`,
+    "broadcast" (arena, standings, event feed, timeline) or "arena"; `start_s`, `end_s`, the part of the match; `speed`,
     seconds of the match in a second of the video, 0.01 to 100; `progress`, called with (frames written, frames in
     all).
     Raises: ConfigError for a setting that cannot be, OutputError where the file cannot be written, ReplayError where
@@ -67,13 +68,18 @@ def render_replay(
     """
     kind = format_of(Path(path))
     within = frame_size(kind, size)
-    cut = cut_of(replay, kind, fps, start_s, end_s, speed)
-    return write_film(
-        path, filmed(replay, stage_of(replay, within, layout), cut), within, cut.fps, cut.frames, progress
+    clip = clip_of(replay, kind, fps, start_s, end_s, speed)
+    return write_video(
+        path,
+        rendered_frames(replay, renderer_for(replay, within, layout), clip),
+        within,
+        clip.fps,
+        clip.frames,
+        progress,
     )
 
 
-def write_film(
+def write_video(
     path: str | os.PathLike[str],
     pictures: Iterable[Pixels],
     size: tuple[int, int],
@@ -81,7 +87,7 @@ def write_film(
     frames: int,
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a film's pictures, as many as were promised, as they come. What is raised is `render_replay`'s."""
+    """Write a video's frames, as many as were promised, as they come. What is raised is `render_replay`'s."""
     began = time.perf_counter()
     with video_file(path, size, fps, frames, progress) as video:
         for done, pixels in enumerate(pictures, start=1):
@@ -107,9 +113,11 @@ def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
     return (width + width % 2, height + height % 2) if kind.even else (width, height)
 
 
-def stage_of(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> Stage:
-    """The stage on which a recorded match is filmed."""
-    return Stage(Look.of(replay.config, replay.names, replay.title, duration_ms(replay)), size, layout, replay.seed)
+def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> MatchRenderer:
+    """The renderer of a recorded match."""
+    return MatchRenderer(
+        MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay)), size, layout, replay.seed
+    )
 
 
 def duration_ms(replay: Replay) -> int:
@@ -117,19 +125,19 @@ def duration_ms(replay: Replay) -> int:
     return replay.steps * replay.config.control_period_ms
 
 
-def filmed(replay: Replay, stage: Stage, shots: Shots) -> Iterator[Pixels]:
-    """The frames, one after the other, in the stage's own buffer: the next one overwrites it.
+def rendered_frames(replay: Replay, renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
+    """The frames, one after the other, in the renderer's own buffer: the next one overwrites it.
 
-    Steps before the first shot are played too, so that their trails and catches are there.
+    Steps before the first frame are played too, so that their trails and catches are there.
     """
-    for passage in passages(replay.worlds(), shots):
-        stage.enter(passage.leg)
-        for frame in passage.frames:
-            time_ms = shots.time_ms(frame)
-            yield stage.draw(time_ms, passage.leg.at(time_ms, passage.next_tick))
+    for span in frame_spans(replay.worlds(), timing):
+        renderer.enter(span.motion)
+        for frame in span.frames:
+            time_ms = timing.time_ms(frame)
+            yield renderer.draw(time_ms, span.motion.at(time_ms, span.next_tick))
 
 
-def cut_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Cut:
+def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Clip:
     """The part of a match and its pace, if they can be. Raises: ConfigError."""
     fps = frame_rate(kind, fps)
     pace = pace_of(speed)
@@ -140,7 +148,7 @@ def cut_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s:
     if not start_s < until_s and whole_s > 0.0:
         raise ConfigError(f"the end must lie after the start, {start_s:g} s, got {until_s!r}")
     end_ms = round(1000.0 * min(whole_s, until_s))
-    return Cut(round(1000.0 * start_s), end_ms, fps, pace)
+    return Clip(round(1000.0 * start_s), end_ms, fps, pace)
 
 
 def frame_rate(kind: Format, fps: int | None) -> int:

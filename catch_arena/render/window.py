@@ -14,18 +14,18 @@ from catch_arena.render.hud import PANEL
 from catch_arena.render.libraries import pygame
 
 _FPS: Final = 60
-_NAP_S: Final = 0.02
+_POLL_S: Final = 0.02
 """The window answers its user at least so often."""
 
 
 class Screen:
     """A window. Only one can be open.
 
-    Args: `title`; `size`, (width, height) [pixels] to begin with; `for_hands`, whether it waits for its user's.
+    Args: `title`; `size`, (width, height) [pixels] to begin with; `interactive`, whether its user's keys matter.
     Raises: OutputError without a display.
     """
 
-    def __init__(self, title: str, size: tuple[int, int], *, for_hands: bool = False) -> None:
+    def __init__(self, title: str, size: tuple[int, int], *, interactive: bool = False) -> None:
         try:
             pygame.display.init()
             pygame.display.set_mode(size, pygame.RESIZABLE)
@@ -33,7 +33,7 @@ class Screen:
             raise _no_display(str(error)) from None
         if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
             # SDL's last resort where there is no display, which nobody asked for
-            if for_hands:
+            if interactive:
                 self.close()
                 raise _no_display("there is none")
             sys.stderr.write(
@@ -136,4 +136,4 @@ class Window:
             wait_s = due_s - time.perf_counter()
             if wait_s <= 0.0:
                 return
-            time.sleep(min(wait_s, _NAP_S))
+            time.sleep(min(wait_s, _POLL_S))

@@ -13,7 +13,7 @@ _ONE: Final = np.uint64(1)
 _BYTE: Final = np.uint64(255)
 
 
-def packed(columns: Iterable[NDArray[np.int64]]) -> bytes:
+def pack_columns(columns: Iterable[NDArray[np.int64]]) -> bytes:
     """Each column as a width in bytes, 0 to 8, and that many planes: the lowest bytes of all its numbers, the next
     ones, and so on. A sign stands in the lowest bit: 0, -1, 1, -2 become 0, 1, 2, 3.
     """
@@ -27,7 +27,7 @@ def packed(columns: Iterable[NDArray[np.int64]]) -> bytes:
 
 
 class Reader:
-    """Reads what `packed` wrote, and plain bytes, from one end of a body to the other."""
+    """Reads what `pack_columns` wrote, and plain bytes, from one end of a body to the other."""
 
     def __init__(self, body: bytes) -> None:
         self._body = memoryview(body)

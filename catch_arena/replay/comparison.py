@@ -6,28 +6,30 @@ from typing import Any
 
 import numpy as np
 
-from catch_arena.replay.differences import boundary, of_a_screen, state_differences
+from catch_arena.replay.differences import first_lines, state_differences, state_name
+from catch_arena.replay.quantisation import scores
 from catch_arena.replay.recording import Replay
-from catch_arena.replay.witness import scores
 
 
-def replay_differences(one: Replay, other: Replay, called: tuple[str, str] = ("in A", "in B")) -> list[str]:
+def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("in A", "in B")) -> list[str]:
     """Where two replays part, in the order: headers, the first actions, the first state and its numbers, the scores.
 
-    What was recorded is compared; `faults` says whether it is true. `called` are the replays' names in the lines.
+    What was recorded is compared; `verification.verify` says whether it is true.
+
+    Args: `labels`, what the replays are called in the lines.
     Returns: lines, none for equal replays.
     """
-    found = [f"{name}: {ours} {called[0]}, {theirs} {called[1]}" for name, ours, theirs in _headers(one, other)]
+    found = [f"{name}: {ours} {labels[0]}, {theirs} {labels[1]}" for name, ours, theirs in _headers(one, other)]
     if one.config.hunters != other.config.hunters:
         return [*found, "with different numbers of hunters, actions and states are not compared"]
     steps = min(one.steps, other.steps)
-    found += _first_actions(one, other, steps, called)
-    found += _first_state(one, other, steps, called)
+    found += _first_actions(one, other, steps, labels)
+    found += _first_state(one, other, steps, labels)
     if one.steps != other.steps:
-        found.append(f"steps: {one.steps} {called[0]}, {other.steps} {called[1]}")
+        found.append(f"steps: {one.steps} {labels[0]}, {other.steps} {labels[1]}")
     if found:
-        results = [", ".join(map(str, scores(each.witness[-1], each.config.hunters))) for each in (one, other)]
-        same = "the same in both" if results[0] == results[1] else f"{called[0]}, {results[1]} {called[1]}"
+        results = [", ".join(map(str, scores(each.states[-1], each.config.hunters))) for each in (one, other)]
+        same = "the same in both" if results[0] == results[1] else f"{labels[0]}, {results[1]} {labels[1]}"
         found.append(f"final scores: {results[0]} {same}")
     return found
 
@@ -58,31 +60,31 @@ def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
     return flat
 
 
-def _first_actions(one: Replay, other: Replay, steps: int, called: tuple[str, str]) -> list[str]:
+def _first_actions(one: Replay, other: Replay, steps: int, labels: tuple[str, str]) -> list[str]:
     """Who did what in the first step in which somebody does something else."""
     for step in range(steps + 1):
         gone = [{seat for before, seat in each.withdrawals if before == step} for each in (one, other)]
         found = [
-            f"before step {step + 1}: hunter_{seat} is withdrawn {called[0 if seat in gone[0] else 1]} alone"
+            f"before step {step + 1}: hunter_{seat} is withdrawn {labels[0 if seat in gone[0] else 1]} alone"
             for seat in sorted(gone[0] ^ gone[1])
         ]
         for seat in range(one.config.hunters if step < steps else 0):
             ours, theirs = (each.action(step, seat) for each in (one, other))
             if ours != theirs:
-                found.append(f"step {step + 1}: hunter_{seat} acts otherwise: {ours} {called[0]}, {theirs} {called[1]}")
+                found.append(f"step {step + 1}: hunter_{seat} acts otherwise: {ours} {labels[0]}, {theirs} {labels[1]}")
         if found:
             return found
     return []
 
 
-def _first_state(one: Replay, other: Replay, steps: int, called: tuple[str, str]) -> list[str]:
+def _first_state(one: Replay, other: Replay, steps: int, labels: tuple[str, str]) -> list[str]:
     for step in range(steps + 1):
-        ours, theirs = one.witness[step], other.witness[step]
+        ours, theirs = one.states[step], other.states[step]
         if one.digests[step] != other.digests[step] or not np.array_equal(ours, theirs):
             names = [
                 name if name == twin else seat
                 for name, twin, seat in zip(one.names, other.names, one.config.hunter_names, strict=True)
             ]
-            lines = state_differences(one.config, names, ours, theirs, called)
-            return [f"{boundary(step)} is the first that differs", *of_a_screen(step, lines)]
+            lines = state_differences(one.config, names, ours, theirs, labels)
+            return [f"{state_name(step)} is the first that differs", *first_lines(step, lines)]
     return []

@@ -6,70 +6,70 @@ from typing import Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.math import wrap
-from catch_arena.replay.witness import ARENA, HUNTER, TARGET, Witness
+from catch_arena.replay.quantisation import ARENA, HUNTER, TARGET, QuantisedState
 
 _FLAGS: Final = ("at wall", "withdrawn")
 _MOST_LINES: Final = 12
 
 
-def boundary(step: int) -> str:
-    """What a step's boundary is called: the state that step led to."""
+def state_name(step: int) -> str:
+    """What the state is called that a step led to, or that stood before the first one."""
     return "the initial state" if step == 0 else f"step {step}"
 
 
-def in_one_line(differences: Sequence[str]) -> str:
+def on_one_line(differences: Sequence[str]) -> str:
     """The first of them, and how many more there are."""
     more = f" (and {len(differences) - 1} more)" if len(differences) > 1 else ""
     return f"{differences[0]}{more}"
 
 
-def of_a_screen(step: int, differences: Sequence[str]) -> list[str]:
+def first_lines(step: int, differences: Sequence[str]) -> list[str]:
     """A line for each of the first ones, with the step, and how many more there are."""
-    shown = [f"{boundary(step)}: {line}" for line in differences[:_MOST_LINES]]
+    shown = [f"{state_name(step)}: {line}" for line in differences[:_MOST_LINES]]
     more = len(differences) - _MOST_LINES
-    return [*shown, f"{boundary(step)}: and {more} more"] if more > 0 else shown
+    return [*shown, f"{state_name(step)}: and {more} more"] if more > 0 else shown
 
 
 def state_differences(
     config: ArenaConfig,
     names: Sequence[str],
-    one: Witness,
-    other: Witness,
-    called: tuple[str, str] = ("as recorded", "as replayed"),
+    one: QuantisedState,
+    other: QuantisedState,
+    labels: tuple[str, str] = ("as recorded", "as replayed"),
 ) -> list[str]:
     """In what two states of an arena differ whose digests do: a line for each number, at least one line.
 
-    Args: `names`, the agents' by seat; `called`, what the states are called.
+    Args: `names`, the agents' by seat; `labels`, what the states are called.
     """
-    found = list(_differing(config, names, one.tolist(), other.tolist(), called))
+    found = list(_differing(config, names, one.tolist(), other.tolist(), labels))
     return found or ["every number by less than a millionth of its unit"]
 
 
 def _differing(
-    config: ArenaConfig, names: Sequence[str], one: list[int], other: list[int], called: tuple[str, str]
+    config: ArenaConfig, names: Sequence[str], one: list[int], other: list[int], labels: tuple[str, str]
 ) -> Iterator[str]:
     size = len(HUNTER)
     first = len(ARENA)
     end = first + config.hunters * size
     for what, *values in zip(ARENA, one[:first], other[:first], strict=True):
         if values[0] != values[1]:
-            yield f"clock and counters: {_compared(config, what, '', values, called)}"
+            yield f"clock and counters: {_compared(config, what, '', values, labels)}"
     for seat, name in enumerate(names):
         at = first + seat * size
         who = f"hunter_{seat}" if name == f"hunter_{seat}" else f"hunter_{seat} ({name})"
         for (what, unit), *values in zip(HUNTER.items(), one[at : at + size], other[at : at + size], strict=True):
             if values[0] != values[1]:
-                yield f"{who}: {_compared(config, what, unit, values, called)}"
+                yield f"{who}: {_compared(config, what, unit, values, labels)}"
     ours, theirs = (_targets(state[end:]) for state in (one, other))
     for number in sorted(ours.keys() | theirs.keys()):
         name = config.target_name(number)
         if number not in ours or number not in theirs:
-            here, there = called if number in ours else called[::-1]
+            here, there = labels if number in ours else labels[::-1]
             yield f"{name}: alive {here}, not {there}"
             continue
         for (what, unit), *values in zip(TARGET.items(), ours[number], theirs[number], strict=True):
             if values[0] != values[1]:
-                yield f"{name}: {_compared(config, what, unit, values, called)}"
+                yield f"{name}: {_compared(config, what, unit, values, labels)}"
 
 
 def _targets(numbers: list[int]) -> dict[int, list[int]]:
@@ -77,9 +77,9 @@ def _targets(numbers: list[int]) -> dict[int, list[int]]:
     return {numbers[at]: numbers[at : at + size] for at in range(0, len(numbers), size)}
 
 
-def _compared(config: ArenaConfig, what: str, unit: str, values: list[int], called: tuple[str, str]) -> str:
+def _compared(config: ArenaConfig, what: str, unit: str, values: list[int], labels: tuple[str, str]) -> str:
     shown = " and ".join(
-        f"{_shown(config, what, unit, value)} {word}" for value, word in zip(values, called, strict=True)
+        f"{_shown(config, what, unit, value)} {word}" for value, word in zip(values, labels, strict=True)
     )
     if what == "active target" or what in _FLAGS:
         return f"{what} is {shown}"

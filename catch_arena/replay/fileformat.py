@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, ReplayError
-from catch_arena.replay.columns import Reader, packed
-from catch_arena.replay.witness import Witness, driven_seats, numbers_of, pack, unpack
+from catch_arena.replay.columns import Reader, pack_columns
+from catch_arena.replay.quantisation import QuantisedState, driven_seats, pack_states, state_length, unpack_states
 from catch_arena.seeding import checked_seed
 
 LARGEST_FILE: Final = 1 << 26
 """No file is longer than this, and no body when it is unpacked [bytes]."""
-_MARK: Final = b"\x89CATCH\r\n"  # as PNG does it: a transfer that mangles bytes is noticed at once
+_MAGIC: Final = b"\x89CATCH\r\n"  # as PNG does it: a transfer that mangles bytes is noticed at once
 _FORMAT: Final = 2
 _PREFIX: Final = struct.Struct("<8sIQ")
 _LENGTH: Final = struct.Struct("<I")
@@ -37,7 +37,7 @@ _LONGEST_REASON: Final = 300
 _KEYS: Final = {"ruleset", "package", "config", "seed", "names", "title", "steps", "withdrawals", "spans"}
 
 
-class Match(NamedTuple):
+class ReplayContent(NamedTuple):
     """What a file holds."""
 
     config: ArenaConfig
@@ -49,16 +49,16 @@ class Match(NamedTuple):
     commands: NDArray[np.float32]
     """(steps, H, 2)."""
     digests: list[bytes]
-    witness: list[Witness]
+    states: list[QuantisedState]
     withdrawals: list[tuple[int, int]]
 
 
-def encoded(match: Match) -> bytes:
+def encode_replay(match: ReplayContent) -> bytes:
     """The file's content. Raises: ReplayError for a match that is too long to be kept."""
     config, steps = match.config, len(match.choices)
     _require_sizes(config, steps)
     driven = driven_seats(config)
-    witness, spans = pack(config, match.commands, match.witness)
+    states, spans = pack_states(config, match.commands, match.states)
     _require_few_spans(spans)
     header = {
         "ruleset": RULESET,
@@ -78,20 +78,20 @@ def encoded(match: Match) -> bytes:
         (
             _LENGTH.pack(len(text)),
             text,
-            packed(match.choices.T),
-            packed(turned.astype(np.int64).T),
+            pack_columns(match.choices.T),
+            pack_columns(turned.astype(np.int64).T),
             *match.digests,
-            witness,
+            states,
         )
     )
     if len(text) > _LONGEST_HEADER or len(body) > LARGEST_FILE:
         raise ReplayError(f"is too long to be kept: {len(body)} bytes, {len(text)} of them its header")
     shrunk = zlib.compress(body, 9)
-    content = _PREFIX.pack(_MARK, _FORMAT, len(shrunk)) + shrunk
+    content = _PREFIX.pack(_MAGIC, _FORMAT, len(shrunk)) + shrunk
     return content + _checksum(content)
 
 
-def decoded(content: bytes) -> Match:
+def decode_replay(content: bytes) -> ReplayContent:
     """The match in a file's content. Raises: ReplayError for whatever is not a whole replay of this ruleset."""
     reader = Reader(_checked_body(content))
     header = _header_of(reader)
@@ -111,9 +111,9 @@ def decoded(content: bytes) -> Match:
     if not np.all(np.abs(commands) <= 1.0):  # NaN too
         raise ReplayError("holds velocity commands that no arena would have taken")
     digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
-    witness = unpack(config, commands, reader, spans)
+    states = unpack_states(config, commands, reader, spans)
     reader.end()
-    return Match(config, seed, names, title, choices, commands, digests, witness, withdrawals)
+    return ReplayContent(config, seed, names, title, choices, commands, digests, states, withdrawals)
 
 
 def checked_text(what: str, text: object) -> str:
@@ -129,7 +129,7 @@ def _checksum(content: bytes | memoryview) -> bytes:
 
 
 def _checked_body(content: bytes) -> bytes:
-    if not content.startswith(_MARK):
+    if not content.startswith(_MAGIC):
         raise ReplayError("is not a Catch Arena replay")
     if len(content) < _PREFIX.size + _CHECKSUM_BYTES:
         raise ReplayError("is truncated")
@@ -210,8 +210,8 @@ def _count(name: str, value: object) -> int:
 
 def _require_sizes(config: ArenaConfig, steps: int) -> None:
     """What is read must fit in memory, and be played in a time that somebody will wait for."""
-    if (steps + 1) * numbers_of(config) > _MOST_NUMBERS:
-        most = _MOST_NUMBERS // numbers_of(config) - 1
+    if (steps + 1) * state_length(config) > _MOST_NUMBERS:
+        most = _MOST_NUMBERS // state_length(config) - 1
         raise ReplayError(f"is too long to be kept: {steps} steps, and {most} are the most in such an arena")
     if steps * config.control_period_ms > _LONGEST_MS:
         raise ReplayError(f"is too long to be kept: {steps} steps of {config.control_period_ms} ms are more than a day")

@@ -1,12 +1,12 @@
-"""Rulebook R10.2: a match as its header, its seed and its actions, with a digest and a witness of every state."""
+"""Rulebook R10.2: a match as its header, its seed and its actions, with a digest of every state and its numbers."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from html import escape
-from importlib import import_module
 from io import BytesIO
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +14,19 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
 from catch_arena.errors import OutputError, ReplayError
-from catch_arena.replay.differences import boundary, in_one_line, state_differences
-from catch_arena.replay.fileformat import LARGEST_FILE, Match, decoded, encoded
+from catch_arena.replay.differences import on_one_line, state_differences, state_name
+from catch_arena.replay.fileformat import LARGEST_FILE, ReplayContent, decode_replay, encode_replay
 from catch_arena.replay.files import write_whole
-from catch_arena.replay.witness import Witness, witness_of
+from catch_arena.replay.quantisation import QuantisedState, quantise
 from catch_arena.world import World
 
 
 @dataclass(slots=True)
 class Replay:
     """One recorded match, or the part of it that has been played."""
+
+    html_formatter: ClassVar[Callable[["Replay"], str] | None] = None
+    """Makes the HTML that a notebook shows: `catch_arena.player`, which stands above, sets it when it is imported."""
 
     config: ArenaConfig
     seed: int
@@ -36,8 +39,8 @@ class Replay:
     """The velocity commands of each step: (H, 2)."""
     digests: list[bytes] = field(default_factory=list)
     """A.8, after the reset and after each step."""
-    witness: list[Witness] = field(default_factory=list)
-    """The numbers that the digests stand for, in whole millionths: they say in what two states differ."""
+    states: list[QuantisedState] = field(default_factory=list)
+    """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
     withdrawals: list[tuple[int, int]] = field(default_factory=list)
     """(steps played before it, seat): R1.6."""
 
@@ -60,7 +63,7 @@ class Replay:
     def note(self, engine: Engine) -> None:
         """One more state: the first one after the reset, the others by `append`."""
         self.digests.append(engine.digest())
-        self.witness.append(witness_of(engine.state(), self.config.hunters))
+        self.states.append(quantise(engine.state(), self.config.hunters))
 
     def append(self, choices: NDArray[np.int64], commands: NDArray[np.float32], engine: Engine) -> None:
         """One more step: its actions, which are copied, and the state that it led to."""
@@ -68,7 +71,7 @@ class Replay:
         self.commands.append(commands.copy())
         self.note(engine)
 
-    def played(self) -> Iterator[Engine]:
+    def engines(self) -> Iterator[Engine]:
         """The match again, checked against nothing: one engine, at every step's boundary, steps + 1 of them."""
         engine = Engine(self.config)
         engine.reset([self.seed])
@@ -85,22 +88,24 @@ class Replay:
 
         Raises: ReplayError that names the first step that differs, and in what.
         """
-        for step, engine in enumerate(self.played()):
+        for step, engine in enumerate(self.engines()):
             if engine.digest() != self.digests[step]:
                 found = state_differences(
-                    self.config, self.names, self.witness[step], witness_of(engine.state(), self.config.hunters)
+                    self.config, self.names, self.states[step], quantise(engine.state(), self.config.hunters)
                 )
                 raise ReplayError(
-                    f"the replay does not play as it was recorded: {boundary(step)} is the first that differs: "
-                    f"{in_one_line(found)}"
+                    f"the replay does not play as it was recorded: {state_name(step)} is the first that differs: "
+                    f"{on_one_line(found)}"
                 )
             yield engine.world()
 
     def _repr_html_(self) -> str:
-        """How a notebook shows it: the report's player."""
-        player = import_module("catch_arena.player")  # by its name: it stands above, and replays do not lean on it
+        """What a notebook shows: the match, played in the report's player where that was imported."""
+        formatter = Replay.html_formatter
+        if formatter is None:
+            return f"<p>A replay of {self.steps} steps; it plays here after <code>import catch_arena.player</code></p>"
         try:
-            return str(player.player_html(self))
+            return formatter(self)
         except ReplayError as error:
             return f"<p>{escape(str(error))}</p>"
 
@@ -108,8 +113,8 @@ class Replay:
         """Write the replay, to memory too; under a file's name appears a whole one or none. Raises: OutputError."""
         hunters = self.config.hunters
         try:
-            content = encoded(
-                Match(
+            content = encode_replay(
+                ReplayContent(
                     self.config,
                     self.seed,
                     self.names,
@@ -117,7 +122,7 @@ class Replay:
                     np.array(self.choices, dtype=np.int64).reshape(-1, hunters),
                     np.array(self.commands, dtype=np.float32).reshape(-1, hunters, 2),
                     self.digests,
-                    self.witness,
+                    self.states,
                     self.withdrawals,
                 )
             )
@@ -137,7 +142,7 @@ class Replay:
         except (OSError, ValueError) as error:  # ValueError: a path with a zero byte
             raise ReplayError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
         try:
-            match = decoded(content)
+            match = decode_replay(content)
         except ReplayError as error:
             raise ReplayError(f"{path}: {error}") from None
         return cls(
@@ -148,6 +153,6 @@ class Replay:
             choices=list(match.choices),
             commands=list(match.commands),
             digests=match.digests,
-            witness=match.witness,
+            states=match.states,
             withdrawals=match.withdrawals,
         )

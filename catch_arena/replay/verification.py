@@ -4,27 +4,27 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from catch_arena.replay.differences import boundary, in_one_line, of_a_screen, state_differences
+from catch_arena.replay.differences import first_lines, on_one_line, state_differences, state_name
+from catch_arena.replay.quantisation import QuantisedState, quantise
 from catch_arena.replay.recording import Replay
-from catch_arena.replay.witness import Witness, witness_of
 
 
-def faults(replay: Replay, progress: Callable[[int, int], None] | None = None) -> list[str]:
+def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -> list[str]:
     """Play a match again and say all that does not fit; an empty list is a proof.
 
     A state follows from the one before. So where the digests differ from some step to the end, the match itself
     differs: an action, a setting or a rule is another one. A step whose digest differs although all later ones agree
-    was altered in the file, and so was a witness whose digest agrees.
+    was altered in the file, and so were a state's numbers (its witness) where the digest agrees.
 
     Args: `progress`, called with (steps played, steps in all).
     Returns: a line for each fault; where a match differs, a further line for each number that does in the first step.
     """
     digests: list[int] = []  # steps whose digest was altered
-    witness: list[int] = []  # steps whose witness was
+    numbers: list[int] = []  # steps whose numbers were
     since: int | None = None  # the step from which on the digests differ
-    then = there = np.zeros(0, dtype=np.int64)  # what was replayed there, and at the first altered witness
-    for step, engine in enumerate(replay.played()):
-        state = witness_of(engine.state(), replay.config.hunters)
+    then = there = np.zeros(0, dtype=np.int64)  # what was replayed there, and at the first altered numbers
+    for step, engine in enumerate(replay.engines()):
+        state = quantise(engine.state(), replay.config.hunters)
         if engine.digest() != replay.digests[step]:
             if since is None:
                 since, then = step, state
@@ -32,28 +32,28 @@ def faults(replay: Replay, progress: Callable[[int, int], None] | None = None) -
             if since is not None:
                 digests += range(since, step)
                 since = None
-            if not np.array_equal(state, replay.witness[step]):
-                there = there if witness else state
-                witness.append(step)
+            if not np.array_equal(state, replay.states[step]):
+                there = there if numbers else state
+                numbers.append(step)
         if progress is not None:
             progress(step, replay.steps)
 
-    def differences(step: int, state: Witness) -> list[str]:
-        return state_differences(replay.config, replay.names, replay.witness[step], state)
+    def differences(step: int, state: QuantisedState) -> list[str]:
+        return state_differences(replay.config, replay.names, replay.states[step], state)
 
     found = []
     if digests:
         found.append(f"{_altered('digest', digests)}: the match plays on as recorded")
-    if witness:
-        number = in_one_line(differences(witness[0], there))
-        found.append(f"{_altered('witness', witness)}: the digest agrees, but {number}")
+    if numbers:
+        difference = on_one_line(differences(numbers[0], there))
+        found.append(f"{_altered('witness', numbers)}: the digest agrees, but {difference}")
     if since is not None:
-        found.append(f"{boundary(since)} is the first that differs")
-        found += of_a_screen(since, differences(since, then))
+        found.append(f"{state_name(since)} is the first that differs")
+        found += first_lines(since, differences(since, then))
     return found
 
 
 def _altered(what: str, steps: Sequence[int]) -> str:
     later = len(steps) - 1
     also = f", and that of {later} later {'step' if later == 1 else 'steps'}" if later else ""
-    return f"{boundary(steps[0])}: its {what} was altered{also}"
+    return f"{state_name(steps[0])}: its {what} was altered{also}"

@@ -1,4 +1,4 @@
-"""Figures that a page draws: numbers become places in per cent, and words."""
+"""Figures that a page draws: numbers become positions in per cent, and words."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from catch_arena.report.findings import Findings
+from catch_arena.report.data import ReportData
 from catch_arena.tournament.audit import Seat
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import sums_by
@@ -43,7 +43,7 @@ class Axis:
         return cls(ticks[0], ticks[-1], ticks)
 
     def at(self, value: float) -> float:
-        """A value's place in [0, 100]."""
+        """Where a value stands, in [0, 100]."""
         return round(100.0 * min(max((value - self.low) / (self.high - self.low), 0.0), 1.0), 2)
 
     def whisker(self, one: Estimate) -> dict[str, float] | None:
@@ -106,9 +106,9 @@ def lanes(table: Sequence[Standing]) -> list[list[str]]:
     return found
 
 
-def distributions(findings: Findings) -> dict[str, Any]:
+def distributions(data: ReportData) -> dict[str, Any]:
     """How often each agent had which score, the best agent first: bars as a path in `bins` x 1, and the quartiles."""
-    outcomes = findings.outcomes
+    outcomes = data.outcomes
     most = int(outcomes.scores.max())
     width = max(1, math.ceil((most + 1) / _BINS))
     bins = most // width + 1
@@ -119,17 +119,17 @@ def distributions(findings: Findings) -> dict[str, Any]:
         return round(100.0 * (score / width + 0.5) / bins, 2)
 
     rows = []
-    for line in findings.standings:
-        place = findings.names.index(line.name)
-        bars = [(at, height) for at, height in enumerate((parts[place] / parts.max()).tolist()) if height]
-        scores = outcomes.scores[outcomes.seating == place]
+    for line in data.standings:
+        entrant = data.names.index(line.name)
+        bars = [(at, height) for at, height in enumerate((parts[entrant] / parts.max()).tolist()) if height]
+        scores = outcomes.scores[outcomes.seating == entrant]
         quartiles = np.quantile(scores, (0.25, 0.5, 0.75), method="inverted_cdf").tolist()
         rows.append(
             {
                 "line": line,
                 "path": "".join(f"M{at} 1v{-height:.3f}h1V1" for at, height in bars),
                 "quartiles": quartiles,
-                "places": [across(score) for score in quartiles],
+                "positions": [across(score) for score in quartiles],
             }
         )
     every = max(1, int(_round_step(bins / 8)))
@@ -137,32 +137,34 @@ def distributions(findings: Findings) -> dict[str, Any]:
     return {"rows": rows, "bins": bins, "width": width, "ticks": ticks}
 
 
-def encounters(findings: Findings) -> dict[str, Any]:
+def encounters(data: ReportData) -> dict[str, Any]:
     """Each against each, the best first: the shares as whole per cents, and in words where there is room for them."""
-    names = [line.name for line in findings.standings]
+    names = [line.name for line in data.standings]
     wordy = len(names) <= _WORDY
     rows = []
     for name in names:
         cells: list[dict[str, Any] | None] = []
         for other in names:
-            one = findings.encounters.get((name, other))
+            one = data.encounters.get((name, other))
             if one is None or not one.matches:
                 cells.append(None)
                 continue
-            said = (
+            tooltip = (
                 f"{name} against {other}: {one.wins} won, {one.ties} tied, {one.matches - one.wins - one.ties} lost; "
                 f"{percent(one.share.mean)} ({interval(one.share, 100)}); probability of improvement "
                 f"{percent(one.improvement)}"
             )
             share = round(100 * one.share.mean)
-            cells.append({"share": share, "improvement": round(100 * one.improvement), "said": said if wordy else ""})
+            cells.append(
+                {"share": share, "improvement": round(100 * one.improvement), "tooltip": tooltip if wordy else ""}
+            )
         rows.append({"name": name, "cells": cells})
     return {"names": names, "rows": rows, "small": len(names) > _ROOMY}
 
 
-def seats(findings: Findings) -> list[Seat]:
+def seat_results(data: ReportData) -> list[Seat]:
     """How the seats of this tournament fared: each agent sat in each of them, block by block."""
-    outcomes = findings.outcomes
+    outcomes = data.outcomes
     seat = np.broadcast_to(np.arange(outcomes.seating.shape[1]), outcomes.seating.shape)
     block = np.broadcast_to(outcomes.block[:, None], outcomes.seating.shape)
 
@@ -173,18 +175,18 @@ def seats(findings: Findings) -> list[Seat]:
     return [Seat(won, float(score)) for won, score in zip(wins, outcomes.scores.mean(axis=0), strict=True)]
 
 
-def refusals(findings: Findings) -> dict[str, str]:
+def refusals(data: ReportData) -> dict[str, str]:
     """Which reasons occurred at all, in the arbiter's order, each with what it means."""
-    met = {name for line in findings.standings for name in line.refusals}
+    met = {name for line in data.standings for name in line.refusals}
     return {verdict.name: REASONS[verdict] for verdict in Verdict if verdict.name in met}
 
 
-def thinking(findings: Findings) -> dict[str, tuple[float, float]]:
+def move_times(data: ReportData) -> dict[str, tuple[float, float]]:
     """Each agent's time for a move [ms]: the mean, and the longest."""
-    found = {name: [0.0, 0.0, 0.0] for name in findings.names}
-    for one in findings.played:
-        for place, spent in zip(one.match.seating, one.result.thinking, strict=True):
-            times = found[findings.names[place]]
+    found = {name: [0.0, 0.0, 0.0] for name in data.names}
+    for one in data.played:
+        for entrant, spent in zip(one.match.seating, one.result.thinking, strict=True):
+            times = found[data.names[entrant]]
             times[0] += spent.moves
             times[1] += spent.total_s
             times[2] = max(times[2], spent.longest_s)

@@ -11,8 +11,8 @@ from typing import Any, Final
 from urllib.parse import unquote
 
 from catch_arena.errors import CatchArenaError, OutputError, ReplayError
-from catch_arena.player import film_text
-from catch_arena.report.findings import Findings
+from catch_arena.player import bundle_text
+from catch_arena.report.data import ReportData
 from catch_arena.report.page import page
 from catch_arena.tournament.store import Store
 
@@ -26,14 +26,14 @@ _PATIENCE_S: Final = 5.0
 """How long one request may take to arrive."""
 
 
-class Watched:
+class LiveReport:
     """A folder's report, made anew when there are more matches, for as many threads as ask."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._lock = threading.Lock()
         self._page = ""
-        self._findings: Findings | None = None
+        self._data: ReportData | None = None
         self._count = 0
         self._next = 0.0
 
@@ -41,23 +41,23 @@ class Watched:
         """A word that changes when the page does."""
         with self._lock:
             if time.monotonic() >= self._next:
-                self._renew()
+                self._refresh()
             return str(self._count)
 
     def page(self) -> str:
-        """The page as it is now; it asks for the films that it shows."""
+        """The page as it is now; it asks for the replays that it shows."""
         self.state()
         return self._page
 
-    def film(self, match: str) -> str:
+    def bundle(self, match: str) -> str:
         """Any recorded match. Raises: CatchArenaError where it was not recorded."""
         with self._lock:
-            findings = self._findings
-        if findings is None:
+            data = self._data
+        if data is None:
             raise ReplayError("no match has been played yet")
-        return film_text(findings.replay(match))
+        return bundle_text(data.replay(match))
 
-    def _renew(self) -> None:
+    def _refresh(self) -> None:
         with Store.read(self._folder) as store:
             count = store.count_played()
         if count == self._count and self._page:
@@ -66,8 +66,8 @@ class Watched:
         if not count:
             self._page = _WAITING
         else:
-            self._findings = Findings.of(self._folder)
-            self._page = page(self._findings, {}, watched=True)
+            self._data = ReportData.of(self._folder)
+            self._page = page(self._data, {}, watched=True)
         self._count = count
         end = time.monotonic()
         self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
@@ -84,7 +84,7 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = _PATIENCE_S
 
     def do_GET(self) -> None:
-        """The page, its state, or a film."""
+        """The page, its state, or a replay bundle."""
         name, port = self.headers.get("Host", ""), self.server.server_port
         if name not in (f"{HOST}:{port}", f"localhost:{port}"):  # a stranger's page, under a name that leads here
             self._answer(403, "text/plain", "ask for 127.0.0.1")
@@ -92,11 +92,11 @@ class _Handler(BaseHTTPRequestHandler):
         path = self.path.partition("?")[0]
         try:
             if path == "/":
-                self._answer(200, "text/html", self.server.watched.page())
+                self._answer(200, "text/html", self.server.report.page())
             elif path == "/state":
-                self._answer(200, "text/plain", self.server.watched.state())
+                self._answer(200, "text/plain", self.server.report.state())
             elif path.startswith("/films/"):
-                self._answer(200, "text/plain", self.server.watched.film(unquote(path.removeprefix("/films/"))))
+                self._answer(200, "text/plain", self.server.report.bundle(unquote(path.removeprefix("/films/"))))
             else:
                 self._answer(404, "text/plain", "there is nothing here")
         except CatchArenaError as error:
@@ -120,8 +120,8 @@ class _Server(ThreadingHTTPServer):
     daemon_threads = True
     allow_reuse_address = False  # a port that somebody else has must look taken, on Windows too
 
-    def __init__(self, port: int, watched: Watched) -> None:
-        self.watched = watched
+    def __init__(self, port: int, report: LiveReport) -> None:
+        self.report = report
         super().__init__((HOST, port), _Handler)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
@@ -131,13 +131,13 @@ class _Server(ThreadingHTTPServer):
 
 
 @contextmanager
-def serving(watched: Watched, port: int | None = None) -> Iterator[str]:
+def serve(report: LiveReport, port: int | None = None) -> Iterator[str]:
     """Serve a report meanwhile; the address.
 
     Args: `port`, None for the first free one from PORT up.
     Raises: OutputError where the port, or all of them, are taken.
     """
-    server = _listening(watched, range(PORT, PORT + _PORTS) if port is None else (port,))
+    server = _listening(report, range(PORT, PORT + _PORTS) if port is None else (port,))
     thread = threading.Thread(target=server.serve_forever, daemon=True)
     thread.start()
     try:
@@ -148,13 +148,13 @@ def serving(watched: Watched, port: int | None = None) -> Iterator[str]:
         thread.join()
 
 
-def _listening(watched: Watched, ports: Sequence[int]) -> _Server:
+def _listening(report: LiveReport, ports: Sequence[int]) -> _Server:
     for port in ports:
         try:
-            return _Server(port, watched)
+            return _Server(port, report)
         except OSError as error:
             reason = error.strerror or error
         except OverflowError:
             raise OutputError(f"port must be from 0 to 65535, got {port}") from None
-    told = str(ports[0]) if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
-    raise OutputError(f"port {told} of {HOST}: cannot be used: {reason}")
+    taken = str(ports[0]) if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
+    raise OutputError(f"port {taken} of {HOST}: cannot be used: {reason}")

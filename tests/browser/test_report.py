@@ -11,11 +11,11 @@ from report.synthetic import tournament
 
 import catch_arena
 from catch_arena.explanation import explain
-from catch_arena.player import film_text, player_html
-from catch_arena.render import view
+from catch_arena.player import bundle_text, player_html
+from catch_arena.render import viewport
 from catch_arena.report import REPORT, watch, write_report
-from catch_arena.report.findings import Findings
-from catch_arena.report.watch import Watched, serving
+from catch_arena.report.data import ReportData
+from catch_arena.report.watch import LiveReport, serve
 
 _SHOWING = "match => document.getElementById('showing').textContent === `Match ${match}`"
 
@@ -99,7 +99,7 @@ def opened(page, folder, body):
     path = folder / "player.html"
     path.write_text(f'<!doctype html><html lang="en"><meta charset="utf-8"><title>replay</title><body>{body}')
     page.goto(path.as_uri())
-    page.wait_for_function("[...document.querySelectorAll('catch-replay')].every((one) => one.film)")
+    page.wait_for_function("[...document.querySelectorAll('catch-replay')].every((one) => one.replay)")
     return page
 
 
@@ -132,9 +132,9 @@ def test_a_click_plays_and_another_one_pauses(player):
 
 def test_the_arena_has_the_colours_of_the_videos(player):
     pixels = picture(player, "canvas.arena")
-    assert share_of(pixels, view.GROUND) > 0.5
+    assert share_of(pixels, viewport.GROUND) > 0.5
     for seat in range(8):
-        shell = np.array(view.HUNTER_COLORS[seat]) * 0.96 + 5  # render.sprites has the parts
+        shell = np.array(viewport.HUNTER_COLORS[seat]) * 0.96 + 5  # render.sprites has the parts
         assert share_of(pixels, shell) * pixels.shape[0] * pixels.shape[1] > 30, seat
 
 
@@ -152,7 +152,7 @@ def test_the_next_contest_says_who_won_by_what_and_how_far_away_each_was(player,
         assert player.locator(".claims li").first.inner_text().startswith(f"{contest.claims[0].seat}\n")
     player.get_by_role("button", name="Previous contest").click()
     assert clock(player) == pytest.approx((contests[1].step - 1) / 10)
-    assert share_of(picture(player, "canvas.close-up"), view.GROUND) > 0.2
+    assert share_of(picture(player, "canvas.close-up"), viewport.GROUND) > 0.2
 
 
 def test_a_picked_hunter_has_its_own_contests(player, crowd):
@@ -235,7 +235,7 @@ def test_a_replay_plays_for_those_who_want_less_motion(chromium, crowd, tmp_path
 
 def test_a_report_shows_its_first_replay_and_any_other_that_is_picked(quiet, report):
     quiet.goto(report.as_uri())
-    quiet.wait_for_function("document.querySelector('catch-replay').film")
+    quiet.wait_for_function("document.querySelector('catch-replay').replay")
     assert quiet.get_by_role("heading", level=1).inner_text()
     assert quiet.locator("#list li").count() == 4
     other = quiet.locator("#list li").nth(2)
@@ -254,7 +254,7 @@ def test_a_report_shows_its_first_replay_and_any_other_that_is_picked(quiet, rep
 def test_a_report_is_readable_in_light_and_dark_on_a_phone_and_a_desk(chromium, report, scheme, width):
     page = chromium.new_page(color_scheme=scheme, viewport={"width": width, "height": 800})
     page.goto(report.as_uri())
-    page.wait_for_function("document.querySelector('catch-replay').film")
+    page.wait_for_function("document.querySelector('catch-replay').replay")
     page.get_by_role("button", name="Next contest").click()
     assert page.evaluate("document.documentElement.scrollWidth") == width  # nothing is cut off
     assert (picture(page, "h1").mean() > 128) == (scheme == "light")
@@ -285,7 +285,7 @@ def test_the_switch_changes_light_and_dark_and_is_remembered(chromium, report):
 
 def test_every_control_and_picture_has_a_name(quiet, report):
     quiet.goto(report.as_uri())
-    quiet.wait_for_function("document.querySelector('catch-replay').film")
+    quiet.wait_for_function("document.querySelector('catch-replay').replay")
     roles = ("button", "combobox", "checkbox", "slider", "img", "region", "link")
     for role in roles:
         found = quiet.get_by_role(role).all()
@@ -324,7 +324,7 @@ def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report
     monkeypatch.setattr(watch, "_PAUSE_S", 0.0)
     monkeypatch.setattr(watch, "_PAUSE_FACTOR", 0.0)
     tournament(tmp_path, 1, most=12)
-    with serving(Watched(tmp_path), 0) as address:
+    with serve(LiveReport(tmp_path), 0) as address:
         page.goto(address)
         page.wait_for_selector("#list li")
         assert "of 60" in page.locator("header").inner_text()
@@ -332,10 +332,10 @@ def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report
         page.wait_for_function("document.querySelector('#found').textContent === '1 to 10 of 60'", timeout=15_000)
         assert "of 60" not in page.locator("header").inner_text()
     page.wait_for_function("document.querySelector('#news').textContent.includes('ended')", timeout=15_000)
-    recorded = Findings.of(report.parent).recorded
-    with serving(Watched(report.parent), 0) as address:
+    recorded = ReportData.of(report.parent).recorded
+    with serve(LiveReport(report.parent), 0) as address:
         page.goto(address)
-        page.wait_for_function("document.querySelector('catch-replay').film")
+        page.wait_for_function("document.querySelector('catch-replay').replay")
         match = max(recorded)
         page.get_by_role("button", name=f"Show match {match}").click()
         page.wait_for_function(
@@ -345,7 +345,7 @@ def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report
 
 def test_a_damaged_replay_says_so_in_one_line_and_the_next_one_plays(quiet, crowd, tmp_path):
     page = opened(quiet, tmp_path, player_html(crowd))
-    text = film_text(crowd)
+    text = bundle_text(crowd)
     player = page.locator("catch-replay")
     player.evaluate("(player, text) => player.setAttribute('film', text)", text[: len(text) // 8 * 4])
     page.wait_for_function("document.querySelector('catch-replay').note.textContent.includes('cannot be shown')")

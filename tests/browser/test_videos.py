@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.render import hud, view
+from catch_arena.render import hud, viewport
 from catch_arena.render.encoders import FORMATS, video_file
 from catch_arena.render.video import render_replay
 from catch_arena.replay import Replay
@@ -57,7 +57,7 @@ def test_a_match_plays(page, serve, tmp_path, match, ending):
     frame = shown(page, "video")
     assert frame.shape == (360, 640, 3)
     assert frame.astype(float).mean() > 40  # not black
-    assert np.abs(frame[40:320, 20:340].astype(int) - view.GROUND).sum(axis=2).mean() < 60  # but the arena
+    assert np.abs(frame[40:320, 20:340].astype(int) - viewport.GROUND).sum(axis=2).mean() < 60  # but the arena
     page.wait_for_function("document.querySelector('video').ended")
     assert page.eval_on_selector("video", "video => video.error") is None
     quality = page.eval_on_selector("video", "video => video.getVideoPlaybackQuality().corruptedVideoFrames || 0")
@@ -72,7 +72,7 @@ def test_a_match_moves_as_a_picture(page, serve, tmp_path, match, ending):
     page.wait_for_function("document.querySelector('img').complete")
     first = shown(page, "img")
     assert first.shape == (360, 640, 3)
-    assert np.abs(first[40:320, 20:340].astype(int) - view.GROUND).sum(axis=2).mean() < 60
+    assert np.abs(first[40:320, 20:340].astype(int) - viewport.GROUND).sum(axis=2).mean() < 60
     frames = page.evaluate(
         """async ([name, type]) => {
             const data = await (await fetch(name)).arrayBuffer();
@@ -90,7 +90,15 @@ def test_a_match_moves_as_a_picture(page, serve, tmp_path, match, ending):
 @pytest.mark.parametrize("ending", FORMATS)
 def test_colours_are_right_within_three_levels(page, serve, tmp_path, ending):
     """A patch of every colour that matters, written by the encoder and read from the browser's screen."""
-    colors = [*view.HUNTER_COLORS, view.GROUND, view.TARGET, hud.PANEL, (255, 255, 255), (0, 0, 0), (128, 128, 128)]
+    colors = [
+        *viewport.HUNTER_COLORS,
+        viewport.GROUND,
+        viewport.TARGET,
+        hud.PANEL,
+        (255, 255, 255),
+        (0, 0, 0),
+        (128, 128, 128),
+    ]
     side = 48
     picture = np.zeros((side * 2, side * 7, 4), dtype=np.uint8)
     for place, color in enumerate(colors):

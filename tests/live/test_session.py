@@ -4,10 +4,10 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.live import show as live
+from catch_arena.live import match_window
 from catch_arena.render.libraries import pygame
 from catch_arena.replay import Replay
-from catch_arena.replay.verification import faults
+from catch_arena.replay.verification import verify
 
 QUICK = ["--set", "time_limit_s=1", "--size", "320x320"]
 
@@ -68,7 +68,7 @@ def test_a_person_plays_to_the_end_and_is_recorded(session, tmp_path):
     assert replay.config.controls[:2] == ("target", "velocity")
     assert replay.steps == 10
     assert {float(commands[1][0]) for commands in replay.commands} == {1.0}
-    assert list(faults(replay)) == []
+    assert list(verify(replay)) == []
     assert "  you" in result.output
     assert "replay: mine.replay" in result.output
 
@@ -136,9 +136,9 @@ def test_speed_is_the_pace_of_the_window_and_changes_no_match(session, tmp_path)
 def test_the_window_may_be_resized_and_the_keys_shown(session, monkeypatch):
     sizes = iter([(320, 320)] * 20)
     drawn = []
-    monkeypatch.setattr(live.Screen, "size", property(lambda _: next(sizes, (500, 400))))
-    monkeypatch.setattr(live, "_SETTLED_S", 0.0)
-    monkeypatch.setattr(live.Screen, "show", lambda _, pixels: drawn.append(pixels.shape[:2]))
+    monkeypatch.setattr(match_window.Screen, "size", property(lambda _: next(sizes, (500, 400))))
+    monkeypatch.setattr(match_window, "_SETTLED_S", 0.0)
+    monkeypatch.setattr(match_window.Screen, "show", lambda _, pixels: drawn.append(pixels.shape[:2]))
     result = session(["watch", "nearest"], *nothing(10), pygame.K_h, *nothing(30), pygame.K_h, *nothing(9))
     assert result.exit_code == 0, result.output
     assert drawn[0] == (320, 320)
@@ -176,7 +176,7 @@ def test_without_a_display_it_says_so(session, monkeypatch):
     assert "needs a display" in result.output
 
 
-def test_a_window_that_nobody_can_see_does_not_wait_for_hands(session, monkeypatch):
+def test_a_window_that_nobody_can_see_does_not_wait_for_keys(session, monkeypatch):
     """SDL's last resort draws into memory, where no key will ever come from."""
     monkeypatch.setattr(pygame.display, "get_driver", lambda: "offscreen")
     result = session(["play"])

@@ -5,8 +5,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from render.films import SMALL, drawn
 from render.matches import played
+from render.videos import SMALL, drawn
 
 from catch_arena.render.video import RenderReport, render_replay
 from catch_arena.replay import Replay

@@ -5,7 +5,7 @@ import itertools
 from catch_arena.config import ArenaConfig
 from catch_arena.render import hud, scene, text
 from catch_arena.render.shapes import Box, Label, Path, Polygon, Stroke, Turtle
-from catch_arena.render.view import Look, Viewport
+from catch_arena.render.viewport import MatchInfo, Viewport
 from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, TargetState, World
 
@@ -19,12 +19,18 @@ def a_world(*rulings: Ruling, places=((1.0, 2.0), (9.0, 3.0)), step: int = 5) ->
     return World(100 * step, step, 11.088889122009277, hunters, targets, rulings, 9)
 
 
-def shapes_of(world: World, marks=(), time_ms: float = 500.0, size=(720, 720)) -> list:
-    look = Look.of(ArenaConfig(hunters=len(world.hunters)))
-    view = Viewport(*size, world.side_m)
+def shapes_of(world: World, annotations=(), time_ms: float = 500.0, size=(720, 720)) -> list:
+    info = MatchInfo.of(ArenaConfig(hunters=len(world.hunters)))
+    viewport = Viewport(*size, world.side_m)
     poses = [(hunter.x, hunter.y, hunter.theta) for hunter in world.hunters]
     return scene.arena_shapes(
-        view, look, hunters=world.hunters, poses=poses, targets=world.targets, marks=marks, time_ms=time_ms
+        viewport,
+        info,
+        hunters=world.hunters,
+        poses=poses,
+        targets=world.targets,
+        annotations=annotations,
+        time_ms=time_ms,
     )
 
 
@@ -46,9 +52,9 @@ SIZES = [
 ]
 
 
-def a_look(hunters: int) -> Look:
+def an_info(hunters: int) -> MatchInfo:
     names = [f"contested_by_arrival_time_v{seat}" for seat in range(hunters)]
-    return Look.of(ArenaConfig(hunters=hunters), names, "Round 3   match 12 of 64", 60_000)
+    return MatchInfo.of(ArenaConfig(hunters=hunters), names, "Round 3   match 12 of 64", 60_000)
 
 
 def extent(shape) -> tuple[float, float, float, float]:
@@ -57,7 +63,7 @@ def extent(shape) -> tuple[float, float, float, float]:
         case Box():
             return shape.left, shape.top, shape.left + shape.width, shape.top + shape.height
         case Label():
-            shown = text.fitted(shape.text, shape.size, shape.weight, shape.max_width)
+            shown = text.truncated(shape.text, shape.size, shape.weight, shape.max_width)
             width = text.text_width(shown, shape.size, shape.weight)
             left = shape.x - {"left": 0.0, "center": width / 2, "right": width}[shape.align]
             return left, shape.y - 0.4 * shape.size, left + width, shape.y + 0.4 * shape.size

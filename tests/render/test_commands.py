@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.render.moments import best, moments, story
-from catch_arena.render.sheet import same_picture
+from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
+from catch_arena.render.contact_sheet import same_picture
 
 SMALL = ["--size", "480x320", "--fps", "10"]
 
@@ -51,7 +51,7 @@ def test_the_list_says_file_time_kind_and_caption_and_writes_nothing(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["replays"]
 
 
-def test_highlights_are_filmed(tmp_path):
+def test_highlights_are_rendered(tmp_path):
     result = call("highlights", "replays", "-o", "best.mp4", "--count", "1", *SMALL)
     assert result.exit_code == 0, result.output
     assert (tmp_path / "best.mp4").is_file()
@@ -65,12 +65,12 @@ def test_a_sheet_of_a_match(tmp_path, pick):
 
 
 def test_a_sheet_has_as_many_pictures_as_were_asked_for_or_says_why_not(play):
-    """Moments that overlap as scenes of a film are pictures of their own, half a second apart."""
+    """Moments that overlap as scenes of a video are pictures of their own, half a second apart."""
     match = play("duel", time_limit_s=20.0, reach_m=1.0, initial_targets=8, spawn_frequency_hz=2.0)
     match.save("busy.replay")
-    found = {"": moments(story(match))}
-    count = len(best(found, 100, clash=same_picture))
-    assert count > len(best(found, 100))
+    found = {"": find_highlights(extract_events(match))}
+    count = len(select_highlights(found, 100, clash=same_picture))
+    assert count > len(select_highlights(found, 100))
     result = call("sheet", "busy.replay", "--pick", "moments", "--count", str(count))
     assert result.output.endswith(f"sheet: sheet.png ({count} pictures)\n")
     result = call("sheet", "busy.replay", "--pick", "moments", "--count", "99", "--force")
@@ -133,7 +133,7 @@ def test_bad_words_are_one_line(words, said):
     assert len(result.output.splitlines()) == 1
 
 
-def test_ctrl_c_leaves_no_half_written_film(tmp_path):
+def test_ctrl_c_leaves_no_half_written_video(tmp_path):
     words = [sys.executable, "-m", "catch_arena", "mosaic", "replays", "-o", "grid.mp4", "--speed", "0.02"]
     with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
         deadline = time.monotonic() + 60

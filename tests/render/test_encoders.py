@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from render.films import ENDINGS, SMALL, decoded
+from render.videos import ENDINGS, SMALL, decoded
 
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.render.encoders import video_file

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 import pytest
-from render.golden import FOLDER, MOMENTS, frame_of
+from render.golden import FOLDER, GOLDEN_FRAMES, frame_of
 
 from catch_arena.render import text
 
@@ -18,14 +18,14 @@ def difference(frame: np.ndarray, name: str) -> tuple[float, float]:
     return float(off.mean()), float(np.quantile(off, 0.999))
 
 
-@pytest.mark.parametrize("moment", MOMENTS, ids=lambda moment: moment.name)
-def test_a_frame_looks_as_it_did(moment):
+@pytest.mark.parametrize("golden", GOLDEN_FRAMES, ids=lambda golden: golden.name)
+def test_a_frame_looks_as_it_did(golden):
     """With room for another version's way to round, and for the other font, if this is opencv 4."""
-    mean, most = difference(frame_of(moment), moment.name)
+    mean, most = difference(frame_of(golden), golden.name)
     assert mean < (1.0 if HAS_OWN_FONT else 3.0)
     assert most < (80.0 if HAS_OWN_FONT else 200.0)
 
 
 def test_the_comparison_tells_a_tenth_of_a_second_from_the_next():
-    mean, most = difference(frame_of(MOMENTS[1], later_ms=100), MOMENTS[1].name)
+    mean, most = difference(frame_of(GOLDEN_FRAMES[1], later_ms=100), GOLDEN_FRAMES[1].name)
     assert mean > 1.0 or most > 80.0

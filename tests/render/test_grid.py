@@ -2,8 +2,8 @@
 
 import pytest
 
-from catch_arena.render.grid import fitted_grid
 from catch_arena.render.hud import Rect
+from catch_arena.render.mosaic import fit_grid
 
 SIZES = [(1280, 720), (320, 320), (720, 1280), (1280, 1280)]
 
@@ -12,7 +12,7 @@ SIZES = [(1280, 720), (320, 320), (720, 1280), (1280, 1280)]
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 9, 17, 64])
 def test_cells_lie_inside_and_apart(count, size):
     area = Rect(10, 20, *size)
-    grid = fitted_grid(count, size, 0.2)
+    grid = fit_grid(count, size, 0.2)
     cells = grid.cells(count, area)
     assert len(cells) == count
     for place, one in enumerate(cells):
@@ -35,4 +35,4 @@ def test_no_other_number_of_columns_has_larger_cells(count, size):
         wide = width / (columns + 0.025 * (columns + 1))
         high = height / (1.2 * rows + 0.025 * (rows + 1))
         sides.append(min(wide, high))
-    assert max(sides) - 2 <= fitted_grid(count, size, 0.2).side <= max(sides)
+    assert max(sides) - 2 <= fit_grid(count, size, 0.2).side <= max(sides)

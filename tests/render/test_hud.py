@@ -3,12 +3,12 @@
 import itertools
 
 import pytest
-from render.pictured import SIZES, a_look, assert_inside, assert_texts_apart
+from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart
 
 from catch_arena.config import ArenaConfig
 from catch_arena.render import hud
 from catch_arena.render.shapes import Label
-from catch_arena.render.view import Look
+from catch_arena.render.viewport import MatchInfo
 
 
 def overlap(a: hud.Rect, b: hud.Rect) -> bool:
@@ -21,7 +21,7 @@ def overlap(a: hud.Rect, b: hud.Rect) -> bool:
 @pytest.mark.parametrize("size", SIZES)
 def test_the_parts_lie_in_the_frame_and_apart_and_the_arena_is_the_largest(size, layout, hunters):
     plan = hud.arrange(size, layout, hunters)
-    parts = [part for part in (plan.arena, plan.header, plan.standings, plan.news, plan.timeline) if part.width]
+    parts = [part for part in (plan.arena, plan.header, plan.standings, plan.feed, plan.timeline) if part.width]
     assert len(parts) in ((4, 5) if layout == "broadcast" else (2,))
     for part in parts:
         assert part.left >= 0
@@ -37,7 +37,7 @@ def test_the_parts_lie_in_the_frame_and_apart_and_the_arena_is_the_largest(size,
 @pytest.mark.parametrize("size", SIZES)
 def test_the_header_fits(size, time_text):
     plan = hud.arrange(size, "broadcast", 4)
-    shapes = hud.header_shapes(plan.header, a_look(4), 2**63, time_text, plan.unit)
+    shapes = hud.header_shapes(plan.header, an_info(4), 2**63, time_text, plan.unit)
     assert_inside(shapes, plan.header)
     assert_texts_apart(shapes)
 
@@ -47,15 +47,15 @@ def test_the_header_fits(size, time_text):
 def test_the_line_over_the_arena_fits(size, hunters):
     plan = hud.arrange(size, "arena", hunters)
     chips, clock = hud.split_strip(plan.header, "59.9")
-    standings = [hud.Standing(seat, 11 * seat) for seat in range(hunters)]
-    shapes = hud.chip_shapes(chips, a_look(hunters), standings)
+    standings = [hud.HunterScore(seat, 11 * seat) for seat in range(hunters)]
+    shapes = hud.chip_shapes(chips, an_info(hunters), standings)
     assert_inside(shapes, chips)
     assert_texts_apart(shapes)
     assert_inside(hud.strip_clock_shapes(clock, "59.9"), clock)
 
 
 def test_the_best_stand_first_and_equals_by_seat():
-    standings = [hud.Standing(0, 2), hud.Standing(1, 5), hud.Standing(2, 5)]
+    standings = [hud.HunterScore(0, 2), hud.HunterScore(1, 5), hud.HunterScore(2, 5)]
     assert [one.seat for one in hud.ranked(standings)] == [1, 2, 0]
 
 
@@ -67,22 +67,22 @@ def test_the_clock_shows_tenths_that_have_passed(time_ms, shown):
 
 
 @pytest.mark.parametrize("hunters", [2, 4, 8])
-def test_a_usual_video_has_room_for_the_news(hunters):
-    assert hud.arrange((1280, 720), "broadcast", hunters).news.height >= 2 * hud.NEWS_ROW
+def test_a_usual_video_has_room_for_the_feed(hunters):
+    assert hud.arrange((1280, 720), "broadcast", hunters).feed.height >= 2 * hud.FEED_ROW
 
 
 @pytest.mark.parametrize("seat", range(24))
 def test_every_hunters_colour_is_lightened_until_it_can_be_read_on_a_card(seat):
-    color = hud.legible(a_look(24).color(seat))
+    color = hud.legible(an_info(24).color(seat))
     assert 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2] > 100
 
 
 @pytest.mark.parametrize(("width", "named"), [(1920, True), (720, True), (400, False)])
 def test_the_line_over_the_arena_has_all_names_or_none(width, named):
-    look = Look.of(ArenaConfig(hunters=4), ["nearest", "patrol", "contested", "first"])
-    shapes = hud.chip_shapes(hud.Rect(0, 0, width, 40), look, [hud.Standing(seat, 10 + seat) for seat in range(4)])
+    info = MatchInfo.of(ArenaConfig(hunters=4), ["nearest", "patrol", "contested", "first"])
+    shapes = hud.chip_shapes(hud.Rect(0, 0, width, 40), info, [hud.HunterScore(seat, 10 + seat) for seat in range(4)])
     shown = [shape.text for shape in shapes if isinstance(shape, Label)]
-    assert [name in shown for name in look.names] == [named] * 4
+    assert [name in shown for name in info.names] == [named] * 4
     assert all(str(10 + seat) in shown for seat in range(4))
     assert_inside(shapes, hud.Rect(0, 0, width, 40))
     assert_texts_apart(shapes)

@@ -1,14 +1,13 @@
-"""Many matches in one film."""
+"""Many matches in one video."""
 
 import numpy as np
 import pytest
-from render.films import decoded
+from render.videos import decoded
 
 from catch_arena.errors import ConfigError
 from catch_arena.render import hud
-from catch_arena.render.grid import fitted_grid
-from catch_arena.render.mosaic import render_mosaic
-from catch_arena.render.view import GROUND
+from catch_arena.render.mosaic import fit_grid, render_mosaic
+from catch_arena.render.viewport import GROUND
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +17,7 @@ def matches(play):
 
 
 @pytest.mark.parametrize("ending", [".mp4", ".gif"])
-def test_all_run_at_once_and_the_film_lasts_as_long_as_the_longest(matches, tmp_path, ending):
+def test_all_run_at_once_and_the_video_lasts_as_long_as_the_longest(matches, tmp_path, ending):
     seen = []
     report = render_mosaic(
         matches, tmp_path / f"grid{ending}", size=(480, 320), fps=10, progress=lambda *done: seen.append(done)
@@ -27,7 +26,7 @@ def test_all_run_at_once_and_the_film_lasts_as_long_as_the_longest(matches, tmp_
     assert report.frames == len(frames) == 51  # three seconds, the last picture, and two seconds to look at it
     assert seen[:51] == [(k, 51) for k in range(1, 52)]
     assert frames[0].shape == (320, 480, 3)
-    cells = fitted_grid(3, (480, 320), 0.165).cells(3, hud.Rect(0, 0, 480, 320))
+    cells = fit_grid(3, (480, 320), 0.165).cells(3, hud.Rect(0, 0, 480, 320))
     for cell, ends in zip(cells, (11, 21, 31), strict=True):
         shown = [
             frame[cell.top + 40 : cell.top + 120, cell.left + 20 : cell.left + 100].astype(int) for frame in frames

@@ -6,7 +6,8 @@ from fractions import Fraction
 
 import pytest
 
-from catch_arena.render.motion import TICK_MS, Cut, between, leg, passages
+from catch_arena.render.motion import TICK_MS, frame_spans, interpolate, step_motion
+from catch_arena.render.timing import Clip
 
 
 def poses_of(world) -> tuple:
@@ -15,21 +16,21 @@ def poses_of(world) -> tuple:
 
 def test_the_ticks_lead_exactly_from_one_world_to_the_next(worlds):
     for before, after in itertools.pairwise(worlds):
-        poses = leg(before, after).poses
+        poses = step_motion(before, after).poses
         assert poses[0] == poses_of(before)
         assert poses[-1] == poses_of(after)
         assert len(poses) - 1 == after.time_ms // TICK_MS - before.time_ms // TICK_MS
 
 
 def test_at_a_tick_the_tick_is_shown_and_between_two_the_line_between_them(worlds):
-    step = leg(worlds[4], worlds[5])  # 400 ms is a tick's own time
+    step = step_motion(worlds[4], worlds[5])  # 400 ms is a tick's own time
     assert step.at(416.0) == step.poses[1]
     for pose, start, end in zip(step.at(424.0), step.poses[1], step.poses[2], strict=True):
         assert pose[:2] == pytest.approx(((start[0] + end[0]) / 2, (start[1] + end[1]) / 2), abs=1e-12)
 
 
 def test_turning_takes_the_shorter_way():
-    _, _, theta = between((0.0, 0.0, 3.0), (0.0, 0.0, -3.0), 0.5)
+    _, _, theta = interpolate((0.0, 0.0, 3.0), (0.0, 0.0, -3.0), 0.5)
     assert math.cos(theta) == pytest.approx(-1.0)
 
 
@@ -38,26 +39,26 @@ def test_turning_takes_the_shorter_way():
 @pytest.mark.parametrize("period", [16, 33, 100, 1500])
 def test_every_frame_belongs_to_one_step_and_lies_in_it(play, fps, period, speed):
     replay = play("duel", control_period_ms=period, max_cycles=6)
-    cut = Cut(0, 6 * period, fps, speed)
+    clip = Clip(0, 6 * period, fps, speed)
     shown = []
-    for passage in passages(replay.worlds(), cut):
-        for frame in passage.frames:
+    for span in frame_spans(replay.worlds(), clip):
+        for frame in span.frames:
             time_ms = 1000 * speed * frame / fps
-            assert cut.time_ms(frame) == pytest.approx(float(time_ms))
-            assert passage.leg.before.time_ms <= time_ms < passage.leg.after.time_ms or frame == 0
+            assert clip.time_ms(frame) == pytest.approx(float(time_ms))
+            assert span.motion.before.time_ms <= time_ms < span.motion.after.time_ms or frame == 0
             shown.append(frame)
-    assert shown == list(range(cut.frames))
+    assert shown == list(range(clip.frames))
 
 
 def test_a_part_of_a_match_begins_and_ends_where_it_is_told_and_no_later_step_is_played(match):
-    cut = Cut(1250, 2000, 60)
-    read = list(passages(match.worlds(), cut))
-    frames = [(passage.leg, frame) for passage in read for frame in passage.frames]
+    clip = Clip(1250, 2000, 60)
+    read = list(frame_spans(match.worlds(), clip))
+    frames = [(span.motion, frame) for span in read for frame in span.frames]
     assert [frame for _, frame in frames] == list(range(45))
-    assert cut.time_ms(0) == 1250.0
+    assert clip.time_ms(0) == 1250.0
     assert frames[0][0].before.time_ms == 1200
-    assert read[0].leg.before.time_ms == 0  # what came before is told, without frames
-    assert read[-1].leg.after.time_ms == 2000
+    assert read[0].motion.before.time_ms == 0  # what came before is told, without frames
+    assert read[-1].motion.after.time_ms == 2000
 
 
 @pytest.mark.parametrize(
@@ -73,13 +74,13 @@ def test_a_part_of_a_match_begins_and_ends_where_it_is_told_and_no_later_step_is
     ],
 )
 def test_a_video_is_as_long_as_its_part_of_the_match(start, end, fps, speed, frames):
-    cut = Cut(start, end, fps, Fraction(speed))
-    assert cut.frames == frames
-    assert cut.time_ms(cut.frames - 1) <= end
+    clip = Clip(start, end, fps, Fraction(speed))
+    assert clip.frames == frames
+    assert clip.time_ms(clip.frames - 1) <= end
 
 
 def test_the_ticks_between_two_instants_are_each_told_once(worlds):
-    step = leg(worlds[3], worlds[4])  # 300 to 400 ms: ticks at 304, 320, ... 400
+    step = step_motion(worlds[3], worlds[4])  # 300 to 400 ms: ticks at 304, 320, ... 400
     assert step.ticks_between(300.0, 400.0) == list(step.poses[1:])
     assert step.ticks_between(304.0, 336.0) == list(step.poses[2:4])
     assert step.ticks_between(305.0, 319.0) == []
@@ -91,9 +92,9 @@ def test_motion_is_smooth_across_step_boundaries(match):
     limit = match.config.max_speed_mps / fps * 1.02
     last = None
     fastest = 0.0
-    for passage in passages(match.worlds(), Cut(0, 3000, fps)):
-        for frame in passage.frames:
-            poses = passage.leg.at(1000.0 * frame / fps, passage.next_tick)
+    for span in frame_spans(match.worlds(), Clip(0, 3000, fps)):
+        for frame in span.frames:
+            poses = span.motion.at(1000.0 * frame / fps, span.next_tick)
             if last is not None:
                 fastest = max(fastest, *(math.dist(a[:2], b[:2]) for a, b in zip(last, poses, strict=True)))
             last = poses
@@ -103,7 +104,7 @@ def test_motion_is_smooth_across_step_boundaries(match):
 def test_in_a_step_of_many_seconds_everybody_stands_after_the_first(play):
     """R2.4: the watchdog; and the list of ticks does not grow with the period."""
     worlds = list(play("duel", control_period_ms=10_000, max_cycles=2).worlds())
-    step = leg(worlds[0], worlds[1])
+    step = step_motion(worlds[0], worlds[1])
     assert len(step.poses) <= 64
     assert step.at(1100.0) == step.at(9_999.0)
     for shown, there in zip(step.at(9_999.0), poses_of(worlds[1]), strict=True):
@@ -121,11 +122,11 @@ def test_only_two_steps_ahead_are_read(match):
             read += 1
             yield world
 
-    for index, _ in enumerate(passages(counted(), Cut(0, 3000, 60))):
+    for index, _ in enumerate(frame_spans(counted(), Clip(0, 3000, 60))):
         assert read <= index + 3
 
 
 def test_a_match_without_steps_is_one_picture(worlds):
-    (passage,) = passages(worlds[:1], Cut(0, 0, 60))
-    assert list(passage.frames) == [0]
-    assert passage.leg.at(0.0) == poses_of(worlds[0])
+    (span,) = frame_spans(worlds[:1], Clip(0, 0, 60))
+    assert list(span.frames) == [0]
+    assert span.motion.at(0.0) == poses_of(worlds[0])

@@ -1,13 +1,15 @@
 """What notebooks show: a replay plays, an env shows its present."""
 
 import base64
+import subprocess
+import sys
 
 import cv2
 import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.render.view import GROUND
+from catch_arena.render.viewport import GROUND
 
 
 def test_a_replay_is_the_reports_player(match):
@@ -22,6 +24,31 @@ def test_a_replay_that_does_not_play_as_recorded_says_so_and_its_names_are_no_ma
     html = broken._repr_html_()
     assert "does not play as it was recorded" in html
     assert "<b>" not in html
+
+
+@pytest.mark.parametrize(
+    "get",
+    [
+        "import catch_arena; replay = catch_arena.Replay.load(sys.argv[1])",
+        "from catch_arena import Replay; replay = Replay.load(sys.argv[1])",
+        "import catch_arena; env = catch_arena.parallel_env('duel'); env.record(); env.reset(); replay = env.replay()",
+    ],
+)
+def test_a_replay_plays_in_a_notebook_that_imports_nothing_else(play, tmp_path, get):
+    play("duel", time_limit_s=1.0).save(tmp_path / "match.replay")
+    code = f"import sys; {get}; sys.exit('<catch-replay' not in replay._repr_html_())"
+    subprocess.run([sys.executable, "-c", code, str(tmp_path / "match.replay")], check=True)
+
+
+def test_a_replay_without_the_player_says_what_it_needs(tmp_path, play):
+    play("duel", time_limit_s=1.0).save(tmp_path / "match.replay")
+    code = (
+        "import sys; from catch_arena.replay import Replay; shown = Replay.load(sys.argv[1])._repr_html_(); "
+        "assert 'catch_arena.player' not in sys.modules; print(shown)"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / "match.replay")]
+    shown = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert shown == "<p>A replay of 10 steps; it plays here after <code>import catch_arena.player</code></p>\n"
 
 
 @pytest.mark.parametrize("make", [catch_arena.parallel_env, catch_arena.env])

@@ -10,7 +10,7 @@ import pytest
 from catch_arena.render import shapes, sprites, text
 from catch_arena.render.hud import Rect
 from catch_arena.render.raster import Canvas, Ground
-from catch_arena.render.view import Viewport
+from catch_arena.render.viewport import Viewport
 
 
 def a_canvas(width: int = 200, height: int = 100) -> Canvas:
@@ -75,7 +75,7 @@ def test_what_lies_outside_is_cut_off():
 def test_text_is_drawn_with_either_font(monkeypatch, bundled):
     if bundled:
         monkeypatch.setattr(text, "_FACE", None)
-    for cached in (text.text_width, text.fitted):
+    for cached in (text.text_width, text.truncated):
         cached.cache_clear()
     try:
         canvas = a_canvas()
@@ -86,7 +86,7 @@ def test_text_is_drawn_with_either_font(monkeypatch, bundled):
         assert abs((columns.max() + columns.min()) / 2 - 100) < 3
         assert canvas.pixels[..., :3].max() == 255
     finally:
-        for cached in (text.text_width, text.fitted):
+        for cached in (text.text_width, text.truncated):
             cached.cache_clear()
 
 
@@ -128,7 +128,7 @@ def test_nothing_is_printed_no_display_is_opened_and_the_environment_stays_as_it
     code = """
 import os
 from catch_arena import ArenaConfig, Engine
-from catch_arena.render.stage import ArenaPainter
+from catch_arena.render.renderer import ArenaPainter
 from catch_arena.render.libraries import pygame
 engine = Engine(ArenaConfig())
 engine.reset([1])

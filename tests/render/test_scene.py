@@ -7,14 +7,14 @@ from render.pictured import a_world, kinds, shapes_of
 
 from catch_arena.render import scene
 from catch_arena.render.shapes import Label, Ring, Turtle
-from catch_arena.render.view import HUNTER_COLORS, TARGET, Viewport
+from catch_arena.render.viewport import HUNTER_COLORS, TARGET, Viewport
 
 
 def test_y_points_up_and_the_arena_lies_in_the_middle():
-    view = Viewport(900, 500, 10.0)
-    assert view.place(5.0, 5.0) == pytest.approx((450.0, 250.0))
-    left, bottom = view.place(0.0, 0.0)
-    right, top = view.place(10.0, 10.0)
+    viewport = Viewport(900, 500, 10.0)
+    assert viewport.to_pixels(5.0, 5.0) == pytest.approx((450.0, 250.0))
+    left, bottom = viewport.to_pixels(0.0, 0.0)
+    right, top = viewport.to_pixels(10.0, 10.0)
     assert top < bottom
     assert right - left == pytest.approx(bottom - top)
     assert (top, bottom) == (pytest.approx(500 * 0.03 / 1.06), pytest.approx(500 - 500 * 0.03 / 1.06))
@@ -24,10 +24,10 @@ def test_y_points_up_and_the_arena_lies_in_the_middle():
     ("side", "size"), [(11.0889, (320, 320)), (11.0889, (720, 720)), (5000.0, (500, 472)), (2.0, (320, 2160))]
 )
 def test_turtles_are_large_enough_to_see_and_small_enough_for_the_arena(side, size):
-    view = Viewport(*size, side)
-    assert view.hunter_length >= 20
-    assert view.target_length >= 13
-    assert view.hunter_length <= 0.35 * min(size)
+    viewport = Viewport(*size, side)
+    assert viewport.hunter_length >= 20
+    assert viewport.target_length >= 13
+    assert viewport.hunter_length <= 0.35 * min(size)
 
 
 def test_everybody_is_drawn_once_hunters_above_targets_and_numbers_above_both():

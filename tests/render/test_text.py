@@ -6,11 +6,11 @@ from catch_arena.render import text
 
 
 def test_long_and_odd_names_end_in_an_ellipsis_or_in_spaces():
-    shown = text.fitted("a" * 5000, 20, 500, 150.0)
+    shown = text.truncated("a" * 5000, 20, 500, 150.0)
     assert shown.endswith(text.ELLIPSIS)
     assert text.text_width(shown, 20, 500) <= 150
-    assert text.fitted("two\nlines\tand\x00more", 20, 500, 1e9) == "two lines and more"
-    assert text.fitted("anything", 20, 500, 3.0) == ""
+    assert text.truncated("two\nlines\tand\x00more", 20, 500, 1e9) == "two lines and more"
+    assert text.truncated("anything", 20, 500, 3.0) == ""
 
 
 def test_what_is_written_from_right_to_left_is_turned_round_and_the_rest_is_not():
@@ -25,5 +25,5 @@ def test_marks_that_nobody_sees_are_left_out():
 
 @pytest.mark.parametrize("name", ["日本語", "\U0001f422\U0001f3c6", "\ue000", "\ud800", "e\u0301\u0302\u0303", "﷽", ""])
 def test_any_name_can_be_measured_and_drawn(name):
-    shown = text.fitted(name, 20, 500, 300.0)
+    shown = text.truncated(name, 20, 500, 300.0)
     assert text.coverage(shown, 20, 500).shape == (31, text.text_width(shown, 20, 500) + 40)

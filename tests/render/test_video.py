@@ -7,12 +7,12 @@ import av
 import cv2
 import numpy as np
 import pytest
-from render.films import ENDINGS, SMALL, decoded, drawn, psnr
+from render.videos import ENDINGS, SMALL, decoded, drawn, psnr
 
 from catch_arena.errors import ConfigError
 from catch_arena.render.encoders import FORMATS
-from catch_arena.render.motion import Cut
-from catch_arena.render.video import cut_of, render_replay
+from catch_arena.render.timing import Clip
+from catch_arena.render.video import clip_of, render_replay
 
 
 def boxes(path: Path) -> list[str]:
@@ -81,7 +81,7 @@ def test_a_webm_file_is_vp9_that_browsers_play(video):
         assert (context.colorspace, context.color_range) == (6, 1)
 
 
-def test_a_part_is_filmed_as_it_is_in_the_whole(match, frames, tmp_path):
+def test_a_part_is_rendered_as_it_is_in_the_whole(match, frames, tmp_path):
     """The trails, the score and the timeline of what came before are there."""
     whole = frames("broadcast")
     part = drawn(match, start_s=1.2, end_s=2.4, **SMALL)
@@ -137,7 +137,7 @@ def test_progress_is_told_frame_by_frame(match, tmp_path):
 
 def test_an_end_after_the_end_is_the_end(match):
     for end_s in (4.0, float("inf")):
-        assert cut_of(match, FORMATS[".mp4"], 60, 1.0, end_s, 1.0) == Cut(1000, 3000, 60)
+        assert clip_of(match, FORMATS[".mp4"], 60, 1.0, end_s, 1.0) == Clip(1000, 3000, 60)
 
 
 @pytest.mark.parametrize(

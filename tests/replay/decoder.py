@@ -33,7 +33,7 @@ class Body:
 
 
 def decode(content: bytes) -> dict[str, Any]:
-    """The header's entries, and `ranks`, `commands`, `digests` and `witness`, by state or step."""
+    """The header's entries, and `ranks`, `commands`, `digests` and `states`, by state or step."""
     assert content[:8] == bytes.fromhex("894341544348 0D0A")
     form, length = struct.unpack("<IQ", content[8:20])
     assert form == 2
@@ -56,13 +56,13 @@ def decode(content: bytes) -> dict[str, Any]:
     spans = [body.column(header["spans"]) for _ in range(2 + TARGET)]
     assert body.at == len(body.data)
     spans[0] = summed(spans[0])
-    witness = []
+    states = []
     for n in range(steps + 1):
         numbers = [column[n] for column in clock]
         numbers += [column[n] for seat in seats for column in seat]
         alive = [target for begin, length, *target in zip(*spans, strict=True) if begin <= n < begin + length]
-        witness.append(numbers + [number for target in sorted(alive) for number in target])
-    return {**header, "ranks": ranks, "commands": commands, "digests": digests, "witness": witness}
+        states.append(numbers + [number for target in sorted(alive) for number in target])
+    return {**header, "ranks": ranks, "commands": commands, "digests": digests, "states": states}
 
 
 def float32(rotated: int) -> float:

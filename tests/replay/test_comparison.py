@@ -77,7 +77,7 @@ def test_the_first_state_that_differs_is_told_with_its_numbers(play):
 
 
 def test_a_digest_alone_and_a_length_are_differences(pair):
-    """The witness is equal there; the shorter match is compared as far as it goes."""
+    """The states are equal there; the shorter match is compared as far as it goes."""
     one, other = pair
     other.digests[80] = b"12345678"
     found = replay_differences(one, other)
@@ -85,7 +85,7 @@ def test_a_digest_alone_and_a_length_are_differences(pair):
         "step 80 is the first that differs",
         "step 80: every number by less than a millionth of its unit",
     ]
-    for part in (other.choices, other.commands, other.digests, other.witness):
+    for part in (other.choices, other.commands, other.digests, other.states):
         part.pop()
     assert replay_differences(one, other)[0] == "steps: 80 in A, 79 in B"
 

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from catch_arena import Verdict, arbitrate, explain, explain_step
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
+from catch_arena.explanation.lengths import short_length
 
 TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
 CLOSE = {"hunters": 3, "hunter_poses": TIED, "initial_targets": 3, "reach_m": 3.0, "max_cycles": 20}
@@ -232,3 +233,11 @@ def test_explain_prints_paragraphs_of_80_columns_or_json(crowded, tmp_path, monk
     for words in (["--hunter", "bbo"], ["--step", "0"], ["--hunter", "9"]):
         refused = call(*words)
         assert (refused.exit_code, len(refused.stderr.splitlines())) == (2, 1)
+
+
+@pytest.mark.parametrize(
+    ("length", "text"),
+    [(1, "1 µm"), (999, "999 µm"), (1_000, "1.0 mm"), (9_940, "9.9 mm"), (9_960, "10 mm"), (299_999, "30 cm")],
+)
+def test_lengths_are_said_in_the_unit_that_fits(length, text):
+    assert short_length(length) == text

@@ -23,8 +23,8 @@ from replay.decoder import decode
 import catch_arena
 from catch_arena import Replay
 from catch_arena.errors import OutputError, ReplayError
-from catch_arena.replay.columns import Reader, packed
-from catch_arena.replay.fileformat import decoded
+from catch_arena.replay.columns import Reader, pack_columns
+from catch_arena.replay.fileformat import decode_replay
 
 ONE_LINE = r"\A[ -~]+\Z"
 
@@ -88,7 +88,7 @@ def small(play, tmp_path_factory) -> bytes:
     ],
 )
 def test_a_decoder_by_the_document_alone_reads_the_same(play, tmp_path, scenario, overrides):
-    """Header, actions, digests and every number of the witness, in every kind of match."""
+    """Header, actions, digests and every number of the states, in every kind of match."""
     match = play(scenario, max_cycles=60, **overrides)
     read = decode(file_of(match, tmp_path))
 
@@ -99,16 +99,16 @@ def test_a_decoder_by_the_document_alone_reads_the_same(play, tmp_path, scenario
     for seat, columns in read["commands"].items():
         assert np.array_equal(np.array(columns).T, np.array(match.commands)[:, seat])
     assert read["digests"] == match.digests
-    assert read["witness"] == [state.tolist() for state in match.witness]
+    assert read["states"] == [state.tolist() for state in match.states]
 
 
-def test_a_witness_is_the_state_in_whole_millionths(mixed):
+def test_a_quantised_state_is_the_state_in_whole_millionths(mixed):
     """At most half a millionth from the numbers that the digest stands for."""
     hunters, targets = 4 * ([1e6] * 7 + [1] * 4), [1, 1e6, 1e6, 1e6, 1]
-    for engine, witness in zip(mixed.played(), mixed.witness, strict=True):
+    for engine, quantised in zip(mixed.engines(), mixed.states, strict=True):
         state = engine.state()
         scale = np.array([1] * 8 + hunters + targets * ((len(state) - 52) // 5))
-        assert np.abs(state * scale - witness).max() <= 0.5 + 1e-6
+        assert np.abs(state * scale - quantised).max() <= 0.5 + 1e-6
 
 
 @pytest.mark.parametrize(
@@ -175,7 +175,7 @@ def test_what_could_not_be_read_again_is_not_recorded(tmp_path):
 @given(st.lists(st.lists(st.integers(-(2**63), 2**63 - 1), min_size=3, max_size=3)))
 def test_columns_hold_any_whole_numbers(columns):
     """Of 64 bits, the extremes among them."""
-    reader = Reader(packed(np.array(column, dtype=np.int64) for column in columns))
+    reader = Reader(pack_columns(np.array(column, dtype=np.int64) for column in columns))
 
     assert reader.columns(len(columns), 3).T.tolist() == columns
     reader.end()
@@ -188,7 +188,7 @@ def test_every_truncation_is_refused(small):
     """At every length."""
     for length in range(len(small)):
         with pytest.raises(ReplayError, match=ONE_LINE):
-            decoded(small[:length])
+            decode_replay(small[:length])
 
 
 def test_every_flipped_bit_is_refused(small):
@@ -198,7 +198,7 @@ def test_every_flipped_bit_is_refused(small):
             flipped = bytearray(small)
             flipped[at] ^= 1 << bit
             with pytest.raises(ReplayError, match=ONE_LINE):
-                decoded(bytes(flipped))
+                decode_replay(bytes(flipped))
 
 
 @pytest.mark.parametrize(
@@ -308,9 +308,9 @@ def rebuilt(replay: Replay, folder: Path, change) -> bytes:
         (lambda match: match.commands[3].__setitem__((1, 0), np.nan), "holds velocity commands"),
         (lambda match: match.commands[3].__setitem__((2, 1), np.inf), "holds velocity commands"),
         (lambda match: match.commands[3].__setitem__((2, 1), -1.0000001), "holds velocity commands"),
-        (lambda match: match.witness[3].__setitem__(9, 2**60), "a number beyond 2^53"),
-        (lambda match: match.witness[3].__setitem__(12, -(2**60)), "a number beyond 2^53"),
-        (lambda match: match.witness[3].__setitem__(-5, match.witness[3][-10]), "cannot be alive together"),
+        (lambda match: match.states[3].__setitem__(9, 2**60), "a number beyond 2^53"),
+        (lambda match: match.states[3].__setitem__(12, -(2**60)), "a number beyond 2^53"),
+        (lambda match: match.states[3].__setitem__(-5, match.states[3][-10]), "cannot be alive together"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:invalid value encountered in cast:RuntimeWarning")  # a NaN is made on purpose
@@ -382,14 +382,14 @@ LIMITED = """
 import resource, sys, time
 from catch_arena import ArenaConfig, Engine, Replay
 from catch_arena.errors import ReplayError
-from catch_arena.replay.verification import faults
+from catch_arena.replay.verification import verify
 resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
 Engine(ArenaConfig())
 for path in sys.argv[1:]:
     began = time.process_time()
     try:
         replay = Replay.load(path)
-        outcome = f"loaded: {faults(replay)[0]}"
+        outcome = f"loaded: {verify(replay)[0]}"
     except ReplayError as error:
         outcome = str(error).removeprefix(f"{path}: ")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
@@ -417,7 +417,7 @@ def most_spans() -> bytes:
     table[0] = np.arange(1 << 18) % 64 == 0
     table[0, 0] = 0
     table[2] = np.arange(1 << 18)
-    return packed(table)
+    return pack_columns(table)
 
 
 def test_hostile_files_take_neither_memory_nor_time(small, tmp_path):

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from catch_arena import Replay
 from catch_arena.cli import main
 from catch_arena.errors import ReplayError
-from catch_arena.replay.verification import faults
+from catch_arena.replay.verification import verify
 
 
 def altered(replay: Replay, change) -> Replay:
@@ -23,21 +23,21 @@ def alter_action(replay: Replay) -> None:
 
 
 def number_of(replay: Replay, step: int, seat: int, field: int) -> int:
-    """A hunter's number of a witness: x is field 0, y 1, the angular velocity 4."""
-    return int(replay.witness[step][8 + 11 * seat + field])
+    """A hunter's number of a state: x is field 0, y 1, the angular velocity 4."""
+    return int(replay.states[step][8 + 11 * seat + field])
 
 
 def test_a_match_that_plays_as_recorded_has_no_faults(mixed):
     """And progress is told, to the end."""
     told = []
 
-    assert faults(mixed, lambda done, total: told.append((done, total))) == []
+    assert verify(mixed, lambda done, total: told.append((done, total))) == []
     assert told == [(step, 80) for step in range(81)]
 
 
 def test_an_edited_action_is_named_by_what_it_moves(mixed):
     """The hunter, each number, as recorded and as replayed; no other hunter."""
-    found = faults(altered(mixed, alter_action))
+    found = verify(altered(mixed, alter_action))
 
     assert found[0] == "step 23 is the first that differs"
     assert all(line.startswith("step 23: hunter_1 (b): ") for line in found[1:])
@@ -51,7 +51,7 @@ def test_an_edited_action_is_named_by_what_it_moves(mixed):
 def test_an_edited_choice_is_named_by_the_active_target(mixed):
     """Under target control."""
     step = next(at for at, choices in enumerate(mixed.choices) if at > 30 and choices[0] == 1)
-    found = faults(altered(mixed, lambda match: match.choices[step].__setitem__(0, 2)))
+    found = verify(altered(mixed, lambda match: match.choices[step].__setitem__(0, 2)))
 
     assert found[0] == f"step {step + 1} is the first that differs"
     assert any(re.search(r"\(a\): active target is target_turtle_\d+ as recorded and target_", line) for line in found)
@@ -76,7 +76,7 @@ def test_an_edited_choice_is_named_by_the_active_target(mixed):
 )
 def test_an_edited_header_is_named_by_what_it_changes(mixed, change, first, line):
     """Seed, withdrawals, settings."""
-    found = faults(altered(mixed, change))
+    found = verify(altered(mixed, change))
 
     assert found[0] == f"{first} is the first that differs"
     assert any(re.match(f"{first}: {line}", one) for one in found), found
@@ -87,10 +87,10 @@ def test_an_edited_witness_is_told_from_an_edited_action(mixed):
 
     def shift(match):
         for step in (31, 40, 41):
-            match.witness[step][8 + 11 * 2 + 1] += 17
+            match.states[step][8 + 11 * 2 + 1] += 17
 
     y = number_of(mixed, 31, 2, 1)
-    (found,) = faults(altered(mixed, shift))
+    (found,) = verify(altered(mixed, shift))
     told, _, number = found.partition("the digest agrees, but hunter_2 (c): ")
     assert told == "step 31: its witness was altered, and that of 2 later steps: "
     assert number == f"y is {(y + 17) / 1e6:.6f} m as recorded and {y / 1e6:.6f} m as replayed, 0.000017 m apart"
@@ -98,9 +98,9 @@ def test_an_edited_witness_is_told_from_an_edited_action(mixed):
 
 def test_an_edited_digest_is_told_from_an_edited_action(mixed):
     """The steps after it agree; the last step has none after it."""
-    found = faults(altered(mixed, lambda match: match.digests.__setitem__(12, b"12345678")))
+    found = verify(altered(mixed, lambda match: match.digests.__setitem__(12, b"12345678")))
     assert found == ["step 12: its digest was altered: the match plays on as recorded"]
-    found = faults(altered(mixed, lambda match: match.digests.__setitem__(80, b"12345678")))
+    found = verify(altered(mixed, lambda match: match.digests.__setitem__(80, b"12345678")))
     assert found == [
         "step 80 is the first that differs",
         "step 80: every number by less than a millionth of its unit",
@@ -108,14 +108,14 @@ def test_an_edited_digest_is_told_from_an_edited_action(mixed):
 
 
 def test_several_faults_are_all_told(mixed):
-    """A digest, a witness, and the match itself."""
+    """A digest, a state's numbers, and the match itself."""
 
     def change(match):
         match.digests[3] = b"12345678"
-        match.witness[5][0] += 1
+        match.states[5][0] += 1
         alter_action(match)
 
-    found = faults(altered(mixed, change))
+    found = verify(altered(mixed, change))
     assert found[0].startswith("step 3: its digest was altered")
     assert found[1].startswith(
         "step 5: its witness was altered: the digest agrees, but clock and counters: time is 501"

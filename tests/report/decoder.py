@@ -1,4 +1,4 @@
-"""A second decoder of films, from the description in film.py alone."""
+"""A second decoder of replay bundles, from the description in bundle.py alone."""
 
 import json
 import math
@@ -6,9 +6,9 @@ import math
 import numpy as np
 
 
-def decoded(film: bytes) -> tuple[dict, list[np.ndarray]]:
+def decoded(bundle: bytes) -> tuple[dict, list[np.ndarray]]:
     """(the facts, each body's x, y and theta: float64 (3, states), in metres and radians)."""
-    head, tracks = film.split(b"\n", 1)
+    head, tracks = bundle.split(b"\n", 1)
     facts = json.loads(head)
     half = len(tracks) // 2
     words = [tracks[place] + 256 * tracks[half + place] for place in range(half)]

@@ -1,4 +1,4 @@
-"""Numbers become places and words."""
+"""Numbers become positions and words."""
 
 import dataclasses
 import math
@@ -17,19 +17,19 @@ from catch_arena.report.charts import (
     number,
     percent,
     rating_axis,
-    seats,
+    seat_results,
 )
-from catch_arena.report.findings import Findings
+from catch_arena.report.data import ReportData
 from catch_arena.tournament.statistics.intervals import Estimate
 
 NAN = math.nan
 
 
 @pytest.fixture(scope="module")
-def findings(tmp_path_factory):
+def data(tmp_path_factory):
     folder = tmp_path_factory.mktemp("synthetic")
     tournament(folder, 2, forfeits=True)
-    return Findings.of(folder)
+    return ReportData.of(folder)
 
 
 @given(st.lists(st.floats(-1e6, 1e6).map(lambda value: round(value, 6)), max_size=8))
@@ -48,11 +48,11 @@ def test_an_interval_that_is_not_known_is_a_point():
     assert axis.whisker(Estimate(NAN, NAN, NAN)) is None
 
 
-def test_one_that_forfeited_everything_does_not_squeeze_the_others_together(findings):
+def test_one_that_forfeited_everything_does_not_squeeze_the_others_together(data):
     first, second, third = (
         dataclasses.replace(line, rating=Estimate(mean, mean - 50, mean + 50), forfeits={"FORFEIT_CRASH": lost})
         for line, mean, lost in zip(
-            findings.standings, (200.0, 0.0, -2000.0), (0, 1, findings.standings[2].matches), strict=False
+            data.standings, (200.0, 0.0, -2000.0), (0, 1, data.standings[2].matches), strict=False
         )
     )
     assert rating_axis([first, second, third]).low == rating_axis([first, second]).low > -200
@@ -70,12 +70,12 @@ def test_one_that_forfeited_everything_does_not_squeeze_the_others_together(find
         ([(1, 1)], True, "a played alone"),
     ],
 )
-def test_the_heading_says_no_more_than_is_known(findings, groups, ended, said):
-    assert headline(_table(findings, groups), ended=ended) == said
+def test_the_heading_says_no_more_than_is_known(data, groups, ended, said):
+    assert headline(_table(data, groups), ended=ended) == said
 
 
-def test_bars_stand_beside_those_who_share_a_group_and_never_touch_in_a_lane(findings):
-    table = _table(findings, [(1, 1), (1, 2), (2, 2), (3, 3), (4, 4), (4, 4), (4, 4)])
+def test_bars_stand_beside_those_who_share_a_group_and_never_touch_in_a_lane(data):
+    table = _table(data, [(1, 1), (1, 2), (2, 2), (3, 3), (4, 4), (4, 4), (4, 4)])
     assert lanes(table) == [
         ["begin", ""],
         ["end", "begin"],
@@ -85,12 +85,12 @@ def test_bars_stand_beside_those_who_share_a_group_and_never_touch_in_a_lane(fin
         ["within", ""],
         ["end", ""],
     ]
-    assert lanes(_table(findings, [(1, 1), (2, 2)])) == [[], []]
+    assert lanes(_table(data, [(1, 1), (2, 2)])) == [[], []]
 
 
-def test_score_bars_have_the_area_of_all_matches(findings):
-    found = distributions(findings)
-    assert [row["line"] for row in found["rows"]] == findings.standings
+def test_score_bars_have_the_area_of_all_matches(data):
+    found = distributions(data)
+    assert [row["line"] for row in found["rows"]] == data.standings
     areas = [
         sum(-float(part.split("v")[1].split("h")[0]) for part in row["path"].split("M")[1:]) for row in found["rows"]
     ]
@@ -98,8 +98,8 @@ def test_score_bars_have_the_area_of_all_matches(findings):
     assert all(row["quartiles"] == sorted(row["quartiles"]) for row in found["rows"])
 
 
-def test_the_seats_of_a_tournament_share_all_wins(findings):
-    found = seats(findings)
+def test_the_seats_of_a_tournament_share_all_wins(data):
+    found = seat_results(data)
     assert sum(seat.wins.mean for seat in found) == pytest.approx(1.0)
     assert all(seat.wins.low < 0.25 < seat.wins.high for seat in found)
 
@@ -117,8 +117,8 @@ def test_numbers_for_people():
     assert interval(Estimate(0.5, NAN, NAN)) == "interval unknown"
 
 
-def _table(findings, groups):
-    line = findings.standings[0]
+def _table(data, groups):
+    line = data.standings[0]
     return [
         dataclasses.replace(line, name=name, groups=belongs) for name, belongs in zip("abcdefgh", groups, strict=False)
     ]

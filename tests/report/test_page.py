@@ -9,8 +9,8 @@ from report.synthetic import tournament
 
 from catch_arena.errors import ReplayError, StoreError
 from catch_arena.report import REPORT, write_report
-from catch_arena.report.chosen import chosen
-from catch_arena.report.findings import Findings
+from catch_arena.report.data import ReportData
+from catch_arena.report.selection import select_matches
 from catch_arena.tournament.audit import FILE as AUDIT
 
 WICKED = ['<script>alert("x")</script>', '"><img src=x onerror=alert(1)>', "{{ 7 * 7 }}", "O'Brien & sons"]
@@ -72,7 +72,7 @@ def test_the_same_matches_make_the_same_bytes(tmp_path):
 def test_forfeits_are_told_with_code_reason_and_place(tmp_path):
     tournament(tmp_path, 3, forfeits=True)
     text = report_of(tmp_path)
-    count = sum(any(one.result.forfeits) for one in Findings.of(tmp_path).played)
+    count = sum(any(one.result.forfeits) for one in ReportData.of(tmp_path).played)
     assert count > 3
     line = re.search(r"<li><strong>random</strong>.*?</li>", text).group()
     assert f"{count} ×, first in match r0000" in line
@@ -90,7 +90,7 @@ def test_a_tournament_under_way_says_so(tmp_path):
 @pytest.mark.parametrize("passed", [True, False])
 def test_an_audit_stands_in_the_report(tmp_path, passed):
     tournament(tmp_path, 1)
-    digest = Findings.of(tmp_path).tournament.config.digest
+    digest = ReportData.of(tmp_path).tournament.config.digest
     share = {"mean": 0.25, "low": 0.24, "high": 0.26}
     check = {"question": "Does a <seat> win?", "passed": passed, "finding": "from 24.1 to 26.2 %", "p": 0.412}
     found = {
@@ -129,25 +129,25 @@ def test_a_tournament_without_matches_has_no_report(tmp_path):
 
 
 def test_recorded_matches_play_in_the_page_within_the_budget(played):
-    findings = Findings.of(played)
-    every = chosen(findings, 10**6)
-    assert set(every) == findings.recorded == {one.match.id for one in findings.played}
-    size = max(len(film.film) for film in every.values())
-    some = chosen(findings, 2 * size)
+    data = ReportData.of(played)
+    every = select_matches(data, 10**6)
+    assert set(every) == data.recorded == {one.match.id for one in data.played}
+    size = max(len(one.bundle) for one in every.values())
+    some = select_matches(data, 2 * size)
     assert 1 <= len(some) < len(every)
-    assert sum(len(film.film) for film in some.values()) <= 2 * size
-    assert chosen(findings, 0) == {}
+    assert sum(len(one.bundle) for one in some.values()) <= 2 * size
+    assert select_matches(data, 0) == {}
 
 
 def test_a_match_that_is_asked_for_is_there_whatever_the_budget(played):
-    findings = Findings.of(played)
-    last = max(findings.recorded)
-    assert list(chosen(findings, 0, [last])) == [last]
+    data = ReportData.of(played)
+    last = max(data.recorded)
+    assert list(select_matches(data, 0, [last])) == [last]
     with pytest.raises(ReplayError, match="match nothing: must be one that was played and recorded"):
-        chosen(findings, 0, ["nothing"])
+        select_matches(data, 0, ["nothing"])
 
 
 def test_a_tournament_leaves_its_report(played):
     text = (played / REPORT).read_text(encoding="utf-8")
-    films = json.loads(re.search(r'id="films">(.*?)</script>', text).group(1))
-    assert set(films) == Findings.of(played).recorded
+    selected = json.loads(re.search(r'id="films">(.*?)</script>', text).group(1))
+    assert set(selected) == ReportData.of(played).recorded

@@ -11,10 +11,10 @@ import pytest
 from report.synthetic import tournament
 
 from catch_arena.errors import OutputError
-from catch_arena.player import film_text
+from catch_arena.player import bundle_text
 from catch_arena.report import watch
-from catch_arena.report.findings import Findings
-from catch_arena.report.watch import Watched, serving
+from catch_arena.report.data import ReportData
+from catch_arena.report.watch import LiveReport, serve
 
 
 @pytest.fixture(autouse=True)
@@ -37,7 +37,7 @@ def refused(address):
 
 def test_the_page_follows_the_tournament(tmp_path):
     tournament(tmp_path, 1, most=0)
-    with serving(Watched(tmp_path), 0) as address:
+    with serve(LiveReport(tmp_path), 0) as address:
         assert "No match has been played yet" in fetched(address)
         tournament(tmp_path, 1, most=8)
         assert fetched(f"{address}state") == "8"
@@ -48,18 +48,18 @@ def test_the_page_follows_the_tournament(tmp_path):
 
 
 def test_any_recorded_match_can_be_fetched_and_nothing_else(played):
-    with serving(Watched(played), 0) as address:
-        findings = Findings.of(played)
-        match = min(findings.recorded)
+    with serve(LiveReport(played), 0) as address:
+        data = ReportData.of(played)
+        match = min(data.recorded)
         fetched(address)
-        assert fetched(f"{address}films/{match}") == film_text(findings.replay(match))
+        assert fetched(f"{address}films/{match}") == bundle_text(data.replay(match))
         assert refused(f"{address}films/..%2F..%2Fsecret")[0] == 404
         assert refused(f"{address}tournament.sqlite") == (404, "there is nothing here")
 
 
 def test_only_this_machine_is_answered_under_its_own_name(tmp_path):
     tournament(tmp_path, 1, most=4)
-    with serving(Watched(tmp_path), 0) as address:
+    with serve(LiveReport(tmp_path), 0) as address:
         port = urlsplit(address).port
         connection = HTTPConnection("127.0.0.1", port, timeout=30)
         connection.request("GET", "/", headers={"Host": f"evil.example:{port}"})
@@ -73,7 +73,7 @@ def test_only_this_machine_is_answered_under_its_own_name(tmp_path):
 
 def test_a_reader_that_says_nothing_keeps_nobody_waiting(tmp_path):
     tournament(tmp_path, 1, most=4)
-    with serving(Watched(tmp_path), 0) as address, socket.create_connection(("127.0.0.1", urlsplit(address).port)):
+    with serve(LiveReport(tmp_path), 0) as address, socket.create_connection(("127.0.0.1", urlsplit(address).port)):
         assert fetched(f"{address}state") == "4"
 
 
@@ -82,11 +82,11 @@ def test_a_port_that_is_taken_gives_way_to_the_next_or_is_named(tmp_path, monkey
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         monkeypatch.setattr(watch, "PORT", port)
-        with serving(Watched(tmp_path)) as address:
+        with serve(LiveReport(tmp_path)) as address:
             assert port < urlsplit(address).port < port + 20
         with (
             pytest.raises(OutputError, match=f"port {port} of 127.0.0.1: cannot be used"),
-            serving(Watched(tmp_path), port),
+            serve(LiveReport(tmp_path), port),
         ):
             pass
 
@@ -94,7 +94,7 @@ def test_a_port_that_is_taken_gives_way_to_the_next_or_is_named(tmp_path, monkey
 def test_the_server_ends_with_its_context(tmp_path):
     tournament(tmp_path, 1, most=4)
     before = set(threading.enumerate())
-    with serving(Watched(tmp_path), 0) as address:
+    with serve(LiveReport(tmp_path), 0) as address:
         fetched(address)
     for thread in set(threading.enumerate()) - before:
         thread.join(timeout=30)

@@ -5,9 +5,9 @@ import time
 import numpy as np
 
 from catch_arena.render.hud import CARD, PANEL
-from catch_arena.render.view import GROUND, HUNTER_COLORS
+from catch_arena.render.viewport import GROUND, HUNTER_COLORS
 from catch_arena.replay import Replay
-from catch_arena.replay.verification import faults
+from catch_arena.replay.verification import verify
 
 COMMAND = "from catch_arena.__main__ import main; main()"
 HUMAN = """
@@ -90,7 +90,7 @@ def test_a_person_drives_pauses_steps_saves_and_ends(desk, started, keep, tmp_pa
     mine = Replay.load(record)
     assert mine.names == ("you", "nearest")
     assert mine.steps >= saved
-    assert list(faults(mine)) == []
+    assert list(verify(mine)) == []
     linear, angular = np.array(mine.commands)[:, 0].T
     assert linear[:8].tolist() == [1.0] * 8
     assert angular.max() == 1.0

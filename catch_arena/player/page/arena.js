@@ -1,9 +1,9 @@
-/** @typedef {import("./film.js").Film} Film */
-/** @typedef {import("./film.js").Hunter} Hunter */
-/** @typedef {import("./film.js").Ruling} Ruling */
-/** @typedef {import("./film.js").Contest} Contest */
+/** @typedef {import("./replay.js").Replay} Replay */
+/** @typedef {import("./replay.js").Hunter} Hunter */
+/** @typedef {import("./replay.js").Ruling} Ruling */
+/** @typedef {import("./replay.js").Contest} Contest */
 /** @typedef {{ x: number, y: number }} Point in metres, upwards */
-/** @typedef {ReturnType<Film["pose"]>} Pose */
+/** @typedef {ReturnType<Replay["pose"]>} Pose */
 
 /**
  * The colours and shapes of render/, as element.py writes them.
@@ -21,10 +21,10 @@
  */
 
 /**
- * What is being painted: an instant of a film, and how metres become dots of the canvas.
+ * What is being painted: an instant of a replay, and how metres become dots of the canvas.
  * @typedef {object} Scene
  * @property {CanvasRenderingContext2D} context
- * @property {Film} film
+ * @property {Replay} replay
  * @property {number} time in milliseconds
  * @property {number} size of the canvas, in dots
  * @property {number} scale dots in a metre
@@ -37,7 +37,7 @@
 const CLOSE_UP_M = 1.1;
 const LASTS_MS = 900;
 
-/** Paints an instant of a film, as render/ does: `look` comes from its tables. */
+/** Paints an instant of a replay, as render/ does: `look` comes from its tables. */
 export class Painter {
   /** @param {Look} look */
   constructor(look) {
@@ -55,41 +55,41 @@ export class Painter {
   /**
    * The whole arena.
    * @param {HTMLCanvasElement} canvas
-   * @param {Film} film
+   * @param {Replay} replay
    * @param {number} time
    * @param {number | null} picked the seat of the hunter that is picked
    * @param {boolean} calm whether nothing should pulse
    */
-  paint(canvas, film, time, picked, calm) {
-    const margin = this.look.margin * film.side;
-    const view = { x: -margin, y: -margin, side: film.side + 2 * margin };
-    const scene = this.#scene(canvas, film, time, view, picked);
+  paint(canvas, replay, time, picked, calm) {
+    const margin = this.look.margin * replay.side;
+    const view = { x: -margin, y: -margin, side: replay.side + 2 * margin };
+    const scene = this.#scene(canvas, replay, time, view, picked);
     this.#ground(scene);
-    film.hunters.forEach((_, seat) => this.#trail(scene, seat));
+    replay.hunters.forEach((_, seat) => this.#trail(scene, seat));
     this.#targets(scene);
-    film.hunters.forEach((_, seat) => this.#hunter(scene, seat));
-    const recent = film.rulings.filter((ruling) => ruling.time < time && time - ruling.time < LASTS_MS);
+    replay.hunters.forEach((_, seat) => this.#hunter(scene, seat));
+    const recent = replay.rulings.filter((ruling) => ruling.time < time && time - ruling.time < LASTS_MS);
     for (const ruling of recent) this.#ruling(scene, ruling, calm);
-    film.hunters.forEach((hunter, seat) => this.#number(scene, seat, film.pose(hunter, time)));
+    replay.hunters.forEach((hunter, seat) => this.#number(scene, seat, replay.pose(hunter, time)));
   }
 
   /**
    * A contest from near by: how far each claimant is from the target, and the circle in which it is within reach.
    * @param {HTMLCanvasElement} canvas
-   * @param {Film} film
+   * @param {Replay} replay
    * @param {Contest} contest
    */
-  closeUp(canvas, film, contest) {
-    const middle = film.pose(contest.place, contest.time);
+  closeUp(canvas, replay, contest) {
+    const middle = replay.pose(contest.place, contest.time);
     const view = { x: middle.x - CLOSE_UP_M / 2, y: middle.y - CLOSE_UP_M / 2, side: CLOSE_UP_M };
-    const scene = this.#scene(canvas, film, contest.time, view, null);
+    const scene = this.#scene(canvas, replay, contest.time, view, null);
     const { context, scale, dots, place, length } = scene;
     this.#ground(scene);
     this.#targets(scene);
     context.globalAlpha = 0.35;
     for (const seat of contest.parties) {
-      const { color } = film.hunters[seat];
-      this.#turtle(scene, film.pose(film.hunters[seat], contest.time), length, color, 1);
+      const { color } = replay.hunters[seat];
+      this.#turtle(scene, replay.pose(replay.hunters[seat], contest.time), length, color, 1);
     }
     context.globalAlpha = 1;
     const [x, y] = place(middle);
@@ -97,7 +97,7 @@ export class Painter {
     context.strokeStyle = "#ffffff";
     context.setLineDash([4 * dots, 4 * dots]);
     context.beginPath();
-    context.arc(x, y, film.reach * scale, 0, 2 * Math.PI);
+    context.arc(x, y, replay.reach * scale, 0, 2 * Math.PI);
     context.stroke();
     context.setLineDash([]);
     context.fillStyle = "#ffffff";
@@ -109,13 +109,13 @@ export class Painter {
 
   /**
    * @param {HTMLCanvasElement} canvas
-   * @param {Film} film
+   * @param {Replay} replay
    * @param {number} time
    * @param {Point & { side: number }} view the square to be seen: its lower left corner
    * @param {number | null} picked
    * @returns {Scene}
    */
-  #scene(canvas, film, time, view, picked) {
+  #scene(canvas, replay, time, view, picked) {
     const context = brush(canvas);
     const size = canvas.width;
     const scale = size / view.side;
@@ -124,15 +124,15 @@ export class Painter {
     const place = ({ x, y }) => [(x - view.x) * scale, size - (y - view.y) * scale];
     const smallest = dots * Math.max(18, canvas.clientWidth / 26);
     const length = Math.max(this.look.hunterLength * scale, smallest);
-    return { context, film, time, size, scale, dots, place, length, picked };
+    return { context, replay, time, size, scale, dots, place, length, picked };
   }
 
   /** @param {Scene} scene */
   #targets(scene) {
-    const { film, time, length } = scene;
+    const { replay, time, length } = scene;
     const small = (length * this.look.targetLength) / this.look.hunterLength;
-    for (const target of film.alive(time)) {
-      this.#turtle(scene, film.pose(target, time), small, this.look.target, 0.6);
+    for (const target of replay.alive(time)) {
+      this.#turtle(scene, replay.pose(target, time), small, this.look.target, 0.6);
     }
   }
 
@@ -143,9 +143,9 @@ export class Painter {
    * @param {[number, number]} target in dots
    */
   #distance(scene, seat, target) {
-    const { context, film, time, dots, place } = scene;
-    const hunter = film.hunters[seat];
-    const [x, y] = place(film.pose(hunter, time));
+    const { context, replay, time, dots, place } = scene;
+    const hunter = replay.hunters[seat];
+    const [x, y] = place(replay.pose(hunter, time));
     /** @type {[string, number][]} */
     const strokes = [[this.look.ink, 6], [hunter.color, 3]];
     for (const [color, width] of strokes) {
@@ -172,17 +172,17 @@ export class Painter {
   }
 
   /** @param {Scene} scene */
-  #ground({ context, film, size, scale, dots, place }) {
+  #ground({ context, replay, size, scale, dots, place }) {
     context.fillStyle = this.look.outside;
     context.fillRect(0, 0, size, size);
     const [left, bottom] = place({ x: 0, y: 0 });
-    const side = film.side * scale;
+    const side = replay.side * scale;
     context.fillStyle = this.look.ground;
     context.fillRect(left, bottom - side, side, side);
     context.strokeStyle = this.look.grid;
     context.lineWidth = dots;
     context.beginPath();
-    for (let line = 1; line < film.side; line++) {
+    for (let line = 1; line < replay.side; line++) {
       context.moveTo(left + line * scale, bottom);
       context.lineTo(left + line * scale, bottom - side);
       context.moveTo(left, bottom - line * scale);
@@ -197,17 +197,17 @@ export class Painter {
    * @param {Scene} scene
    * @param {number} seat
    */
-  #trail({ context, film, time, place, length, picked }, seat) {
-    const hunter = film.hunters[seat];
+  #trail({ context, replay, time, place, length, picked }, seat) {
+    const hunter = replay.hunters[seat];
     const span = 1800;
     context.strokeStyle = hunter.color;
     context.lineWidth = 0.1 * length;
     context.lineCap = "butt";
-    for (let from = Math.max(0, time - span); from < time; from += film.period) {
+    for (let from = Math.max(0, time - span); from < time; from += replay.period) {
       context.globalAlpha = (0.65 * (from + span - time)) / span / (picked === null || picked === seat ? 1 : 4);
       context.beginPath();
-      context.moveTo(...place(film.pose(hunter, from)));
-      context.lineTo(...place(film.pose(hunter, Math.min(from + film.period, time))));
+      context.moveTo(...place(replay.pose(hunter, from)));
+      context.lineTo(...place(replay.pose(hunter, Math.min(from + replay.period, time))));
       context.stroke();
     }
     context.globalAlpha = 1;
@@ -218,14 +218,14 @@ export class Painter {
    * @param {number} seat
    */
   #hunter(scene, seat) {
-    const { context, film, time, scale, dots, place, length, picked } = scene;
-    const hunter = film.hunters[seat];
-    const pose = film.pose(hunter, time);
+    const { context, replay, time, scale, dots, place, length, picked } = scene;
+    const hunter = replay.hunters[seat];
+    const pose = replay.pose(hunter, time);
     const [x, y] = place(pose);
-    const gone = film.withdrawn(seat, time);
+    const gone = replay.withdrawn(seat, time);
     if (!gone) {
       context.beginPath();
-      context.arc(x, y, film.reach * scale, 0, 2 * Math.PI);
+      context.arc(x, y, replay.reach * scale, 0, 2 * Math.PI);
       context.fillStyle = mixed(hunter.color, "#ffffff", 0.55, 0.14);
       context.fill();
       context.lineWidth = (picked === seat ? 3 : 1.3) * dots;
@@ -243,9 +243,9 @@ export class Painter {
    * @param {Hunter} hunter
    * @param {Pose} pose
    */
-  #heading({ context, film, scale, place, length }, hunter, pose) {
+  #heading({ context, replay, scale, place, length }, hunter, pose) {
     const [x, y] = place(pose);
-    const base = Math.max(film.reach * scale, 0.55 * length) + 1.5;
+    const base = Math.max(replay.reach * scale, 0.55 * length) + 1.5;
     const size = 0.16 * length;
     context.save();
     context.translate(x, y);
@@ -310,10 +310,10 @@ export class Painter {
    * @param {Ruling} ruling
    * @param {boolean} calm
    */
-  #ruling({ context, film, time, place, length }, { time: judged, seat, verdict, target }, calm) {
+  #ruling({ context, replay, time, place, length }, { time: judged, seat, verdict, target }, calm) {
     if (!target) return;
     const part = (time - judged) / LASTS_MS;
-    const [x, y] = place(film.pose(target, judged));
+    const [x, y] = place(replay.pose(target, judged));
     context.globalAlpha = 1 - part;
     if (verdict === "GRANTED") {
       const eased = calm ? 0.5 : 1 - (1 - part) ** 3;
@@ -323,11 +323,11 @@ export class Painter {
       context.arc(x, y, length * (0.3 + 0.75 * eased), 0, 2 * Math.PI);
       context.stroke();
     } else if (verdict === "LOST_CONTEST") {
-      context.strokeStyle = film.hunters[seat].color;
+      context.strokeStyle = replay.hunters[seat].color;
       context.lineWidth = 0.1 * length;
       context.setLineDash([0.2 * length, 0.14 * length]);
       context.beginPath();
-      context.moveTo(...place(film.pose(film.hunters[seat], time)));
+      context.moveTo(...place(replay.pose(replay.hunters[seat], time)));
       context.lineTo(x, y);
       context.stroke();
       context.setLineDash([]);
@@ -356,26 +356,26 @@ export class Painter {
   /**
    * The catches of a match, a lane for each hunter, and its contests as diamonds above them.
    * @param {HTMLCanvasElement} canvas
-   * @param {Film} film
+   * @param {Replay} replay
    * @param {number | null} picked
    */
-  strip(canvas, film, picked) {
+  strip(canvas, replay, picked) {
     const context = brush(canvas);
     const { width, height } = canvas;
     const dots = width / canvas.clientWidth || 1;
     /** @type {(time: number) => number} */
-    const across = (time) => (time / film.duration) * width;
+    const across = (time) => (time / replay.duration) * width;
     const top = 12 * dots;
-    const lane = (height - top - 3 * dots) / film.hunters.length;
+    const lane = (height - top - 3 * dots) / replay.hunters.length;
     context.fillStyle = this.look.ground;
     context.fillRect(0, 0, width, height);
-    for (const { time, seat } of film.catches) {
+    for (const { time, seat } of replay.catches) {
       context.globalAlpha = picked === null || picked === seat ? 1 : 0.25;
-      context.fillStyle = film.hunters[seat].color;
+      context.fillStyle = replay.hunters[seat].color;
       context.fillRect(across(time) - 1.5 * dots, top + seat * lane, 3 * dots, Math.max(2 * dots, lane - 2 * dots));
     }
     context.globalAlpha = 1;
-    for (const contest of film.contests) {
+    for (const contest of replay.contests) {
       const [x, y, half] = [across(contest.time), 6 * dots, 4 * dots];
       const ours = picked === null || contest.parties.includes(picked);
       context.beginPath();

@@ -1,8 +1,8 @@
 import { inkOn, Painter } from "./arena.js";
-import { Film, unpacked } from "./film.js";
+import { Replay, unpacked } from "./replay.js";
 
 /** @typedef {import("./arena.js").Look} Look */
-/** @typedef {import("./film.js").Claim} Claim */
+/** @typedef {import("./replay.js").Claim} Claim */
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 const KEYS = [
@@ -35,7 +35,7 @@ const metres = (micrometres) => (micrometres === null ? "not measured" : `${(mic
 /** @param {string} verdict */
 const words = (verdict) => verdict.toLowerCase().replaceAll("_", " ");
 
-/** <catch-replay film="…">: a recorded match that plays. It needs nothing from the page around it. */
+/** <catch-replay replay="…">: a recorded match that plays. It needs nothing from the page around it. */
 export class CatchReplay extends HTMLElement {
   static observedAttributes = ["film"];
   static unpacked = unpacked;
@@ -43,9 +43,9 @@ export class CatchReplay extends HTMLElement {
   /** @type {Look} set by the page, from the tables of render/ */
   static look;
 
-  /** @type {Film | null} */
-  film = null;
-  /** What is shown: an instant of the film in milliseconds, and the seat of the hunter that is followed. */
+  /** @type {Replay | null} */
+  replay = null;
+  /** What is shown: an instant of the replay in milliseconds, and the seat of the hunter that is followed. */
   time = 0;
   /** @type {number | null} */
   picked = null;
@@ -55,7 +55,7 @@ export class CatchReplay extends HTMLElement {
   frame = 0;
   /** @type {number | null} when the frame before was painted */
   last = null;
-  /** @type {import("./film.js").Contest | null} the contest that is explained */
+  /** @type {import("./replay.js").Contest | null} the contest that is explained */
   explained = null;
   painter = new Painter(CatchReplay.look);
   calm = matchMedia("(prefers-reduced-motion: reduce)");
@@ -85,7 +85,7 @@ export class CatchReplay extends HTMLElement {
   }
 
   /**
-   * A film may come with the element, or later, or be changed for another.
+   * A replay may come with the element, or later, or be changed for another.
    * @param {string} _
    * @param {string | null} before
    * @param {string | null} text
@@ -93,24 +93,24 @@ export class CatchReplay extends HTMLElement {
   async attributeChangedCallback(_, before, text) {
     if (!text || before === text) return;
     this.pause();
-    this.film = null;
+    this.replay = null;
     try {
-      const film = await Film.of(text);
+      const replay = await Replay.of(text);
       if (this.getAttribute("film") !== text) return; // another one was asked for meanwhile
-      this.film = film;
+      this.replay = replay;
     } catch (error) {
       this.note.textContent = `The replay cannot be shown. ${error instanceof Error ? error.message : error}`;
       return;
     }
     this.time = 0;
-    this.#cast(this.film);
+    this.#cast(this.replay);
     this.#fit();
-    this.#tell();
+    this.#describe();
   }
 
   play() {
-    if (!this.film || this.playing) return;
-    if (this.time >= this.film.duration) this.time = 0;
+    if (!this.replay || this.playing) return;
+    if (this.time >= this.replay.duration) this.time = 0;
     this.playing = true;
     this.last = null;
     this.#button();
@@ -122,7 +122,7 @@ export class CatchReplay extends HTMLElement {
     this.playing = false;
     cancelAnimationFrame(this.frame);
     this.#button();
-    this.#tell();
+    this.#describe();
   }
 
   /**
@@ -130,10 +130,10 @@ export class CatchReplay extends HTMLElement {
    * @param {number} time
    */
   seek(time) {
-    if (!this.film) return;
-    this.time = Math.min(Math.max(time, 0), this.film.duration);
+    if (!this.replay) return;
+    this.time = Math.min(Math.max(time, 0), this.replay.duration);
     this.#draw();
-    if (!this.playing) this.#tell();
+    if (!this.playing) this.#describe();
   }
 
   /**
@@ -144,7 +144,7 @@ export class CatchReplay extends HTMLElement {
     this.picked = seat;
     this.cast.querySelectorAll("button").forEach((button, index) => (button.ariaPressed = String(index === seat)));
     this.#draw();
-    this.#tell();
+    this.#describe();
   }
 
   /**
@@ -152,8 +152,8 @@ export class CatchReplay extends HTMLElement {
    * @param {1 | -1} direction
    */
   jump(direction) {
-    if (!this.film) return;
-    const contests = this.film.contestsOf(this.picked);
+    if (!this.replay) return;
+    const contests = this.replay.contestsOf(this.picked);
     const found = direction > 0
       ? contests.find(({ time }) => time > this.time)
       : contests.findLast(({ time }) => time < this.time);
@@ -206,7 +206,7 @@ export class CatchReplay extends HTMLElement {
 
   /**
    * The hunters' list: each line picks one.
-   * @param {Film} film
+   * @param {Replay} replay
    */
   #cast({ hunters, duration, period, title, seed, contests }) {
     this.cast.replaceChildren(
@@ -241,12 +241,12 @@ export class CatchReplay extends HTMLElement {
 
   /** @param {number} now */
   #advance(now) {
-    if (!this.playing || !this.film) return;
+    if (!this.playing || !this.replay) return;
     const passed = this.last === null ? 0 : Math.min(now - this.last, 100); // a page in the background stands still
     this.last = now;
-    this.time = Math.min(this.time + passed * this.speed, this.film.duration);
+    this.time = Math.min(this.time + passed * this.speed, this.replay.duration);
     this.#draw();
-    if (this.time >= this.film.duration) this.pause();
+    if (this.time >= this.replay.duration) this.pause();
     else this.frame = requestAnimationFrame((later) => this.#advance(later));
   }
 
@@ -260,28 +260,28 @@ export class CatchReplay extends HTMLElement {
   }
 
   #draw() {
-    const { film, time, picked } = this;
-    if (!film || !this.arena.clientWidth) return;
-    this.painter.paint(this.arena, film, time, picked, this.calm.matches);
-    this.painter.strip(this.strip, film, picked);
-    const scores = film.scores(time);
+    const { replay, time, picked } = this;
+    if (!replay || !this.arena.clientWidth) return;
+    this.painter.paint(this.arena, replay, time, picked, this.calm.matches);
+    this.painter.strip(this.strip, replay, picked);
+    const scores = replay.scores(time);
     this.cast.querySelectorAll(".score").forEach((node, seat) => (node.textContent = String(scores[seat])));
-    this.clock.textContent = `${seconds(time)} of ${seconds(film.duration, 0)}`;
+    this.clock.textContent = `${seconds(time)} of ${seconds(replay.duration, 0)}`;
     this.scrub.value = String(time);
     this.scrub.ariaValueText = this.clock.textContent;
-    this.#explain(film);
+    this.#explain(replay);
   }
 
   /**
    * The latest contest: who was how far away, what decided, who won.
-   * @param {Film} film
+   * @param {Replay} replay
    */
-  #explain(film) {
+  #explain(replay) {
     const { time, picked } = this;
-    const contests = film.contestsOf(picked);
+    const contests = replay.contestsOf(picked);
     const contest = contests.findLast((one) => one.time <= time);
     this.contest.hidden = !contest;
-    const who = picked === null ? "" : ` of ${film.hunters[picked].name}`;
+    const who = picked === null ? "" : ` of ${replay.hunters[picked].name}`;
     if (!contests.length) {
       this.note.textContent = `No contest${who}: in no step could two catch the same target.`;
     } else if (contest) {
@@ -294,14 +294,14 @@ export class CatchReplay extends HTMLElement {
     if (!contest || contest === this.explained) return;
     this.explained = contest;
     this.reason.textContent = contest.sentence;
-    this.claims.replaceChildren(...contest.claims.map((claim) => this.#claim(film, claim)));
+    this.claims.replaceChildren(...contest.claims.map((claim) => this.#claim(replay, claim)));
     this.closeUp.ariaLabel = `Close-up of ${contest.target} in step ${contest.state + 1}`;
     this.closeUp.width = this.closeUp.height = Math.round(this.closeUp.clientWidth * devicePixelRatio);
-    this.painter.closeUp(this.closeUp, film, contest);
+    this.painter.closeUp(this.closeUp, replay, contest);
   }
 
   /**
-   * @param {Film} film
+   * @param {Replay} replay
    * @param {Claim} claim
    */
   #claim({ hunters, reach }, [seat, verdict, distance]) {
@@ -325,20 +325,20 @@ export class CatchReplay extends HTMLElement {
   }
 
   /** For those who cannot see the arena. */
-  #tell() {
-    if (!this.film) return;
-    const scores = this.film.scores(this.time);
-    const told = this.film.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ");
+  #describe() {
+    if (!this.replay) return;
+    const scores = this.replay.scores(this.time);
+    const told = this.replay.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ");
     this.arena.ariaLabel = `The arena at ${seconds(this.time)}. Catches: ${told}.`;
   }
 
   /** @param {KeyboardEvent} event */
   #key(event) {
-    const { film } = this;
+    const { replay } = this;
     const [inside] = event.composedPath();
-    if (!film || event.ctrlKey || event.metaKey || event.altKey || inside === this.pace) return;
+    if (!replay || event.ctrlKey || event.metaKey || event.altKey || inside === this.pace) return;
     if (inside !== this.arena && inside !== this.scrub && ["Enter", " "].includes(event.key)) return; // a button's own
-    const stride = event.shiftKey ? film.period : 1000;
+    const stride = event.shiftKey ? replay.period : 1000;
     /** @type {(way: 1 | -1) => number} */
     const change = (way) => SPEEDS[Math.min(Math.max(SPEEDS.indexOf(this.speed) + way, 0), SPEEDS.length - 1)];
     /** @param {1 | -1} way */
@@ -346,7 +346,7 @@ export class CatchReplay extends HTMLElement {
       this.speed = change(way);
       this.pace.value = String(this.speed);
     };
-    const seats = film.hunters.length;
+    const seats = replay.hunters.length;
     const following = this.picked === null ? 0 : this.picked + 1 < seats ? this.picked + 1 : null;
     /** @type {Record<string, () => void>} */
     const actions = {
@@ -361,7 +361,7 @@ export class CatchReplay extends HTMLElement {
       "=": () => pace(1),
       "-": () => pace(-1),
       home: () => this.seek(0),
-      end: () => this.seek(film.duration),
+      end: () => this.seek(replay.duration),
     };
     const seat = /^\d$/.test(event.key) ? Number(event.key) : NaN;
     const action = seat < seats ? () => this.pick(seat) : actions[event.key.toLowerCase()];

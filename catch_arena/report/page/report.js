@@ -62,8 +62,8 @@ at("theme").addEventListener("click", () => {
 
 /** The list of matches, and the player that shows one of them. */
 class Matches {
-  /** @type {Record<string, [film: string, why: string]>} by a match's id */
-  films = JSON.parse(at("films").textContent);
+  /** @type {Record<string, [bundle: string, why: string]>} by a match's id */
+  bundles = JSON.parse(at("films").textContent);
   /** @type {Columns} */
   data = { names: [], seats: 0, ids: [], recorded: [], seating: [], scores: [], ranks: [] };
   /** The first one of the list's page. */
@@ -88,10 +88,10 @@ class Matches {
 
   /** @param {number} index */
   plays(index) {
-    return this.data.ids[index] in this.films || (watched && Boolean(this.data.recorded[index]));
+    return this.data.ids[index] in this.bundles || (watched && Boolean(this.data.recorded[index]));
   }
 
-  /** The matches that are asked for; those with films in the order in which these were chosen. */
+  /** The matches that are asked for; those that play here in the order in which these were chosen. */
   found() {
     const { ids, names, seating, seats } = this.data;
     const agent = names.indexOf(who.value);
@@ -99,7 +99,7 @@ class Matches {
     /** @param {number} index */
     const has = (index) => agent < 0 || seating.slice(index * seats, (index + 1) * seats).includes(agent);
     const order = only && !watched
-      ? Object.keys(this.films).map((id) => ids.indexOf(id)).filter((index) => index >= 0)
+      ? Object.keys(this.bundles).map((id) => ids.indexOf(id)).filter((index) => index >= 0)
       : [...ids.keys()];
     return order.filter((index) => has(index) && (!only || this.plays(index)));
   }
@@ -130,7 +130,7 @@ class Matches {
       cast.append(part(ranks[seat] === 1 ? "first" : "", `${names[seating[seat]]} ${scores[seat]}`));
     }
     const name = part("id", id);
-    const why = this.films[id]?.[1];
+    const why = this.bundles[id]?.[1];
     if (why) name.append(document.createElement("br"), why);
     line.append(name, cast);
     if (this.plays(index)) {
@@ -152,10 +152,10 @@ class Matches {
    */
   async open(id, moved = false) {
     const player = at("player");
-    const film = this.films[id]?.[0] ?? (await this.fetched(id));
-    if (!film) return;
+    const bundle = this.bundles[id]?.[0] ?? (await this.fetched(id));
+    if (!bundle) return;
     this.shown = id;
-    player.setAttribute("film", film);
+    player.setAttribute("film", bundle);
     at("showing").textContent = `Match ${id}`;
     this.show(this.first);
     if (moved) {
@@ -184,7 +184,7 @@ class Matches {
 const matches = new Matches();
 matches.read(at("matches").textContent).then(() => {
   const { ids, recorded } = matches.data;
-  const first = Object.keys(matches.films)[0] ?? (watched ? ids[recorded.indexOf(1)] : undefined);
+  const first = Object.keys(matches.bundles)[0] ?? (watched ? ids[recorded.indexOf(1)] : undefined);
   if (first) matches.open(first);
 });
 

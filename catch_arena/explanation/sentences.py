@@ -1,0 +1,160 @@
+"""The facts of an explanation as sentences, each with its clause."""
+
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from catch_arena.explanation.evidence import Claim, Contest, Explanation, HunterSummary, Refusals
+from catch_arena.explanation.lengths import exact_length, metres
+from catch_arena.explanation.steps import HunterAction, StepExplanation
+from catch_arena.verdicts import REASONS, Verdict
+
+_EMPTY_RANK: Final = "a rank that no target has"
+_NO_CONTEST: Final = "No contest: in no step could two hunters have caught the same target."
+
+
+def paragraphs(explanation: Explanation) -> list[str]:
+    """A whole match: its heading, what happened, and the hunters, with an empty line between them."""
+    events = [(one.step, 0, contest_sentence(one, explanation.names)) for one in explanation.contests]
+    events += [(run.first_step, 1, _refusals(run, explanation)) for run in explanation.refusals]
+    found = [text for _, _, text in sorted(events)]
+    if not explanation.contests:
+        found.append(
+            _NO_CONTEST
+            if len(explanation.records) == len(explanation.names)
+            else f"No contest of {explanation.records[0].name}."
+        )
+    return [
+        _opening(explanation),
+        "",
+        *found,
+        "",
+        *(_summary_sentence(summary, explanation.policy) for summary in explanation.records),
+    ]
+
+
+def step_paragraphs(explanation: StepExplanation) -> list[str]:
+    """One step."""
+    begin, end = _seconds(explanation.begin_ms), _seconds(explanation.end_ms)
+    return [
+        f"Step {explanation.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
+        *(_asked(one, explanation) for one in explanation.asked),
+        *(_distances(target, distances, explanation.names) for target, distances in explanation.distances_um.items()),
+        *(contest_sentence(contest, explanation.names) for contest in explanation.contests),
+    ]
+
+
+def contest_sentence(contest: Contest, names: Sequence[str]) -> str:
+    """One contest: who asked for what, from where, what decides, and the verdicts."""
+    winner, *losers = contest.claims
+    asked = _listed(names[claim.seat] for claim in contest.claims)
+    asked = f"At {_seconds(contest.time_ms)} (step {contest.step}) {asked} asked for {contest.target}"
+    if contest.clause == "R9.1":
+        return f"{asked}: the capstone's service says yes to each of them, GRANTED (R9.1)."
+    places = [f"{names[winner.seat]} was {metres(winner.distance_um)} away"]
+    places += [f"{names[claim.seat]} {metres(claim.distance_um)}, {_compared(claim, winner)}" for claim in losers]
+    outcome = (
+        f"{names[winner.seat]} is granted it"
+        if winner.verdict is Verdict.GRANTED
+        else f"{names[winner.seat]} gets KILL_FAILED, as the simulator refuses the kill (R5.7)"
+    )
+    lost = (
+        f"{_listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
+    )
+    return f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}."
+
+
+def _decision(contest: Contest, names: Sequence[str]) -> str:
+    if contest.clause == "R5.4":
+        return "The nearest wins (R5.4)"
+    lots = _listed(f"{names[claim.seat]} {claim.lot:016x}" for claim in contest.claims if claim.lot is not None)
+    if contest.clause == "R5.5":
+        return f"An exact tie is drawn by lot, and the lowest ticket wins (R5.5): {lots}"
+    return f"The step's lots decide, and the lowest is served first (R5.9): {lots}"
+
+
+def _compared(claim: Claim, winner: Claim) -> str:
+    more = (claim.distance_um or 0) - (winner.distance_um or 0)
+    if more == 0:
+        return "just as far"
+    return f"{exact_length(abs(more))} {'farther' if more > 0 else 'nearer'}"
+
+
+def _refusals(run: Refusals, explanation: Explanation) -> str:
+    if run.times == 1:
+        when, often = f"At {_seconds(run.first_ms)} (step {run.first_step})", "asked"
+    else:
+        when = f"From {_seconds(run.first_ms)} to {_seconds(run.last_ms)} (steps {run.first_step} to {run.last_step})"
+        often = f"asked {run.times} times"
+    what = f"{len(run.targets)} targets" if len(run.targets) > 1 else "".join(run.targets) or _EMPTY_RANK
+    place = ""
+    if run.nearest_um is not None:
+        farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
+        place = f" from {metres(run.nearest_um)}{farthest}"
+    limit = f"; within reach is less than {metres(explanation.reach_um)}" if run.verdict is Verdict.OUT_OF_REACH else ""
+    asked = f"{when} {explanation.names[run.seat]} {often} for {what}{place}"
+    return f"{asked}: {run.verdict.name}, {REASONS[run.verdict]}{limit}."
+
+
+def _opening(explanation: Explanation) -> str:
+    scores = (f"{name} {score}" for name, score in zip(explanation.names, explanation.scores, strict=True))
+    title = f"{explanation.title}: " if explanation.title else ""
+    return (
+        f"{title}{_counted(explanation.steps, 'step')}, {_seconds(explanation.duration_ms)}, "
+        f"policy {explanation.policy}. Catches: {_listed(scores)}."
+    )
+
+
+def _summary_sentence(summary: HunterSummary, policy: str) -> str:
+    parts = [_counted(summary.catches, "catch", "catches")]
+    if policy != "capstone":  # where nobody loses
+        for count, what, by in (
+            (summary.contests_won, "won", summary.won_by_um),
+            (summary.contests_lost, "lost", summary.lost_by_um),
+        ):
+            average = "" if by is None or policy != "nearest" else f", by {exact_length(by)} on average"
+            parts.append(f"{_counted(count, 'contest')} {what}{average}")
+    if summary.refused:
+        reasons = ", ".join(f"{count} {verdict}" for verdict, count in summary.refused.items())
+        parts.append(f"{_counted(sum(summary.refused.values()), 'request')} refused ({reasons})")
+    if summary.forestalled:
+        parts.append(f"{_counted(summary.forestalled, 'target')} that it was heading for caught by others first")
+    if summary.withdrawn_ms is not None:
+        parts.append(f"withdrawn at {_seconds(summary.withdrawn_ms)} (R1.6)")
+    return f"{summary.name}: {'; '.join(parts)}."
+
+
+def _asked(one: HunterAction, explanation: StepExplanation) -> str:
+    chosen = f" ({one.chosen})" if one.chosen else ""
+    seat = f"hunter_{one.seat}"
+    who = seat if explanation.names[one.seat] == seat else f"{explanation.names[one.seat]} ({seat})"
+    did = f"{who}, {one.control} control: {one.action}{chosen}"
+    if one.verdict is None:
+        return f"{did}. It requested nothing."
+    what = one.target or _EMPTY_RANK
+    place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
+    winner = (
+        f"; the winner is {explanation.names[one.winner]}"
+        if one.verdict is Verdict.LOST_CONTEST and one.winner is not None
+        else ""
+    )
+    return f"{did}. It requested {what}{place}: {one.verdict.name}, {one.reason}{winner}."
+
+
+def _distances(target: str, distances_um: Sequence[int], names: Sequence[str]) -> str:
+    ranked = sorted(zip(distances_um, names, strict=True))
+    return f"Distances to {target}: {_listed(f'{name} {metres(distance)}' for distance, name in ranked)}."
+
+
+def _listed(words: Iterable[str]) -> str:
+    """«a, b and c»."""
+    *most, last = words
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def _counted(count: int, one: str, many: str | None = None) -> str:
+    return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def _seconds(milliseconds: int) -> str:
+    """To the tenth, or to the millisecond where that is needed."""
+    return f"{milliseconds / 1000:.1f} s" if milliseconds % 100 == 0 else f"{milliseconds / 1000:.3f} s"

@@ -1,0 +1,246 @@
+"""The window in which a match is seen while it is played."""
+
+import time
+from collections.abc import Callable
+from typing import Any, Final
+
+from catch_arena.envs.parallel import CatchArenaEnv
+from catch_arena.errors import OutputError
+from catch_arena.live import overlays
+from catch_arena.live.user_input import InputState, UserCommand, user_command
+from catch_arena.render import hud
+from catch_arena.render.libraries import pygame
+from catch_arena.render.motion import StepMotion, step_motion
+from catch_arena.render.renderer import LARGEST, SMALLEST, MatchRenderer
+from catch_arena.render.shapes import Shape
+from catch_arena.render.viewport import MatchInfo, Viewport
+from catch_arena.render.window import Screen
+from catch_arena.replay import Replay
+from catch_arena.tournament.match import ranks_of
+from catch_arena.world import World
+
+SPEEDS: Final = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+"""Of the match's time, to the clock on the wall."""
+_FPS: Final = 60
+_LONGEST_FRAME_MS: Final = 100.0
+"""Who was held up does not leap."""
+_NOTE_S: Final = 3.0
+_POINTED_MS: Final = 3000
+_SETTLED_S: Final = 0.2
+"""A window that has kept its size for so long is drawn anew in it."""
+
+
+class QuitRequested(Exception):  # noqa: N818 - no error: what a person asked for
+    """The window's user wants no more."""
+
+
+class RestartRequested(Exception):  # noqa: N818
+    """The window's user wants the match from its beginning."""
+
+
+class MatchWindow:
+    """A match on the screen, at its own pace: give it to `tournament.match.play` as `watch`.
+
+    Between two steps it draws the way from the one to the other, and meanwhile the person steers the next. Its calls
+    raise QuitRequested and RestartRequested.
+
+    Args: `info`; `seed`, which is shown; `size` of the window; `inputs`, which take the keys of the person in `seat`;
+    `save`, called with the replay so far, says where it is.
+    """
+
+    def __init__(
+        self,
+        info: MatchInfo,
+        seed: int,
+        size: tuple[int, int],
+        *,
+        inputs: InputState | None = None,
+        seat: int | None = None,
+        save: Callable[[Replay], str] | None = None,
+    ) -> None:
+        self._info, self._seed = info, seed
+        self._inputs, self._seat, self._save = inputs, seat, save
+        self._screen = Screen(f"Catch Arena: {info.title}", size, interactive=True)
+        pygame.joystick.init()
+        self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
+        self._clock = pygame.time.Clock()
+        self._renderer = self._new_renderer(size)
+        self._last: World
+        self._motions: list[StepMotion] = []
+        self._resized_s: float | None = None
+        self._resizing = size
+        self._paused = self._helping = False
+        self._helped = inputs is None
+        self._speed = SPEEDS.index(1.0)
+        self._note, self._note_until_s = "", 0.0
+        self._notify("H shows the keys")
+
+    @property
+    def replay(self) -> Replay:
+        """What has been played."""
+        return self._env.replay()
+
+    @property
+    def scores(self) -> tuple[int, ...]:
+        """By seat, at the last state that was shown."""
+        return tuple(hunter.score for hunter in self._last.hunters)
+
+    @property
+    def ranks(self) -> tuple[int, ...]:
+        """By seat, as a tournament would rank them: who forfeited comes last."""
+        lasted = {seat: step for step, seat in self.replay.withdrawals}
+        return ranks_of(self.scores, [lasted.get(seat) for seat in range(len(self.scores))])
+
+    def __call__(self, env: CatchArenaEnv) -> None:
+        """One more state of the match: the first one, or the next."""
+        self._env = env
+        world = env.world()
+        if world.step == 0:
+            self._last = world
+            self._begin(world)
+            return
+        motion = step_motion(self._last, world)
+        self._last = world
+        self._motions.append(motion)
+        self._renderer.enter(motion)
+        self._run(motion)
+        if not env.agents:
+            self._end(world)
+
+    def close(self) -> None:
+        """Close the window."""
+        pygame.joystick.quit()
+        self._screen.close()
+
+    def _begin(self, world: World) -> None:
+        self._motions = []
+        self._renderer.reset()
+        motion = step_motion(world, world)
+        self._renderer.enter(motion)
+        self._ahead_ms = 0.0
+        self._steps = 0
+        self._paused = self._helping = False
+        while not self._helped:
+            self._draw(motion, 0.0, self._keys_overlay("any key begins"))
+            for event in self._events():
+                if event.type in {pygame.KEYDOWN, pygame.JOYBUTTONDOWN} and not getattr(event, "mod", 0):
+                    self._helped = True
+        self._clock.tick()
+
+    def _run(self, motion: StepMotion) -> None:
+        """From a step's beginning to its end; a pause holds it there."""
+        time_ms = motion.before.time_ms + self._ahead_ms
+        end_ms = motion.after.time_ms
+        while time_ms < end_ms:
+            self._draw(motion, time_ms, self._overlays(motion, time_ms))
+            self._events()
+            time_ms += min(_LONGEST_FRAME_MS, self._clock.tick(_FPS)) * SPEEDS[self._speed]
+        self._ahead_ms = time_ms - end_ms
+        self._steps = max(0, self._steps - 1)
+        while self._paused and not self._steps:
+            self._draw(motion, end_ms, self._overlays(motion, end_ms))
+            self._events()
+            self._clock.tick(_FPS)
+            self._ahead_ms = 0.0
+
+    def _end(self, world: World) -> None:
+        """The standings, until the user has seen them."""
+        table = [
+            (rank, hud.HunterScore(seat, hunter.score, hunter.withdrawn))
+            for seat, (rank, hunter) in enumerate(zip(self.ranks, world.hunters, strict=True))
+        ]
+        table.sort(key=lambda line: (line[0], line[1].seat))
+        motion = self._motions[-1]
+        while True:
+            result = overlays.result_overlay(self._area, self._info, table, "R: again    Ctrl-S: save    Esc: end")
+            self._draw(motion, world.time_ms, [*result, *self._note_shapes()])
+            self._events()
+            self._clock.tick(_FPS)
+
+    def _events(self) -> list[Any]:
+        """What has come since the last look, after each has had its effect."""
+        events = list(pygame.event.get())
+        for event in events:
+            if self._inputs is not None:
+                self._inputs.handle(event)
+            if event.type == pygame.JOYDEVICEADDED:
+                self._pads.append(pygame.joystick.Joystick(event.device_index))
+            command = user_command(event)
+            if command is not None:
+                self._execute(command)
+        self._fit()
+        return events
+
+    def _execute(self, command: UserCommand) -> None:
+        if command is UserCommand.QUIT:
+            raise QuitRequested
+        if command is UserCommand.RESTART:
+            raise RestartRequested
+        if command is UserCommand.PAUSE:
+            self._paused, self._helping = not self._paused, False
+        elif command is UserCommand.STEP:
+            self._steps += self._paused
+        elif command is UserCommand.HELP:
+            self._paused = self._helping = not self._helping
+        elif command is UserCommand.SAVE:
+            self._save_replay()
+        else:
+            faster = 1 if command is UserCommand.FASTER else -1
+            self._speed = min(max(0, self._speed + faster), len(SPEEDS) - 1)
+            self._notify(f"speed {SPEEDS[self._speed]:g}")
+
+    def _save_replay(self) -> None:
+        if self._save is None:
+            return
+        try:
+            self._notify(f"saved: {self._save(self.replay)}")
+        except OutputError as error:
+            self._notify(str(error))
+
+    def _draw(self, motion: StepMotion, time_ms: float, over: list[Shape]) -> None:
+        self._renderer.draw(time_ms, motion.at(time_ms))
+        self._renderer.draw_over(over)
+        self._screen.show(self._renderer.pixels)
+
+    def _overlays(self, motion: StepMotion, time_ms: float) -> list[Shape]:
+        shapes: list[Shape] = []
+        if self._seat is not None and (time_ms < _POINTED_MS or self._paused):
+            viewport = Viewport(*self._area, self._info.config.side_m)
+            shapes += overlays.seat_pointer(viewport, motion.at(time_ms)[self._seat][:2], self._info.color(self._seat))
+        if self._helping:
+            return shapes + self._keys_overlay("H goes on")
+        if self._paused:
+            return shapes + overlays.note_overlay(self._area, "paused    space: go on    N: one step    H: keys")
+        return shapes + self._note_shapes()
+
+    def _keys_overlay(self, below: str) -> list[Shape]:
+        rows = overlays.WINDOW if self._inputs is None else (*overlays.DRIVING, *overlays.WINDOW)
+        return overlays.keys_overlay(self._area, "Keys", rows, below)
+
+    def _note_shapes(self) -> list[Shape]:
+        return overlays.note_overlay(self._area, self._note) if time.monotonic() < self._note_until_s else []
+
+    def _notify(self, text: str) -> None:
+        self._note, self._note_until_s = text, time.monotonic() + _NOTE_S
+
+    @property
+    def _area(self) -> tuple[int, int]:
+        return self._renderer.arena.width, self._renderer.arena.height
+
+    def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
+        width, height = (min(max(SMALLEST, part), most) for part, most in zip(size, LARGEST, strict=True))
+        self._drawn_for = size
+        return MatchRenderer(self._info, (width, height), "broadcast", self._seed)
+
+    def _fit(self) -> None:
+        """A new renderer for a window that has another size, told all that has happened."""
+        size, now_s = self._screen.size, time.monotonic()
+        if size == self._drawn_for:
+            self._resized_s = None
+        elif self._resized_s is None or size != self._resizing:
+            self._resized_s, self._resizing = now_s, size
+        elif now_s - self._resized_s > _SETTLED_S:
+            self._renderer = self._new_renderer(size)
+            for past in self._motions or [step_motion(self._last, self._last)]:
+                self._renderer.enter(past)
+            self._clock.tick()

@@ -1,0 +1,121 @@
+"""What a person's keys and gamepad mean: how the hunter drives, and what the window is to do."""
+
+from enum import Enum, auto
+from typing import Any, Final
+
+from catch_arena.render.libraries import pygame
+
+_AHEAD: Final = {pygame.K_UP, pygame.K_w, pygame.K_KP8}
+_BACK: Final = {pygame.K_DOWN, pygame.K_s, pygame.K_KP2, pygame.K_KP5}
+_LEFT: Final = {pygame.K_LEFT, pygame.K_a, pygame.K_KP4}
+_RIGHT: Final = {pygame.K_RIGHT, pygame.K_d, pygame.K_KP6}
+
+_TURNS: Final = (0.45, 0.75, 1.0)
+"""Of the turn rate, in the first steps that a key is held: a tap corrects a little, and who holds it turns sharply."""
+_DEAD_ZONE: Final = 0.15
+"""Of a stick's way: so much is no command."""
+_GO_BUTTON: Final = 0
+_PAUSE_BUTTONS: Final = (7, 9)
+"""Start, on the usual pads."""
+
+
+class UserCommand(Enum):
+    """What the window is to do."""
+
+    PAUSE = auto()
+    STEP = auto()
+    RESTART = auto()
+    SAVE = auto()
+    QUIT = auto()
+    HELP = auto()
+    FASTER = auto()
+    SLOWER = auto()
+
+
+_TYPED: Final = {"+": UserCommand.FASTER, "-": UserCommand.SLOWER, ".": UserCommand.STEP}
+"""Where these lie depends on the keyboard."""
+_COMMANDS: Final = {
+    pygame.K_SPACE: UserCommand.PAUSE,
+    pygame.K_p: UserCommand.PAUSE,
+    pygame.K_r: UserCommand.RESTART,
+    pygame.K_ESCAPE: UserCommand.QUIT,
+    pygame.K_h: UserCommand.HELP,
+    pygame.K_F1: UserCommand.HELP,
+    pygame.K_PLUS: UserCommand.FASTER,
+    pygame.K_EQUALS: UserCommand.FASTER,
+    pygame.K_KP_PLUS: UserCommand.FASTER,
+    pygame.K_MINUS: UserCommand.SLOWER,
+    pygame.K_KP_MINUS: UserCommand.SLOWER,
+    pygame.K_n: UserCommand.STEP,
+    pygame.K_PERIOD: UserCommand.STEP,
+}
+"""None of them drives, and Q asks for nothing: it lies between W and A, where a slip must not end a match."""
+
+
+def user_command(event: Any) -> UserCommand | None:
+    """What an event asks of the window, if it asks anything of it."""
+    if event.type == pygame.QUIT:
+        return UserCommand.QUIT
+    if event.type == pygame.JOYBUTTONDOWN:
+        return UserCommand.PAUSE if event.button in _PAUSE_BUTTONS else None
+    if event.type != pygame.KEYDOWN:
+        return None
+    if event.mod & pygame.KMOD_CTRL:
+        return UserCommand.SAVE if event.key == pygame.K_s else None
+    return _TYPED.get(getattr(event, "unicode", "")) or _COMMANDS.get(event.key)
+
+
+class InputState:
+    """What a person holds: keys and a gamepad's stick, as a velocity command."""
+
+    def __init__(self) -> None:
+        self.release_all()
+
+    def release_all(self) -> None:
+        """Nothing is held."""
+        self._held: set[int] = set()
+        self._tapped: set[int] = set()
+        self._stick = [0.0, 0.0]
+        self._hat = (0, 0)
+        self._go = False
+        self._turned = 0
+        self._steps = 0
+
+    def handle(self, event: Any) -> None:
+        """One event; those that do not drive are left alone."""
+        if event.type == pygame.KEYDOWN and not event.mod & pygame.KMOD_CTRL:
+            self._held.add(event.key)
+            self._tapped.add(event.key)
+        elif event.type == pygame.KEYUP:
+            self._held.discard(event.key)
+        elif event.type == pygame.JOYAXISMOTION and event.axis in {0, 1}:
+            self._stick[event.axis] = event.value
+        elif event.type == pygame.JOYHATMOTION:
+            self._hat = event.value
+        elif event.type in {pygame.JOYBUTTONDOWN, pygame.JOYBUTTONUP} and event.button == _GO_BUTTON:
+            self._go = event.type == pygame.JOYBUTTONDOWN
+        elif event.type in {pygame.WINDOWFOCUSLOST, pygame.JOYDEVICEREMOVED}:
+            self.release_all()
+
+    def velocity_command(self) -> tuple[float, float]:
+        """The next step's command, linear and angular in [-1, 1]; a key that was only tapped counts for one step."""
+        down = self._held | self._tapped
+        self._tapped = set()
+        ahead = _sign(bool(down & _AHEAD) or self._go or self._hat[1] > 0, bool(down & _BACK) or self._hat[1] < 0)
+        turn = _sign(bool(down & _LEFT) or self._hat[0] < 0, bool(down & _RIGHT) or self._hat[0] > 0)
+        self._steps = self._steps + 1 if turn and turn == self._turned else 0
+        self._turned = turn
+        linear, angular = float(ahead), turn * _TURNS[min(self._steps, len(_TURNS) - 1)]
+        return linear or _beyond(-self._stick[1]), angular or _beyond(-self._stick[0])
+
+
+def _sign(one: bool, other: bool) -> int:
+    return int(one) - int(other)
+
+
+def _beyond(value: float) -> float:
+    """A stick's way without its dead zone, in [-1, 1]."""
+    if abs(value) <= _DEAD_ZONE:
+        return 0.0
+    part = min(1.0, (abs(value) - _DEAD_ZONE) / (1.0 - _DEAD_ZONE))
+    return part if value > 0 else -part

@@ -1,0 +1,111 @@
+"""Replay bundles: a match as a page plays it, where everybody was at every step and what the arbiter answered.
+
+A bundle is gzip of one line of JSON and the tracks. The tracks are 16-bit numbers, each body's x, y and theta one after
+the other, in states from its first to its last: differences, the sign in the lowest bit, first all low bytes, then all
+high ones. Nothing has to be simulated to play it.
+"""
+
+import base64
+import gzip
+import json
+import math
+from collections.abc import Iterable
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.explanation.evidence import Contest, contests_of
+from catch_arena.explanation.seats import labels
+from catch_arena.explanation.sentences import contest_sentence
+from catch_arena.render.shapes import Color
+from catch_arena.render.viewport import MatchInfo
+from catch_arena.replay import Replay
+from catch_arena.world import World
+
+GRID: Final = 1 << 13
+"""Parts of the arena's side: 1.4 mm in the standard one."""
+TURN: Final = 1 << 10
+"""Parts of a full turn."""
+
+Poses = list[tuple[float, float, float]]
+
+
+def bundle_text(replay: Replay) -> str:
+    """A replay's bundle, in base64. Raises: ReplayError where the match does not play as recorded."""
+    return packed_text(encode_bundle(replay))
+
+
+def packed_text(content: bytes) -> str:
+    """What a page unpacks: gzip, in base64. Equal contents give equal texts."""
+    return base64.b64encode(gzip.compress(content, mtime=0)).decode()
+
+
+def encode_bundle(replay: Replay) -> bytes:
+    """A replay's bundle before it is packed. Raises: ReplayError."""
+    info = MatchInfo.of(replay.config, labels(replay.names))
+    hunters: list[Poses] = [[] for _ in info.names]
+    targets: dict[int, tuple[int, Poses]] = {}
+    rulings: list[list[Any]] = []
+    contests: list[dict[str, Any]] = []
+    numbers: dict[object, int] = {}
+    for state, world in enumerate(replay.worlds()):
+        for hunter, poses in zip(world.hunters, hunters, strict=True):
+            poses.append((hunter.x, hunter.y, hunter.theta))
+        # judged on the state before (R1.4), where their targets were seen
+        rulings += [[state - 1, one.hunter, one.verdict.name, numbers.get(one.target)] for one in world.rulings]
+        contests += [_contest(contest, info.names) for contest in contests_of(replay, world)]
+        _follow(state, world, targets, numbers)
+    facts = {
+        "title": replay.title,
+        "seed": str(replay.seed),  # beyond what JavaScript's numbers hold
+        "side": replay.config.side_m,
+        "reach": replay.config.reach_m,
+        "period": replay.config.control_period_ms,
+        "steps": replay.steps,
+        "grid": GRID,
+        "turn": TURN,
+        "hunters": [{"name": name, "color": css(info.color(seat))} for seat, name in enumerate(info.names)],
+        "targets": [[number, first, len(poses)] for number, (first, poses) in targets.items()],
+        "withdrawals": replay.withdrawals,
+        "rulings": rulings,
+        "contests": contests,
+    }
+    bodies = [*hunters, *(poses for _, poses in targets.values())]
+    head = json.dumps(facts, separators=(",", ":"), ensure_ascii=False).encode()
+    return head + b"\n" + _tracks(bodies, replay.config.side_m)
+
+
+def css(color: Color) -> str:
+    """A colour as style sheets write it."""
+    return "#{:02x}{:02x}{:02x}".format(*color)
+
+
+def _contest(contest: Contest, names: tuple[str, ...]) -> dict[str, Any]:
+    return {
+        "state": contest.step - 1,
+        "target": contest.target,
+        "clause": contest.clause,
+        "claims": [[claim.seat, claim.verdict.name, claim.distance_um] for claim in contest.claims],
+        "sentence": contest_sentence(contest, names),
+    }
+
+
+def _follow(state: int, world: World, targets: dict[int, tuple[int, Poses]], numbers: dict[object, int]) -> None:
+    """Note where the targets are."""
+    for target in world.targets:
+        numbers[target.name] = target.number
+        _, poses = targets.setdefault(target.number, (state, []))
+        poses.append((target.x, target.y, target.theta))
+
+
+def _tracks(bodies: Iterable[Poses], side_m: float) -> bytes:
+    parts: list[NDArray[np.int16]] = []
+    for poses in bodies:
+        x, y, theta = np.array(poses).T
+        parts += [np.diff(np.rint(metres * (GRID / side_m)), prepend=0.0).astype(np.int16) for metres in (x, y)]
+        turns = np.diff(np.rint(theta * (TURN / (2.0 * math.pi))), prepend=0.0)
+        parts.append(((turns + TURN // 2) % TURN - TURN // 2).astype(np.int16))
+    steps = np.concatenate(parts)
+    words = ((steps << 1) ^ (steps >> 15)).astype("<u2")
+    return words.view(np.uint8).reshape(-1, 2).T.tobytes()

@@ -1,0 +1,271 @@
+/**
+ * The first line of a replay, as bundle.py writes it.
+ * @typedef {object} Facts
+ * @property {string} title
+ * @property {string} seed
+ * @property {number} side of the arena, in metres
+ * @property {number} reach in metres
+ * @property {number} period between two states, in milliseconds
+ * @property {number} steps
+ * @property {number} grid parts of the side
+ * @property {number} turn parts of a full turn
+ * @property {{ name: string, color: string }[]} hunters by seat
+ * @property {[number: number, first: number, length: number][]} targets each one's number, and the states that it was in
+ * @property {[step: number, seat: number][]} withdrawals
+ * @property {[state: number, seat: number, verdict: string, number: number | null][]} rulings
+ * @property {Judged[]} contests
+ */
+
+/**
+ * A contest, as bundle.py writes it.
+ * @typedef {object} Judged
+ * @property {number} state
+ * @property {string} target
+ * @property {string} clause
+ * @property {Claim[]} claims
+ * @property {string} sentence
+ */
+
+/** @typedef {[seat: number, verdict: string, micrometres: number | null]} Claim */
+
+/**
+ * Where one was in each state from `first` to `last`: x and y in metres, theta in radians.
+ * @typedef {{ first: number, last: number, x: Float32Array, y: Float32Array, theta: Float32Array }} Body
+ */
+
+/** @typedef {Body & { name: string, color: string }} Hunter */
+/** @typedef {Body & { number: number }} Target */
+/** @typedef {{ time: number, seat: number, verdict: string, target: Target | null }} Ruling */
+/** @typedef {Judged & { time: number, parties: number[], place: Target }} Contest */
+
+/** Nothing is larger when it is unpacked, in bytes. */
+const LARGEST = 256 << 20;
+
+/** What the settings allow (config.py), and no more: a wrong one would keep a page drawing for ever. */
+const RANGES = {
+  side: [2, 5000],
+  reach: [0, 10_000],
+  period: [16, 1e9],
+  grid: [1, 1 << 15],
+  turn: [1, 1 << 15],
+  steps: [0, 1 << 23],
+};
+
+/** @param {string} why */
+const damaged = (why) => new Error(`It is damaged: ${why}.`);
+
+/**
+ * What Python's `packed_text` packed: base64 of gzip, as bytes. Throws an Error of one line.
+ * @param {string} text
+ */
+export async function unpacked(text) {
+  const parts = [];
+  let size = 0;
+  const gzip = new DecompressionStream("gzip");
+  try {
+    const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    const reader = new Blob([packed]).stream().pipeThrough(gzip).getReader();
+    for (let part = await reader.read(); !part.done && size <= LARGEST; part = await reader.read()) {
+      parts.push(part.value);
+      size += part.value.length;
+    }
+  } catch {
+    throw damaged("it cannot be unpacked");
+  }
+  if (size > LARGEST) throw damaged(`it has more than ${LARGEST} bytes when it is unpacked`);
+  return new Uint8Array(await new Blob(parts).arrayBuffer());
+}
+
+/** One match: who was where in every state, and what the arbiter answered. Times are in milliseconds. */
+export class Replay {
+  /**
+   * Throws an Error of one line where the text is no replay.
+   * @param {string} text
+   */
+  static async of(text) {
+    const bytes = await unpacked(text);
+    const end = Math.max(bytes.indexOf(10), 0);
+    let facts;
+    try {
+      facts = JSON.parse(new TextDecoder("utf-8", { fatal: true }).decode(bytes.subarray(0, end)));
+    } catch {
+      throw damaged("its first line is not JSON");
+    }
+    check(facts);
+    return new Replay(facts, bytes.subarray(end + 1));
+  }
+
+  /**
+   * @param {Facts} facts
+   * @param {Uint8Array} tracks
+   */
+  constructor(facts, tracks) {
+    this.title = facts.title;
+    this.seed = facts.seed;
+    this.side = facts.side;
+    this.reach = facts.reach;
+    this.period = facts.period;
+    this.steps = facts.steps;
+    this.withdrawals = facts.withdrawals;
+    this.duration = this.steps * this.period;
+    const states = facts.hunters.length * (this.steps + 1) +
+      facts.targets.reduce((sum, [, , length]) => sum + length, 0);
+    if (tracks.length !== 6 * states) throw damaged(`its tracks must have ${6 * states} bytes, not ${tracks.length}`);
+    const numbers = Replay.numbers(tracks);
+    const metres = this.side / facts.grid;
+    let at = 0;
+    /** @type {(first: number, length: number) => Body} */
+    const body = (first, length) => {
+      const [x, y, theta] = [metres, metres, (2 * Math.PI) / facts.turn].map((unit) => {
+        const values = new Float32Array(length);
+        for (let state = 0, sum = 0; state < length; state++) values[state] = unit * (sum += numbers[at++]);
+        return values;
+      });
+      return { first, last: first + length - 1, x, y, theta };
+    };
+    /** @type {Hunter[]} */
+    this.hunters = facts.hunters.map(({ name, color }) => ({ name, color, ...body(0, this.steps + 1) }));
+    /** @type {Target[]} */
+    this.targets = facts.targets.map(([number, first, length]) => ({ number, ...body(first, length) }));
+    const numbered = new Map(this.targets.map((target) => [target.number, target]));
+    /** @type {Ruling[]} */
+    this.rulings = facts.rulings.map(([state, seat, verdict, number], index) => {
+      const target = number === null ? null : numbered.get(number);
+      if (target === undefined) throw damaged(`rulings[${index}] is about target ${number}, which it does not have`);
+      return { time: state * this.period, seat, verdict, target };
+    });
+    this.catches = this.rulings.filter((ruling) => ruling.verdict === "GRANTED");
+    /** @type {Contest[]} */
+    this.contests = facts.contests.map((contest, index) => {
+      const time = contest.state * this.period;
+      const parties = contest.claims.map(([seat]) => seat);
+      const place = this.rulings.find((ruling) => ruling.time === time && parties.includes(ruling.seat))?.target;
+      if (!place) throw damaged(`contests[${index}] is about no ruling that it has`);
+      return { ...contest, time, parties, place };
+    });
+  }
+
+  /**
+   * 16-bit differences: the sign is the lowest bit; all low bytes come first, then all high ones.
+   * @param {Uint8Array} bytes
+   */
+  static numbers(bytes) {
+    const half = bytes.length / 2;
+    return Int16Array.from({ length: half }, (_, index) => {
+      const word = bytes[index] | (bytes[half + index] << 8);
+      return (word >>> 1) ^ -(word & 1);
+    });
+  }
+
+  /**
+   * Where a body is at an instant, between the states before and after.
+   * @param {Body} body
+   * @param {number} time
+   */
+  pose(body, time) {
+    const exact = Math.min(Math.max(time / this.period - body.first, 0), body.last - body.first);
+    const from = Math.floor(exact);
+    const to = Math.min(from + 1, body.last - body.first);
+    /** @type {(values: Float32Array) => number} */
+    const mix = (values) => values[from] + (values[to] - values[from]) * (exact - from);
+    return { x: mix(body.x), y: mix(body.y), theta: mix(body.theta) };
+  }
+
+  /**
+   * The targets that are there: one that is caught leaves after the state on which that was judged (R1.4).
+   * @param {number} time
+   */
+  alive(time) {
+    const state = time / this.period;
+    return this.targets.filter(({ first, last }) => first <= state && (state <= last || last === this.steps));
+  }
+
+  /**
+   * Each hunter's catches before an instant.
+   * @param {number} time
+   */
+  scores(time) {
+    const scores = this.hunters.map(() => 0);
+    for (const one of this.catches) if (one.time < time) scores[one.seat] += 1;
+    return scores;
+  }
+
+  /**
+   * @param {number} seat
+   * @param {number} time
+   */
+  withdrawn(seat, time) {
+    return this.withdrawals.some(([step, who]) => who === seat && step * this.period <= time);
+  }
+
+  /**
+   * The contests that a hunter took part in; all of them where none is picked.
+   * @param {number | null} seat
+   */
+  contestsOf(seat) {
+    return this.contests.filter(({ parties }) => seat === null || parties.includes(seat));
+  }
+}
+
+/**
+ * Throws an Error that names the first field that is not as bundle.py writes it.
+ * @param {any} facts
+ * @returns {asserts facts is Facts}
+ */
+function check(facts) {
+  /** @typedef {(value: any) => boolean} Fits */
+  /** @type {(fits: boolean, field: string, value: unknown, requirement: string) => void} */
+  const must = (fits, field, value, requirement) => {
+    if (!fits) {
+      throw damaged(`${field} must be ${requirement}, not ${(JSON.stringify(value) ?? "missing").slice(0, 60)}`);
+    }
+  };
+  /** @type {Fits} */
+  const isText = (value) => typeof value === "string";
+  /** @type {Fits} */
+  const isCount = (value) => Number.isSafeInteger(value) && value >= 0;
+  /** @type {Fits} */
+  const isState = (value) => isCount(value) && value <= facts.steps;
+  /** @type {Fits} */
+  const isSeat = (value) => isCount(value) && value < facts.hunters.length;
+  /** @type {Fits} */
+  const isNumberOrNull = (value) => value === null || isCount(value);
+  /** @type {(...fits: Fits[]) => Fits} */
+  const isRow = (...fits) => (row) => Array.isArray(row) && fits.every((fit, index) => fit(row[index]));
+  const isClaim = isRow(isSeat, isText, isNumberOrNull);
+
+  must(facts !== null && typeof facts === "object", "the first line", facts, "an object");
+  for (const field of ["title", "seed"]) must(isText(facts[field]), field, facts[field], "text");
+  for (const [field, [low, high]] of Object.entries(RANGES)) {
+    const value = facts[field];
+    must(Number.isFinite(value) && low <= value && value <= high, field, value, `a number from ${low} to ${high}`);
+  }
+  must(isCount(facts.steps), "steps", facts.steps, "a whole number");
+  /** @type {[string, Fits, string][]} */
+  const lists = [
+    ["hunters", (one) => isText(one?.name) && /^#[\da-f]{6}$/.test(one.color), "a name and a colour"],
+    [
+      "targets",
+      (row) => isRow(isCount, isState, isCount)(row) && row[2] > 0 && row[1] + row[2] <= facts.steps + 1,
+      "a number, the first of its states, and how many it has",
+    ],
+    ["withdrawals", isRow(isState, isSeat), "a step and a seat"],
+    [
+      "rulings",
+      isRow(isState, isSeat, isText, isNumberOrNull),
+      "a state, a seat, a verdict, and a target's number or null",
+    ],
+    [
+      "contests",
+      (one) =>
+        isState(one?.state) && [one.target, one.clause, one.sentence].every(isText) && Array.isArray(one.claims) &&
+        one.claims.every(isClaim),
+      "a state, a target, a clause, claims and a sentence",
+    ],
+  ];
+  for (const [field, fits, requirement] of lists) {
+    const list = facts[field];
+    must(Array.isArray(list), field, list, "a list");
+    for (const [index, one] of list.entries()) must(fits(one), `${field}[${index}]`, one, requirement);
+  }
+}

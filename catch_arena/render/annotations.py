@@ -1,0 +1,261 @@
+"""Annotations of the arena: what the arbiter answered lately (catches, contests, refusals), and the hunters' numbers.
+
+Pure functions. Every text is written where it covers no other text and no number.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, NamedTuple
+
+import numpy as np
+
+from catch_arena.explanation.lengths import short_length
+from catch_arena.render.shapes import INK, WHITE, Color, Label, Ring, Shape, Stroke, mix
+from catch_arena.render.viewport import GROUND, MatchInfo, Pose, Viewport
+from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.world import World
+
+NEAR_UM: Final = 1_000_000
+"""Who is within a metre of a target that another catches was near."""
+
+MOST_REASONS: Final = 6
+"""While more hunters than these are refused, each has a ! instead of the reason."""
+
+SHORT_REASONS: Final[dict[Verdict, str]] = {
+    Verdict.MATCH_OVER: "match over",
+    Verdict.MALFORMED: "no such target",
+    Verdict.HUNTER_INACTIVE: "withdrawn",
+    Verdict.DUPLICATE: "asked twice",
+    Verdict.UNKNOWN_TARGET: "no such target",
+    Verdict.ALREADY_CAUGHT: "already caught",
+    Verdict.SERVICE_DOWN: "service down",
+    Verdict.OUT_OF_REACH: "out of reach",
+    Verdict.KILL_FAILED: "kill failed",
+}
+"""Why a request was refused, in as few words as a moment allows."""
+
+_VISIBLE_MS: Final = {"catch": 900.0, "lost": 1200.0, "refused": 700.0}
+
+
+class Rival(NamedTuple):
+    """Somebody who was near when another caught a target."""
+
+    seat: int
+    distance_um: int
+    asked: bool
+    """It requested the same target in the same step, and lost the contest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Annotation:
+    """One ruling, as it is shown for a moment: what, whose, where, since when."""
+
+    kind: Literal["catch", "lost", "refused"]
+    time_ms: int
+    """When it was judged: the boundary at which the step began (R1.4)."""
+    seat: int
+    x: float
+    """The target's place [m], or the hunter's where there was no such target."""
+    y: float
+    text: str = "+1"
+    rivals: tuple[Rival, ...] = ()
+    """Of a catch: who else was near, the nearest first."""
+    distance_um: int | None = None
+    """From the hunter to the target."""
+
+    @property
+    def visible_ms(self) -> float:
+        """How long it is shown."""
+        return _VISIBLE_MS[self.kind]
+
+
+def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Annotation, ...]:
+    """What the step from one world to the next is to show of its rulings, which were judged on the former.
+
+    Args: `by_lot`, whether contests go by lots and not by distance (R5.9).
+    """
+    targets = {target.name: (target.x, target.y) for target in before.targets}
+    distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}
+    annotations = []
+    for ruling in after.rulings:
+        hunter = before.hunters[ruling.hunter]
+        position = targets.get(str(ruling.target))
+        x, y = position or (hunter.x, hunter.y)
+        if ruling.verdict is Verdict.GRANTED:
+            rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
+            annotation = Annotation("catch", before.time_ms, ruling.hunter, x, y, "+1", rivals, ruling.distance_um)
+        elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
+            behind = distances[ruling.hunter] - distances[ruling.winner]
+            annotation = Annotation(
+                "lost", before.time_ms, ruling.hunter, x, y, "by lot" if by_lot else margin_text(behind)
+            )
+        else:
+            annotation = Annotation("refused", before.time_ms, ruling.hunter, x, y, SHORT_REASONS[ruling.verdict])
+        annotations.append(annotation)
+    return tuple(annotations)
+
+
+def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, position: tuple[float, float]) -> tuple[Rival, ...]:
+    lost = {
+        ruling.hunter: ruling.distance_um or 0
+        for ruling in rulings
+        if ruling.verdict is Verdict.LOST_CONTEST and ruling.target == won.target
+    }
+    rivals = [Rival(seat, distance, asked=True) for seat, distance in lost.items()]
+    for seat, hunter in enumerate(before.hunters):
+        distance = round(1e6 * float(np.hypot(hunter.x - position[0], hunter.y - position[1])))
+        if seat != won.hunter and seat not in lost and distance < NEAR_UM and not hunter.withdrawn:
+            rivals.append(Rival(seat, distance, asked=False))
+    return tuple(sorted(rivals, key=lambda rival: (not rival.asked, rival.distance_um, rival.seat)))
+
+
+def margin_text(behind_um: int) -> str:
+    """How much further away the loser was; an exact tie was drawn by lot (R5.5)."""
+    if behind_um == 0:
+        return "by lot"
+    return f"−{short_length(behind_um)}"
+
+
+def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> list[Annotation]:
+    """The annotations that are not over yet; of each hunter's refusals only the latest, which a step may repeat."""
+    seen = [annotation for annotation in annotations if time_ms - annotation.time_ms < annotation.visible_ms]
+    latest = {annotation.seat: annotation for annotation in seen if annotation.kind == "refused"}
+    return [annotation for annotation in seen if annotation.kind != "refused" or latest[annotation.seat] is annotation]
+
+
+def annotation_shapes(
+    viewport: Viewport, info: MatchInfo, poses: Sequence[Pose], annotations: Sequence[Annotation], time_ms: float
+) -> list[Shape]:
+    """The rings of catches, the lines of contests, every hunter's number, and the words."""
+    shapes: list[Shape] = []
+    for annotation in annotations:
+        part = (time_ms - annotation.time_ms) / annotation.visible_ms
+        if annotation.kind == "catch":
+            seats = [annotation.seat, *(rival.seat for rival in annotation.rivals)] if annotation.rivals else []
+            thick = [1.0, *(0.8 if rival.asked else 0.35 for rival in annotation.rivals)]
+            for seat, much in zip(seats, thick, strict=False):
+                shapes.append(
+                    _line_to_target(viewport, annotation, info.color(seat), poses[seat], much * (1.0 - part), part)
+                )
+            shapes.append(_catch_ring(viewport, annotation, part))
+        elif annotation.kind == "lost":
+            shapes.append(
+                _line_to_target(
+                    viewport, annotation, info.color(annotation.seat), poses[annotation.seat], 0.8 * (1.0 - part), part
+                )
+            )
+    size = max(10, round(0.34 * viewport.hunter_length))
+    numbers = spread_apart([viewport.to_pixels(x, y) for x, y, _ in poses], (1.1 if len(poses) <= 10 else 1.55) * size)
+    shapes += [
+        Label(*position, str(seat), size, WHITE, 800, "center", outline=INK) for seat, position in enumerate(numbers)
+    ]
+    return shapes + _text_shapes(viewport, info, poses, annotations, time_ms, numbers, size)
+
+
+def _catch_ring(viewport: Viewport, annotation: Annotation, part: float) -> Ring:
+    eased = 1.0 - (1.0 - part) ** 3
+    length = viewport.hunter_length
+    x, y = viewport.to_pixels(annotation.x, annotation.y)
+    radius = length * (0.3 + 0.75 * eased)
+    return Ring(x, y, radius, max(1.2, 0.11 * length * (1.0 - part)), WHITE, (1.0 - part) ** 1.5, glow=True)
+
+
+def _line_to_target(
+    viewport: Viewport, annotation: Annotation, color: Color, pose: Pose, much: float, part: float
+) -> Stroke:
+    """From somebody who was near to the target; it thins out, since strokes are opaque."""
+    width = max(0.8, 0.08 * viewport.hunter_length * much)
+    return Stroke(
+        *viewport.to_pixels(pose[0], pose[1]),
+        *viewport.to_pixels(annotation.x, annotation.y),
+        width,
+        mix(color, GROUND, 0.8 * part),
+    )
+
+
+_ROUNDS: Final = 8
+_FURTHEST: Final = 2.0
+"""From where it belongs [rooms]."""
+
+
+def spread_apart(positions: Sequence[tuple[float, float]], room: float) -> list[tuple[float, float]]:
+    """The points, those that are nearer to each other than `room` moved apart; as they move, so do the results.
+
+    Some rounds: in a dense crowd a few stay a little too near, and nobody goes further than two rooms.
+    """
+    around = 2.4 * np.arange(len(positions))  # so that those in one very place part too
+    moved = np.array(positions) + 1e-3 * np.stack([np.cos(around), np.sin(around)], axis=1)
+    for _ in range(_ROUNDS):
+        ways = moved[:, None] - moved[None]
+        distances = np.hypot(ways[..., 0], ways[..., 1])
+        np.fill_diagonal(distances, room)
+        short = np.maximum(0.0, room - distances)
+        if not short.any():
+            break
+        moved += (0.5 * (short / distances)[..., None] * ways).sum(axis=1)
+    drift = moved - np.array(positions)
+    far = np.hypot(drift[:, 0], drift[:, 1])[:, None]
+    kept = np.array(positions) + drift * np.minimum(1.0, _FURTHEST * room / np.maximum(far, 1e-9))
+    return [(x, y) for x, y in kept.tolist()]
+
+
+class _TextBox(NamedTuple):
+    """What a text takes: its middle, and half its width and height."""
+
+    x: float
+    y: float
+    half_width: float
+    half_height: float
+
+
+def _text_shapes(
+    viewport: Viewport,
+    info: MatchInfo,
+    poses: Sequence[Pose],
+    annotations: Sequence[Annotation],
+    time_ms: float,
+    numbers: Sequence[tuple[float, float]],
+    number_size: int,
+) -> list[Shape]:
+    """+1 rising over the hunter, what a contest was lost by sinking below it, why a request was refused.
+
+    Kept inside the picture; a text that would cover another one is moved on, the more the more it would.
+    """
+    taken = [
+        _TextBox(x, y, 0.32 * len(str(seat)) * number_size, 0.45 * number_size) for seat, (x, y) in enumerate(numbers)
+    ]
+    reach = info.config.reach_m * viewport.scale
+    length = viewport.hunter_length
+    briefly = length < 26 or sum(annotation.kind == "refused" for annotation in annotations) > MOST_REASONS
+    shapes: list[Shape] = []
+    for annotation in annotations:
+        part = (time_ms - annotation.time_ms) / annotation.visible_ms
+        text = "!" if annotation.kind == "refused" and briefly else annotation.text
+        size = max(11, round({"catch": 0.48, "lost": 0.36, "refused": 0.3}[annotation.kind] * length))
+        half_width = 0.3 * len(text) * size
+        x, y = viewport.to_pixels(*poses[annotation.seat][:2])
+        rises = 0.0 if annotation.kind == "refused" else 0.3 * length * part  # a refusal may be repeated, step by step
+        away = max(reach, 0.5 * length) + 0.75 * size + rises
+        side = -1.0 if annotation.kind == "catch" else 1.0
+        if not 0.6 * size < y + side * away < viewport.height - 0.6 * size:
+            side = -side
+        x = min(max(x, half_width + 2.0), viewport.width - half_width - 2.0)
+        room = _moved_clear(_TextBox(x, y + side * away, half_width, 0.5 * size), side, taken)
+        room = room._replace(y=min(max(room.y, 0.6 * size), viewport.height - 0.6 * size))
+        taken.append(room)
+        color = WHITE if annotation.kind == "catch" else mix(info.color(annotation.seat), WHITE, 0.35)
+        opacity = min(1.0, 3.0 * (1.0 - part))
+        shapes.append(Label(x, room.y, text, size, color, 800, "center", outline=INK, opacity=opacity))
+    return shapes
+
+
+def _moved_clear(room: _TextBox, side: float, taken: Sequence[_TextBox]) -> _TextBox:
+    """Moved up or down as far as the others ask for: by all that they overlap, or less where they hardly touch."""
+    for _ in range(3):
+        for other in taken:
+            beside = room.half_width + other.half_width - abs(room.x - other.x)
+            above = room.half_height + other.half_height - abs(room.y - other.y)
+            if beside > 0.0 and above > 0.0:
+                whole = room.half_height + other.half_height - side * (room.y - other.y)
+                room = room._replace(y=room.y + side * whole * min(1.0, beside / room.half_height))
+    return room

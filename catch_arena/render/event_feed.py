@@ -1,0 +1,108 @@
+"""The event feed: the latest contests, near misses and refusals in words, the newest first.
+
+Pure functions from small states to shapes.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from catch_arena.explanation.lengths import short_length
+from catch_arena.render.annotations import Annotation
+from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, chip, chip_width, clock, font_size
+from catch_arena.render.shapes import Box, Label, Shape
+from catch_arena.render.text import text_width
+from catch_arena.render.viewport import MatchInfo
+
+MOST_ITEMS: Final = 8
+"""Items; a card shows as many of them as it has room for."""
+
+
+@dataclass(frozen=True, slots=True)
+class FeedItem:
+    """One line: when, who, what, and whom it concerns besides."""
+
+    time_ms: int
+    seat: int
+    text: str
+    other: int | None = None
+    after: str = ""
+    """What follows the other's number."""
+    contest: bool = False
+    times: int = 1
+
+    def repeated_by(self, other: "FeedItem") -> bool:
+        """The same hunter was refused again, for the same reason."""
+        return self.other is None and (self.seat, self.text, self.other) == (other.seat, other.text, other.other)
+
+
+def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
+    """What is worth a line: catches with somebody near, and refusals."""
+    items = []
+    for annotation in annotations:
+        if annotation.kind == "refused":
+            items.append(FeedItem(annotation.time_ms, annotation.seat, annotation.text))
+        elif annotation.kind == "catch" and annotation.rivals and annotation.distance_um is not None:
+            rival = annotation.rivals[0]
+            behind = rival.distance_um - annotation.distance_um
+            how = f"by {short_length(behind)}" if behind > 0 else "by lot"
+            if rival.asked:
+                items.append(FeedItem(annotation.time_ms, annotation.seat, "beat", rival.seat, how, contest=True))
+            elif behind > 0:
+                items.append(FeedItem(annotation.time_ms, annotation.seat, "ahead of", rival.seat, how))
+    return items
+
+
+class EventFeed:
+    """The latest items, the newest first; a refusal that is repeated is one item that counts."""
+
+    def __init__(self) -> None:
+        self.items: tuple[FeedItem, ...] = ()
+
+    def record(self, annotations: Iterable[Annotation]) -> None:
+        """These rulings were made."""
+        for item in feed_items(annotations):
+            same = [old for old in self.items if old.repeated_by(item)]
+            others = tuple(old for old in self.items if old not in same)
+            times = item.times + sum(old.times for old in same)
+            self.items = (replace(item, times=times), *others)[:MOST_ITEMS]
+
+
+def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: float) -> list[Shape]:
+    """As many items as there is room for."""
+    pad = 8 * unit
+    height = FEED_ROW * unit
+    size = font_size(14 * unit, 10)
+    shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
+    left = area.left + 2.0 * pad
+    # in a narrow card by how much a contest was won says more than when
+    timed = left + 4.0 * size + _longest(info, size) <= area.left + area.width - 2.0 * pad
+    if not items:
+        position = (left, area.top + pad + 0.5 * height)
+        shapes.append(Label(*position, "Contests and refusals", size, DIM, 500, max_width=area.width - 4.0 * pad))
+    for row, item in enumerate(items[: max(1, round((area.height - 2.0 * pad) / height))]):
+        middle = area.top + pad + (row + 0.5) * height
+        x = left
+        if timed:
+            shapes.append(Label(x + 3.2 * size, middle, clock(item.time_ms), size, DIM, 500, "right"))
+            x += 4.0 * size
+        words = item.text if item.times == 1 else f"{item.text}  × {item.times}"
+        color, weight = (BRIGHT, 700) if item.contest else (DIM, 500)
+        parts: tuple[int | str, ...] = (item.seat, words)
+        if item.other is not None:
+            parts = (*parts, item.other, item.after)
+        for part in parts:
+            if isinstance(part, int):
+                shapes += chip(x, middle, info, part, size)
+                x += chip_width(info, size) + 0.6 * size
+            else:
+                room = area.left + area.width - 2.0 * pad - x
+                shapes.append(Label(x, middle, part, size, color, weight, max_width=room))
+                x += text_width(part, size, weight) + 0.6 * size
+    return shapes
+
+
+def _longest(info: MatchInfo, size: int) -> float:
+    """Of a line about two hunters, without its time [pixels]."""
+    words = text_width("ahead of", size, 500) + text_width("by 99 mm", size, 500)
+    return words + 2.0 * chip_width(info, size) + 1.8 * size

@@ -1,0 +1,126 @@
+"""A video of highlights: slow motion about the decisive instant, and a caption."""
+
+import os
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from catch_arena.errors import ConfigError
+from catch_arena.explanation.highlights import Highlight, Kind
+from catch_arena.render import hud
+from catch_arena.render.encoders import Pixels, Progress, format_of
+from catch_arena.render.libraries import cv2
+from catch_arena.render.raster import Canvas
+from catch_arena.render.renderer import MatchRenderer
+from catch_arena.render.shapes import Box, Color, Label, Shape
+from catch_arena.render.sprites import SpriteCache
+from catch_arena.render.text import text_width
+from catch_arena.render.timing import Clip, ClipSequence
+from catch_arena.render.video import RenderReport, duration_ms, frame_rate, frame_size, rendered_frames, write_video
+from catch_arena.render.viewport import MatchInfo
+from catch_arena.replay import Replay
+
+SLOW: Final = Fraction(1, 4)
+_SLOW_FROM_MS: Final = 400
+_SLOW_TO_MS: Final = 500
+_FADE_S: Final = 0.2
+_CAPTION: Final = 0.13
+"""Of the picture's height."""
+_ACCENT: Final[Color] = (255, 206, 84)
+HEADINGS: Final[dict[Kind, str]] = {
+    "contest": "CONTEST",
+    "lead": "NEW LEADER",
+    "streak": "STREAK",
+    "finish": "FINISH",
+    "upset": "UPSET",
+}
+
+
+class RecordedHighlight(NamedTuple):
+    """A highlight, and where it is from."""
+
+    path: Path
+    """Of the replay, which is read when its turn comes."""
+    highlight: Highlight
+
+
+def render_highlights(
+    highlights: Sequence[RecordedHighlight],
+    path: str | os.PathLike[str],
+    *,
+    size: tuple[int, int] | None = None,
+    fps: int | None = None,
+    progress: Progress | None = None,
+) -> RenderReport:
+    """Write highlights as one video, in their order; memory holds one match at a time.
+
+    Args: as for `video.render_replay`. Raises: ConfigError, OutputError, ReplayError; no half-written file is left.
+    """
+    if not highlights:
+        raise ConfigError("clips must be one at least, got none")
+    kind = format_of(Path(path))
+    fps, within = frame_rate(kind, fps), frame_size(kind, size)
+    frames = sum(slow_motion(one.highlight, fps).frames for one in highlights)
+    return write_video(path, _pictures(highlights, within, fps), within, fps, frames, progress)
+
+
+def slow_motion(highlight: Highlight, fps: int) -> ClipSequence:
+    """The highlight's frames, slow about its decisive instant."""
+    slow_ms = max(highlight.start_ms, highlight.decisive_ms - _SLOW_FROM_MS)
+    fast_ms = min(highlight.end_ms, highlight.decisive_ms + _SLOW_TO_MS)
+    clips = (
+        Clip(highlight.start_ms, slow_ms, fps),
+        Clip(slow_ms, fast_ms, fps, SLOW),
+        Clip(fast_ms, highlight.end_ms, fps),
+    )
+    return ClipSequence(tuple(clip for clip in clips if clip.start_ms < clip.end_ms))
+
+
+def _pictures(highlights: Sequence[RecordedHighlight], size: tuple[int, int], fps: int) -> Iterator[Pixels]:
+    width, height = size
+    frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
+    below = round(_CAPTION * height)
+    caption = hud.Rect(0, height - below, width, below)
+    for number, (path, highlight) in enumerate(highlights, start=1):
+        replay = Replay.load(path)
+        info = MatchInfo.of(replay.config, replay.names, replay.title or path.stem, duration_ms(replay))
+        renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
+        timing = slow_motion(highlight, fps)
+        where = f"{path.stem}   {number} of {len(highlights)}"
+        for frame_number, pixels in enumerate(rendered_frames(replay, renderer, timing)):
+            frame.pixels[: height - below] = pixels
+            slow = timing.clip_of(frame_number)[0].speed != 1
+            frame.clear(caption, hud.CARD)
+            frame.draw(caption_shapes(caption, highlight, where, slow=slow))
+            seen = min(1.0, (frame_number + 1) / (_FADE_S * fps), (timing.frames - frame_number) / (_FADE_S * fps))
+            yield frame.pixels if seen == 1.0 else _dimmed(frame.pixels, seen)
+
+
+def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bool) -> list[Shape]:
+    """What happens and why, which match it is, and whether time runs slowly."""
+    unit = area.height / 94.0
+    pad = 20.0 * unit
+    big, small = hud.font_size(28 * unit, 12), hud.font_size(17 * unit, 10)
+    tag = hud.font_size(15 * unit, 9)
+    upper, lower = area.top + 0.34 * area.height, area.top + 0.72 * area.height
+    heading = HEADINGS[highlight.kind]
+    chip = text_width(heading, tag, 800) + 1.2 * tag
+    right = area.left + area.width - pad
+    about = f"{where}   slow motion ¼" if slow else where
+    room = min(0.45 * area.width, text_width(about, small, 500)) + 2.0 * pad
+    beside = area.left + pad + chip + 0.7 * pad
+    return [
+        Box(area.left, area.top, area.width, max(2.0, 3.0 * unit), _ACCENT),
+        Box(area.left + pad, upper - 0.85 * tag, chip, 1.7 * tag, _ACCENT, 0.4 * tag),
+        Label(area.left + pad + 0.5 * chip, upper, heading, tag, hud.PANEL, 800, "center"),
+        Label(beside, upper, highlight.what, big, hud.BRIGHT, 800, max_width=right - beside),
+        Label(area.left + pad, lower, highlight.why, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
+        Label(right, lower, about, small, _ACCENT if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
+    ]
+
+
+def _dimmed(pixels: Pixels, part: float) -> Pixels:
+    return np.asarray(cv2.convertScaleAbs(pixels, alpha=part), dtype=np.uint8)

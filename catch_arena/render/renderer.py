@@ -1,0 +1,265 @@
+"""A match as pictures: frames one after the other for videos, one at a time for `env.render()`, and as PNG."""
+
+import base64
+from collections.abc import Iterable, Sequence
+from typing import Final, get_args
+
+import numpy as np
+
+from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError, suggest
+from catch_arena.render import hud, scene, timeline
+from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
+from catch_arena.render.event_feed import EventFeed, feed_shapes
+from catch_arena.render.libraries import cv2
+from catch_arena.render.motion import TICK_MS, StepMotion, step_motion
+from catch_arena.render.raster import Canvas, Ground, Pixels
+from catch_arena.render.shapes import Shape
+from catch_arena.render.sprites import SpriteCache
+from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
+from catch_arena.render.viewport import MatchInfo, Pose, Viewport
+from catch_arena.world import World
+
+SMALLEST: Final = 320
+LARGEST: Final = (3840, 2160)
+NOTEBOOK_SIZE: Final = (800, 450)
+
+
+def checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    """The (width, height) [pixels] of a frame, if it can be. Raises: ConfigError."""
+    good = isinstance(size, Sequence) and len(size) == 2
+    good = good and all(isinstance(part, int) and not isinstance(part, bool) for part in size)
+    if not good or not (SMALLEST <= size[0] <= LARGEST[0] and SMALLEST <= size[1] <= LARGEST[1]):
+        raise ConfigError(
+            f"size must be two whole numbers from {SMALLEST} x {SMALLEST} to {LARGEST[0]} x {LARGEST[1]}, got {size!r}"
+        )
+    return size[0], size[1]
+
+
+class MatchRenderer:
+    """A match's frames, one after the other, in one buffer: `enter` each step, then `draw` the instants in it."""
+
+    def __init__(
+        self,
+        info: MatchInfo,
+        size: tuple[int, int],
+        layout: hud.Layout,
+        seed: int | None = None,
+        sprites: SpriteCache | None = None,
+    ) -> None:
+        if layout not in get_args(hud.Layout):
+            raise ConfigError(
+                f"layout must be broadcast or arena, got {layout!r}; {suggest(layout, get_args(hud.Layout))}"
+            )
+        self.info = info
+        self._seed = seed
+        self._by_lot = info.config.policy == "first_come"
+        self._plan = hud.arrange(size, layout, info.config.hunters)
+        if sprites is None:  # renderers of the same match or size share theirs
+            sprites = SpriteCache()
+        self._frame = Canvas.blank(*size, hud.PANEL, sprites)
+        self._arena = self._frame.part(self._plan.arena)
+        self._ground = Ground(Viewport(*self._plan.arena[2:], info.config.side_m), sprites)
+        self.reset()
+
+    @property
+    def pixels(self) -> Pixels:
+        """(height, width, 4): the shared buffer, whose fourth byte means nothing; the next `draw` overwrites it."""
+        return self._frame.pixels
+
+    @property
+    def arena(self) -> hud.Rect:
+        """Where in the picture the arena lies."""
+        return self._plan.arena
+
+    @property
+    def leader(self) -> int | None:
+        """The seat that alone has the most catches, in the step that was entered last."""
+        best, *others = hud.ranked(self._standings)
+        return best.seat if best.score > 0 and all(one.score < best.score for one in others) else None
+
+    def reset(self, time_ms: float = 0.0) -> None:
+        """A new match: no trails, no annotations."""
+        self._ground.reset(time_ms)
+        self._annotations: list[Annotation] = []
+        self._timeline = timeline.Timeline(self.info.duration_ms)
+        self._standings_animation = StandingsAnimation()
+        self._feed = EventFeed()
+        self._standings: tuple[hud.HunterScore, ...] = ()
+        self._motion: StepMotion | None = None
+        self._poses: tuple[Pose, ...] = ()
+        self._moved_ms = time_ms
+        self._shown: dict[str, object] = {}
+
+    def enter(self, motion: StepMotion) -> None:
+        """Begin a step: its rulings count from here on. Steps of which no instant is drawn are entered too."""
+        began_ms = motion.before.time_ms
+        if self._motion is not None:
+            self._extend_trails(began_ms)
+            self._ground.fade(began_ms)
+        else:
+            self._poses = motion.poses[0]
+        self._motion = motion
+        annotations = annotations_of(motion.before, motion.after, by_lot=self._by_lot)
+        self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
+        self._feed.record(annotations)
+        self._standings = tuple(
+            hud.HunterScore(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(motion.after.hunters)
+        )
+        self._standings_animation.record(began_ms, self._standings)
+        catchers = [annotation.seat for annotation in annotations if annotation.kind == "catch"]
+        self._timeline.record(began_ms, catchers, [one.score for one in self._standings])
+
+    def draw(self, time_ms: float, poses: tuple[Pose, ...]) -> Pixels:
+        """Draw one instant of the step that was entered last into the buffer; the hunters have come to these poses."""
+        if self._motion is None:
+            raise ValueError("a step must be entered before one of its instants is drawn")
+        self._extend_trails(time_ms)
+        self._ground.fade(time_ms)
+        self._move_hunters(poses)
+        self._annotations = visible_annotations(self._annotations, time_ms)
+        world = self._motion.after
+        self._arena.pixels[:] = self._ground.pixels
+        self._arena.draw(
+            scene.arena_shapes(
+                self._ground.viewport,
+                self.info,
+                hunters=world.hunters,
+                poses=poses,
+                targets=[target for target in world.targets if target.spawned_ms <= time_ms],
+                annotations=self._annotations,
+                time_ms=time_ms,
+            )
+        )
+        self._draw_around(time_ms, min(time_ms, world.time_ms))
+        return self.pixels
+
+    def draw_over(self, drawn: Iterable[Shape]) -> None:
+        """Shapes over the arena, in pixels from its corner; the next `draw` takes them away."""
+        self._arena.draw(drawn)
+
+    def _extend_trails(self, until_ms: float) -> None:
+        """Lead the trails through the ticks since the last instant, where it lies further back than a frame or two."""
+        if self._motion is not None and until_ms - self._moved_ms > 2 * TICK_MS:
+            for poses in self._motion.ticks_between(self._moved_ms, until_ms):
+                self._move_hunters(poses)
+        self._moved_ms = until_ms
+
+    def _move_hunters(self, poses: tuple[Pose, ...]) -> None:
+        for seat, (start, end) in enumerate(zip(self._poses, poses, strict=True)):
+            if start[:2] != end[:2]:
+                self._ground.trail(self.info.color(seat), start, end)
+        self._poses = poses
+
+    def _draw_around(self, time_ms: float, played_ms: float) -> None:
+        """The panel's parts, each only when it would look different; the clock stands still after the end."""
+        plan, info, unit = self._plan, self.info, self._plan.unit
+        clock = hud.clock(played_ms)
+        if not plan.standings.width:
+            chips, right = hud.split_strip(plan.header, clock)
+            if self._changed("chips", (chips, self._standings)):
+                self._redraw(chips, hud.chip_shapes(chips, info, self._standings))
+            if self._changed("clock", clock):
+                self._redraw(right, hud.strip_clock_shapes(right, clock))
+            return
+        if self._changed("header", clock):
+            self._redraw(plan.header, hud.header_shapes(plan.header, info, self._seed, clock, unit))
+        lines = self._standings_animation.lines(time_ms)
+        if self._changed("standings", lines):
+            self._redraw(plan.standings, standings_shapes(plan.standings, info, lines, unit))
+        if plan.feed.width and self._changed("news", self._feed.items):
+            self._redraw(plan.feed, feed_shapes(plan.feed, info, self._feed.items, unit))
+        area, history = plan.timeline, self._timeline
+        cursor = round(timeline.cursor_x(area, history, time_ms, unit))
+        card = self._frame.pixels[area.top : area.top + area.height, area.left : area.left + area.width]
+        if self._changed("history", history.catches):
+            self._redraw(area, timeline.timeline_shapes(area, info, history, unit))
+            self._history = card.copy()
+            self._shown.pop("present", None)
+        if self._changed("present", cursor):
+            card[:] = self._history
+            self._frame.draw(timeline.present_shapes(area, info, history, time_ms, unit))
+
+    def _changed(self, part: str, state: object) -> bool:
+        if part in self._shown and self._shown[part] == state:
+            return False
+        self._shown[part] = state
+        return True
+
+    def _redraw(self, area: hud.Rect, shapes: list[Shape]) -> None:
+        self._frame.clear(area, hud.PANEL)
+        self._frame.draw(shapes)
+
+
+class ArenaPainter:
+    """One arena's picture at every step that it is shown, for `env.render()`.
+
+    Trails and catches come from the worlds that were painted before; a world of step 0, or one that the last cannot
+    have led to, begins anew.
+
+    Args: `config`; `names` by seat; `size`, (width, height) [pixels]; `layout`, "arena" or "broadcast".
+    Raises: ConfigError.
+    """
+
+    def __init__(
+        self,
+        config: ArenaConfig,
+        names: Sequence[str] | None = None,
+        size: tuple[int, int] = (500, 500),
+        layout: hud.Layout = "arena",
+    ) -> None:
+        self._renderer = MatchRenderer(MatchInfo.of(config, names), checked_size(size), layout)
+        self._last: World | None = None
+
+    def paint(self, world: World) -> Pixels:
+        """A fresh (height, width, 3) uint8 frame of the world as it is now."""
+        self.enter(world)
+        return np.asarray(cv2.cvtColor(self.draw(1.0), cv2.COLOR_RGBA2RGB), dtype=np.uint8)
+
+    def enter(self, world: World) -> float:
+        """The world that is drawn from now on. Returns: the time that its way from the last one took [ms], or 0."""
+        renderer, last = self._renderer, self._last
+        self._last = world
+        if last is None or world.step == 0 or world.step < last.step or not self._led_to(last, world):
+            renderer.reset(float(world.time_ms))
+            self._motion = step_motion(world, world)
+            renderer.enter(self._motion)
+        elif world.step == last.step:
+            self._motion = step_motion(world, world)
+        else:
+            if world.step == last.step + 1:
+                self._motion = step_motion(last, world)
+            else:  # steps were left out: their rulings are not known, and the way is a straight line
+                poses = tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters)
+                self._motion = StepMotion(last, world, (poses,))
+            renderer.enter(self._motion)
+        return float(world.time_ms - self._motion.before.time_ms)
+
+    def draw(self, part: float) -> Pixels:
+        """That part of the way, up to 1, into a (height, width, 4) buffer, which the next call overwrites."""
+        motion = self._motion
+        if part == 1.0:
+            return self._renderer.draw(float(motion.after.time_ms), motion.poses[-1])
+        time_ms = motion.before.time_ms + part * (motion.after.time_ms - motion.before.time_ms)
+        return self._renderer.draw(time_ms, motion.at(time_ms))
+
+    def _led_to(self, last: World, world: World) -> bool:
+        """Nobody can have driven further."""
+        furthest = self._renderer.info.config.max_speed_mps * (world.time_ms - last.time_ms + 16) / 1000.0 + 1e-6
+        return all(
+            abs(now.x - then.x) <= furthest and abs(now.y - then.y) <= furthest
+            for then, now in zip(last.hunters, world.hunters, strict=True)
+        )
+
+
+def png(pixels: Pixels) -> bytes:
+    """A (height, width, 3 or 4) picture, red first, as a PNG file; the fourth byte means nothing."""
+    order = cv2.COLOR_RGB2BGR if pixels.shape[2] == 3 else cv2.COLOR_RGBA2BGR
+    return bytes(cv2.imencode(".png", cv2.cvtColor(pixels, order))[1])
+
+
+def png_html(config: ArenaConfig, world: World) -> str:
+    """An arena as it is now, with its standings, as an image that a page holds itself."""
+    content = png(ArenaPainter(config, size=NOTEBOOK_SIZE, layout="broadcast").paint(world))
+    about = f"step {world.step}, {world.time_ms / 1000:.1f} s"
+    return f'<img alt="Catch Arena, {about}" src="data:image/png;base64,{base64.b64encode(content).decode()}">'

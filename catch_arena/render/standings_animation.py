@@ -1,0 +1,138 @@
+"""The standings, animated: a line for each hunter, the best first; a line that gains a position climbs to it.
+
+Pure functions from small states to shapes.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+from catch_arena.render.hud import BRIGHT, CARD, DIM, ROW, TRACK, HunterScore, Rect, font_size, legible, ranked
+from catch_arena.render.shapes import Box, Label, Shape, Turtle, mix
+from catch_arena.render.viewport import MatchInfo
+
+CLIMB_MS: Final = 400.0
+"""How long a line takes to its new position, and a bar to its new length."""
+
+
+class AnimatedLine(NamedTuple):
+    """One hunter's line at an instant."""
+
+    hunter: HunterScore
+    position: float
+    """From 0, the best; between two positions while it moves."""
+    share: float
+    """Of the best score: the length of its bar."""
+    climbs: bool = False
+
+
+class StandingsAnimation:
+    """Where everybody's line stands at any instant, from the standings as they change."""
+
+    def __init__(self) -> None:
+        self._goal: tuple[AnimatedLine, ...] = ()
+        self._start: tuple[AnimatedLine, ...] = ()
+        self._since_ms = -math.inf
+
+    def record(self, time_ms: float, standings: Sequence[HunterScore]) -> None:
+        """These are the standings from that instant on: lines begin to move where they differ from the last ones."""
+        now = self.lines(time_ms)
+        best = max(1, *(one.score for one in standings)) if standings else 1
+        positions = {one.seat: position for position, one in enumerate(ranked(standings))}
+        goal = tuple(AnimatedLine(one, float(positions[one.seat]), one.score / best) for one in sorted(standings))
+        if goal == self._goal:
+            return
+        self._start, self._goal = now or goal, goal
+        self._since_ms = time_ms if now else -math.inf
+
+    def lines(self, time_ms: float) -> tuple[AnimatedLine, ...]:
+        """By seat; the same tuple at every instant at which nothing moves."""
+        part = (time_ms - self._since_ms) / CLIMB_MS
+        if part >= 1.0:
+            return self._goal
+        eased = part * part * (3.0 - 2.0 * part)
+        return tuple(
+            AnimatedLine(
+                goal.hunter,
+                start.position + (goal.position - start.position) * eased,
+                start.share + (goal.share - start.share) * eased,
+                goal.position < start.position,
+            )
+            for start, goal in zip(self._start, self._goal, strict=True)
+        )
+
+
+def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[AnimatedLine], unit: float) -> list[Shape]:
+    """A line for each hunter: turtle, number, name, its share of the best score as a bar, and the score."""
+    pad = 8 * unit
+    room = area.height - 2.0 * pad
+    rows = max(1, int(room // max(15.0, 19.0 * unit)))
+    most_columns = max(1, int(area.width // max(130.0, 165.0 * unit)))
+    columns = 1 if len(lines) <= rows else min(-(-len(lines) // rows), most_columns)
+    shown = len(lines) if len(lines) <= rows * columns else rows * columns - 1  # the last line says how many more
+    per_column = -(-min(len(lines), shown + 1) // columns)
+    height = min(room / per_column, max(28.0, ROW * unit))
+    width = (area.width - 2.0 * pad) / columns
+
+    def corner(position: float) -> tuple[float, float]:
+        column, row = divmod(int(position), per_column)
+        return area.left + pad + column * width, area.top + pad + row * height
+
+    shapes: list[Shape] = [Box(area.left, area.top, area.width, per_column * height + 2.0 * pad, CARD, 12 * unit)]
+    best = max(line.hunter.score for line in lines)
+    for line in sorted(lines, key=lambda line: (line.climbs, -line.position)):  # those that climb pass over the others
+        if line.position <= shown - 1:
+            (x0, y0), (x1, y1) = corner(math.floor(line.position)), corner(math.ceil(line.position))
+            part = line.position % 1.0 if x0 == x1 else round(line.position % 1.0)  # nobody flies from column to column
+            box = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, width, height)
+            if line.climbs:
+                shapes.append(Box(*box, mix(CARD, TRACK, 0.6), 0.25 * height))
+            shapes += _line_shapes(box, info, line, best, unit)
+    if shown < len(lines):
+        x, y = corner(shown)
+        left_out = f"and {len(lines) - shown} more"
+        shapes.append(Label(x + 0.3 * height, y + 0.5 * height, left_out, font_size(0.5 * height, 10), DIM, 500))
+    return shapes
+
+
+def _line_shapes(
+    area: tuple[float, float, float, float], info: MatchInfo, line: AnimatedLine, best: int, unit: float
+) -> list[Shape]:
+    left, top, width, height = area
+    one = line.hunter
+    middle = top + height / 2.0
+    size = min(font_size(0.54 * height, 10), font_size(21 * unit, 11), font_size(0.1 * width, 9))
+    color = info.color(one.seat)
+    x = left + 0.3 * size
+    shapes: list[Shape] = [Turtle(x + 0.85 * size, middle, 0.0, 1.75 * size, color, faded=one.withdrawn)]
+    x += 2.1 * size
+    number_size = font_size(0.8 * size, 9)
+    number_room = 0.62 * number_size * len(str(len(info.names) - 1))
+    shapes.append(Label(x + number_room, middle, str(one.seat), number_size, DIM, 600, "right"))
+    x += number_room + 0.6 * size
+    right = left + width - 0.5 * size
+    bar_end = right - (0.78 * len(str(best)) + 0.6) * size
+    has_bar = width >= 21 * size
+    bar_start = max(x + 4.5 * size, bar_end - 0.3 * width) if has_bar else bar_end
+    name = info.names[one.seat] + ("  (out)" if one.withdrawn else "")
+    shapes.append(
+        Label(x, middle, name, size, DIM if one.withdrawn else BRIGHT, 500, max_width=bar_start - x - 0.5 * size)
+    )
+    shapes.append(Label(right, middle, str(one.score), font_size(1.1 * size, 11), BRIGHT, 800, "right"))
+    if has_bar:
+        thick = max(3.0, 0.48 * size)
+        length = bar_end - bar_start
+        shapes.append(Box(bar_start, middle - thick / 2, length, thick, TRACK, thick / 2))
+        if line.share > 0.0:
+            filled = max(thick, length * line.share)
+            shapes.append(
+                Box(
+                    bar_start,
+                    middle - thick / 2,
+                    filled,
+                    thick,
+                    mix(legible(color), CARD, 0.5 * one.withdrawn),
+                    thick / 2,
+                )
+            )
+    return shapes

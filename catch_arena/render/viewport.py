@@ -1,0 +1,105 @@
+"""How a match is shown: who has which name and colour, and where in a picture the arena's square lies."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError
+from catch_arena.render.shapes import INK, WHITE, Color, mix
+
+Pose = tuple[float, float, float]
+"""x [m], y [m], theta [rad]."""
+
+GROUND: Final[Color] = (69, 86, 255)
+"""turtlesim's blue."""
+OUTSIDE: Final[Color] = (62, 77, 236)
+TRACE: Final[Color] = (94, 113, 255)
+"""What remains of a trail."""
+TARGET: Final[Color] = (240, 234, 255)
+
+HUNTER_COLORS: Final[tuple[Color, ...]] = (
+    (241, 160, 28),
+    (59, 253, 189),
+    (255, 80, 160),
+    (215, 255, 101),
+    (214, 25, 30),
+    (114, 190, 255),
+    (31, 130, 74),
+    (119, 29, 127),
+)
+"""Eight that stay apart, from each other and from the ground, for the colour-blind too; a test measures it."""
+
+HUNTER_LENGTH_M: Final = 0.66
+TARGET_LENGTH_M: Final = 0.44
+MARGIN: Final = 0.03
+"""Room outside the walls, as a part of the side: a turtle at a wall is seen whole."""
+
+
+@dataclass(frozen=True, slots=True)
+class MatchInfo:
+    """What does not change during a match: its arena, and how each seat is called and coloured."""
+
+    config: ArenaConfig
+    names: tuple[str, ...]
+    """By seat."""
+    title: str = ""
+    duration_ms: int = 0
+    """Of the match: the length of the timeline."""
+
+    @classmethod
+    def of(
+        cls, config: ArenaConfig, names: Sequence[str] | None = None, title: str = "", duration_ms: int | None = None
+    ) -> "MatchInfo":
+        """Those of one match; agents without names are called as PettingZoo calls them."""
+        seat_names = config.hunter_names if names is None else tuple(names)
+        if len(seat_names) != config.hunters:
+            raise ConfigError(f"names must be one for each of {config.hunters} hunters, got {len(seat_names)}")
+        return cls(config, seat_names, title, config.time_limit_ms if duration_ms is None else duration_ms)
+
+    def color(self, seat: int) -> Color:
+        """A seat's colour: eight, then the same eight lighter, then darker, and again."""
+        color = HUNTER_COLORS[seat % len(HUNTER_COLORS)]
+        shade = seat // len(HUNTER_COLORS) % 3
+        return (color, mix(color, WHITE, 0.42), mix(color, INK, 0.3))[shade]
+
+
+@dataclass(frozen=True)
+class Viewport:
+    """Where the arena's square lies in a picture of so many pixels: as large as fits, in the middle, with a margin."""
+
+    width: int
+    height: int
+    side_m: float
+
+    @cached_property
+    def scale(self) -> float:
+        """Pixels per metre."""
+        return min(self.width, self.height) / (self.side_m * (1.0 + 2.0 * MARGIN))
+
+    def to_pixels(self, x: float, y: float) -> tuple[float, float]:
+        """A point of the world [m] in pixels."""
+        left, bottom = self._corner
+        return left + x * self.scale, bottom - y * self.scale
+
+    @cached_property
+    def _corner(self) -> tuple[float, float]:
+        half = self.side_m * self.scale / 2.0
+        return self.width / 2.0 - half, self.height / 2.0 + half
+
+    @cached_property
+    def hunter_length(self) -> float:
+        """Pixels: true to HUNTER_LENGTH_M until that would be too small to see."""
+        least = max(20.0, min(self.width, self.height) / 26.0)
+        return max(HUNTER_LENGTH_M * self.scale, least)
+
+    @cached_property
+    def target_length(self) -> float:
+        """Pixels."""
+        return self.hunter_length * TARGET_LENGTH_M / HUNTER_LENGTH_M
+
+    @cached_property
+    def trail_width(self) -> float:
+        """Pixels."""
+        return max(1.6, 0.1 * self.hunter_length)

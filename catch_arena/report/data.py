@@ -1,0 +1,111 @@
+"""What a tournament's folder holds, read once: everything in the report is made from it."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from catch_arena.errors import ReplayError, StoreError, reason
+from catch_arena.replay import Replay
+from catch_arena.tournament.audit import FILE as AUDIT
+from catch_arena.tournament.audit import Audit, Check, Seat
+from catch_arena.tournament.execution.runner import REPLAYS
+from catch_arena.tournament.match import Played
+from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
+from catch_arena.tournament.statistics.intervals import Estimate
+from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.standings import Standing, standings
+from catch_arena.tournament.store import Store, Tournament
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """A tournament, ended or under way."""
+
+    folder: Path
+    tournament: Tournament
+    planned: int
+    played: Sequence[Played]
+    """In the order of the plan."""
+    versions: Sequence[dict[str, str]]
+    """Each set of versions that played."""
+
+    @classmethod
+    def of(cls, folder: Path) -> "ReportData":
+        """Those in a folder. Raises: StoreError where it holds no tournament, or none that has been played."""
+        played, versions = [], {}
+        with Store.read(folder) as store:
+            tournament, planned = store.tournament, store.count_planned()
+            for one, by in store.records():
+                played.append(one)
+                versions[id(by)] = by
+        if not played:
+            raise StoreError(f"{folder}: no match has been played yet")
+        return cls(folder, tournament, planned, played, list(versions.values()))
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The entrants' names, as matches number them."""
+        return [entrant.name for entrant in self.tournament.entrants]
+
+    @cached_property
+    def outcomes(self) -> Outcomes:
+        """The matches as arrays."""
+        return Outcomes.of(len(self.names), self.played)
+
+    @cached_property
+    def standings(self) -> list[Standing]:
+        """The best first."""
+        return standings(self.tournament.entrants, self.played)
+
+    @cached_property
+    def encounters(self) -> dict[tuple[str, str], Encounter]:
+        """Each against each, by their names."""
+        return {(one.name, one.other): one for one in head_to_head(self.tournament.entrants, self.played)}
+
+    @property
+    def audit(self) -> Audit | None:
+        """What `catch-arena audit` found, if it was asked and wrote its answer here. Raises: StoreError."""
+        return self._audit[0]
+
+    @property
+    def audit_is_of_this(self) -> bool:
+        """Whether it was made with this tournament's settings."""
+        return self._audit[1] == self.tournament.config.digest
+
+    @cached_property
+    def _audit(self) -> tuple[Audit | None, str | None]:
+        """The audit, and the digest of the settings that it was made with."""
+        path = self.folder / AUDIT
+        try:
+            found = json.loads(path.read_text(encoding="utf-8"))
+            return _audit(found), found["config_digest"]
+        except FileNotFoundError:
+            return None, None
+        except (OSError, ValueError, TypeError, KeyError) as error:
+            raise StoreError(f"{path}: must be as `catch-arena audit` writes it: {reason(error)}") from None
+
+    @cached_property
+    def recorded(self) -> frozenset[str]:
+        """The ids of the matches of which a replay was kept."""
+        return frozenset(one.match.id for one in self.played if one.replay)
+
+    def replay(self, match: str) -> Replay:
+        """A match that was recorded. Raises: ReplayError."""
+        if match not in self.recorded:
+            raise ReplayError(f"match {match}: must be one that was played and recorded")
+        return Replay.load(self.folder / REPLAYS / f"{match}.replay")
+
+
+def _audit(found: dict[str, Any]) -> Audit:
+    """What `audit_text` wrote."""
+    return Audit(
+        agent=found["agent"],
+        matches=found["matches"],
+        seats=tuple(Seat(Estimate(**seat["wins"]), seat["score"]) for seat in found["seats"]),
+        twin_matches=found["twin_matches"],
+        twin_difference=Estimate(**found["twin_difference"]),
+        checks=tuple(Check(**check) for check in found["checks"]),
+    )

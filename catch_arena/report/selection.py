@@ -1,0 +1,71 @@
+"""Which recorded matches stand in the page itself, where there is no room for all."""
+
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
+from typing import NamedTuple
+
+from catch_arena.errors import ReplayError
+from catch_arena.player import bundle_text
+from catch_arena.report.data import ReportData
+from catch_arena.tournament.match import Played
+
+
+class SelectedMatch(NamedTuple):
+    """A match that the page plays."""
+
+    bundle: str
+    why: str
+
+
+def select_matches(data: ReportData, budget: int, asked: Sequence[str] = ()) -> dict[str, SelectedMatch]:
+    """Matches by their ids, until their bundles take `budget` bytes; those `asked` for come first, and always.
+
+    Raises: ReplayError where one that was asked for was not recorded.
+    """
+    selected = {match: SelectedMatch(bundle_text(data.replay(match)), "asked for") for match in asked}
+    taken = sum(len(one.bundle) for one in selected.values())
+    for match, why in _by_interest(data):
+        if match in selected:
+            continue
+        try:
+            bundle = bundle_text(data.replay(match))
+        except ReplayError:  # it was moved away, or its ruleset is another: the figures do without
+            continue
+        taken += len(bundle)
+        if taken > budget:
+            break
+        selected[match] = SelectedMatch(bundle, why)
+    return selected
+
+
+def _by_interest(data: ReportData) -> Iterator[tuple[str, str]]:
+    """Each recorded match once: in turn one with many contests, a close one, one that the best lost, a forfeit."""
+    recorded = [one for one in data.played if one.match.id in data.recorded]
+    best = data.names.index(data.standings[0].name)
+    lost = [one for one in recorded if _lost_by(one, best)]
+    orders = {
+        "contests": sorted(recorded, key=_contests, reverse=True),
+        "close": sorted(recorded, key=_margin),
+        f"{data.names[best]} loses": sorted(lost, key=_margin, reverse=True),
+        "forfeit": [one for one in recorded if any(one.result.forfeits)],
+    }
+    seen = set()
+    for turn in zip_longest(*orders.values()):
+        for why, one in zip(orders, turn, strict=True):
+            if one is not None and one.match.id not in seen:
+                seen.add(one.match.id)
+                yield one.match.id, why
+
+
+def _margin(one: Played) -> int:
+    """How far the first is ahead of the second."""
+    first, second, *_ = (*sorted(one.result.scores, reverse=True), 0)
+    return first - second
+
+
+def _contests(one: Played) -> int:
+    return sum(tally.get("LOST_CONTEST", 0) for tally in one.result.verdicts)
+
+
+def _lost_by(one: Played, entrant: int) -> bool:
+    return any(who == entrant and rank > 1 for who, rank in zip(one.match.seating, one.result.ranks, strict=True))

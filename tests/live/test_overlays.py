@@ -1,0 +1,59 @@
+"""What is written over the arena, as shapes: inside it, and complete."""
+
+import math
+
+import pytest
+
+from catch_arena.config import ArenaConfig
+from catch_arena.live import overlays
+from catch_arena.render.hud import HunterScore
+from catch_arena.render.shapes import Box, Label
+from catch_arena.render.viewport import MatchInfo, Viewport
+
+AREAS = [(320, 240), (720, 720), (2160, 2160)]
+INFO = MatchInfo.of(ArenaConfig(), ("you", "nearest", "patrol", "a name that is longer than any card is wide " * 3))
+
+
+def within(shapes, area) -> bool:
+    boxes = [shape for shape in shapes if isinstance(shape, Box)]
+    labels = [shape for shape in shapes if isinstance(shape, Label)]
+    return all(
+        box.left >= 0 and box.top >= 0 and box.left + box.width <= area[0] and box.top + box.height <= area[1]
+        for box in boxes
+    ) and all(0 <= label.x <= area[0] and 0 <= label.y <= area[1] for label in labels)
+
+
+@pytest.mark.parametrize("area", AREAS)
+def test_every_key_is_on_the_card(area):
+    rows = (*overlays.DRIVING, *overlays.WINDOW)
+    shapes = overlays.keys_overlay(area, "Keys", rows, "any key begins")
+    texts = [shape.text for shape in shapes if isinstance(shape, Label)]
+    assert {meaning for _, meaning in rows} <= set(texts)
+    assert {"W", "A", "S", "D", "space", "P", "N", ".", "R", "Ctrl-S", "H", "Esc"} <= set(texts)
+    caps = [cap for names, _ in rows for cap in names]
+    assert len(set(caps)) == len(caps)  # one key, one meaning
+    assert within(shapes, area)
+
+
+@pytest.mark.parametrize("area", AREAS)
+def test_the_result_is_told_by_rank(area):
+    table = [(1, HunterScore(2, 9)), (2, HunterScore(0, 7)), (2, HunterScore(3, 7)), (4, HunterScore(1, 0))]
+    shapes = overlays.result_overlay(area, INFO, table, "Esc: end")
+    texts = [shape.text for shape in shapes if isinstance(shape, Label)]
+    assert texts[0] == "patrol wins"
+    assert texts[1:5] == ["1", "2", "patrol", "9"]  # rank, number, name, catches
+    assert within(shapes, area)
+
+
+def test_a_shared_first_rank_and_ones_own_win():
+    tie = [(1, HunterScore(0, 7)), (1, HunterScore(1, 7))]
+    assert overlays.result_overlay((720, 720), INFO, tie, "")[1].text == "2 share the first rank"
+    assert overlays.result_overlay((720, 720), INFO, [(1, HunterScore(0, 7))], "")[1].text == "You win"
+
+
+@pytest.mark.parametrize("y", [0.2, 5.0, 10.8])
+def test_the_pointer_stays_in_the_picture(y):
+    viewport = Viewport(720, 720, INFO.config.side_m)
+    label = next(shape for shape in overlays.seat_pointer(viewport, (5.0, y), (255, 0, 0)) if isinstance(shape, Label))
+    assert 0 < label.y < 720
+    assert math.dist((label.x, label.y), viewport.to_pixels(5.0, y)) < 2.5 * viewport.hunter_length

@@ -1,0 +1,82 @@
+"""The event feed, without a pixel."""
+
+import pytest
+from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart, kinds
+
+from catch_arena.render import hud
+from catch_arena.render.annotations import Annotation, Rival
+from catch_arena.render.event_feed import MOST_ITEMS, EventFeed, feed_shapes
+from catch_arena.render.shapes import Label
+from catch_arena.render.text import truncated
+
+CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", (Rival(2, 155_000, asked=True),), 143_000)
+NEAR_MISS = Annotation("catch", 19_000, 1, 1.0, 1.0, "+1", (Rival(0, 455_000, asked=False),), 143_000)
+
+
+def refused(time_ms: int, seat: int = 3, word: str = "out of reach") -> Annotation:
+    return Annotation("refused", time_ms, seat, 1.0, 1.0, word)
+
+
+def test_contests_near_misses_and_refusals_are_in_the_feed_and_undisturbed_catches_are_not():
+    feed = EventFeed()
+    feed.record([CONTEST, Annotation("catch", 18_900, 1, 1.0, 1.0), NEAR_MISS, refused(19_100)])
+    assert [(item.seat, item.text, item.other, item.after) for item in feed.items] == [
+        (3, "out of reach", None, ""),
+        (1, "ahead of", 0, "by 31 cm"),
+        (0, "beat", 2, "by 12 mm"),
+    ]
+
+
+def test_a_tie_is_won_by_lot():
+    feed = EventFeed()
+    feed.record([Annotation("catch", 0, 0, 1.0, 1.0, "+1", (Rival(1, 143_000, asked=True),), 143_000)])
+    assert feed.items[0].after == "by lot"
+
+
+def test_a_refusal_that_is_repeated_is_counted_and_moves_up():
+    feed = EventFeed()
+    for time_ms in range(0, 1000, 100):
+        feed.record([refused(time_ms)])
+    feed.record([refused(1000, seat=2), refused(1000, word="already caught"), refused(1100)])
+    assert [(item.seat, item.text, item.times) for item in feed.items] == [
+        (3, "out of reach", 11),
+        (3, "already caught", 1),
+        (2, "out of reach", 1),
+    ]
+
+
+def test_only_the_latest_are_kept():
+    feed = EventFeed()
+    for seat in range(40):
+        feed.record([refused(100 * seat, seat)])
+    assert [item.seat for item in feed.items] == list(range(39, 39 - MOST_ITEMS, -1))
+
+
+@pytest.mark.parametrize("hunters", [4, 16])
+@pytest.mark.parametrize("size", SIZES)
+def test_the_feed_fits_its_card(size, hunters):
+    plan, info = hud.arrange(size, "broadcast", hunters), an_info(hunters)
+    if not plan.feed.width:
+        return
+    feed = EventFeed()
+    assert_inside(feed_shapes(plan.feed, info, feed.items, plan.unit), plan.feed)
+    feed.record([CONTEST, NEAR_MISS, *(refused(0, word="no such target") for _ in range(5))] * 3)
+    shapes = feed_shapes(plan.feed, info, feed.items, plan.unit)
+    assert_inside(shapes, plan.feed)
+    assert_texts_apart(shapes)
+    rows = {round(label.y) for label in kinds(shapes, Label)}
+    assert len(rows) == min(len(feed.items), round((plan.feed.height - 16 * plan.unit) / (hud.FEED_ROW * plan.unit)))
+    assert len(rows) >= 2
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_a_line_about_two_hunters_says_by_how_much_in_full(size):
+    plan, info = hud.arrange(size, "broadcast", 4), an_info(4)
+    if not plan.feed.width:
+        return
+    feed = EventFeed()
+    feed.record([NEAR_MISS])
+    (how,) = (
+        label for label in kinds(feed_shapes(plan.feed, info, feed.items, plan.unit), Label) if "by" in label.text
+    )
+    assert truncated(how.text, how.size, how.weight, how.max_width) == "by 31 cm"

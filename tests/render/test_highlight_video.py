@@ -1,0 +1,101 @@
+"""The video of the best highlights."""
+
+import tracemalloc
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from render.videos import decoded
+
+from catch_arena.errors import ConfigError
+from catch_arena.explanation.highlights import KINDS, Highlight
+from catch_arena.render import hud
+from catch_arena.render.highlight_video import (
+    HEADINGS,
+    SLOW,
+    RecordedHighlight,
+    caption_shapes,
+    render_highlights,
+    slow_motion,
+)
+from catch_arena.render.shapes import Label
+from catch_arena.replay import Replay
+
+HIGHLIGHT = Highlight("contest", 500, 1500, 2500, 0.9, "bob beats ann by 213 µm", "the nearest wins (R5.4)")
+AREA = hud.Rect(0, 300, 640, 60)
+
+
+def texts(slow: bool) -> list[str]:
+    shapes = caption_shapes(AREA, HIGHLIGHT, "m7   1 of 3", slow=slow)
+    return [shape.text for shape in shapes if isinstance(shape, Label)]
+
+
+def test_the_caption_says_what_and_why_and_where_it_is_from():
+    assert {"CONTEST", HIGHLIGHT.what, HIGHLIGHT.why, "m7   1 of 3"} <= set(texts(slow=False))
+    assert any("slow motion" in text for text in texts(slow=True))
+    assert set(HEADINGS) == set(KINDS)
+
+
+def test_time_runs_slowly_about_the_decisive_instant_only():
+    timing = slow_motion(HIGHLIGHT, 60)
+    speeds = {timing.time_ms(frame): timing.clip_of(frame)[0].speed for frame in range(timing.frames)}
+    assert min(speeds) == 500
+    assert 2480 < max(speeds) < 2500
+    for time_ms, speed in speeds.items():
+        assert speed == (SLOW if 1100 <= time_ms < 2000 else Fraction(1))
+
+
+def test_a_highlight_at_the_very_beginning_has_no_empty_part():
+    timing = slow_motion(Highlight("lead", 0, 0, 1500, 0.5, "", ""), 30)
+    assert timing.time_ms(0) == 0
+    assert all(clip.start_ms < clip.end_ms for clip in timing.clips)
+
+
+def test_the_video_has_every_frame_of_every_highlight(match, tmp_path):
+    path = tmp_path / "m.replay"
+    match.save(path)
+    late = Highlight("finish", 2000, 2900, 4400, 0.5, "ann 3, bob 2 at the end", "One catch decides")
+    report = render_highlights(
+        [RecordedHighlight(path, HIGHLIGHT), RecordedHighlight(path, late)],
+        tmp_path / "best.mp4",
+        size=(480, 320),
+        fps=20,
+    )
+    frames = decoded(report.path)
+    assert len(frames) == report.frames == slow_motion(HIGHLIGHT, 20).frames + slow_motion(late, 20).frames
+    brightness = [float(frame.mean()) for frame in frames]
+    second = slow_motion(HIGHLIGHT, 20).frames
+    assert max(brightness[0], brightness[second - 1], brightness[second]) < 0.8 * np.median(brightness)  # fades
+    caption = frames[20][-38:].astype(int)
+    assert (caption.max(axis=2) > 200).any()  # there are words
+
+
+def test_a_video_of_five_matches_takes_no_more_memory_than_one_of_two(play, tmp_path):
+    """While one match is read, the one before it may still be there; no others, and none of their frames."""
+    path = tmp_path / "m.replay"
+    play(time_limit_s=20.0).save(path)
+    early = Highlight("lead", 0, 100, 200, 0.5, "", "")
+
+    def traced(work) -> tuple[int, int]:
+        """Bytes: those that the result takes, and the most that were taken meanwhile."""
+        tracemalloc.start()
+        try:
+            result = work()
+            assert result is not None
+            return tracemalloc.get_traced_memory()
+        finally:
+            tracemalloc.stop()
+
+    def video(matches: int):
+        return render_highlights([RecordedHighlight(path, early)] * matches, tmp_path / "v.mp4", size=(320, 320), fps=5)
+
+    video(1)  # what is kept for all videos, fonts for instance, is there now
+    one_match, _ = traced(lambda: Replay.load(path))
+    (_, two), (_, five) = (traced(lambda count=count: video(count)) for count in (2, 5))
+    assert five - two < one_match
+
+
+def test_without_highlights_there_is_no_video(tmp_path):
+    with pytest.raises(ConfigError, match="one at least"):
+        render_highlights([], tmp_path / "best.mp4")
+    assert list(tmp_path.iterdir()) == []

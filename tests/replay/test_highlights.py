@@ -1,0 +1,174 @@
+"""What is worth seeing, found in matches that are made up, and in matches that are played."""
+
+from dataclasses import replace
+
+import pytest
+
+from catch_arena.explanation.evidence import Claim, Contest, explain
+from catch_arena.explanation.highlights import (
+    REPEAT_FACTOR,
+    Catch,
+    Highlight,
+    MatchEvents,
+    extract_events,
+    find_highlights,
+    select_highlights,
+    win_rates,
+    win_records,
+)
+from catch_arena.render.contact_sheet import same_picture
+from catch_arena.verdicts import Verdict
+
+
+def match_with(catches=(), contests=(), names=("ann", "bob", "cy"), duration_ms=60_000) -> MatchEvents:
+    """The events of a match in which these seats catch at these times: (ms, seat)."""
+    scores = [0] * len(names)
+    rows = []
+    for time_ms, seat in catches:
+        scores[seat] += 1
+        rows.append(Catch(time_ms, seat, tuple(scores)))
+    return MatchEvents(names, names, duration_ms, 100, 300_000, tuple(rows), tuple(contests))
+
+
+def contest(margin_um: int, *, clause="R5.4", verdict=Verdict.GRANTED, at_ms=5100) -> Contest:
+    claims = (Claim(1, verdict, 120_000), Claim(0, Verdict.LOST_CONTEST, 120_000 + margin_um))
+    return Contest(at_ms // 100, at_ms, "target_turtle_7", clause, claims)
+
+
+def of_kind(kind, *args, **kwargs) -> list[Highlight]:
+    return [one for one in find_highlights(*args, **kwargs) if one.kind == kind]
+
+
+def test_a_quiet_match_has_none():
+    assert find_highlights(match_with()) == []
+    assert find_highlights(match_with(names=("alone",), catches=[(1000 * k, 0) for k in range(9)])) == []
+
+
+def test_a_contest_says_who_won_by_how_much_and_why():
+    (one,) = of_kind("contest", match_with(contests=[contest(213)]))
+    assert one.what == "bob beats ann by 213 µm"
+    assert one.why == "It was 0.120000 m from target_turtle_7, the other 0.120213 m: the nearest wins (R5.4)"
+    assert (one.decisive_ms, one.start_ms, one.end_ms) == (5000, 3000, 6500)
+
+
+def test_the_closer_a_contest_the_better_and_a_lot_is_best():
+    scores = [of_kind("contest", match_with(contests=[contest(um)]))[0].score for um in (1, 50, 2000, 90_000)]
+    lot = of_kind("contest", match_with(contests=[contest(0, clause="R5.5")]))[0]
+    assert lot.score == 1.0 > scores[0]
+    assert scores == sorted(scores, reverse=True)
+    assert scores[-1] > 0
+    assert "by lot" in lot.what
+    assert "R5.5" in lot.why
+
+
+@pytest.mark.parametrize(
+    "other", [contest(5, clause="R9.1"), contest(5, clause="R5.9"), contest(5, verdict=Verdict.KILL_FAILED)]
+)
+def test_contests_that_distance_did_not_decide_or_that_caught_nothing_are_none(other):
+    assert of_kind("contest", match_with(contests=[other])) == []
+
+
+def test_the_lead_changes_where_another_leads_alone_ties_between_or_not():
+    catches = [(1000, 0), (2000, 1), (3000, 0), (20_000, 1), (40_000, 1), (50_000, 1)]
+    (one,) = of_kind("lead", match_with(catches))
+    assert (one.decisive_ms, one.what) == (40_000, "bob takes the lead, 3 : 2")
+    assert one.why == "ann, who was in front from 1.0 s on, has 2 (R6.1)"
+    assert one.score == pytest.approx((40 / 60) ** 2)
+
+
+def test_catches_of_one_step_count_together():
+    """One who is caught up with in the very step in which it catches does not lose the lead in between."""
+    apart = match_with([(1000, 0), (2000, 1), (2000, 0)])
+    together = tuple(one._replace(scores=(2, 1, 0)) if one.time_ms == 2000 else one for one in apart.catches)
+    assert of_kind("lead", replace(apart, catches=together)) == []
+
+
+def test_a_streak_is_three_or_more_in_a_row():
+    assert of_kind("streak", match_with([(1000, 0), (2000, 0), (3000, 1), (4000, 0)])) == []
+    (three,) = of_kind("streak", match_with([(1000, 1), (2000, 1), (3000, 1), (4000, 0)]))
+    (six,) = of_kind("streak", match_with([(1000 * k, 1) for k in range(1, 7)]))
+    assert three.what == "bob catches 3 in a row"
+    assert three.why.startswith("In 2.0 s, ")
+    assert 0 < three.score < six.score < 1
+    assert six.decisive_ms == 6000
+    assert six.start_ms == 3000  # its last catches, not the whole of it
+
+
+def test_the_end_of_a_close_match_is_seen_and_of_no_other():
+    close = match_with([(1000, 0), (2000, 0), (3000, 1), (58_000, 1), (59_500, 0)])
+    (one,) = of_kind("finish", close)
+    assert (one.start_ms, one.decisive_ms) == (55_000, 59_500)
+    assert one.end_ms > 60_000  # the last picture stays
+    assert one.what == "ann 3, bob 2 at the end"
+    tie = of_kind("finish", match_with([(1000, 0), (2000, 1)]))[0]
+    assert tie.score == 1.0 > one.score
+    assert "share" in tie.why
+    assert of_kind("finish", match_with([(1000 * k, 0) for k in range(1, 4)])) == []
+
+
+def test_an_upset_is_a_win_over_who_won_more_of_the_other_matches():
+    upset = match_with([(1000, 1), (2000, 0), (3000, 0)])
+    rates = {"ann": 0.1, "bob": 0.8, "cy": 0.3}
+    (one,) = of_kind("upset", upset, rates)
+    assert one.what == "ann beats bob, 2 : 1"
+    assert "10 %" in one.why
+    assert "80 %" in one.why
+    assert one.score == pytest.approx(0.7)
+    assert one.decisive_ms == 3000  # from here on it leads
+    assert of_kind("upset", upset, {"ann": 0.9, "bob": 0.8, "cy": 0.3}) == []
+    assert of_kind("upset", upset, {"bob": 0.8, "cy": 0.3}) == []  # nothing is known of ann
+    assert of_kind("upset", match_with([(1000, 0), (2000, 1)]), rates) == []  # nobody wins alone
+
+
+def test_rates_leave_the_match_itself_out_and_share_ties():
+    won_by_ann, tie = match_with([(1000, 0)]), match_with([(1000, 0), (2000, 1)])
+    known = win_records([won_by_ann, won_by_ann, tie])
+    assert known["ann"] == (3, 2.5)
+    assert win_rates(known, won_by_ann) == {"ann": 0.75, "bob": 0.25, "cy": 0.0}
+    assert win_rates(win_records([won_by_ann, tie]), tie) == {}  # one other match is no record
+
+
+def test_who_plays_itself_has_one_record():
+    twice = replace(match_with([(1000, 0)]), entrants=("ann", "ann", "cy"))
+    assert win_records([twice])["ann"] == (2, 1.0)
+
+
+def at(kind, decisive_ms, score) -> Highlight:
+    return Highlight(kind, decisive_ms - 1000, decisive_ms, decisive_ms + 1000, score, "", "")
+
+
+def test_the_best_do_not_overlap_and_the_best_of_all_is_last():
+    one = [at("lead", 5000, 0.9), at("streak", 6000, 0.8), at("lead", 9000, 0.2)]
+    chosen = select_highlights({"a": one, "b": [at("streak", 6000, 0.7)]}, 9)
+    assert [(place, highlight.score) for place, highlight in chosen] == [("a", 0.2), ("b", 0.7), ("a", 0.9)]
+
+
+def test_a_kind_that_was_shown_counts_less():
+    highlights = [at("lead", 9000 * k, 0.9) for k in range(1, 4)] + [at("contest", 40_000, 0.7)]
+    kinds = [highlight.kind for _, highlight in select_highlights({"a": highlights}, 3)]
+    assert kinds == ["lead", "contest", "lead"]
+    assert REPEAT_FACTOR < 1
+
+
+def test_as_many_as_asked_for_and_no_more():
+    many = {"a": [at("lead", 5000 * k, 0.5) for k in range(1, 9)]}
+    assert len(select_highlights(many, 3)) == 3
+    assert len(select_highlights(many, 99)) == 8
+    assert select_highlights({}, 3) == []
+
+
+def test_what_may_not_be_chosen_twice_can_be_said_otherwise():
+    """Pictures of a contact sheet clash only where they show the same."""
+    one = [at("lead", 5000, 0.9), at("streak", 5600, 0.8), at("contest", 5700, 0.7)]
+    chosen = select_highlights({"a": one}, 9, clash=same_picture)
+    assert [highlight.decisive_ms for _, highlight in chosen] == [5600, 5000]
+
+
+def test_the_events_of_a_real_match_are_what_was_played(play):
+    replay = play("duel", chase=True, time_limit_s=30.0, reach_m=1.0, initial_targets=8, spawn_frequency_hz=2.0)
+    events, explained = extract_events(replay), explain(replay)
+    assert events.scores == explained.scores
+    assert events.contests == explained.contests
+    assert sum(events.scores) == len(events.catches)
+    assert all(0.0 <= one.score <= 1.0 and one.start_ms < one.end_ms for one in find_highlights(events))
+    assert of_kind("contest", events)

@@ -1,0 +1,42 @@
+import { Replay } from "../../catch_arena/player/page/replay.js";
+
+/** @typedef {import("../../catch_arena/player/page/replay.js").Body} Body */
+
+/** @param {Body} body */
+const tracks = (body) => [body.x, body.y, body.theta].map((values) => [...values]);
+
+/**
+ * All that the player reads from a replay, in each state and half a state later; or why it reads nothing.
+ * @param {string} text
+ */
+async function read(text) {
+  try {
+    const replay = await Replay.of(text);
+    const bodies = [...replay.hunters, ...replay.targets];
+    return {
+      ...replay,
+      hunters: replay.hunters.map(({ name, color }) => ({ name, color })),
+      targets: replay.targets.map(({ number, first, last }) => [number, first, last - first + 1]),
+      rulings: replay.rulings.map((ruling) => ({ ...ruling, target: ruling.target?.number ?? null })),
+      contests: replay.contests.map((contest) => ({ ...contest, place: contest.place.number })),
+      tracks: bodies.map(tracks),
+      states: Array.from({ length: replay.steps + 1 }, (_, state) => {
+        const time = state * replay.period;
+        return {
+          alive: replay.alive(time).map((target) => target.number),
+          scores: replay.scores(time),
+          withdrawn: replay.hunters.map((_, seat) => replay.withdrawn(seat, time)),
+          later: bodies.map((body) => replay.pose(body, time + replay.period / 2)),
+        };
+      }),
+    };
+  } catch (error) {
+    return { kind: error instanceof Error ? error.name : typeof error, error: String(error) };
+  }
+}
+
+/** The standard input is a JSON array of bundles' texts, and so is the output, of what was read. */
+const texts = await new Response(Deno.stdin.readable).json();
+const found = [];
+for (const text of texts) found.push(await read(text));
+console.log(JSON.stringify(found));
