@@ -60,7 +60,11 @@ class ArenaService:
 
     @property
     def world(self) -> World:
-        """The arena as it is. Raises: EpisodeError before the first reset."""
+        """The arena as it is.
+
+        Raises:
+            EpisodeError: before the first reset.
+        """
         if self._seed is None:
             raise EpisodeError("this must follow a reset: no episode has begun")
         return self._engine.world()

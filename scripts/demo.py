@@ -62,13 +62,21 @@ def begin(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
 
 
 def wait_for(process: subprocess.Popen[str]) -> None:
-    """Raises: SystemExit with the code of a command that failed."""
+    """
+
+    Raises:
+        SystemExit: with the code of a command that failed.
+    """
     if process.wait():
         sys.exit(process.returncode)
 
 
 def tell(process: subprocess.Popen[str], what: str) -> None:
-    """Wait for a quiet command, and print what it said. Raises: SystemExit with the code of one that failed."""
+    """Wait for a quiet command, and print what it said.
+
+    Raises:
+        SystemExit: with the code of one that failed.
+    """
     began = time.monotonic()
     while True:
         try:

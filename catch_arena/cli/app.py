@@ -114,7 +114,11 @@ def _common(
 
 
 def arena(name: str, settings: list[str] | None) -> ArenaConfig:
-    """The scenario with the changes of --set. Raises: ConfigError."""
+    """The scenario with the changes of --set.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     overrides: dict[str, Any] = {}
     for key, value in _pairs("--set", settings):
         if key == "control":
@@ -130,12 +134,20 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
 
 
 def agent_limits(changes: list[str] | None) -> AgentLimits:
-    """The usual limits with the changes of --limit. Raises: ConfigError."""
+    """The usual limits with the changes of --limit.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     return AgentLimits.of(**dict(_pairs("--limit", changes)))
 
 
 def limits_or_trust(changes: list[str] | None, *, trusted: bool) -> AgentLimits | None:
-    """What isolated agents may take; None with --trusted. Raises: ConfigError."""
+    """What isolated agents may take; None with --trusted.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     if trusted and changes:
         raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {changes[0]}")
     return None if trusted else agent_limits(changes)
@@ -143,7 +155,10 @@ def limits_or_trust(changes: list[str] | None, *, trusted: bool) -> AgentLimits 
 
 def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
     """The agents that these specs stand for, looked at where they will play. Warns on stderr of those that cannot play,
-    and of what this system cannot limit. Raises: AgentError.
+    and of what this system cannot limit.
+
+    Raises:
+        AgentError: where an agent cannot be used.
     """
     from catch_arena.tournament.entrants import enter, is_shipped
     from catch_arena.tournament.isolation.processes import missing_protections

@@ -77,7 +77,11 @@ def conformance(
 
 
 def _made(spec: str) -> Any:
-    """What a class or a function without arguments makes. Raises: AgentError."""
+    """What a class or a function without arguments makes.
+
+    Raises:
+        AgentError: where an agent cannot be used.
+    """
     make = _callable(spec)
     try:
         return make()
@@ -86,7 +90,11 @@ def _made(spec: str) -> Any:
 
 
 def _callable(spec: str) -> Any:
-    """What «module:function» or «path.py:function» stands for. Raises: AgentError."""
+    """What «module:function» or «path.py:function» stands for.
+
+    Raises:
+        AgentError: where an agent cannot be used.
+    """
     from catch_arena.tournament.entrants import load_module
 
     module_name, colon, name = spec.rpartition(":")

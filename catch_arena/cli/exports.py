@@ -42,7 +42,11 @@ def export(
 
 
 def _format(form: Format | None, output: Path) -> Format:
-    """What --format says, or else how the file's name ends. Raises: ConfigError where the two contradict."""
+    """What --format says, or else how the file's name ends.
+
+    Raises:
+        ConfigError: where the two contradict.
+    """
     ending = output.suffix.lower().removeprefix(".")
     named = next((one for one in get_args(Format) if one == ending), None)
     if form is not None and named not in {form, None}:

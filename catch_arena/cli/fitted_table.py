@@ -19,8 +19,10 @@ class FittedTable(Table):
     """A plain table; on a terminal that is too narrow for it, a list: each row's name, and below it the other cells
     with their headings. Nothing is cut off.
 
-    Args: `headings`; `folded`, the heading of the column whose cells may take several lines; `named_by`, how many of
-    the first columns name a row; the others as for a Table.
+    Args:
+        headings: of the columns.
+        folded: the heading of the column whose cells may take several lines.
+        named_by: how many of the first columns name a row; the others as for a Table.
     """
 
     def __init__(self, *headings: str, folded: str = "", named_by: int = 1, **options: Any) -> None:

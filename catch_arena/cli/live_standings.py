@@ -24,7 +24,9 @@ class LiveStandings:
     """A context that shows the same table as there will be in the end, below a bar, on stderr; what a low terminal has
     no room for is the end of the table. Where it is no terminal, a line now and then says how far it is.
 
-    Args: `entrants`; `total`, the matches to be played, at most.
+    Args:
+        entrants: who plays.
+        total: the matches to be played, at most.
     """
 
     def __init__(

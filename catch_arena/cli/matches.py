@@ -182,7 +182,11 @@ def _plan(
     until_separated: float | None,
     max_matches: int | None,
 ) -> "Plan":
-    """What these options ask for. Raises: ConfigError, for those that do not go together too."""
+    """What these options ask for.
+
+    Raises:
+        ConfigError: for those that do not go together too.
+    """
     from catch_arena.tournament.plans.schedule import FixedPlan, plan_of
     from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
 
@@ -203,7 +207,11 @@ def _plan(
 
 
 def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
-    """How many processes play on this machine. Raises: ConfigError for options that do not go together."""
+    """How many processes play on this machine.
+
+    Raises:
+        ConfigError: for options that do not go together.
+    """
     from catch_arena.tournament.execution.executors import require_jobs, usable_cores
 
     if address is not None and executor != "ray":

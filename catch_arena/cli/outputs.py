@@ -14,7 +14,8 @@ Force = Annotated[bool, typer.Option("--force", help="Replace the file, where th
 def output_file(path: Path, *, force: bool) -> Path:
     """That path, where a file can be written: its folder is made, and what stands there may be replaced.
 
-    Raises: OutputError: better before the work than after it.
+    Raises:
+        OutputError: better before the work than after it.
     """
     from catch_arena.replay import prepare_folder, regular_file
 

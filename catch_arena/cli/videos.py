@@ -248,7 +248,11 @@ def _events_of(path: Path) -> "MatchEvents":
 
 
 def _replays_in(folder: Path) -> list[Path]:
-    """The replays of a folder, by name. Raises: ReplayError where there is none."""
+    """The replays of a folder, by name.
+
+    Raises:
+        ReplayError: where there is none.
+    """
     if not folder.is_dir():
         raise ReplayError(f"{folder}: is no folder")
     paths = sorted(folder.glob("*.replay"))
@@ -274,7 +278,11 @@ def _print_report(report: "RenderReport") -> None:
 
 
 def width_and_height(text: str) -> tuple[int, int]:
-    """«1280x720» as two numbers. Raises: ConfigError."""
+    """«1280x720» as two numbers.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
         raise ConfigError(f"size must be WIDTHxHEIGHT as in 1280x720, got {text!r}")

@@ -70,7 +70,11 @@ class WrongTarget:
 
 
 def call_adjudicator(what: str, function: Callable[..., object], *arguments: object) -> Any:
-    """What a stranger's code returns; `what` names the call. Raises: DiffersError, where it raises anything."""
+    """What a stranger's code returns; `what` names the call.
+
+    Raises:
+        DiffersError: where it raises anything.
+    """
     try:
         return function(*arguments)
     except DiffersError:
@@ -106,7 +110,8 @@ def time_limit(seconds: float | None) -> Iterator[None]:
 def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruling]:
     """What an adjudicator answers to these requests; the target of a ruling that names another one is a WrongTarget.
 
-    Raises: DiffersError, for the first thing that cannot be read.
+    Raises:
+        DiffersError: for the first thing that cannot be read.
     """
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
         too_few, got = given is None, in_short(given)

@@ -37,7 +37,11 @@ class ArbiterRunner:
         """What it has answered so far."""
 
     def run(self) -> None:
-        """Raises: DiffersError, at the first variant whose answer is wrong."""
+        """
+
+        Raises:
+            DiffersError: at the first variant whose answer is wrong.
+        """
         case = self._case
         decided = _with_lots_decided(case, self._judge("", case))
         for variants in (_reordered(decided), _without_a_loser(decided), _renumbered(case)):

@@ -21,9 +21,12 @@ class ArenaUnderTest(Protocol):
     def reset(self, settings: Mapping[str, Any], /) -> None:
         """Begin an episode, with any seed.
 
-        Args: `settings`, as in ArenaConfig, of a turtlesim arena with one hunter, no initial targets and no spawns
-        unless they say so; and which services fail when: `kill_down`, a list of steps, from 0; `kill_refused`, of
-        [step, number]; `spawn_down`, of firings, from 1; `spawn_refused`, of numbers.
+        Args:
+            settings: as in ArenaConfig, of a turtlesim arena with one hunter, no initial targets and no spawns unless
+                they say so; and which services fail when: `kill_down`, a list of steps, from 0.
+            kill_refused: of [step, number].
+            spawn_down: of firings, from 1.
+            spawn_refused: of numbers.
         """
 
     def place(self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]], /) -> None:
@@ -39,10 +42,13 @@ class ArenaUnderTest(Protocol):
     ) -> Sequence[object]:
         """Play one control period.
 
-        Args: `requests`, (seat, number), at most one a seat, where the number 0 is a rank without a target; `drive`, (v
-        [m/s], w [rad/s]) by seat.
-        Returns: one ruling for each request, as of an arbiter, with the number that was asked for as its target. After
-        the end nothing moves, and all are MATCH_OVER.
+        Args:
+            requests: (seat, number), at most one a seat, where the number 0 is a rank without a target.
+            drive: (v [m/s], w [rad/s]) by seat.
+
+        Returns:
+            one ruling for each request, as of an arbiter, with the number that was asked for as its target. After the
+            end nothing moves, and all are MATCH_OVER.
         """
 
     def read(self) -> Mapping[str, object]:
@@ -87,7 +93,11 @@ class ArenaRunner:
         """What it has ruled so far."""
 
     def run(self) -> None:
-        """Raises: DiffersError, at the first part of the play that goes otherwise."""
+        """
+
+        Raises:
+            DiffersError: at the first part of the play that goes otherwise.
+        """
         case = self._case
         self.how = "in an arena"
         if isinstance(case, ArbiterCase):

@@ -51,7 +51,11 @@ class Call:
 
 
 def ask_for_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:
-    """What an adjudicator answers. Raises: DiffersError where that cannot be read."""
+    """What an adjudicator answers.
+
+    Raises:
+        DiffersError: where that cannot be read.
+    """
     given = call_adjudicator("the call", function)
     return tuple(call_adjudicator("the answer", read_rulings, given, expected))
 
@@ -66,8 +70,15 @@ def compare(
 ) -> tuple[ExpectedRuling, ...]:
     """The expected rulings, with the lots as the adjudicator drew them, where its answer agrees with them.
 
-    Args: `given`, its rulings; `refused`, the targets whose kill is refused.
-    Raises: DiffersError, with every difference that can be told.
+    Args:
+        given: its rulings.
+        expected: what the rulebook answers.
+        lots: which lots may be drawn.
+        refused: the targets whose kill is refused.
+        strictness: what is compared.
+
+    Raises:
+        DiffersError: with every difference that can be told.
     """
     by_lot = {one.target for one in expected if one.verdict == LOT}
     winners = {lot.target: _winner(lot, expected, given, strictness) for lot in lots if lot.target in by_lot}

@@ -47,8 +47,12 @@ def load_cases() -> tuple[ArbiterCase | ArenaCase, ...]:
 def read_cases(name: str, written: str) -> list[ArbiterCase | ArenaCase]:
     """The cases of one file.
 
-    Args: `name`, the file's, and what is `written` in it; its stem begins the id of each of its cases.
-    Raises: ConfigError that names the file, the case and the field.
+    Args:
+        name: the file's, and what is `written` in it; its stem begins the id of each of its cases.
+        written: a file of cases as TOML gives it.
+
+    Raises:
+        ConfigError: that names the file, the case and the field.
     """
     try:
         content = tomllib.loads(written)

@@ -106,8 +106,11 @@ def judge(
 ) -> list[Request]:
     """The requests of one step, judged by these rules.
 
-    Args: `arguments` of `catch_arena.arbitrate`; `rulings`, the answer that is looked into; `lot`, for ties, None for
-    whom that answer drew.
+    Args:
+        rules: the rules by which it judges.
+        arguments: of `catch_arena.arbitrate`.
+        rulings: the answer that is looked into.
+        lot: for ties, None for whom that answer drew.
     """
     step = Step(rules.given(dict(arguments)), rulings, lot)
     step.requests.extend(_request(rules, step, hunter, name) for hunter, name in step.given["requests"])

@@ -124,9 +124,14 @@ def explain(
 ) -> Explanation:
     """Play a match again, and tell its contests and refusals.
 
-    Args: `hunter`, a seat or an agent's name, to hear of that one alone; `progress`, called with (steps played, steps
-    in all).
-    Raises: ReplayError where the match does not play as recorded, ConfigError for an unknown hunter.
+    Args:
+        replay: the recorded match.
+        hunter: a seat or an agent's name, to hear of that one alone.
+        progress: called with (steps played, steps in all).
+
+    Raises:
+        ReplayError: where the match does not play as recorded.
+        ConfigError: for an unknown hunter.
     """
     chosen = range(replay.config.hunters) if hunter is None else (seat_of(replay, hunter),)
     names = labels(replay.names)

@@ -83,7 +83,11 @@ class Highlight:
 
 
 def extract_events(replay: Replay, progress: Callable[[int, int], None] | None = None) -> MatchEvents:
-    """A match, played again. Raises: ReplayError where it does not play as recorded."""
+    """A match, played again.
+
+    Raises:
+        ReplayError: where it does not play as recorded.
+    """
     period_ms = replay.config.control_period_ms
     catches: list[Catch] = []
     contests: list[Contest] = []
@@ -109,7 +113,9 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
 def find_highlights(events: MatchEvents, rates: Mapping[str, float] | None = None) -> list[Highlight]:
     """All that is worth seeing in one match, in the order of time.
 
-    Args: `rates`, the share of their other matches that the entrants won (`win_rates`): without it there are no upsets.
+    Args:
+        events: the match's events.
+        rates: the share of their other matches that the entrants won (`win_rates`): without it there are no upsets.
     """
     found = [*_contests(events), *_leads(events), *_streaks(events), *_finish(events), *_upset(events, rates or {})]
     return sorted(found, key=lambda one: (one.decisive_ms, KINDS.index(one.kind)))

@@ -12,7 +12,11 @@ def labels(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def seat_of(replay: Replay, hunter: int | str) -> int:
-    """The seat that is meant by a seat's number, by `hunter_{seat}` or by an agent's name. Raises: ConfigError."""
+    """The seat that is meant by a seat's number, by `hunter_{seat}` or by an agent's name.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     seats = replay.config.hunter_names
     numbers = [str(seat) for seat in range(len(seats))]
     if str(hunter) in numbers:

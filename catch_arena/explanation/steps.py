@@ -65,9 +65,14 @@ class StepExplanation:
 def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> StepExplanation:
     """Play a match as far as one step, counted from 1, and tell all about that.
 
-    Args: `hunter`, a seat or an agent's name, to hear of that one alone.
-    Raises: ReplayError where the match does not play as recorded, ConfigError for a step or a hunter that it does not
-    have.
+    Args:
+        replay: the recorded match.
+        step: which step, from 1.
+        hunter: a seat or an agent's name, to hear of that one alone.
+
+    Raises:
+        ReplayError: where the match does not play as recorded.
+        ConfigError: for a step or a hunter that it does not have.
     """
     if not 1 <= step <= replay.steps:
         has = f"from 1 to {replay.steps}" if replay.steps else "one of the match, which has none"

@@ -44,8 +44,12 @@ class MatchWindow:
     Between two steps it draws the way from the one to the other, and meanwhile the person steers the next. Its calls
     raise QuitRequested and RestartRequested.
 
-    Args: `info`; `seed`, which is shown; `size` of the window; `inputs`, which take the keys of the person in `seat`;
-    `save`, called with the replay so far, says where it is.
+    Args:
+        info: what the window shows of the match.
+        seed: which is shown.
+        size: of the window.
+        inputs: which take the keys of the person in `seat`.
+        save: called with the replay so far, says where it is.
     """
 
     def __init__(

@@ -75,9 +75,12 @@ def show_match(
 ) -> SessionResult:
     """Play a match in a window until its user has seen enough.
 
-    Args: as for `tournament.match.play`; `size` of the window; `save`, called when the user asks for it, says where
-    the replay is.
-    Raises: OutputError without a display; AgentError.
+    The arguments are those of `tournament.match.play`, with the `size` of the window, and `save`, which is called when
+    the user asks for it and says where the replay is.
+
+    Raises:
+        OutputError: without a display.
+        AgentError: where an agent cannot be used.
     """
     inputs = InputState()
     window = MatchWindow(

@@ -32,7 +32,11 @@ Poses = list[tuple[float, float, float]]
 
 
 def bundle_text(replay: Replay) -> str:
-    """A replay's bundle, in base64. Raises: ReplayError where the match does not play as recorded."""
+    """A replay's bundle, in base64.
+
+    Raises:
+        ReplayError: where the match does not play as recorded.
+    """
     return packed_text(encode_bundle(replay))
 
 
@@ -42,7 +46,11 @@ def packed_text(content: bytes) -> str:
 
 
 def encode_bundle(replay: Replay) -> bytes:
-    """A replay's bundle before it is packed. Raises: ReplayError."""
+    """A replay's bundle before it is packed.
+
+    Raises:
+        ReplayError: where it is no replay, or a damaged one.
+    """
     info = MatchInfo.of(replay.config, labels(replay.names))
     hunters: list[Poses] = [[] for _ in info.names]
     targets: dict[int, tuple[int, Poses]] = {}

@@ -21,7 +21,8 @@ _FALLBACK: Final = "This replay plays where scripts may run."
 def player_html(replay: Replay) -> str:
     """A replay that plays: for a page, or for a notebook's output; several may stand on one page.
 
-    Raises: ReplayError where the match does not play as recorded.
+    Raises:
+        ReplayError: where the match does not play as recorded.
     """
     return f'{element_script()}<catch-replay film="{bundle_text(replay)}">{_FALLBACK}</catch-replay>'
 

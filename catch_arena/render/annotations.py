@@ -72,7 +72,10 @@ class Annotation:
 def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Annotation, ...]:
     """What the step from one world to the next is to show of its rulings, which were judged on the former.
 
-    Args: `by_lot`, whether contests go by lots and not by distance (R5.9).
+    Args:
+        before: the world before the step.
+        after: the world after the step.
+        by_lot: whether contests go by lots and not by distance (R5.9).
     """
     targets = {target.name: (target.x, target.y) for target in before.targets}
     distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}

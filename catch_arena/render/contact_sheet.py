@@ -57,9 +57,15 @@ def contact_sheet(
 ) -> bytes:
     """A PNG picture of these instants [ms], in order, each with its time and a word about it.
 
-    Args: `size`, (width, height) from 320 x 320 to 3840 x 2160, or None for as large as the pictures need
-    within SIZE; `progress`, called with (pictures drawn, in all).
-    Raises: ConfigError; ReplayError where the match does not play as recorded.
+    Args:
+        replay: the recorded match.
+        instants: when, in milliseconds of the match.
+        size: (width, height) from 320 x 320 to 3840 x 2160, or None for as large as the pictures need within SIZE.
+        progress: called with (pictures drawn, in all).
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+        ReplayError: where the match does not play as recorded.
     """
     width, height = checked_size(SIZE if size is None else size)
     head = max(30, round(0.045 * height))

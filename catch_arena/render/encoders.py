@@ -86,7 +86,11 @@ _LIMITED: Final = 1
 
 
 def format_of(path: Path) -> Format:
-    """What the file's ending stands for. Raises: ConfigError."""
+    """What the file's ending stands for.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     found = FORMATS.get(path.suffix.lower())
     if found is None:
         *others, last = FORMATS
@@ -97,7 +101,8 @@ def format_of(path: Path) -> Format:
 def output_path(path: Path) -> Path:
     """The name that a video of this name gets: where its encoder is missing, .mp4 is added to another ending.
 
-    Raises: ConfigError.
+    Raises:
+        ConfigError: for an argument that cannot be.
     """
     if path.suffix.lower() == ".mp4" or _pyav_with(format_of(path).encoder) is not None:
         return path
@@ -149,8 +154,16 @@ def video_file(
     Without PyAV, or where its FFmpeg lacks the encoder, the file is MPEG-4 Part 2, and .mp4 is added to
     the name of one that would end otherwise.
 
-    Args: `path`, whose ending is one of FORMATS; `size`, (width, height), even where the format asks for it;
-    `progress`, told of work that is left when the last frame has come. Raises: ConfigError, OutputError.
+    Args:
+        path: whose ending is one of FORMATS.
+        size: (width, height), even where the format asks for it.
+        fps: frames a second, from 1 on.
+        frames: the frames, (height, width, 3 or 4) uint8.
+        progress: told of work that is left when the last frame has come.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+        OutputError: where it cannot be written.
     """
     kind = format_of(Path(path))
     path = output_path(Path(path))

@@ -57,7 +57,12 @@ def render_highlights(
 ) -> RenderReport:
     """Write highlights as one video, in their order; memory holds one match at a time.
 
-    Args: as for `video.render_replay`. Raises: ConfigError, OutputError, ReplayError; no half-written file is left.
+    The arguments are those of `video.render_replay`. No half-written file is left.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+        OutputError: where the video cannot be written.
+        ReplayError: where a match does not play as recorded.
     """
     if not highlights:
         raise ConfigError("clips must be one at least, got none")

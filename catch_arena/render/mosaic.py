@@ -102,8 +102,17 @@ def render_mosaic(
 
     A match that does not play as recorded stops where it differs, and its cell says so.
 
-    Args: `replays`, 1 to 64 of them, by what is written below each; the others as for `video.render_replay`.
-    Raises: ConfigError, OutputError; no half-written file is left.
+    Args:
+        replays: 1 to 64 of them, by what is written below each; the others as for `video.render_replay`.
+        path: where it is written.
+        size: (width, height) [pixels].
+        fps: frames a second, from 1 on.
+        speed: seconds of the match in a second of the video.
+        progress: called with (frames written, frames in all).
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+        OutputError: ; no half-written file is left.
     """
     if not 1 <= len(replays) <= MOST:
         raise ConfigError(f"a mosaic must have 1 to {MOST} matches, got {len(replays)}")

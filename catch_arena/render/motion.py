@@ -33,8 +33,9 @@ class StepMotion:
     def at(self, time_ms: float, next_tick: tuple[Pose, ...] | None = None) -> tuple[Pose, ...]:
         """The poses at an instant of this step, between the ticks about it.
 
-        Args: `next_tick`, the first tick after this step, towards which they move from the last one; without it they
-        stay.
+        Args:
+            time_ms: when, in milliseconds of the match.
+            next_tick: the first tick after this step, towards which they move from the last one; without it they stay.
         """
         tick = math.floor(time_ms / TICK_MS)
         index = tick - self.before.time_ms // TICK_MS

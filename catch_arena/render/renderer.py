@@ -26,7 +26,11 @@ NOTEBOOK_SIZE: Final = (800, 450)
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:
-    """The (width, height) [pixels] of a frame, if it can be. Raises: ConfigError."""
+    """The (width, height) [pixels] of a frame, if it can be.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     good = isinstance(size, Sequence) and len(size) == 2
     good = good and all(isinstance(part, int) and not isinstance(part, bool) for part in size)
     if not good or not (SMALLEST <= size[0] <= LARGEST[0] and SMALLEST <= size[1] <= LARGEST[1]):
@@ -197,8 +201,14 @@ class ArenaPainter:
     Trails and catches come from the worlds that were painted before; a world of step 0, or one that the last cannot
     have led to, begins anew.
 
-    Args: `config`; `names` by seat; `size`, (width, height) [pixels]; `layout`, "arena" or "broadcast".
-    Raises: ConfigError.
+    Args:
+        config: the arena's settings.
+        names: by seat.
+        size: (width, height) [pixels].
+        layout: "arena" or "broadcast".
+
+    Raises:
+        ConfigError: for an argument that cannot be.
     """
 
     def __init__(
@@ -217,7 +227,11 @@ class ArenaPainter:
         return np.asarray(cv2.cvtColor(self.draw(1.0), cv2.COLOR_RGBA2RGB), dtype=np.uint8)
 
     def enter(self, world: World) -> float:
-        """The world that is drawn from now on. Returns: the time that its way from the last one took [ms], or 0."""
+        """The world that is drawn from now on.
+
+        Returns:
+            the time that its way from the last one took [ms], or 0.
+        """
         renderer, last = self._renderer, self._last
         self._last = world
         if last is None or world.step == 0 or world.step < last.step or not self._led_to(last, world):

@@ -57,14 +57,23 @@ def render_replay(
 ) -> RenderReport:
     """Write a match, or a part of it, as a video of exactly its length.
 
-    Args: `path`, which ends in .mp4, .webm, .gif or .webp; `size`, (width, height) from 320 x 320 to 3840 x 2160, and
-    `fps`, frames a second from 1 on: without them what is usual for the format (`encoders.FORMATS`); `layout`,
-    "broadcast" (arena, standings, event feed, timeline) or "arena"; `start_s`, `end_s`, the part of the match; `speed`,
-    seconds of the match in a second of the video, 0.01 to 100; `progress`, called with (frames written, frames in
-    all).
-    Raises: ConfigError for a setting that cannot be, OutputError where the file cannot be written, ReplayError where
-    the replay does not play as recorded. Whatever is raised, Ctrl-C included, no half-written file is left, and what
-    stood under the name before stands there still.
+    Args:
+        replay: the recorded match.
+        path: which ends in .mp4, .webm, .gif or .webp.
+        size: (width, height) from 320 x 320 to 3840 x 2160; without it what is usual for the format
+            (`encoders.FORMATS`).
+        fps: frames a second, from 1 on.
+        layout: "broadcast" (arena, standings, event feed, timeline) or "arena".
+        start_s: where it begins [s].
+        end_s: where the part of the match ends [s].
+        speed: seconds of the match in a second of the video, 0.01 to 100.
+        progress: called with (frames written, frames in all).
+
+    Raises:
+        ConfigError: for a setting that cannot be.
+        OutputError: where the file cannot be written.
+        ReplayError: where the replay does not play as recorded. Whatever is raised, Ctrl-C included, no half-written
+            file is left, and what stood under the name before stands there still.
     """
     kind = format_of(Path(path))
     within = frame_size(kind, size)
@@ -108,7 +117,11 @@ def write_video(
 
 
 def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
-    """What is asked for or usual (width, height) [pixels], made even where the format needs it. Raises: ConfigError."""
+    """What is asked for or usual (width, height) [pixels], made even where the format needs it.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     width, height = checked_size(kind.size if size is None else size)
     return (width + width % 2, height + height % 2) if kind.even else (width, height)
 
@@ -138,7 +151,11 @@ def rendered_frames(replay: Replay, renderer: MatchRenderer, timing: FrameTiming
 
 
 def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Clip:
-    """The part of a match and its pace, if they can be. Raises: ConfigError."""
+    """The part of a match and its pace, if they can be.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     fps = frame_rate(kind, fps)
     pace = pace_of(speed)
     whole_s = duration_ms(replay) / 1000.0
@@ -152,7 +169,11 @@ def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s
 
 
 def frame_rate(kind: Format, fps: int | None) -> int:
-    """What is asked for or usual, if it can be. Raises: ConfigError."""
+    """What is asked for or usual, if it can be.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     fps = kind.fps if fps is None else fps
     if isinstance(fps, bool) or not isinstance(fps, int) or not 1 <= fps <= kind.most_fps:
         raise ConfigError(f"fps must be a whole number from 1 to {kind.most_fps} for {kind.name}, got {fps!r}")
@@ -160,7 +181,11 @@ def frame_rate(kind: Format, fps: int | None) -> int:
 
 
 def pace_of(speed: float) -> Fraction:
-    """Seconds of the match in a second of the video, if they can be. Raises: ConfigError."""
+    """Seconds of the match in a second of the video, if they can be.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     if not SLOWEST <= speed <= FASTEST:
         raise ConfigError(f"speed must lie in [{float(SLOWEST):g}, {float(FASTEST):g}], got {speed!r}")
     return Fraction(speed).limit_denominator(1000)

@@ -21,8 +21,13 @@ _POLL_S: Final = 0.02
 class Screen:
     """A window. Only one can be open.
 
-    Args: `title`; `size`, (width, height) [pixels] to begin with; `interactive`, whether its user's keys matter.
-    Raises: OutputError without a display.
+    Args:
+        title: what stands above the window.
+        size: (width, height) [pixels] to begin with.
+        interactive: whether its user's keys matter.
+
+    Raises:
+        OutputError: without a display.
     """
 
     def __init__(self, title: str, size: tuple[int, int], *, interactive: bool = False) -> None:
@@ -80,7 +85,9 @@ class Window:
     It opens with its first picture. When its user closes it, it stays closed: further steps are not shown and the
     match goes on, no longer held to real time.
 
-    Args: `title`; `size`, (width, height) [pixels].
+    Args:
+        title: what stands above the window.
+        size: (width, height) [pixels].
     """
 
     def __init__(self, title: str, size: tuple[int, int]) -> None:
@@ -94,9 +101,12 @@ class Window:
     def play(self, picture: Callable[[float], NDArray[np.uint8]], lasts_ms: float) -> None:
         """Show a step from its beginning to its end, which is when it returns; a late one in what is left of its time.
 
-        Args: `picture`, which draws (height, width, 3 or 4) at a part of the step in (0, 1]; `lasts_ms`, the step's
-        time, 0 for a picture that follows upon nothing.
-        Raises: OutputError without a display.
+        Args:
+            picture: which draws (height, width, 3 or 4) at a part of the step in (0, 1].
+            lasts_ms: the step's time, 0 for a picture that follows upon nothing.
+
+        Raises:
+            OutputError: without a display.
         """
         if self.closed:
             return

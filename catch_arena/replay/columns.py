@@ -34,14 +34,22 @@ class Reader:
         self._at = 0
 
     def take(self, size: int) -> bytes:
-        """The next bytes. Raises: ReplayError where there are fewer."""
+        """The next bytes.
+
+        Raises:
+            ReplayError: where there are fewer.
+        """
         if size > len(self._body) - self._at:
             raise ReplayError(f"is damaged: its body ends after {len(self._body)} bytes, and more are announced")
         self._at += size
         return bytes(self._body[self._at - size : self._at])
 
     def column(self, size: int) -> NDArray[np.int64]:
-        """The next column, of that many numbers. Raises: ReplayError."""
+        """The next column, of that many numbers.
+
+        Raises:
+            ReplayError: where it is no replay, or a damaged one.
+        """
         (width,) = self.take(1)
         if width > _WIDEST:
             raise ReplayError(f"is damaged: a column is {width} bytes wide")
@@ -51,13 +59,21 @@ class Reader:
         return (folded >> _ONE).astype(np.int64) ^ -(folded & _ONE).astype(np.int64)
 
     def columns(self, count: int, size: int) -> NDArray[np.int64]:
-        """That many columns beside each other: (size, count). Raises: ReplayError."""
+        """That many columns beside each other: (size, count).
+
+        Raises:
+            ReplayError: where it is no replay, or a damaged one.
+        """
         read = np.zeros((size, count), dtype=np.int64)
         for index in range(count):
             read[:, index] = self.column(size)
         return read
 
     def end(self) -> None:
-        """Raises: ReplayError where something is left."""
+        """
+
+        Raises:
+            ReplayError: where something is left.
+        """
         if left := len(self._body) - self._at:
             raise ReplayError(f"is damaged: {left} bytes follow its end")

@@ -16,8 +16,13 @@ def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("i
 
     What was recorded is compared; `verification.verify` says whether it is true.
 
-    Args: `labels`, what the replays are called in the lines.
-    Returns: lines, none for equal replays.
+    Args:
+        one: the first.
+        other: the second.
+        labels: what the replays are called in the lines.
+
+    Returns:
+        lines, none for equal replays.
     """
     found = [f"{name}: {ours} {labels[0]}, {theirs} {labels[1]}" for name, ours, theirs in _headers(one, other)]
     if one.config.hunters != other.config.hunters:

@@ -39,7 +39,12 @@ def state_differences(
 ) -> list[str]:
     """In what two states of an arena differ whose digests do: a line for each number, at least one line.
 
-    Args: `names`, the agents' by seat; `labels`, what the states are called.
+    Args:
+        config: the arena's settings.
+        names: the agents' by seat.
+        one: the first.
+        other: the second.
+        labels: what the states are called.
     """
     found = list(_differing(config, names, one.tolist(), other.tolist(), labels))
     return found or ["every number by less than a millionth of its unit"]

@@ -54,7 +54,11 @@ class ReplayContent(NamedTuple):
 
 
 def encode_replay(match: ReplayContent) -> bytes:
-    """The file's content. Raises: ReplayError for a match that is too long to be kept."""
+    """The file's content.
+
+    Raises:
+        ReplayError: for a match that is too long to be kept.
+    """
     config, steps = match.config, len(match.choices)
     _require_sizes(config, steps)
     driven = driven_seats(config)
@@ -92,7 +96,11 @@ def encode_replay(match: ReplayContent) -> bytes:
 
 
 def decode_replay(content: bytes) -> ReplayContent:
-    """The match in a file's content. Raises: ReplayError for whatever is not a whole replay of this ruleset."""
+    """The match in a file's content.
+
+    Raises:
+        ReplayError: for whatever is not a whole replay of this ruleset.
+    """
     reader = Reader(_checked_body(content))
     header = _header_of(reader)
     config, seed, names, title, steps, withdrawals, spans = _checked_header(header)
@@ -117,7 +125,11 @@ def decode_replay(content: bytes) -> ReplayContent:
 
 
 def checked_text(what: str, text: object) -> str:
-    """A name or a title that can be shown in one line. Raises: ConfigError."""
+    """A name or a title that can be shown in one line.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     if not isinstance(text, str) or len(text) > _LONGEST_TEXT or not text.isprintable():
         shown = repr(text)[: _LONGEST_TEXT + 10]
         raise ConfigError(f"{what} must be at most {_LONGEST_TEXT} printable characters, got {shown}")

@@ -17,7 +17,11 @@ _FULL: Final = {errno.ENOSPC, errno.EDQUOT}
 
 
 def regular_file(path: Path) -> Path:
-    """Where a file of that name is or would be, links followed. Raises: OutputError for a device or a folder."""
+    """Where a file of that name is or would be, links followed.
+
+    Raises:
+        OutputError: for a device or a folder.
+    """
     target = path.resolve()
     if target.exists() and not target.is_file():
         raise OutputError(f"{path}: cannot be written: is not a regular file")
@@ -25,7 +29,11 @@ def regular_file(path: Path) -> Path:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file of this content: whoever looks finds it whole or not at all. Raises: OutputError."""
+    """Write a file of this content: whoever looks finds it whole or not at all.
+
+    Raises:
+        OutputError: where it cannot be written.
+    """
     with whole_file(path, len(content)) as file:
         file.write(content)
 
@@ -34,7 +42,12 @@ def write_whole(path: Path, content: bytes) -> None:
 def whole_file(path: Path, size: int | None = None) -> Iterator[IO[bytes]]:
     """A file under a temporary name, which is renamed when all has been written.
 
-    Args: `size`, how many bytes will be, where that is known. Raises: OutputError.
+    Args:
+        path: where it is written.
+        size: how many bytes will be, where that is known.
+
+    Raises:
+        OutputError: where it cannot be written.
     """
     target = regular_file(path)
     try:
@@ -54,7 +67,8 @@ def whole_file(path: Path, size: int | None = None) -> Iterator[IO[bytes]]:
 def prepare_folder(folder: Path) -> Path:
     """The folder, made where it is missing and proven writable: better to fail before the play than after it.
 
-    Raises: OutputError.
+    Raises:
+        OutputError: where it cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -72,7 +86,10 @@ def prepare_folder(folder: Path) -> Path:
 def unwritable(path: Path, error: Exception, size: int | None = None) -> OutputError:
     """What is said of a file that cannot be written; where the disk is full, with the room that there is.
 
-    Args: `size`, how many bytes it was to have, where that is known.
+    Args:
+        path: where it is written.
+        error: what was raised.
+        size: how many bytes it was to have, where that is known.
     """
     full = getattr(error, "errno", None) in _FULL
     why = f"the disk is full: {room(path.parent, size)}" if full else getattr(error, "strerror", None) or error

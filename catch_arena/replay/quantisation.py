@@ -84,7 +84,10 @@ def pack_states(
 ) -> tuple[bytes, int]:
     """The states of a match, the initial one and that of each step, as bytes; and how many spans are in them.
 
-    Args: `commands` (steps, H, 2).
+    Args:
+        config: the arena's settings.
+        commands: (steps, H, 2).
+        states: the states to be packed.
     """
     fixed = np.array([row[: len(ARENA) + config.hunters * len(HUNTER)] for row in states])
     arena = fixed[:, : len(ARENA)]
@@ -108,7 +111,11 @@ def pack_states(
 def unpack_states(
     config: ArenaConfig, commands: NDArray[np.float32], reader: Reader, spans: int
 ) -> list[QuantisedState]:
-    """The states that `pack_states` wrote. Raises: ReplayError."""
+    """The states that `pack_states` wrote.
+
+    Raises:
+        ReplayError: where it is no replay, or a damaged one.
+    """
     size, hunter = len(commands) + 1, len(HUNTER)
     fixed = np.zeros((size, len(ARENA) + config.hunters * hunter), dtype=np.int64)
     fixed[:, : len(ARENA)] = _bounded(np.cumsum(reader.columns(len(ARENA), size), axis=0))
@@ -207,7 +214,11 @@ def _spans(states: Sequence[QuantisedState], first: int) -> Matrix:
 
 
 def _with_targets(fixed: Matrix, spans: Matrix, most: int) -> list[QuantisedState]:
-    """Every row with the targets that are alive in it, by number. Raises: ReplayError for spans that cannot be."""
+    """Every row with the targets that are alive in it, by number.
+
+    Raises:
+        ReplayError: for spans that cannot be.
+    """
     beginnings: dict[int, list[list[int]]] = {}
     for begin, *rest in spans.tolist():
         beginnings.setdefault(begin, []).append(rest)

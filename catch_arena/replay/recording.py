@@ -86,7 +86,8 @@ class Replay:
     def worlds(self) -> Iterator[World]:
         """The match again: the world at every step's boundary, steps + 1 of them, each checked against its digest.
 
-        Raises: ReplayError that names the first step that differs, and in what.
+        Raises:
+            ReplayError: that names the first step that differs, and in what.
         """
         for step, engine in enumerate(self.engines()):
             if engine.digest() != self.digests[step]:
@@ -110,7 +111,11 @@ class Replay:
             return f"<p>{escape(str(error))}</p>"
 
     def save(self, file: str | os.PathLike[str] | BytesIO) -> None:
-        """Write the replay, to memory too; under a file's name appears a whole one or none. Raises: OutputError."""
+        """Write the replay, to memory too; under a file's name appears a whole one or none.
+
+        Raises:
+            OutputError: where it cannot be written.
+        """
         hunters = self.config.hunters
         try:
             content = encode_replay(
@@ -135,7 +140,11 @@ class Replay:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Replay":
-        """The replay in a file. Raises: ReplayError for whatever is not a whole replay of this ruleset."""
+        """The replay in a file.
+
+        Raises:
+            ReplayError: for whatever is not a whole replay of this ruleset.
+        """
         try:
             with Path(path).open("rb") as file:
                 content = file.read(LARGEST_FILE + 1)

@@ -16,8 +16,12 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
     differs: an action, a setting or a rule is another one. A step whose digest differs although all later ones agree
     was altered in the file, and so were a state's numbers (its witness) where the digest agrees.
 
-    Args: `progress`, called with (steps played, steps in all).
-    Returns: a line for each fault; where a match differs, a further line for each number that does in the first step.
+    Args:
+        replay: the recorded match.
+        progress: called with (steps played, steps in all).
+
+    Returns:
+        a line for each fault; where a match differs, a further line for each number that does in the first step.
     """
     digests: list[int] = []  # steps whose digest was altered
     numbers: list[int] = []  # steps whose numbers were

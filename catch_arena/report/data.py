@@ -34,7 +34,11 @@ class ReportData:
 
     @classmethod
     def of(cls, folder: Path) -> "ReportData":
-        """Those in a folder. Raises: StoreError where it holds no tournament, or none that has been played."""
+        """Those in a folder.
+
+        Raises:
+            StoreError: where it holds no tournament, or none that has been played.
+        """
         played, versions = [], {}
         with Store.read(folder) as store:
             tournament, planned = store.tournament, store.count_planned()
@@ -67,7 +71,11 @@ class ReportData:
 
     @property
     def audit(self) -> Audit | None:
-        """What `catch-arena audit` found, if it was asked and wrote its answer here. Raises: StoreError."""
+        """What `catch-arena audit` found, if it was asked and wrote its answer here.
+
+        Raises:
+            StoreError: where the results cannot be read.
+        """
         return self._audit[0]
 
     @property
@@ -93,7 +101,11 @@ class ReportData:
         return frozenset(one.match.id for one in self.played if one.replay)
 
     def replay(self, match: str) -> Replay:
-        """A match that was recorded. Raises: ReplayError."""
+        """A match that was recorded.
+
+        Raises:
+            ReplayError: where it is no replay, or a damaged one.
+        """
         if match not in self.recorded:
             raise ReplayError(f"match {match}: must be one that was played and recorded")
         return Replay.load(self.folder / REPLAYS / f"{match}.replay")

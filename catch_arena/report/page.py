@@ -27,8 +27,15 @@ _MOST_WAYS: Final = 100
 def write_report(folder: Path, *, budget: int = BUDGET, matches: Sequence[str] = ()) -> Path:
     """Write the report into a tournament's folder, whole or not at all.
 
-    Args: `budget`, how many bytes of replays it may have; `matches`, the ids of some that it has in any case.
-    Raises: StoreError where there is nothing to report; ReplayError for a match that was not recorded; OutputError.
+    Args:
+        folder: the tournament's folder.
+        budget: how many bytes of replays it may have.
+        matches: the ids of some that it has in any case.
+
+    Raises:
+        StoreError: where there is nothing to report.
+        ReplayError: for a match that was not recorded.
+        OutputError: where it cannot be written.
     """
     data = ReportData.of(folder)
     path = folder / REPORT
@@ -37,7 +44,13 @@ def write_report(folder: Path, *, budget: int = BUDGET, matches: Sequence[str] =
 
 
 def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool = False) -> str:
-    """The report. Args: `watched`, whether it is served: it asks for news, and for the replays that it shows."""
+    """The report.
+
+    Args:
+        data: what the report shows.
+        selected: the matches that it plays.
+        watched: whether it is served: it asks for news, and for the replays that it shows.
+    """
     audit = data.audit
     seats = charts.seat_results(data) if audit is None else audit.seats
     forfeits = _forfeits(data)

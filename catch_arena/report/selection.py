@@ -20,7 +20,8 @@ class SelectedMatch(NamedTuple):
 def select_matches(data: ReportData, budget: int, asked: Sequence[str] = ()) -> dict[str, SelectedMatch]:
     """Matches by their ids, until their bundles take `budget` bytes; those `asked` for come first, and always.
 
-    Raises: ReplayError where one that was asked for was not recorded.
+    Raises:
+        ReplayError: where one that was asked for was not recorded.
     """
     selected = {match: SelectedMatch(bundle_text(data.replay(match)), "asked for") for match in asked}
     taken = sum(len(one.bundle) for one in selected.values())

@@ -50,7 +50,11 @@ class LiveReport:
         return self._page
 
     def bundle(self, match: str) -> str:
-        """Any recorded match. Raises: CatchArenaError where it was not recorded."""
+        """Any recorded match.
+
+        Raises:
+            CatchArenaError: where it was not recorded.
+        """
         with self._lock:
             data = self._data
         if data is None:
@@ -134,8 +138,12 @@ class _Server(ThreadingHTTPServer):
 def serve(report: LiveReport, port: int | None = None) -> Iterator[str]:
     """Serve a report meanwhile; the address.
 
-    Args: `port`, None for the first free one from PORT up.
-    Raises: OutputError where the port, or all of them, are taken.
+    Args:
+        report: what is served.
+        port: None for the first free one from PORT up.
+
+    Raises:
+        OutputError: where the port, or all of them, are taken.
     """
     server = _listening(report, range(PORT, PORT + _PORTS) if port is None else (port,))
     thread = threading.Thread(target=server.serve_forever, daemon=True)

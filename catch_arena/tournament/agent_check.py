@@ -28,7 +28,14 @@ class Finding:
 def check_fitness(spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox) -> Iterator[Finding]:
     """Play the agent against itself, in every seat of each arena, and twice in the first that nobody forfeits.
 
-    Args: `spec`, as `enter` takes it; `arenas`, by name. Raises: AgentError where the spec names no agent; NoContest.
+    Args:
+        spec: as `enter` takes it.
+        arenas: by name.
+        seed: a whole number in [0, 2^64).
+        sandbox: how agents that are not trusted run.
+
+    Raises:
+        AgentError: where the spec names no agent; NoContest.
     """
     looked: list[Inspection] = []
 
@@ -72,7 +79,15 @@ def check_fitness(spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandb
 def _findings(
     name: str, config: ArenaConfig, result: MatchResult, step_ms: float, reported: set[tuple[str, str]]
 ) -> Iterator[Finding]:
-    """What one match shows. Args: `reported`, the failures that were shown at length before, to which it adds."""
+    """What one match shows.
+
+    Args:
+        name: who is checked.
+        config: the arena's settings.
+        result: how the match ended.
+        step_ms: how long a move may take.
+        reported: the failures that were shown at length before, to which it adds.
+    """
     failed = [(seat, forfeit) for seat, forfeit in enumerate(result.details) if forfeit is not None]
     here: set[tuple[str, str]] = set()
     for seat, forfeit in failed:

@@ -20,7 +20,11 @@ class AgentLogs:
         self._entrants = entrants
 
     def add(self, one: Played) -> None:
-        """Of each seat that forfeited or printed: what. Raises: OutputError."""
+        """Of each seat that forfeited or printed: what.
+
+        Raises:
+            OutputError: where it cannot be written.
+        """
         for seat, index in enumerate(one.match.seating):
             forfeit, printed = one.result.details[seat], one.result.logs[seat]
             if forfeit is not None or printed:

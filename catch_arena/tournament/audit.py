@@ -87,10 +87,17 @@ def audit(
 ) -> Audit:
     """Ask all the questions.
 
-    Args: `agent`, as on the command line; it is trusted, and plays in our own processes; `matches`, how many identical
-    agents play, each on targets of its own; the twins play a quarter as many; `progress`, called with (matches played,
-    matches in all).
-    Raises: ConfigError; AgentError.
+    Args:
+        config: the arena's settings.
+        agent: as on the command line; it is trusted, and plays in our own processes.
+        matches: how many identical agents play, each on targets of its own; the twins play a quarter as many.
+        seed: a whole number in [0, 2^64).
+        jobs: how many processes play.
+        progress: called with (matches played, matches in all).
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+        AgentError: where an agent cannot be used.
     """
     if config.hunters < 2:
         raise ConfigError(f"hunters must be at least 2 for an audit, got {config.hunters}")
@@ -199,7 +206,8 @@ def permuted_steps(config: ArenaConfig, seed: int) -> tuple[list[Check], list[Ch
     """What the arbiter says if requests come in another order, and if hunters change their labels; and whether its lots
     are fair to all seats.
 
-    Returns: the checks that are exact, and those that chance has a part in.
+    Returns:
+        the checks that are exact, and those that chance has a part in.
     """
     random = Random(seed)
     reordered = relabelled = 0
@@ -225,8 +233,9 @@ def permuted_steps(config: ArenaConfig, seed: int) -> tuple[list[Check], list[Ch
 def p_of_no_bias(rows: Floats) -> float:
     """How often rows like these, if they were 0 in the mean, would have a mean at least so far from it.
 
-    Args: `rows` (N, seats), independent of each other (the score test: chi-squared over the mean, in the metric of the
-    second moments).
+    Args:
+        rows: (N, seats), independent of each other (the score test: chi-squared over the mean, in the metric of the
+            second moments).
     """
     count = len(rows)
     moments = rows.T @ rows / count

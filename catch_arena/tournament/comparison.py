@@ -146,9 +146,19 @@ def compare(
 
     The blocks are given to the test in the order of the plan, so the decision does not depend on `jobs`.
 
-    Args: `entrants`, the two to compare, then their field; `limits`, those of isolated agents, None where all are
-    trusted; `max_forfeits`, as of `runner.play_plan`; `progress`, called with (blocks, test) after each batch.
-    Raises: ConfigError; NoContest.
+    Args:
+        config: the arena's settings.
+        entrants: the two to compare, then their field.
+        test: the sequential test.
+        max_blocks: after how many blocks it ends at the latest.
+        seed: a whole number in [0, 2^64).
+        jobs: how many processes play.
+        limits: those of isolated agents, None where all are trusted.
+        max_forfeits: as of `runner.play_plan`.
+        progress: called with (blocks, test) after each batch.
+
+    Raises:
+        ConfigError: ; NoContest.
     """
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")

@@ -44,7 +44,11 @@ class Entrant:
     """Why it cannot play, where that showed when it was looked at in isolation: it forfeits all its matches."""
 
     def create(self) -> Policy:
-        """A fresh instance in this process, for one match. Raises: AgentError."""
+        """A fresh instance in this process, for one match.
+
+        Raises:
+            AgentError: where an agent cannot be used.
+        """
         return create_policy(self.spec)
 
 
@@ -69,7 +73,11 @@ def shipped() -> dict[str, str]:
 
 
 def inspect_agent(spec: str) -> Inspection:
-    """An agent looked at in this process. Raises: AgentError where it cannot play."""
+    """An agent looked at in this process.
+
+    Raises:
+        AgentError: where it cannot play.
+    """
     policy = create_policy(spec)
     return Inspection(control_of(policy), source_of(policy))
 
@@ -77,9 +85,12 @@ def inspect_agent(spec: str) -> Inspection:
 def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_agent) -> tuple[Entrant, ...]:
     """The entrants that these specs stand for, in their order.
 
-    Args: `specs`: shipped names, `package.module:Class`, paths of .py files with a class `Agent`, or `cmd:` and a
-    command; `inspect`: looks at an agent, in this process or (`isolation.seating.inspector`) in one of its own.
-    Raises: AgentError, one line, that names the spec and what is wrong with it.
+    Args:
+        specs: shipped names, `package.module:Class`, paths of .py files with a class `Agent`, or `cmd:` and a command.
+        inspect: looks at an agent, in this process or (`isolation.seating.inspector`) in one of its own.
+
+    Raises:
+        AgentError: one line, that names the spec and what is wrong with it.
     """
     seen: Counter[str] = Counter()
     inspections: dict[str, Inspection] = {}
@@ -107,7 +118,11 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
 
 
 def create_policy(spec: str) -> Policy:
-    """A new instance of an agent that can play. Raises: AgentError that says why it cannot."""
+    """A new instance of an agent that can play.
+
+    Raises:
+        AgentError: that says why it cannot.
+    """
     found = agent_class(spec)
     try:
         policy: Policy = found()
@@ -146,7 +161,11 @@ def command_of(spec: str) -> list[str] | None:
 
 @cache
 def agent_class(spec: str) -> type:
-    """The class that a spec stands for. Raises: AgentError."""
+    """The class that a spec stands for.
+
+    Raises:
+        AgentError: where an agent cannot be used.
+    """
     if spec.startswith(COMMAND):
         raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
     module_name, _, name = (spec, ":", "Agent") if spec.endswith(".py") else spec.partition(":")
@@ -159,7 +178,11 @@ def agent_class(spec: str) -> type:
 
 
 def load_module(name: str) -> ModuleType:
-    """The module with a dotted name, or in a .py file. Raises: AgentError."""
+    """The module with a dotted name, or in a .py file.
+
+    Raises:
+        AgentError: where an agent cannot be used.
+    """
     if name.endswith(".py"):
         return _import_file(Path(name))
     if str(Path.cwd()) not in sys.path and "" not in sys.path:
@@ -265,7 +288,13 @@ def _import(name: str) -> ModuleType:
 
 
 def _why_not_imported(error: BaseException, module: str, folder: Path | None = None) -> str:
-    """In words. Args: `module`, that was to be imported, and its `folder`, where it is a file that plays alone."""
+    """In words.
+
+    Args:
+        error: what was raised.
+        module: that was to be imported, and its `folder`, where it is a file that plays alone.
+        folder: the tournament's folder.
+    """
     missing = error.name if isinstance(error, ModuleNotFoundError) else None
     if missing is None or module == missing or module.startswith(f"{missing}."):
         return f"importing it raised {reason(error)}"

@@ -48,8 +48,16 @@ _ROWS: Final = 20_000
 def export(store: Store, form: str, path: Path, *, timing: bool = True) -> None:
     """Write all that was played to a file.
 
-    Args: `form`: jsonl, csv or parquet; `timing`, whether the times are in it, which no other run repeats.
-    Raises: ConfigError for a format that is unknown, or needs what is not installed; OutputError; StoreError.
+    Args:
+        store: where results are kept.
+        form: jsonl, csv or parquet.
+        path: where it is written.
+        timing: whether the times are in it, which no other run repeats.
+
+    Raises:
+        ConfigError: for a format that is unknown, or needs what is not installed.
+        OutputError: where it cannot be written.
+        StoreError: where the results cannot be read.
     """
     writers = {"jsonl": _write_jsonl, "csv": _write_csv, "parquet": _write_parquet}
     require_choice("format", form, list(writers))

@@ -113,7 +113,11 @@ class Grade:
 
 
 def read_spec(path: Path) -> Spec:
-    """The spec in a file. Raises: ConfigError, one line, that names the field, the requirement and the value."""
+    """The spec in a file.
+
+    Raises:
+        ConfigError: one line, that names the field, the requirement and the value.
+    """
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -145,7 +149,10 @@ def grade_agent(
 ) -> Grade:
     """Play a test's matches, the student in each seat in turn.
 
-    Args: `max_forfeits`, after how many in a row the rest is not played, 0 for never. Raises: NoContest.
+    After `max_forfeits` in a row the rest is not played, 0 for never.
+
+    Raises:
+        NoContest: where a match could not be held.
     """
     config = test.config
     others = list(islice(cycle(opponents), config.hunters - 1)) if opponents else []

@@ -115,11 +115,18 @@ def play(
 ) -> MatchResult:
     """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6); the others play on.
 
-    Args: `config`, whose `control` gives way to what the players ask for; `seed`, the match's; `players`, fresh for
-    this match (policies are trusted, and play in this process), and their `names`, by seat; `indices`, each one's index
-    among the entrants (else its seat), from which its own seed is made; `title` and `record`, the heading and the file
-    of a replay, or the memory that it is written to; `watch`, called after the reset and after every step.
-    Raises: OutputError for a replay that cannot be written; NoContest where isolated players could not be held.
+    Args:
+        config: whose `control` gives way to what the players ask for.
+        seed: the match's.
+        players: fresh for this match (policies are trusted, and play in this process), and their `names`, by seat.
+        names: the agents' names by seat.
+        indices: each one's index among the entrants (else its seat), from which its own seed is made.
+        title: of the replay.
+        record: whether the match is recorded.
+        watch: called after the reset and after every step.
+
+    Raises:
+        OutputError: for a replay that cannot be written; NoContest where isolated players could not be held.
     """
     if isinstance(players, Sequence):
         players = TrustedPlayers(players)
@@ -215,8 +222,9 @@ def agent_seed(match_seed: int, index: int) -> int:
 def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) -> tuple[int, ...]:
     """R6.1: each one's rank is 1 + how many did better.
 
-    Args: `scores`; `lasted`, the step at which a seat forfeited, None for those that did not: they did better than
-    all who did.
+    Args:
+        scores: catches by seat.
+        lasted: the step at which a seat forfeited, None for those that did not: they did better than all who did.
     """
     merits = [
         (math.inf, score) if end is None else (end, 0)

@@ -125,7 +125,10 @@ def order_matters(config: ArenaConfig, seed: int) -> bool:
 def names_matter(config: ArenaConfig, seed: int, agent: Entrant) -> bool:
     """Whether a match of one agent in all seats ends otherwise if its names, and its indices as entrants, go round.
 
-    Args: `agent`, which must draw nothing: each index has an agent's seed of its own.
+    Args:
+        config: the arena's settings.
+        seed: a whole number in [0, 2^64).
+        agent: which must draw nothing: each index has an agent's seed of its own.
     """
     indices = list(range(config.hunters))
     digests = {

@@ -43,7 +43,11 @@ class Players(Protocol):
         """What each seat asks for."""
 
     def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
-        """Begin a match: each seat is told its own seed. Returns: those that cannot play, by seat."""
+        """Begin a match: each seat is told its own seed.
+
+        Returns:
+            those that cannot play, by seat.
+        """
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
         """Ask these seats for their actions, in one step."""

@@ -24,7 +24,8 @@ _DIGITS: Final = 6
 def write_standings(folder: Path, tournament: Tournament, matches: int, table: Sequence[Standing]) -> None:
     """Write both files, each whole or not at all; files of these names are replaced, others left alone.
 
-    Raises: OutputError.
+    Raises:
+        OutputError: where it cannot be written.
     """
     write_whole(folder / TABLE, table_text(table).encode())
     write_whole(folder / SUMMARY, summary_text(tournament, matches, table).encode())

@@ -84,7 +84,8 @@ class Tournament:
 class Store:
     """The matches of one tournament. A context that closes the file.
 
-    Raises: StoreError for whatever SQLite refuses.
+    Raises:
+        StoreError: for whatever SQLite refuses.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -98,7 +99,8 @@ class Store:
     def begin(cls, tournament: Tournament, folder: Path | None = None, *, resume: bool = False) -> Self:
         """The store of a tournament that is to be played, kept in memory where there is no folder.
 
-        Raises: StoreError where the folder has a store already, unless it is to be resumed and is of this tournament.
+        Raises:
+            StoreError: where the folder has a store already, unless it is to be resumed and is of this tournament.
         """
         store = cls(None if folder is None else folder / STORE)
         with store._closed_on_error():
@@ -107,7 +109,11 @@ class Store:
 
     @classmethod
     def read(cls, folder: Path) -> Self:
-        """The store of a tournament that has begun. Raises: StoreError where there is none."""
+        """The store of a tournament that has begun.
+
+        Raises:
+            StoreError: where there is none.
+        """
         path = folder / STORE
         if not path.is_file():
             raise StoreError(f"{folder}: holds no tournament (a file {STORE})")
@@ -243,7 +249,11 @@ class Store:
             (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
 
     def _has_tables(self) -> bool:
-        """Whether there is anything in it. Raises: StoreError for what we have not made, or in another format."""
+        """Whether there is anything in it.
+
+        Raises:
+            StoreError: for what we have not made, or in another format.
+        """
         with self._store_errors():
             (application_id,) = self._db.execute("PRAGMA application_id").fetchone()
             (form,) = self._db.execute("PRAGMA user_version").fetchone()

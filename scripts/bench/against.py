@@ -128,7 +128,8 @@ class Version:
     def answer(self) -> Any:
         """To what was asked last.
 
-        Raises: UnmeasurableError.
+        Raises:
+            UnmeasurableError: where a version cannot be measured.
         """
         line = self._process.stdout.readline()
         if not line:
@@ -170,7 +171,10 @@ class Version:
 def measure(ref: str, rows: Sequence[str], rounds: int, seconds: float, *, quick: bool) -> dict[str, Any]:
     """All rounds of the chosen rows.
 
-    Raises: UnmeasurableError, CheckoutError; KeyboardInterrupt, for SIGTERM too. Nothing is left behind in any case.
+    Raises:
+        UnmeasurableError: where a version cannot be measured.
+        CheckoutError: where the commit cannot be checked out.
+        KeyboardInterrupt: for SIGTERM too. Nothing is left behind in any case.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     commit, now = commit_of(ref), current()

@@ -16,7 +16,8 @@ class CheckoutError(Exception):
 def commit_of(ref: str) -> str:
     """The commit's full name.
 
-    Raises: CheckoutError.
+    Raises:
+        CheckoutError: where the commit cannot be checked out.
     """
     if not shutil.which("git"):
         raise CheckoutError("--against needs git, which is not installed here")
@@ -38,7 +39,8 @@ def current() -> str:
 def checked_out(commit: str, folder: Path) -> Iterator[None]:
     """That commit's files in that folder, until the block is left, however that is.
 
-    Raises: CheckoutError.
+    Raises:
+        CheckoutError: where the commit cannot be checked out.
     """
     try:
         made = _git("worktree", "add", "--detach", "--quiet", str(folder), commit)

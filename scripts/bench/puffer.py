@@ -19,7 +19,9 @@ _UNDRAWN = ("-fvisibility=hidden", "-ffunction-sections", "-Wl,--gc-sections")
 class Driver:
     """The compiled driver.
 
-    Raises: RuntimeError with the compiler's first error; FileNotFoundError where there is no compiler.
+    Raises:
+        RuntimeError: with the compiler's first error.
+        FileNotFoundError: where there is no compiler.
     """
 
     def __init__(self, source: Path) -> None:

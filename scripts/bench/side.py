@@ -58,7 +58,8 @@ class Side:
     def make(self, what: str, seconds: float) -> None:
         """Get it ready, with an unmeasured turn.
 
-        Raises: ImportError where the package is another one than that of this side.
+        Raises:
+            ImportError: where the package is another one than that of this side.
         """
         subject = self._made[what] = self._makers[what]()
         play_round(subject, seconds)

@@ -21,7 +21,8 @@ ONE_ARENA_WARM = "first step of one arena, warm"
 def spent(code: str, environment: Mapping[str, str], folder: Path | None = None) -> dict[str, float]:
     """A Python process from beginning to end, with all that it starts: seconds on the wall, and CPU-seconds.
 
-    Raises: subprocess.CalledProcessError, with what the process wrote to stderr.
+    Raises:
+        subprocess.CalledProcessError: with what the process wrote to stderr.
     """
     wall, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([sys.executable, "-c", code], check=True, cwd=folder, env=environment, stderr=subprocess.PIPE)

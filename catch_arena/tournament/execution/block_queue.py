@@ -41,8 +41,7 @@ def play_blocks(
 ) -> None:
     """Play these blocks, a few ahead of the workers: they are not held in memory all at once.
 
-    Args: `keep`, called with the matches of each block, in the order of the plan.
-    Raises: as `runner.play_plan`.
+    `keep` is called with the matches of each block, in the order of the plan. It raises what `runner.play_plan` does.
     """
     queue: deque[_QueuedBlock] = deque()
     waiting = iter(blocks)

@@ -49,7 +49,10 @@ class WorstDelay:
 def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay | None:
     """What slow agents could cost at worst; None where nobody's time is limited.
 
-    Args: `matches`, the most that an entrant plays; `max_forfeits`, as of `runner.play_plan`.
+    Args:
+        worker: how a worker plays a match.
+        matches: the most that an entrant plays.
+        max_forfeits: as of `runner.play_plan`.
     """
     isolated = [entrant for entrant in worker.entrants if not is_shipped(entrant.spec)]
     if worker.limits is None or not isolated:

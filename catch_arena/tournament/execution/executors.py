@@ -126,6 +126,10 @@ def usable_cores() -> int:
 
 
 def require_jobs(jobs: int) -> None:
-    """Raises: ConfigError for a number of processes that cannot play."""
+    """
+
+    Raises:
+        ConfigError: for a number of processes that cannot play.
+    """
     if jobs < 1:
         raise ConfigError(f"jobs must be at least 1, got {jobs}")

@@ -14,7 +14,11 @@ from catch_arena.tournament.match import Block, Played
 class ForfeitStreaks:
     """How many matches each entrant has forfeited in a row, block by block.
 
-    Args: `most`, how many exclude an entrant, 0 for never. Raises: ConfigError.
+    Args:
+        most: how many exclude an entrant, 0 for never.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
     """
 
     def __init__(self, most: int) -> None:
@@ -26,7 +30,11 @@ class ForfeitStreaks:
         self._excluded: dict[int, str] = {}
 
     def add(self, block: Iterable[Played]) -> bool:
-        """The next block of the plan has been played. Returns: whether it excludes anybody."""
+        """The next block of the plan has been played.
+
+        Returns:
+            whether it excludes anybody.
+        """
         before = len(self._excluded)
         for one in block:
             for index, code in zip(one.match.seating, one.result.forfeits, strict=True):

@@ -23,9 +23,13 @@ from catch_arena.tournament.store import versions
 class RayExecutor:
     """Ray's workers, one core each.
 
-    Args: `jobs`, how many workers are started on this machine; `address`, of a running cluster, all of whose cores play
-    instead: as `ray start --head` tells it, or "auto" on one of its machines.
-    Raises: ConfigError where Ray is missing or does not answer.
+    Args:
+        jobs: how many workers are started on this machine.
+        address: of a running cluster, all of whose cores play instead: as `ray start --head` tells it, or "auto" on one
+            of its machines.
+
+    Raises:
+        ConfigError: where Ray is missing or does not answer.
     """
 
     def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
@@ -100,7 +104,11 @@ def _play(
 
 @cache
 def require_same(worker: Worker, expected: tuple[tuple[str, str], ...]) -> None:
-    """Raises: AgentError or ConfigError where this machine has not the agents that were entered, or other versions.
+    """
+
+    Raises:
+        AgentError: where this machine has not the agents that were entered, or other versions.
+        ConfigError: where this machine has not the agents that were entered, or other versions.
 
     Asked once in each of Ray's processes.
     """

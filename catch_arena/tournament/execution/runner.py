@@ -36,10 +36,17 @@ def run(
 ) -> list[Played]:
     """Play every match, without a store on disk; the results come in the order of the plan.
 
-    Args: `jobs`, how many processes play, 1 for this one alone; `limits`, those of isolated agents, None where all are
-    trusted; `max_forfeits`, as of `play_plan`; `record`, a tournament's folder, for replays and logs; `progress`,
-    called with (played, in all).
-    Raises: as `play_plan`.
+    It raises what `play_plan` does.
+
+    Args:
+        config: the arena's settings.
+        entrants: who plays.
+        matches: which matches, or a plan.
+        jobs: how many processes play, 1 for this one alone.
+        limits: those of isolated agents, None where all are trusted.
+        max_forfeits: as of `play_plan`.
+        record: a tournament's folder, for replays and logs.
+        progress: called with (played, in all).
     """
     plan = listed(matches) if isinstance(matches, Sequence) else matches
     worker = Worker(config, tuple(entrants), record=record is not None, limits=limits)
@@ -73,12 +80,18 @@ def play_plan(
     A batch is written to the store before it is played, and each block when it and those before it have ended. Whatever
     breaks it off, the same call goes on where it was.
 
-    Args: `max_forfeits`, after how many forfeits in a row an entrant is excluded, 0 for never; `folder`, in which
-    agents' logs are kept, and replays where the executor's worker makes them; `on_results`, called with what was played
-    before, and then with the matches of each block.
-    Raises: ConfigError; NoContest for a match that could not be held, or whose worker was lost, time and again;
-    AgentError for an agent that another machine has not; OutputError and StoreError for what cannot be written. No
-    process is left behind.
+    Args:
+        store: where results are kept.
+        plan: which matches are played.
+        executor: what plays the matches.
+        max_forfeits: after how many forfeits in a row an entrant is excluded, 0 for never.
+        folder: in which agents' logs are kept, and replays where the executor's worker makes them.
+        on_results: called with what was played before, and then with the matches of each block.
+
+    Raises:
+        ConfigError: ; NoContest for a match that could not be held, or whose worker was lost, time and again.
+        AgentError: for an agent that another machine has not.
+        OutputError: and StoreError for what cannot be written. No process is left behind.
     """
     logs = None if folder is None else AgentLogs(folder / LOGS, store.tournament.entrants)
     streaks = ForfeitStreaks(max_forfeits)

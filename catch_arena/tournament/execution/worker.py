@@ -40,8 +40,12 @@ class Worker:
     def play(self, matches: Iterable[Match], excluded: Mapping[int, str] = MappingProxyType({})) -> list[RecordedMatch]:
         """One match after the other.
 
-        Args: `excluded`, the indices of entrants that are not started, and why.
-        Raises: NoContest for a match that could not be held, time and again.
+        Args:
+            matches: which matches.
+            excluded: the indices of entrants that are not started, and why.
+
+        Raises:
+            NoContest: for a match that could not be held, time and again.
         """
         return [
             self._recorded(match, excluded) if self.record else (Played(match, self._result(match, excluded)), b"")

@@ -46,7 +46,10 @@ class WorkerProcess:
     def play(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> list[RecordedMatch]:
         """The matches that were played, without those who are `excluded`.
 
-        Raises: WorkerLost where the process has died; whatever was raised there.
+        What was raised there is raised here.
+
+        Raises:
+            WorkerLost: where the process has died.
         """
         try:
             self._channel.send((matches, excluded))

@@ -37,7 +37,8 @@ class _Reply(NamedTuple):
 class IsolatedPlayers:
     """Entrants in seats of one match, each in a process of its own; all are asked at once.
 
-    Args: `entrants`, by seat.
+    Args:
+        entrants: by seat.
     """
 
     def __init__(self, sandbox: Sandbox, entrants: Mapping[int, Entrant]) -> None:

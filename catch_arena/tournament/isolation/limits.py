@@ -42,7 +42,11 @@ class AgentLimits:
 
     @classmethod
     def of(cls, **values: Any) -> "AgentLimits":
-        """The usual limits with these changes. Raises: ConfigError that names the nearest right name."""
+        """The usual limits with these changes.
+
+        Raises:
+            ConfigError: that names the nearest right name.
+        """
         known = [field.name for field in fields(cls)]
         for name in values:
             if name not in known:

@@ -88,7 +88,11 @@ class AgentPipes:
         return line
 
     def read_log(self) -> bool:
-        """Take what has been printed. Returns: whether more may come."""
+        """Take what has been printed.
+
+        Returns:
+            whether more may come.
+        """
         with suppress(BlockingIOError):
             for _ in range(4):  # one that prints for ever is not waited for
                 if self.printed not in self._ours:

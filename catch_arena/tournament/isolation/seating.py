@@ -25,9 +25,11 @@ def start_players(
 ) -> Iterator[Players]:
     """The players of one match, for as long as the context lasts; all that isolated agents started is ended with it.
 
-    Args: `entrants`, by seat; those that do not come with the package are isolated in the `sandbox`, where there is
-    one, and those that cannot begin are not started; `excluded`, the seats of others that are not, and why.
-    Raises: NoContest where they could not be held.
+    Entrants that do not come with the package are isolated in the `sandbox`, where there is one, and those that cannot
+    begin are not started; nor are the `excluded`, seats with the reason why.
+
+    Raises:
+        NoContest: where they could not be held.
     """
     faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in enumerate(entrants) if one.fault is not None}
     faults |= {seat: Fault("FORFEIT_OUT", why) for seat, why in excluded.items()}
@@ -61,7 +63,16 @@ def play_entrants(
 ) -> MatchResult:
     """One match of these entrants, by seat; one that we failed to hold is played again, and at last given up.
 
-    Args: `excluded`, as of `start_players`; `options`, those of `play`. Raises: OutputError; NoContest.
+    Args:
+        config: the arena's settings.
+        seed: a whole number in [0, 2^64).
+        entrants: who plays.
+        sandbox: how agents that are not trusted run.
+        excluded: as of `start_players`.
+        options: those of `play`.
+
+    Raises:
+        OutputError: ; NoContest.
     """
     names = [entrant.name for entrant in entrants]
     pauses = iter(_PAUSES_S)

@@ -34,7 +34,10 @@ def sweeps_to_meet(players: int, seats: int) -> int:
 def sweeps(players: int, seats: int, draw: Callable[[int, int, int], int]) -> Iterator[list[tuple[int, ...]]]:
     """The groups of one sweep after the other, without end; each group in ascending order.
 
-    Args: `seats`, at most `players`; `draw`, the lot of (sweep, circle, player).
+    Args:
+        players: how many there are.
+        seats: at most `players`.
+        draw: the lot of (sweep, circle, player).
     """
     met = np.zeros((players, players))
     slots = groups_in_sweep(players, seats) * seats

@@ -37,7 +37,9 @@ class Plan(Protocol):
     def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
         """The blocks of a batch, from 0 up; none after the last one.
 
-        Args: `played`, all matches of the batches before.
+        Args:
+            number: which batch, from 0.
+            played: all matches of the batches before.
         """
 
 
@@ -96,9 +98,15 @@ class Swiss:
 def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, seed: int) -> Plan:
     """The plan of a format.
 
-    Args: `wanted`, one of FORMATS; None is a round robin, or balanced blocks where that has too many matches;
-    `rounds`, None for 1, and in a Swiss for as many as leave but one unbeaten where matches are duels.
-    Raises: ConfigError.
+    Args:
+        wanted: one of FORMATS; None is a round robin, or balanced blocks where that has too many matches.
+        entrants: who plays.
+        seats: how many play in a match.
+        rounds: None for 1, and in a Swiss for as many as leave but one unbeaten where matches are duels.
+        seed: a whole number in [0, 2^64).
+
+    Raises:
+        ConfigError: for an argument that cannot be.
     """
     if wanted is None:
         wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"
@@ -161,7 +169,11 @@ def listed(matches: Sequence[Match]) -> FixedPlan:
 
 
 def require_enough(entrants: int, config: ArenaConfig, scenario: str) -> None:
-    """Raises: ConfigError with advice, where the entrants cannot fill the seats."""
+    """
+
+    Raises:
+        ConfigError: with advice, where the entrants cannot fill the seats.
+    """
     if entrants >= config.hunters:
         return
     fitting = [name for name, other in SCENARIOS.items() if 1 < other.hunters <= entrants]
@@ -173,7 +185,11 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str) -> None:
 
 
 def _check(rounds: int, seed: int, size: int, what: str) -> None:
-    """Raises: ConfigError for a plan that cannot be, or that is too long."""
+    """
+
+    Raises:
+        ConfigError: for a plan that cannot be, or that is too long.
+    """
     if not 1 <= rounds <= _MOST_ROUNDS:
         raise ConfigError(f"rounds must be at least 1 and at most {_MOST_ROUNDS}, got {rounds}")
     if seed < 0:
@@ -187,8 +203,12 @@ def _check(rounds: int, seed: int, size: int, what: str) -> None:
 def _block(group: Sequence[int], about: tuple[object, ...], number: int, index: int, groups: int) -> Block:
     """Every rotation of a drawn circle of the group.
 
-    Args: `about`, what its seed and its circle are drawn from; `number`, its round's, and `index`, its own in
-    the round, both from 0; `groups`, how many a round has.
+    Args:
+        group: who plays in the block.
+        about: what its seed and its circle are drawn from.
+        number: its round's, and `index`, its own in the round, both from 0.
+        index: which block it is, from 0.
+        groups: how many a round has.
     """
     order = sorted(group, key=lambda player: draw("order", *about, player))
     seed = draw("match", *about)

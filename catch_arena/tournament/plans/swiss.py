@@ -18,7 +18,11 @@ def pair_round(
     nearest in the ranking first. Where the groups do not take everybody, those sit out who have played most, the last
     of the ranking first.
 
-    Args: `matches`, the (seating, ranks) of those played; `lot`, which orders equals in the ranking.
+    Args:
+        entrants: who plays.
+        seats: how many play in a match.
+        matches: the (seating, ranks) of those played.
+        lot: which orders equals in the ranking.
     """
     points, played = [0] * entrants, [0] * entrants
     met = np.zeros((entrants, entrants), dtype=np.int64)

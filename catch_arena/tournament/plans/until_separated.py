@@ -19,8 +19,12 @@ class UntilSeparated:
 
     The budget is none of the plan's parameters: it may be raised when a tournament is resumed.
 
-    Args: `rounds`, makes the format's plan of so many; `budget`, how many matches it may have.
-    Raises: ConfigError.
+    Args:
+        rounds: makes the format's plan of so many.
+        budget: how many matches it may have.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
     """
 
     def __init__(

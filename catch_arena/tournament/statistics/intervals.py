@@ -40,8 +40,11 @@ def estimates(
 ) -> list[Estimate]:
     """The intervals of figures that are means over blocks.
 
-    Args: `means` (figures,); `residuals` (blocks, figures), the sums of value less mean in each block; `counts`
-    (blocks, figures), of how many values; `pseudo_variance`, what the figures vary by besides.
+    Args:
+        means: (figures,).
+        residuals: (blocks, figures), the sums of value less mean in each block.
+        counts: (blocks, figures), of how many values.
+        pseudo_variance: what the figures vary by besides.
     """
     blocks = (counts > 0).sum(axis=0).astype(np.float64)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -125,8 +125,12 @@ def rate(outcomes: Outcomes) -> Ratings:
 def fit(wins: Floats, ties: Floats) -> tuple[Floats, float, Floats]:
     """Newton's method on the concave log-likelihood.
 
-    Args: `wins`[i, j], how often i came out above j; `ties`, symmetric; both (entrants, entrants).
-    Returns: log strengths, log v, and the information matrix, in which v is last.
+    Args:
+        wins: [i, j], how often i came out above j.
+        ties: symmetric; both (entrants, entrants).
+
+    Returns:
+        log strengths, log v, and the information matrix, in which v is last.
     """
     size = len(wins)
     met = wins + wins.T + ties

@@ -103,7 +103,11 @@ def next_look(blocks: int) -> int:
 
 
 def require_confidence(confidence: float) -> None:
-    """Raises: ConfigError."""
+    """
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
     if not 0.5 <= confidence < 1:
         raise ConfigError(f"confidence must lie in [0.5, 1), got {confidence}")
 
@@ -114,7 +118,9 @@ def separation(entrants: Sequence[Entrant], played: Sequence[Played], confidence
     To be asked once for each `next_look`. Looking often would find differences where there are none, so the k-th look
     has 1 / (k (k + 1)) of what `confidence` leaves (the sum over all k is 1): however long it goes on, an order that is
     called clear is wrong no more often than 1 - confidence.
-    Raises: ConfigError.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
     """
     require_confidence(confidence)
     if len(entrants) < 2:
