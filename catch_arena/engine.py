@@ -40,6 +40,8 @@ from catch_arena.world import HunterState, TargetState, World
 
 _AT_REST: Final = (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE)
 """The rows of a hunter that are zero while nothing drives it."""
+_HUNTER_DIGEST: Final = [row // LANES for row in rows.HUNTER_DIGEST]
+_TARGET_DIGEST: Final = [row // LANES for row in rows.TARGET_DIGEST]
 _HUNTERS_A_PART: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
@@ -178,10 +180,10 @@ class Engine:
         first = rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS
         spare = num_arenas - (blocks - 1) * LANES
         self._hunters[-1, :, rows.WITHDRAWN // LANES, spare:] = 1.0  # in lanes that are no arenas nobody does anything
-        self._targets = self._fields[:, first : first + config.max_targets * rows.TARGET_ROWS].reshape(
-            blocks, rows.TARGET_ROWS, config.max_targets, LANES
+        self._targets = self._fields[:, first : first + config.max_targets * rows.SLOT_ROWS].reshape(
+            blocks, config.max_targets, rows.SLOT_ROWS, LANES
         )
-        self._target_orders = self._fields[:, first + config.max_targets * rows.TARGET_ROWS :].reshape(
+        self._target_orders = self._fields[:, first + config.max_targets * rows.SLOT_ROWS :].reshape(
             blocks, hunters, target_order_rows(seen), LANES
         )
 
@@ -361,7 +363,7 @@ class Engine:
             ),
             targets=tuple(
                 TargetState(self.config.target_name(int(number)), int(number), x, y, theta, int(appeared))
-                for number, x, y, theta, appeared in self._targets[block, :, :alive, lane].T.tolist()
+                for number, x, y, theta, appeared in self._targets[block, :alive, _TARGET_DIGEST, lane].T.tolist()
             ),
             rulings=self.rulings(arena),
             spawned=int(own[rows.SPAWNED // LANES]),
@@ -373,7 +375,7 @@ class Engine:
         view = self._target_orders[block, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_PER_WORD
         for rank in range(int(self.hunter_rows(arena)[seat, rows.SEEN // LANES])):
             slot = view[rank]
-            if self.config.target_name(int(self._targets[block, 0, slot, lane])) == name:
+            if self.config.target_name(int(self._targets[block, slot, rows.NUMBER // LANES, lane])) == name:
                 return rank + 1
         return 0
 
@@ -393,8 +395,8 @@ class Engine:
         return np.concatenate(
             (
                 own[: rows.ARENA_DIGEST_ROWS],
-                self._hunters[block, :, : rows.HUNTER_DIGEST_ROWS, lane].reshape(-1),
-                self._targets[block, :, :alive, lane].T.reshape(-1),
+                self._hunters[block, :, _HUNTER_DIGEST, lane].T.reshape(-1),
+                self._targets[block, :alive, _TARGET_DIGEST, lane].T.reshape(-1),
             )
         )
 

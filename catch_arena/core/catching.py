@@ -30,19 +30,22 @@ from catch_arena.core.state import (
     EVIDENCE,
     LANES,
     NO_TARGET,
+    NUMBER,
     REQUESTED_NUMBER,
     REQUESTED_SLOT,
     RUNNING,
     SCORE,
     SEED_HIGH,
     SEED_LOW,
+    SLOT_SIZE,
     STEP,
     TALLIES,
+    TARGET_X,
+    TARGET_Y,
     VERDICT,
     WINNER,
     WITHDRAWN,
     Settings,
-    Targets,
     X,
     Y,
     seat_of,
@@ -101,7 +104,7 @@ def collect_requests(block: Block, s: Settings, lane: int, requests: RequestTabl
 
 
 @inlined
-def fill_requests(block: Block, s: Settings, lane: int, targets: Targets, requests: RequestTable) -> None:
+def fill_requests(block: Block, s: Settings, lane: int, targets: Block, requests: RequestTable) -> None:
     """What the arbiter has to know of each request, from S_t; its seat and its slot, or a code for none, are there."""
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step = block[STEP + lane]
@@ -113,10 +116,12 @@ def fill_requests(block: Block, s: Settings, lane: int, targets: Targets, reques
         requests[i, REQUEST_INACTIVE] = int(me[WITHDRAWN + lane])
         requests[i, REQUEST_KILL_REFUSED] = 0
         if slot >= 0:
-            at = slot * LANES + lane
-            number = targets.number[at]
+            at = slot * SLOT_SIZE + lane
+            number = targets[NUMBER + at]
             requests[i, REQUEST_NUMBER] = int(number)
-            requests[i, REQUEST_DISTANCE] = int(distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane]))
+            requests[i, REQUEST_DISTANCE] = int(
+                distance_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
+            )
             requests[i, REQUEST_KILL_REFUSED] = int(kill_refused(seed, step, number, s.kill_refused_rate))
 
 
@@ -145,7 +150,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
 
 
 @inlined
-def commit(block: Block, s: Settings, lane: int, targets: Targets, requests: RequestTable, scratch: Scratch) -> None:
+def commit(block: Block, s: Settings, lane: int, targets: Block, requests: RequestTable, scratch: Scratch) -> None:
     """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8)."""
     for i in range(len(requests)):
         seat_of(block, requests[i, REQUEST_SEAT])[SCORE + lane] += (
@@ -167,7 +172,7 @@ def commit(block: Block, s: Settings, lane: int, targets: Targets, requests: Req
 
 @inlined
 def resolve_requests(
-    block: Block, s: Settings, width: Width, lanes: int, targets: Targets, named: RequestTable, scratch: Scratch
+    block: Block, s: Settings, width: Width, lanes: int, targets: Block, named: RequestTable, scratch: Scratch
 ) -> None:
     """R1.4's phases 3 and 4 in every lane in which somebody asks for a target.
 

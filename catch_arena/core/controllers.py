@@ -16,14 +16,17 @@ from catch_arena.core.state import (
     DISTANCE_INTEGRAL,
     LANES,
     NO_TARGET,
+    NUMBER,
     REQUESTED_SLOT,
     SEEN,
     SINE,
+    SLOT_SIZE,
     SPEED,
+    TARGET_X,
+    TARGET_Y,
     TURN_RATE,
     WITHDRAWN,
     Settings,
-    Targets,
     X,
     Y,
     seat_of,
@@ -58,7 +61,7 @@ def pi_step(
 def choose(
     me: Block,
     order: Block,
-    targets: Targets,
+    targets: Block,
     ranks: NDArray[np.int64],
     lanes: int,
     goals: Block,
@@ -73,12 +76,12 @@ def choose(
         there = int(me[SEEN + lane])
         seen = (rank > 0) & (rank <= there)
         slot = select(seen, slot_at_rank(order, select(seen, rank - 1, 0), lane), 0)
-        place = np.uint64(slot) * np.uint64(LANES) + np.uint64(lane)
+        place = np.uint64(slot) * np.uint64(SLOT_SIZE) + np.uint64(lane)
         unseen = select(rank > there, float(NO_SUCH_RANK), float(NO_TARGET))
         me[REQUESTED_SLOT + lane] = select(seen, float(slot), unseen)
-        goals[lane] = targets.x[place]
-        goals[LANES + lane] = targets.y[place]
-        goals[2 * LANES + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets.number[place], 0.0)
+        goals[lane] = targets[np.uint64(TARGET_X) + place]
+        goals[LANES + lane] = targets[np.uint64(TARGET_Y) + place]
+        goals[2 * LANES + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[np.uint64(NUMBER) + place], 0.0)
 
 
 @phase
@@ -122,14 +125,16 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings) -> None:
 
 
 @phase
-def request_nearest(me: Block, order: Block, targets: Targets, lanes: int, s: Settings) -> None:
+def request_nearest(me: Block, order: Block, targets: Block, lanes: int, s: Settings) -> None:
     """R4.4: under velocity control the nearest target is requested whenever it is within reach."""
     for lane in range(lanes):
         me[REQUESTED_SLOT + lane] = NO_TARGET
         if me[SEEN + lane] > 0.0:
             slot = slot_at_rank(order, 0, lane)
-            at = slot * LANES + lane
-            if within_reach(distance_um(targets.x[at] - me[X + lane], targets.y[at] - me[Y + lane]), s.reach_um):
+            at = slot * SLOT_SIZE + lane
+            if within_reach(
+                distance_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]), s.reach_um
+            ):
                 me[REQUESTED_SLOT + lane] = slot
 
 

@@ -13,20 +13,24 @@ from catch_arena.core.state import (
     ABSENT,
     ACTIVE,
     ALIVE,
+    APPEARED,
     BEARING_INTEGRAL,
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
+    NUMBER,
     RANKS_PER_WORD,
     SCORE,
     SEEN,
     SINE,
+    SLOT_SIZE,
     SPEED,
+    TARGET_X,
+    TARGET_Y,
     THETA,
     TIME,
     TURN_RATE,
     Settings,
-    Targets,
     X,
     Y,
     seat_of,
@@ -105,7 +109,7 @@ def most_alive(arena: Block, lanes: int) -> int:
 
 
 @phase
-def compute_ages(arena: Block, targets: Targets, width: Width, slots: int, ages: Numbers) -> None:
+def compute_ages(arena: Block, targets: Block, width: Width, slots: int, ages: Numbers) -> None:
     """R7.1: how long each target has been there.
 
     Args:
@@ -118,8 +122,8 @@ def compute_ages(arena: Block, targets: Targets, width: Width, slots: int, ages:
     for slot in range(slots):
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
-            at = slot * LANES + lane
-            ages[at] = single((arena[TIME + lane] - targets.appeared[at]) / 1000.0)
+            appeared = targets[slot * SLOT_SIZE + APPEARED + lane]
+            ages[slot * LANES + lane] = single((arena[TIME + lane] - appeared) / 1000.0)
 
 
 @phase
@@ -140,7 +144,7 @@ def compute_time_left(arena: Block, s: Settings, width: Width, time_left: Block)
 
 @phase
 def compute_target_features(
-    me: Block, targets: Targets, ages: Numbers, first: int, width: Width, slots: int, features: Numbers
+    me: Block, targets: Block, ages: Numbers, first: int, width: Width, slots: int, features: Numbers
 ) -> None:
     """R7.1: every target as one seat sees it, in the lanes of one group.
 
@@ -158,14 +162,14 @@ def compute_target_features(
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
     active = me[ACTIVE + lane]
     for slot in range(slots):
-        at = slot * LANES + lane
-        dx, dy = targets.x[at] - x, targets.y[at] - y
+        at = slot * SLOT_SIZE + lane
+        dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
         seen = TargetSeen(
             forward=cosine * dx + sine * dy,
             left=cosine * dy - sine * dx,
             present=1.0,
-            age=ages[at],
-            active=select(targets.number[at] == active, 1.0, 0.0),
+            age=ages[slot * LANES + lane],
+            active=select(targets[NUMBER + at] == active, 1.0, 0.0),
         )
         put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 

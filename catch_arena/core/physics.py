@@ -73,7 +73,7 @@ def ticks_until(time_ms: float) -> float:
 
 
 @phase
-def move_seat(me: Block, width: Width, side: float, fewest: int, most: int, ticks: Block) -> None:
+def move_body(me: Block, width: Width, side: float, fewest: int, most: int, ticks: Block) -> None:
     """R2.2, R2.3: all ticks of one seat in a step: from `fewest` on not every lane has them, from `most` on none."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -134,6 +134,6 @@ def move(block: Block, s: Settings, width: Width, lanes: int, scratch: Block) ->
         most = max(most, ticks[each])
         fewest = min(fewest, ticks[each])
     for seat in range(s.hunters):
-        move_seat(seat_of(block, seat), width, s.side, int(fewest), int(most), ticks)
+        move_body(seat_of(block, seat), width, s.side, int(fewest), int(most), ticks)
     if any_stale:
         drop_stale_commands(block, s, width, stale)

@@ -17,10 +17,12 @@ from catch_arena.core.state import (
     RANKS_PER_WORD,
     SCORE,
     SINE,
+    SLOT_SIZE,
     SPEED,
+    TARGET_X,
+    TARGET_Y,
     WITHDRAWN,
     Settings,
-    Targets,
     X,
     Y,
     seat_of,
@@ -170,7 +172,7 @@ def pack_order(keys: Keys, there: int, ranks: int, width: Width, packed: Block) 
 def rank_targets(
     arena: Block,
     me: Block,
-    targets: Targets,
+    targets: Block,
     width: Width,
     slots: int,
     network: NDArray[np.int64],
@@ -192,8 +194,10 @@ def rank_targets(
         x, y = me[X + lane], me[Y + lane]
         alive = truncate(arena[ALIVE + lane])
         for slot in range(slots):
-            at = slot * LANES + lane
-            keys[at] = select(alive > slot, key_of(targets.x[at] - x, targets.y[at] - y, slot), FAR)
+            at = slot * SLOT_SIZE + lane
+            keys[slot * LANES + lane] = select(
+                alive > slot, key_of(targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y, slot), FAR
+            )
     sort_keys(keys, network, width, slots)
 
 

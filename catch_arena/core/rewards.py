@@ -12,10 +12,12 @@ from catch_arena.core.state import (
     LANES,
     RETURN,
     SEEN,
+    SLOT_SIZE,
+    TARGET_X,
+    TARGET_Y,
     VERDICT,
     WITHDRAWN,
     Settings,
-    Targets,
     X,
     Y,
     seat_of,
@@ -39,31 +41,31 @@ Parts = NDArray[np.float64]
 
 
 @phase
-def set_progress_reference(me: Block, order: Block, targets: Targets, lanes: int, reference: Block) -> None:
+def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, reference: Block) -> None:
     """R6.2's progress: the nearest target of S_t, from where the hunter stands."""
     for lane in range(lanes):
         there = me[SEEN + lane] > 0.0
-        at = select(there, slot_at_rank(order, 0, lane), 0) * LANES + lane
-        dx = targets.x[at] - me[X + lane]
-        dy = targets.y[at] - me[Y + lane]
-        reference[lane] = targets.x[at]
-        reference[LANES + lane] = targets.y[at]
+        at = select(there, slot_at_rank(order, 0, lane), 0) * SLOT_SIZE + lane
+        dx = targets[TARGET_X + at] - me[X + lane]
+        dy = targets[TARGET_Y + at] - me[Y + lane]
+        reference[lane] = targets[TARGET_X + at]
+        reference[LANES + lane] = targets[TARGET_Y + at]
         reference[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), -1.0)
 
 
 @rare
-def renew_progress_reference(arena: Block, me: Block, targets: Targets, lane: int, reference: Block) -> None:
+def renew_progress_reference(arena: Block, me: Block, targets: Block, lane: int, reference: Block) -> None:
     """The same in one lane where targets have just left: among those that are alive after the commit."""
     reference[2 * LANES + lane] = -1.0
     nearest = FAR
     for slot in range(int(arena[ALIVE + lane])):
-        dx = targets.x[slot * LANES + lane] - me[X + lane]
-        dy = targets.y[slot * LANES + lane] - me[Y + lane]
+        dx = targets[TARGET_X + slot * SLOT_SIZE + lane] - me[X + lane]
+        dy = targets[TARGET_Y + slot * SLOT_SIZE + lane] - me[Y + lane]
         key = key_of(dx, dy, slot)
         if key < nearest:
             nearest = key
-            reference[lane] = targets.x[slot * LANES + lane]
-            reference[LANES + lane] = targets.y[slot * LANES + lane]
+            reference[lane] = targets[TARGET_X + slot * SLOT_SIZE + lane]
+            reference[LANES + lane] = targets[TARGET_Y + slot * SLOT_SIZE + lane]
             reference[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
 
 

@@ -8,18 +8,24 @@ from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
 from catch_arena.core.state import (
     ALIVE,
+    APPEARED,
+    BODY,
     FIRINGS,
     LANES,
+    NUMBER,
     NUMBERS,
     SEED_HIGH,
     SEED_LOW,
     SKIPPED_DOWN,
     SKIPPED_FULL,
+    SLOT_SIZE,
     SPAWNED,
     SPAWNS_REFUSED,
+    THETA,
     TIME,
     Settings,
-    Targets,
+    X,
+    Y,
     targets_of,
 )
 
@@ -36,41 +42,31 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
 
 
 @phase
-def add_target(arena: Block, targets: Targets, lane: int, x: float, y: float, theta: float, time_ms: float) -> None:
+def add_target(arena: Block, targets: Block, lane: int, x: float, y: float, theta: float, time_ms: float) -> None:
     """R3.4, R8.2: a target of the latest number at the end of the alive list."""
-    slot = int(arena[ALIVE + lane])
-    targets.number[slot * LANES + lane] = arena[NUMBERS + lane]
-    targets.x[slot * LANES + lane] = x
-    targets.y[slot * LANES + lane] = y
-    targets.theta[slot * LANES + lane] = theta
-    targets.appeared[slot * LANES + lane] = time_ms
+    slot = int(arena[ALIVE + lane]) * SLOT_SIZE + lane
+    targets[slot + NUMBER] = arena[NUMBERS + lane]
+    targets[slot + APPEARED] = time_ms
+    targets[slot + BODY + X] = x
+    targets[slot + BODY + Y] = y
+    targets[slot + BODY + THETA] = theta
     arena[ALIVE + lane] += 1.0
     arena[SPAWNED + lane] += 1.0
 
 
 @rare
-def remove_target(arena: Block, targets: Targets, lane: int, slot: int) -> None:
+def remove_target(arena: Block, targets: Block, lane: int, slot: int) -> None:
     """R8.2: one target leaves the alive list; those behind it move up, so that the order stays."""
     last = int(arena[ALIVE + lane]) - 1
-    for i in range(slot, last):
-        here = i * LANES + lane
-        there = here + LANES
-        targets.number[here] = targets.number[there]
-        targets.x[here] = targets.x[there]
-        targets.y[here] = targets.y[there]
-        targets.theta[here] = targets.theta[there]
-        targets.appeared[here] = targets.appeared[there]
-    here = last * LANES + lane
-    targets.number[here] = 0.0
-    targets.x[here] = 0.0
-    targets.y[here] = 0.0
-    targets.theta[here] = 0.0
-    targets.appeared[here] = 0.0
+    for at in range(slot * SLOT_SIZE + lane, last * SLOT_SIZE, LANES):
+        targets[at] = targets[at + SLOT_SIZE]
+    for at in range(last * SLOT_SIZE + lane, (last + 1) * SLOT_SIZE, LANES):
+        targets[at] = 0.0
     arena[ALIVE + lane] = last
 
 
 @phase
-def spawn_next(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Settings, time_ms: float) -> None:
+def spawn_next(arena: Block, targets: Block, lane: int, seed: np.uint64, s: Settings, time_ms: float) -> None:
     """R3.3: the place of the next number, taken."""
     arena[NUMBERS + lane] += 1.0
     x, y, theta = spawn_pose(seed, arena[NUMBERS + lane], s.spawn_low, s.spawn_high, s.spawn_last)
@@ -78,7 +74,7 @@ def spawn_next(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Se
 
 
 @phase
-def fire(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Settings) -> None:
+def fire(arena: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) -> None:
     """R3.1, R3.5, R3.6, R8.3: one firing of the spawn timer."""
     arena[FIRINGS + lane] += 1.0
     if arena[SPAWNED + lane] >= s.target_budget:
@@ -95,7 +91,7 @@ def fire(arena: Block, targets: Targets, lane: int, seed: np.uint64, s: Settings
 
 
 @phase
-def spawn_through(arena: Block, targets: Targets, lanes: int, s: Settings) -> None:
+def spawn_through(arena: Block, targets: Block, lanes: int, s: Settings) -> None:
     """R1.4's phase 5, its spawning half: all firings in (t, t + period].
 
     Still targets (R3.7) and hunters do not touch each other, so that these firings may follow the step's ticks;
@@ -131,7 +127,7 @@ def kill(memory: Bytes, arena: int, number: int) -> bool:
     block, lane = sections.blocks[arena // LANES], arena % LANES
     targets = targets_of(block, s)
     for slot in range(int(block[ALIVE + lane])):
-        if targets.number[slot * LANES + lane] == number:
+        if targets[slot * SLOT_SIZE + NUMBER + lane] == number:
             remove_target(block, targets, lane, slot)
             block[SPAWNED + lane] -= 1.0
             return True

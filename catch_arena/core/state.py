@@ -1,7 +1,7 @@
 """The arena memory: everything that an arena is, as rows of float64 in blocks of LANES arenas.
 
 A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it
-is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then TARGET_ROWS for
+is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then SLOT_ROWS for
 each slot, then each seat's view. Integers are exact in float64; a seed needs two of them. Alive targets
 fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
@@ -40,21 +40,23 @@ SEED_HIGH: Final = 10 * LANES  # the seed's upper 32 bits
 SEED_LOW: Final = 11 * LANES  # and its lower 32
 ARENA_ROWS: Final = 12
 
-# hunter rows; the first eleven stand in the digest in this order (A.8)
+# body rows: of a hunter or a target; in those of still targets only the first three are there
 X: Final = 0 * LANES  # [m]
 Y: Final = 1 * LANES  # [m]
-THETA: Final = 2 * LANES  # [rad] in [-pi, pi)
+THETA: Final = 2 * LANES  # [rad]: of hunters in [-pi, pi), of still targets as drawn, in [0, 2 pi)
+STILL_BODY_ROWS: Final = 3
 SPEED: Final = 3 * LANES  # [m/s]
 TURN_RATE: Final = 4 * LANES  # [rad/s]
-DISTANCE_INTEGRAL: Final = 5 * LANES  # [m s]
-BEARING_INTEGRAL: Final = 6 * LANES  # [rad s]
-ACTIVE: Final = 7 * LANES  # number of the active target, 0 for none
-SCORE: Final = 8 * LANES  # granted catches
-AT_WALL: Final = 9 * LANES  # R2.3's flag
-WITHDRAWN: Final = 10 * LANES  # R1.6's flag
-HUNTER_DIGEST_ROWS: Final = 11
-SINE: Final = 11 * LANES  # of theta
-COSINE: Final = 12 * LANES
+AT_WALL: Final = 5 * LANES  # R2.3's flag
+SINE: Final = 6 * LANES  # of theta
+COSINE: Final = 7 * LANES
+
+# hunter rows: a body's, and these
+DISTANCE_INTEGRAL: Final = 8 * LANES  # [m s]
+BEARING_INTEGRAL: Final = 9 * LANES  # [rad s]
+ACTIVE: Final = 10 * LANES  # number of the active target, 0 for none
+SCORE: Final = 11 * LANES  # granted catches
+WITHDRAWN: Final = 12 * LANES  # R1.6's flag
 SEEN: Final = 13 * LANES  # how many targets it sees: those have a rank
 REQUESTED_SLOT: Final = 14 * LANES  # slot requested in this step, NO_TARGET or NO_SUCH_RANK
 REQUESTED_NUMBER: Final = 15 * LANES  # number of the target requested, 0 for none
@@ -66,27 +68,29 @@ CONTESTS_WON: Final = 20 * LANES  # in this episode: kills granted or refused th
 TALLIES: Final = 21 * LANES  # how often each verdict was met in this episode, in the order of Verdict
 HUNTER_ROWS: Final = 21 + len(Verdict)
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
+HUNTER_DIGEST: Final = (
+    *(X, Y, THETA, SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE, SCORE, AT_WALL, WITHDRAWN),
+)
+"""What stands of a hunter in the digest, in this order (A.8)."""
 EVIDENCE: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE_UM, WINNER)
 """The answer to a request (R5.6)."""
 
-# rows of a target slot; all five stand in the digest in this order (A.8)
-TARGET_ROWS: Final = 5
+# slot rows: two, and a body's
+NUMBER: Final = 0 * LANES  # the target's spawn number
+APPEARED: Final = 1 * LANES  # [ms] since reset
+BODY: Final = 2 * LANES  # the first row of the target's body
+SLOT_ROWS: Final = 2 + STILL_BODY_ROWS
+SLOT_SIZE: Final = SLOT_ROWS * LANES
+TARGET_X: Final = BODY + X
+TARGET_Y: Final = BODY + Y
+TARGET_DIGEST: Final = (NUMBER, TARGET_X, TARGET_Y, BODY + THETA, APPEARED)
+"""What stands of a target in the digest, in this order (A.8)."""
 
 NO_TARGET: Final = -1
 
 RUNNING: Final = 0.0
 TERMINATED: Final = 1.0
 TRUNCATED: Final = 2.0
-
-
-class Targets(NamedTuple):
-    """The slots of a block, one array a field: slot s of lane l lies at s * LANES + l."""
-
-    number: Block
-    x: Block
-    y: Block
-    theta: Block
-    appeared: Block
 
 
 class Settings(NamedTuple):
@@ -145,21 +149,14 @@ def target_order_rows(targets_seen: int) -> int:
 @rule
 def block_rows(hunters: int, slots: int, targets_seen: int) -> int:
     """How many rows a block has."""
-    return ARENA_ROWS + hunters * HUNTER_ROWS + slots * TARGET_ROWS + hunters * target_order_rows(targets_seen)
+    return ARENA_ROWS + hunters * HUNTER_ROWS + slots * SLOT_ROWS + hunters * target_order_rows(targets_seen)
 
 
 @inlined
-def targets_of(block: Block, s: Settings) -> Targets:
-    """The target slots of a block."""
+def targets_of(block: Block, s: Settings) -> Block:
+    """The target slots of a block: slot n begins at n * SLOT_SIZE."""
     first = (ARENA_ROWS + s.hunters * HUNTER_ROWS) * LANES
-    size = s.slots * LANES
-    return Targets(
-        block[first : first + size],
-        block[first + size : first + 2 * size],
-        block[first + 2 * size : first + 3 * size],
-        block[first + 3 * size : first + 4 * size],
-        block[first + 4 * size : first + 5 * size],
-    )
+    return block[first : first + s.slots * SLOT_SIZE]
 
 
 @inlined
@@ -173,7 +170,7 @@ def seat_of(block: Block, seat: int) -> Block:
 def target_order_of(block: Block, seat: int, s: Settings) -> Block:
     """What one seat sees, by rank: see `slot_at_rank`."""
     rows = target_order_rows(s.targets_seen)
-    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + s.slots * TARGET_ROWS + seat * rows) * LANES
+    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + s.slots * SLOT_ROWS + seat * rows) * LANES
     return block[first : first + rows * LANES]
 
 

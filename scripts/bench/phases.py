@@ -17,7 +17,7 @@ import catch_arena
 from catch_arena.core import observations, tick
 from catch_arena.core.jit import Block, inlined, phase, unkept_entry
 from catch_arena.core.ranking import Keys
-from catch_arena.core.state import LANES, Settings, Targets, span
+from catch_arena.core.state import LANES, Settings, span
 from catch_arena.core.vectors import Width
 
 WHOLE = "the whole step"
@@ -31,7 +31,7 @@ def _nothing(*_: object) -> None:
 
 @phase
 def _targets_as_they_lie(
-    _arena: Block, _me: Block, _targets: Targets, width: Width, slots: int, _network: NDArray[np.int64], keys: Keys
+    _arena: Block, _me: Block, _targets: Block, width: Width, slots: int, _network: NDArray[np.int64], keys: Keys
 ) -> None:
     """In the place of `rank_targets`: in the order of their slots."""
     for slot in range(slots):

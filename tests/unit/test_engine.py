@@ -86,8 +86,8 @@ def test_a_slot_that_is_left_is_empty_throughout():
         engine.step(choices, commands)
 
         assert len(engine.world(0).targets) == alive
-        assert (engine._targets[0, :, alive:, 0] == 0).all()
-        assert (engine._targets[0, 0, :alive, 0] > 0).all()
+        assert (engine._targets[0, alive:, :, 0] == 0).all()
+        assert (engine._targets[0, :alive, 0, 0] > 0).all()
         assert len(engine.world(1).targets) == 8
 
 

@@ -30,14 +30,14 @@ HUNTER = [
     "THETA",
     "SPEED",
     "TURN_RATE",
+    "AT_WALL",
+    "SINE",
+    "COSINE",
     "DISTANCE_INTEGRAL",
     "BEARING_INTEGRAL",
     "ACTIVE",
     "SCORE",
-    "AT_WALL",
     "WITHDRAWN",
-    "SINE",
-    "COSINE",
     "SEEN",
     "REQUESTED_SLOT",
     "REQUESTED_NUMBER",
@@ -55,7 +55,8 @@ def test_every_row_has_one_owner():
     assert [getattr(state, name) // LANES for name in HUNTER] == list(range(state.TALLIES // LANES))
     assert state.TALLIES // LANES + len(Verdict) == state.HUNTER_ROWS
     assert ARENA[state.ARENA_DIGEST_ROWS] == "ALIVE"
-    assert HUNTER[state.HUNTER_DIGEST_ROWS] == "SINE"
+    assert [state.NUMBER // LANES, state.APPEARED // LANES, state.BODY // LANES] == [0, 1, 2]
+    assert state.SLOT_ROWS == state.BODY // LANES + state.STILL_BODY_ROWS
 
 
 @pytest.mark.parametrize("config", SCENARIOS.values(), ids=SCENARIOS)
