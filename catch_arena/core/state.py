@@ -2,8 +2,8 @@
 
 A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it
 is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then SLOT_ROWS for
-each slot, then each seat's view. Integers are exact in float64; a seed needs two of them. Alive targets
-fill the slots from 0 in spawning order (R8.2), all others are zero.
+each slot, then the targets in the order in which each seat sees them. Integers are exact in float64; a seed needs two
+of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
 from typing import Final, NamedTuple
@@ -69,7 +69,17 @@ TALLIES: Final = 21 * LANES  # how often each verdict was met in this episode, i
 HUNTER_ROWS: Final = 21 + len(Verdict)
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
 HUNTER_DIGEST: Final = (
-    *(X, Y, THETA, SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE, SCORE, AT_WALL, WITHDRAWN),
+    X,
+    Y,
+    THETA,
+    SPEED,
+    TURN_RATE,
+    DISTANCE_INTEGRAL,
+    BEARING_INTEGRAL,
+    ACTIVE,
+    SCORE,
+    AT_WALL,
+    WITHDRAWN,
 )
 """What stands of a hunter in the digest, in this order (A.8)."""
 EVIDENCE: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE_UM, WINNER)
@@ -142,7 +152,7 @@ ABSENT: Final = 64
 
 @rule
 def target_order_rows(targets_seen: int) -> int:
-    """How many numbers a view has."""
+    """How many rows the order takes in which one seat sees the targets."""
     return (targets_seen + RANKS_PER_WORD - 1) // RANKS_PER_WORD
 
 
@@ -168,7 +178,7 @@ def seat_of(block: Block, seat: int) -> Block:
 
 @inlined
 def target_order_of(block: Block, seat: int, s: Settings) -> Block:
-    """What one seat sees, by rank: see `slot_at_rank`."""
+    """The targets in the order in which one seat sees them: see `slot_at_rank`."""
     rows = target_order_rows(s.targets_seen)
     first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + s.slots * SLOT_ROWS + seat * rows) * LANES
     return block[first : first + rows * LANES]
