@@ -1,4 +1,4 @@
-"""LazyInfos that are made when somebody asks for them: most steps' are never looked at."""
+"""Infos that are made when somebody asks for them: most steps' are never looked at."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -6,7 +6,7 @@ from typing import Any
 
 
 class MaterializedInfos(dict[str, Any]):
-    """LazyInfos by agent, an ordinary dict; copied and pickled as one."""
+    """Infos by agent, an ordinary dict; copied and pickled as one."""
 
     __slots__ = ("make",)
 

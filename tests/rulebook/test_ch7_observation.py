@@ -76,8 +76,8 @@ def test_r7_1_targets_stand_in_the_hunters_own_frame_nearest_first(arena: ArenaF
 
 
 @pytest.mark.rule("R7.1")
-def test_r7_1_targets_equal_in_micrometres_are_ordered_by_number(arena: ArenaFactory) -> None:
-    """A tenth of a micrometre more makes no difference; a whole one does."""
+def test_r7_1_targets_equally_near_are_ordered_by_number(arena: ArenaFactory) -> None:
+    """A.7's `near`: of a metre a tenth of a micrometre more makes no difference, and a whole one less does."""
     match = arena(observed_targets=3)
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(6.0, 5.0), (5.0, 6.0000001), (4.000001, 5.0)])
     match.look()

@@ -3,10 +3,12 @@
 import pytest
 from oracle.arena import OracleArena
 
+from catch_arena.config import ArenaConfig
 from catch_arena.core import state
 from catch_arena.core.state import LANES
+from catch_arena.core.workspace import FEATURE_STRIDE
 from catch_arena.envs.parallel import parallel_env
-from catch_arena.layout import columns, state_columns, width
+from catch_arena.layout import RivalSeen, SelfSeen, TargetSeen, columns, state_columns, width
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.verdicts import Verdict
 
@@ -50,11 +52,13 @@ HUNTER = [
 
 
 def test_every_row_has_one_owner():
-    """Rows are numbered without gap or overlap, and the digest's come first, in A.8's order."""
+    """Rows are numbered without gap or overlap, and the digest reads them in A.8's order."""
     assert [getattr(state, name) // LANES for name in ARENA] == list(range(state.ARENA_ROWS))
     assert [getattr(state, name) // LANES for name in HUNTER] == list(range(state.TALLIES // LANES))
     assert state.TALLIES // LANES + len(Verdict) == state.HUNTER_ROWS
     assert ARENA[state.ARENA_DIGEST_ROWS] == "ALIVE"
+    digest = [HUNTER[row // LANES] for row in state.HUNTER_DIGEST]
+    assert digest == [*HUNTER[:5], "DISTANCE_INTEGRAL", "BEARING_INTEGRAL", "ACTIVE", "SCORE", "AT_WALL", "WITHDRAWN"]
     assert [state.NUMBER // LANES, state.APPEARED // LANES, state.BODY // LANES] == [0, 1, 2]
     assert state.SLOT_ROWS == state.BODY // LANES + state.STILL_BODY_ROWS
 
@@ -76,6 +80,18 @@ def test_the_layout_has_a_column_for_each_number_that_the_oracle_sees(config):
             ]
             assert outside == []
     assert len({column.name for column in table}) == len(table)
+
+
+def test_the_columns_have_the_names_and_the_order_in_which_the_core_writes_them():
+    """Its writer is made from the named tuples; and there is room in the core's scratch memory for what it writes."""
+    config = ArenaConfig()
+    names = [column.name for column in columns(config)]
+    own, target, rival = len(SelfSeen._fields), len(TargetSeen._fields), len(RivalSeen._fields)
+    first_rival = own + target * config.targets_seen
+    assert names[:own] == list(SelfSeen._fields)
+    assert names[own : own + target] == [f"target_1.{name}" for name in TargetSeen._fields]
+    assert names[first_rival : first_rival + rival] == [f"rival_1.{name}" for name in RivalSeen._fields]
+    assert max(target, rival) <= FEATURE_STRIDE
 
 
 @pytest.mark.parametrize("config", SCENARIOS.values(), ids=SCENARIOS)
