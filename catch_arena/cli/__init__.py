@@ -4,11 +4,11 @@ the results are.
 
 from catch_arena.cli import checks as _checks  # noqa: F401
 from catch_arena.cli import conformance as _conformance  # noqa: F401
+from catch_arena.cli import evaluation as _evaluation  # noqa: F401
 from catch_arena.cli import exports as _exports  # noqa: F401
 from catch_arena.cli import lists as _lists  # noqa: F401
 from catch_arena.cli import live as _live  # noqa: F401
 from catch_arena.cli import matches as _matches  # noqa: F401
-from catch_arena.cli import ratings as _ratings  # noqa: F401
 from catch_arena.cli import replays as _replays  # noqa: F401
 from catch_arena.cli import report as _report  # noqa: F401
 from catch_arena.cli import videos as _videos  # noqa: F401

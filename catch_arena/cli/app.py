@@ -162,7 +162,7 @@ def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Ent
     """
     from catch_arena.tournament.entrants import enter, is_shipped
     from catch_arena.tournament.isolation.processes import missing_protections
-    from catch_arena.tournament.isolation.seating import inspector, sandbox_for
+    from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 
     with sandbox_for(limits) as sandbox:
         players = enter(specs, inspector(sandbox))

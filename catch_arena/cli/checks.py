@@ -90,7 +90,7 @@ def grade(
     from catch_arena.replay import write_whole
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import grade_agent, json_text, junit_text, read_spec
-    from catch_arena.tournament.isolation.seating import inspector, sandbox_for
+    from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 
     exercise = read_spec(spec)
     for path in (junit, json):

@@ -246,7 +246,7 @@ def match(
     settings: Settings = None,
 ) -> None:
     """Play one match, seated in the order given, and record it."""
-    from catch_arena.tournament.isolation.seating import play_entrants, sandbox_for
+    from catch_arena.tournament.isolation.starting import play_entrants, sandbox_for
     from catch_arena.tournament.plans.schedule import require_enough
 
     config = arena(scenario, settings)

@@ -1,6 +1,6 @@
 """Why did B lose? The contests, refusals and highlights of a recorded match as facts, and the facts in words."""
 
-from catch_arena.explanation.evidence import Claim, Contest, Explanation, HunterSummary, Refusals, explain
+from catch_arena.explanation.match_summary import Claim, Contest, Explanation, HunterSummary, Refusals, explain
 from catch_arena.explanation.steps import HunterAction, StepExplanation, explain_step
 
 __all__ = [

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from catch_arena.explanation.evidence import Claim, Contest, Explanation, HunterSummary, Refusals
 from catch_arena.explanation.lengths import exact_length, metres
+from catch_arena.explanation.match_summary import Claim, Contest, Explanation, HunterSummary, Refusals
 from catch_arena.explanation.steps import HunterAction, StepExplanation
 from catch_arena.verdicts import REASONS, Verdict
 

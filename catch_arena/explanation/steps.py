@@ -8,7 +8,7 @@ from typing import Any
 from catch_arena.core.arbiter import distance_um
 from catch_arena.core.ranking import key_of
 from catch_arena.errors import ConfigError
-from catch_arena.explanation.evidence import Contest, contests_of, json_ready
+from catch_arena.explanation.match_summary import Contest, contests_of, json_ready
 from catch_arena.explanation.seats import labels, seat_of
 from catch_arena.replay import Replay
 from catch_arena.verdicts import REASONS, Ruling, Verdict

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.explanation.evidence import Contest, contests_of
+from catch_arena.explanation.match_summary import Contest, contests_of
 from catch_arena.explanation.seats import labels
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.render.shapes import Color

@@ -8,7 +8,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.policy import Limits, View
 from catch_arena.tournament.entrants import Inspection, enter
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.seating import inspector, play_entrants
+from catch_arena.tournament.isolation.starting import inspector, play_entrants
 from catch_arena.tournament.match import Forfeit, MatchResult
 from catch_arena.verdicts import REASONS, Verdict
 

@@ -20,7 +20,7 @@ from catch_arena.scenarios import scenario
 from catch_arena.seeding import checked_seed
 from catch_arena.tournament.entrants import NOT_INSTALLED, Entrant
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.seating import play_entrants
+from catch_arena.tournament.isolation.starting import play_entrants
 from catch_arena.tournament.match import Forfeit, MatchResult
 
 _OFTEN: Final = 0.1

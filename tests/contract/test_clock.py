@@ -10,7 +10,7 @@ from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.seating import inspector, sandbox_for
+from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 from catch_arena.tournament.plans.schedule import round_robin
 
 PACKAGE = Path(catch_arena.__file__).parent

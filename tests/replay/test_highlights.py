@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-from catch_arena.explanation.evidence import Claim, Contest, explain
 from catch_arena.explanation.highlights import (
     REPEAT_FACTOR,
     Catch,
@@ -16,6 +15,7 @@ from catch_arena.explanation.highlights import (
     win_rates,
     win_records,
 )
+from catch_arena.explanation.match_summary import Claim, Contest, explain
 from catch_arena.render.contact_sheet import same_picture
 from catch_arena.verdicts import Verdict
 

@@ -15,7 +15,7 @@ from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerL
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import require_jobs
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
-from catch_arena.tournament.isolation.seating import inspector
+from catch_arena.tournament.isolation.starting import inspector
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.store import versions
 

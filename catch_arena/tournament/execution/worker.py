@@ -12,7 +12,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.seating import play_entrants
+from catch_arena.tournament.isolation.starting import play_entrants
 from catch_arena.tournament.match import Match, MatchResult, Played
 
 _DIGEST_BYTES: Final = 16

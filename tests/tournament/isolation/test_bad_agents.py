@@ -12,7 +12,7 @@ from catch_arena import Replay, scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.seating import inspector, start_players
+from catch_arena.tournament.isolation.starting import inspector, start_players
 from catch_arena.tournament.match import play
 
 BAD = Path(__file__).parent / "bad"

@@ -23,7 +23,7 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.pipes import Log
 from catch_arena.tournament.isolation.processes import missing_protections
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.seating import inspector, play_entrants, start_players
+from catch_arena.tournament.isolation.starting import inspector, play_entrants, start_players
 from catch_arena.tournament.match import agent_seed, play
 
 HERE = Path(__file__).parent
@@ -217,7 +217,7 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
     code = (
         "from catch_arena import scenario\n"
         "from catch_arena.tournament.entrants import enter\n"
-        "from catch_arena.tournament.isolation.seating import inspector, play_entrants, start_players\n"
+        "from catch_arena.tournament.isolation.starting import inspector, play_entrants, start_players\n"
         "from catch_arena.tournament.match import play\n"
         "from catch_arena.tournament.isolation.sandbox import Sandbox\n"
         "sandbox = Sandbox()\n"
@@ -315,7 +315,7 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
 
 
 def test_a_match_that_could_not_be_held_is_played_again(sandbox, monkeypatch):
-    monkeypatch.setattr("catch_arena.tournament.isolation.seating._PAUSES_S", (0.0, 0.0, 0.0))
+    monkeypatch.setattr("catch_arena.tournament.isolation.starting._PAUSES_S", (0.0, 0.0, 0.0))
     entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
     whole = play_entrants(SHORT, 7, entrants, sandbox)
     ended = []
