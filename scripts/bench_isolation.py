@@ -14,7 +14,7 @@ from catch_arena import agents, scenario
 from catch_arena.descendants import family
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.seating import inspector, start_players
+from catch_arena.tournament.isolation.starting import inspector, start_players
 from catch_arena.tournament.match import play
 
 AGENTS = ("nearest", "contested", "contested_by_time", "patrol")

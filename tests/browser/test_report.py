@@ -352,7 +352,7 @@ def test_a_damaged_replay_says_so_in_one_line_and_the_next_one_plays(quiet, crow
     assert page.locator(".note").inner_text() == "The replay cannot be shown. It is damaged: it cannot be unpacked."
     page.get_by_role("button", name="Play", exact=True).click()  # there is nothing to play
     player.evaluate("(player, text) => player.setAttribute('film', text)", text)
-    page.wait_for_function("document.querySelector('catch-replay').film")
+    page.wait_for_function("document.querySelector('catch-replay').replay")
     page.get_by_role("button", name="Play", exact=True).click()
     page.wait_for_function("document.querySelector('catch-replay').time > 600")
     assert "cannot be shown" not in page.locator(".note").inner_text()
