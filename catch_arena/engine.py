@@ -104,8 +104,9 @@ class Engine:
         num_arenas: B, from 1 up.
         infos_wanted: whether R6.2's parts are kept beside their sum.
         auto_reset: whether the next episode begins at once where one has ended.
-        num_threads: how many may play. All arrays below are the engine's own and change with every step: copy what is
-            to be kept.
+        num_threads: how many may play.
+
+    All arrays below are the engine's own and change with every step: copy what is to be kept.
     """
 
     def __init__(

@@ -122,7 +122,7 @@ class View:
     Args:
         observation: D numbers (R7.1's layout).
         mask: the legal choices (empty under velocity control).
-        limits: .
+        limits: what the hunter can do, and what the arena is.
     """
 
     def __init__(self, observation: Sequence[float], mask: Sequence[int], limits: Limits) -> None:

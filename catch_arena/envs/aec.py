@@ -29,11 +29,11 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         return self._parallel._repr_html_()
 
     def step(self, action: Any) -> None:
-        """The action of the hunter whose turn it is.
+        """The action of the hunter whose turn it is; one that is refused changes nothing.
 
         Raises:
             ActionError: for an action that is not legal.
-            EpisodeError: ; nothing has changed then.
+            EpisodeError: outside an episode.
         """
         self._require_turn("step")
         super().step(action)

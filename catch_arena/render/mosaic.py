@@ -103,7 +103,7 @@ def render_mosaic(
     A match that does not play as recorded stops where it differs, and its cell says so.
 
     Args:
-        replays: 1 to 64 of them, by what is written below each; the others as for `video.render_replay`.
+        replays: 1 to 64 of them, by what is written below each.
         path: where it is written.
         size: (width, height) [pixels].
         fps: frames a second, from 1 on.
@@ -112,7 +112,7 @@ def render_mosaic(
 
     Raises:
         ConfigError: for an argument that cannot be.
-        OutputError: ; no half-written file is left.
+        OutputError: where it cannot be written; no half-written file is left.
     """
     if not 1 <= len(replays) <= MOST:
         raise ConfigError(f"a mosaic must have 1 to {MOST} matches, got {len(replays)}")

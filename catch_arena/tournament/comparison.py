@@ -158,7 +158,8 @@ def compare(
         progress: called with (blocks, test) after each batch.
 
     Raises:
-        ConfigError: ; NoContest.
+        ConfigError: for an argument that cannot be.
+        NoContest: where a match could not be held.
     """
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")

@@ -126,7 +126,8 @@ def play(
         watch: called after the reset and after every step.
 
     Raises:
-        OutputError: for a replay that cannot be written; NoContest where isolated players could not be held.
+        OutputError: for a replay that cannot be written.
+        NoContest: where isolated players could not be held.
     """
     if isinstance(players, Sequence):
         players = TrustedPlayers(players)

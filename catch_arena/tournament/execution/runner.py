@@ -78,7 +78,7 @@ def play_plan(
     """Play what is not in the store yet, batch by batch, until the plan has no further.
 
     A batch is written to the store before it is played, and each block when it and those before it have ended. Whatever
-    breaks it off, the same call goes on where it was.
+    breaks it off, the same call goes on where it was, and no process is left behind.
 
     Args:
         store: where results are kept.
@@ -89,9 +89,11 @@ def play_plan(
         on_results: called with what was played before, and then with the matches of each block.
 
     Raises:
-        ConfigError: ; NoContest for a match that could not be held, or whose worker was lost, time and again.
+        ConfigError: for an argument that cannot be.
+        NoContest: for a match that could not be held, or whose worker was lost, time and again.
         AgentError: for an agent that another machine has not.
-        OutputError: and StoreError for what cannot be written. No process is left behind.
+        OutputError: for logs and replays that cannot be written.
+        StoreError: for results that cannot be written.
     """
     logs = None if folder is None else AgentLogs(folder / LOGS, store.tournament.entrants)
     streaks = ForfeitStreaks(max_forfeits)

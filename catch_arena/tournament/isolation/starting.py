@@ -72,7 +72,8 @@ def play_entrants(
         options: those of `play`.
 
     Raises:
-        OutputError: ; NoContest.
+        OutputError: for a replay that cannot be written.
+        NoContest: where the match could not be held.
     """
     names = [entrant.name for entrant in entrants]
     pauses = iter(_PAUSES_S)

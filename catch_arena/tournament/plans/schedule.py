@@ -206,8 +206,8 @@ def _block(group: Sequence[int], about: tuple[object, ...], number: int, index: 
     Args:
         group: who plays in the block.
         about: what its seed and its circle are drawn from.
-        number: its round's, and `index`, its own in the round, both from 0.
-        index: which block it is, from 0.
+        number: its round's, from 0.
+        index: its own in the round, from 0.
         groups: how many a round has.
     """
     order = sorted(group, key=lambda player: draw("order", *about, player))
