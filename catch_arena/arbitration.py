@@ -12,7 +12,7 @@ from catch_arena.config import ArbitrationPolicy, require_choice
 from catch_arena.core import arbiter
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.seeding import checked_seed
-from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.verdicts import Ruling
 
 _LONGEST_NAME: Final = 255
 _FARTHEST_M: Final = 1e6
@@ -111,13 +111,13 @@ def target_asked_for(name: object, alive: Mapping[str, int], gone: Collection[st
 def rulings_of(table: arbiter.RequestTable, names: Sequence[object], step: int) -> list[Ruling]:
     """A judged table as rulings; `names` are what was asked for."""
     return [
-        Ruling(
-            verdict=Verdict(row[arbiter.REQUEST_VERDICT]),
-            hunter=row[arbiter.REQUEST_SEAT],
-            target=name,
-            distance_um=None if row[arbiter.REQUEST_DISTANCE] < 0 else row[arbiter.REQUEST_DISTANCE],
-            winner=None if row[arbiter.REQUEST_WINNER] < 0 else row[arbiter.REQUEST_WINNER],
-            step=step,
+        Ruling.of_numbers(
+            row[arbiter.REQUEST_VERDICT],
+            row[arbiter.REQUEST_SEAT],
+            name,
+            row[arbiter.REQUEST_DISTANCE],
+            row[arbiter.REQUEST_WINNER],
+            step,
         )
         for row, name in zip(table.tolist(), names, strict=True)
     ]

@@ -33,7 +33,7 @@ from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.errors import ConfigError
 from catch_arena.layout import width
-from catch_arena.seeding import checked_seed
+from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.threads import Threads
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, TargetState, World
@@ -209,7 +209,7 @@ class Engine:
             self.parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         if arenas is None:
-            self._run(0, 0, len(self.memory), resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
+            self._observe(0, len(self.memory), resets)
             return
         if not len(chosen):
             return
@@ -217,7 +217,7 @@ class Engine:
         gaps = np.flatnonzero(np.diff(resets[:, 0] // LANES) > 1) + 1
         for some in np.split(resets, gaps):  # one call for blocks that adjoin; the others keep what they observe
             first, last = (some[[0, -1], 0] // LANES).tolist()
-            self._run(0, first, last + 1, some, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
+            self._observe(first, last + 1, some)
 
     def step(
         self, choices: NDArray[np.int64], commands: NDArray[np.float32], requests: RequestTable = _NO_REQUESTS
@@ -238,17 +238,18 @@ class Engine:
 
         def play(thread: int, part: int) -> None:
             first, last = part * blocks // parts, (part + 1) * blocks // parts
-            self._run(thread, first, last, _NO_RESETS, True, choices, commands, requests)
+            tick.run(*self._widths, self._memory, thread, first, last, _NO_RESETS, True, choices, commands, requests)
 
         self.threads.run(parts, play)
 
     def observe(self, arena: int | None = None) -> None:
         """Write observations and masks as things stand, of all arenas or of those in one arena's block."""
         first, last = (0, len(self.memory)) if arena is None else (arena // LANES, arena // LANES + 1)
-        self._run(0, first, last, _NO_RESETS, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
+        self._observe(first, last, _NO_RESETS)
 
-    def _run(self, *given: Any) -> None:
-        tick.run(*self._widths, self._memory, *given)
+    def _observe(self, first: int, last: int, resets: NDArray[np.uint64]) -> None:
+        """Begin episodes, and observe those blocks; nobody plays."""
+        tick.run(*self._widths, self._memory, 0, first, last, resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
 
     def withdraw(self, arena: int, seat: int) -> None:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
@@ -318,22 +319,12 @@ class Engine:
         found = []
         steps = int(self._fields[arena // LANES, rows.STEP // LANES, arena % LANES])
         for seat, me in enumerate(self.hunter_rows(arena).tolist()):
-            verdict = int(me[rows.VERDICT // LANES])
+            number, verdict, distance, winner = (me[row // LANES] for row in rows.EVIDENCE)
             if verdict == NO_REQUEST:
                 continue
-            number = int(me[rows.REQUESTED_NUMBER // LANES])
-            distance = int(me[rows.DISTANCE_UM // LANES])
-            winner = int(me[rows.WINNER // LANES])
-            found.append(
-                Ruling(
-                    verdict=Verdict(verdict),
-                    hunter=seat,
-                    target=self.config.target_name(number) if number else None,
-                    distance_um=None if distance < 0 else distance,
-                    winner=None if winner < 0 else winner,
-                    step=steps if verdict == Verdict.MATCH_OVER else steps - 1,
-                )
-            )
+            step = steps if verdict == Verdict.MATCH_OVER else steps - 1
+            target = self.config.target_name(int(number)) if number else None
+            found.append(Ruling.of_numbers(verdict, seat, target, distance, winner, step))
         return tuple(found)
 
     def world(self, arena: int = 0) -> World:
@@ -446,6 +437,22 @@ def next_seeds(seeds: NDArray[np.uint64]) -> NDArray[np.uint64]:
     following = seeds.copy()
     advance_seeds(following)
     return following
+
+
+def episode_seed(given: int | None, before: int | None) -> int:
+    """The seed of one arena's next episode.
+
+    Args:
+        given: a whole number in [0, 2^64), or None.
+        before: the seed of the episode before, which it then follows (A.5); None for a first one, which is the
+            operating system's.
+
+    Raises:
+        ConfigError: for a seed that cannot be.
+    """
+    if given is not None:
+        return checked_seed(given)
+    return fresh_seed() if before is None else int(next_seeds(np.array([before], dtype=np.uint64))[0])
 
 
 def batch_seeds(seed: int, num_arenas: int) -> NDArray[np.uint64]:

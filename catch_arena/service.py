@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from catch_arena.arbitration import rulings_of, target_asked_for
 from catch_arena.config import ArenaConfig
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET
-from catch_arena.engine import Engine, next_seeds
+from catch_arena.engine import Engine, episode_seed
+from catch_arena.envs.spaces import require_pose
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
@@ -50,10 +50,7 @@ class ArenaService:
             seed: a whole number in [0, 2^64); without one the first episode's is the operating system's, and each
                 further one follows from the one before (A.5).
         """
-        if seed is not None:
-            self._seed = checked_seed(seed)
-        else:
-            self._seed = fresh_seed() if self._seed is None else int(next_seeds(self._engine.seeds())[0])
+        self._seed = episode_seed(seed, self._seed)
         self._engine.reset([self._seed])
         self._appeared = {target.name for target in self.world.targets}
         self._publish(self.alive_turtles())
@@ -98,11 +95,7 @@ class ArenaService:
             EpisodeError: where no episode is under way.
         """
         self._require_play("spawn")
-        for axis, value in (("x", x), ("y", y)):
-            if not 0.0 <= value <= self._config.side_m:
-                raise ActionError(f"spawn: {axis} must lie in [0, {self._config.side_m:g}], got {value!r}")
-        if not -1e3 <= theta <= 1e3:
-            raise ActionError(f"spawn: theta must be a finite angle, got {theta!r}")
+        require_pose(self._config, x, y, theta)
         number = self._engine.spawn(0, x, y, theta)
         if not number:
             return ""
@@ -149,16 +142,15 @@ class ArenaService:
         table = np.zeros((len(requests), REQUEST_COLUMNS), dtype=np.int64)
         table[:, REQUEST_SEAT] = seats
         table[:, REQUEST_TARGET] = [target_asked_for(name, slots, self._appeared) for name in names]
-        self._engine.step(self._active(table), self._commands(cmd_vel or {}), table)
+        self._engine.step(self._active(table, names), self._commands(cmd_vel or {}), table)
         self._publish_changes(before)
         return rulings_of(table, names, before.step)
 
-    def _active(self, table: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _active(self, table: NDArray[np.int64], names: Sequence[str]) -> NDArray[np.int64]:
         """R4.4: the rank of the target that each hunter asks for first, which is its active one in this step."""
         ranks = np.zeros((1, self._config.hunters), dtype=np.int64)
-        world = self._engine.world()
-        for seat, slot in table[::-1, [REQUEST_SEAT, REQUEST_TARGET]].tolist():
-            ranks[0, seat] = self._engine.rank_of(0, seat, world.targets[slot].name) if slot >= 0 else 0
+        for (seat, slot), name in zip(table[::-1, [REQUEST_SEAT, REQUEST_TARGET]].tolist(), names[::-1], strict=True):
+            ranks[0, seat] = self._engine.rank_of(0, seat, name) if slot >= 0 else 0
         return ranks
 
     def _commands(self, cmd_vel: Mapping[str, Twist]) -> NDArray[np.float32]:

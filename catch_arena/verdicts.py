@@ -60,6 +60,20 @@ class Ruling:
     step: int = 0
     """The step in which it was judged, from 0."""
 
+    @classmethod
+    def of_numbers(
+        cls, verdict: float, hunter: int, target: object, distance_um: float, winner: float, step: int
+    ) -> "Ruling":
+        """A ruling from numbers as the arbiter writes them, in which -1 is a distance or a winner that is not there."""
+        return cls(
+            Verdict(int(verdict)),
+            hunter,
+            target,
+            None if distance_um < 0 else int(distance_um),
+            None if winner < 0 else int(winner),
+            step,
+        )
+
     @property
     def success(self) -> bool:
         """What the `catch_turtle` service answers (R5.2)."""

@@ -16,7 +16,7 @@ from pettingzoo import ParallelEnv
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core import state as rows
 from catch_arena.core.rewards import PART_NAMES
-from catch_arena.engine import Engine, next_seeds
+from catch_arena.engine import Engine, episode_seed
 from catch_arena.envs.infos import LazyInfos
 from catch_arena.envs.spaces import (
     action_space,
@@ -24,12 +24,12 @@ from catch_arena.envs.spaces import (
     checked_command,
     checked_full,
     observation_space,
+    require_pose,
     state_space,
 )
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.replay import Replay, checked_text
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.verdicts import REASONS, Verdict
 from catch_arena.world import World
 
@@ -166,10 +166,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             observations and infos by agent.
         """
         del options
-        if seed is not None:
-            self._seed = checked_seed(seed)
-        else:
-            self._seed = fresh_seed() if self._seed is None else int(next_seeds(self._engine.seeds())[0])
+        self._seed = episode_seed(seed, self._seed)
         self._engine.reset([self._seed])
         self.agents = self.possible_agents[:]
         self._over = False
@@ -239,11 +236,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
         """R8.1: a target outside the timer; its name, or "" where the arena is full. A recorded episode takes none."""
         self._require_changeable("spawn")
-        for axis, value in (("x", x), ("y", y)):
-            if not 0.0 <= value <= self.config.side_m:
-                raise ActionError(f"spawn: {axis} must lie in [0, {self.config.side_m:g}], got {value!r}")
-        if not -1e3 <= theta <= 1e3:
-            raise ActionError(f"spawn: theta must be a finite angle, got {theta!r}")
+        require_pose(self.config, x, y, theta)
         number = self._engine.spawn(0, x, y, theta)
         return self.config.target_name(number) if number else ""
 

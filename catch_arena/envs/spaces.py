@@ -44,6 +44,19 @@ def state_space(config: ArenaConfig) -> spaces.Box:
     )
 
 
+def require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
+    """A place in the arena [m] and a finite angle [rad], for a target that is spawned by hand.
+
+    Raises:
+        ActionError: for anything else.
+    """
+    for axis, value in (("x", x), ("y", y)):
+        if not 0.0 <= value <= config.side_m:
+            raise ActionError(f"spawn: {axis} must lie in [0, {config.side_m:g}], got {value!r}")
+    if not -1e3 <= theta <= 1e3:
+        raise ActionError(f"spawn: theta must be a finite angle, got {theta!r}")
+
+
 def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:
     """A rank from 0 to `ranks`.
 

@@ -35,7 +35,8 @@ def check_fitness(spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandb
         sandbox: how agents that are not trusted run.
 
     Raises:
-        AgentError: where the spec names no agent; NoContest.
+        AgentError: where the spec names no agent.
+        NoContest: where a match could not be held.
     """
     looked: list[Inspection] = []
 
