@@ -16,8 +16,6 @@ from catch_arena.scenarios import scenario as arena_config
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
-AT_REST = Twist(0.0, 0.0)
-
 
 class ArenaService:
     """One arena by names: `spawn`, `kill`, `alive_turtles`, `pose`, and `step`, which answers catch_turtle.
