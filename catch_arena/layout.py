@@ -21,7 +21,7 @@ class Column(NamedTuple):
     meaning: str
 
 
-class SelfSeen(NamedTuple):
+class SelfFeatures(NamedTuple):
     """What a hunter knows of itself."""
 
     x: float
@@ -36,7 +36,7 @@ class SelfSeen(NamedTuple):
     bearing_integral: float
 
 
-class TargetSeen(NamedTuple):
+class TargetFeatures(NamedTuple):
     """What it sees of each target, nearest first."""
 
     forward: float
@@ -46,7 +46,7 @@ class TargetSeen(NamedTuple):
     active: float
 
 
-class RivalSeen(NamedTuple):
+class RivalFeatures(NamedTuple):
     """What it sees of each rival, nearest first."""
 
     forward: float
@@ -58,9 +58,9 @@ class RivalSeen(NamedTuple):
     score_difference: float
 
 
-SELF_COLUMNS: Final = SelfSeen._fields
-TARGET_COLUMNS: Final = TargetSeen._fields
-RIVAL_COLUMNS: Final = RivalSeen._fields
+SELF_COLUMNS: Final = SelfFeatures._fields
+TARGET_COLUMNS: Final = TargetFeatures._fields
+RIVAL_COLUMNS: Final = RivalFeatures._fields
 
 
 def width(config: ArenaConfig) -> int:

@@ -29,7 +29,7 @@ def cpu_seconds() -> float:
 
 
 def matches_per_cpu_second(entrants: tuple[Entrant, ...], sandbox: Sandbox | None, count: int) -> float:
-    """Played one after the other, with different seeds; the first one is not counted."""
+    """PlayedMatch one after the other, with different seeds; the first one is not counted."""
     begin = 0.0
     for seed in range(count + 1):
         if seed == 1:

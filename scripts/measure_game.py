@@ -18,7 +18,7 @@ from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.tables import standings_table
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match import Played, play
+from catch_arena.tournament.match import PlayedMatch, play
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.standings import standings
 
@@ -66,14 +66,14 @@ def measure(name: str, agents: list[str], rounds: int, seed: int) -> None:
     players = list(islice(cycle(range(len(entrants))), max(len(entrants), config.hunters)))
     plan = round_robin(len(players), config.hunters, rounds, seed)
     contests = Contests()
-    played: list[Played] = []
+    played: list[PlayedMatch] = []
     with progress_bar(name) as show:
         for match in plan:
             seating = [players[place] for place in match.seating]
             policies = [entrants[place].create() for place in seating]
             names = [entrants[place].name for place in seating]
             result = play(config, match.seed, policies, names, places=match.seating, watch=contests.watch)
-            played.append(Played(replace(match, seating=tuple(seating)), result))
+            played.append(PlayedMatch(replace(match, seating=tuple(seating)), result))
             show(len(played), len(plan))
     share = 100 / max(1, contests.catches)
     print(f"{name}: {len(plan)} matches, {contests.catches / len(plan):.1f} catches in each")

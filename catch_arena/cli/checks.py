@@ -87,7 +87,7 @@ def grade(
 
     The exit code is 0 where every test passed, else 1.
     """
-    from catch_arena.replay import write_whole
+    from catch_arena.files import write_whole
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import grade_agent, json_text, junit_text, read_spec
     from catch_arena.tournament.isolation.starting import inspector, sandbox_for

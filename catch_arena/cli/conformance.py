@@ -45,7 +45,7 @@ def conformance(
     It takes the arguments of catch_arena.arbitrate and returns its rulings; docs/conformance.md has an example.
     """
     from catch_arena.conformance.results import WIDTH, wrapped
-    from catch_arena.replay import write_whole
+    from catch_arena.files import write_whole
     from catch_arena.testing import run_conformance, select_cases
 
     if listing:

@@ -135,7 +135,7 @@ def audit(
     """
     from catch_arena.cli.fitted_table import FittedTable
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.replay import write_whole
+    from catch_arena.files import write_whole
     from catch_arena.tournament.audit import FILE, LEVEL, audit_text
     from catch_arena.tournament.audit import audit as ask
 

@@ -12,7 +12,7 @@ from rich.progress import Progress
 from catch_arena.cli.progress import bar_columns, progress_lines
 from catch_arena.cli.tables import standings_table
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Played
+from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.statistics.standings import standings
 
 _PAUSE_S: Final = 1.0
@@ -40,7 +40,7 @@ class LiveStandings:
         self._entrants = entrants
         self._console = console or Console(stderr=True)
         self._clock = clock
-        self._played: list[Played] = []
+        self._played: list[PlayedMatch] = []
         self._total = total
         self._say = progress_lines("playing", self._console, clock)
         self._next = clock() + _PAUSE_S
@@ -48,7 +48,7 @@ class LiveStandings:
         self._task = self._bar.add_task("playing", total=total)
         self._live = Live(self._bar, console=self._console, transient=True)
 
-    def update(self, played: Sequence[Played]) -> None:
+    def update(self, played: Sequence[PlayedMatch]) -> None:
         """More matches have been played, in whatever order."""
         self._played += played
         if not self._console.is_terminal:

@@ -96,7 +96,7 @@ def tournament(
     """
     from catch_arena.cli.live_standings import LiveStandings
     from catch_arena.cli.tables import plan_table, standings_table
-    from catch_arena.replay import prepare_folder
+    from catch_arena.files import prepare_folder
     from catch_arena.report import REPORT, write_report
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan

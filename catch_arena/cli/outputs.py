@@ -17,7 +17,7 @@ def output_file(path: Path, *, force: bool) -> Path:
     Raises:
         OutputError: better before the work than after it.
     """
-    from catch_arena.replay import prepare_folder, regular_file
+    from catch_arena.files import prepare_folder, regular_file
 
     prepare_folder(path.parent)
     if regular_file(path).exists() and not force:

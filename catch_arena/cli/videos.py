@@ -187,8 +187,9 @@ def sheet(
     """Put pictures of a match side by side, with their times."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
+    from catch_arena.files import write_whole
     from catch_arena.render.contact_sheet import contact_sheet, even_instants, instants_of, same_picture
-    from catch_arena.replay import Replay, write_whole
+    from catch_arena.replay import Replay
 
     if output.suffix.lower() != ".png":
         raise ConfigError(f"output must end in .png, got {str(output)!r}")

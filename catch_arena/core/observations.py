@@ -52,15 +52,15 @@ from catch_arena.core.vectors import (
     stream_eight,
 )
 from catch_arena.core.workspace import FEATURE_STRIDE, Scratch, rival_order_of
-from catch_arena.layout import RivalSeen, SelfSeen, TargetSeen
+from catch_arena.layout import RivalFeatures, SelfFeatures, TargetFeatures
 
 Masks = NDArray[np.int8]
 """(lanes, H, K + 1)."""
 Numbers = NDArray[np.float32]
 
-SELF_WIDTH: Final = len(SelfSeen._fields)
-TARGET_WIDTH: Final = len(TargetSeen._fields)
-RIVAL_WIDTH: Final = len(RivalSeen._fields)
+SELF_WIDTH: Final = len(SelfFeatures._fields)
+TARGET_WIDTH: Final = len(TargetFeatures._fields)
+RIVAL_WIDTH: Final = len(RivalFeatures._fields)
 
 _MANY: Final = 4
 """As many hunters for each that is seen: then what is seen of them is found out one by one."""
@@ -155,7 +155,7 @@ def compute_target_features(
         first: the first lane of the group.
         width: how many lanes the group has.
         slots: how many slots are in use in any lane.
-        features: the result, the columns of `layout.TargetSeen`: those of slot s in the group's lane l from
+        features: the result, the columns of `layout.TargetFeatures`: those of slot s in the group's lane l from
             features[(s * len(width) + l) * FEATURE_STRIDE] on.
     """
     lane = group(first, width)
@@ -164,7 +164,7 @@ def compute_target_features(
     for slot in range(slots):
         at = slot * SLOT_SIZE + lane
         dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
-        seen = TargetSeen(
+        seen = TargetFeatures(
             forward=cosine * dx + sine * dy,
             left=cosine * dy - sine * dx,
             present=1.0,
@@ -184,7 +184,7 @@ def compute_rival_features(block: Block, seat: int, first: int, width: Width, s:
         first: the first lane of the group.
         width: how many lanes the group has.
         s: the settings.
-        features: the result, the columns of `layout.RivalSeen`: those of seat r in the group's lane l from
+        features: the result, the columns of `layout.RivalFeatures`: those of seat r in the group's lane l from
             features[(r * len(width) + l) * FEATURE_STRIDE] on.
     """
     for other in range(s.hunters):
@@ -202,12 +202,12 @@ def write_self(me: Block, time_left: Block, first: int, width: Width, out: Numbe
         time_left: until the time limit [s], one row, (LANES,).
         first: the first lane of the group.
         width: how many lanes the group has.
-        out: observations, flat; the columns of `layout.SelfSeen` are written.
+        out: observations, flat; the columns of `layout.SelfFeatures` are written.
         at: where in `out` those of the first lane begin.
         stride: how far behind them those of the next lane begin.
     """
     lane = group(first, width)
-    seen = SelfSeen(
+    seen = SelfFeatures(
         x=me[X + lane],
         y=me[Y + lane],
         heading_cos=me[COSINE + lane],

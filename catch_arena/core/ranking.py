@@ -29,7 +29,7 @@ from catch_arena.core.state import (
     span,
 )
 from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
-from catch_arena.layout import RivalSeen
+from catch_arena.layout import RivalFeatures
 
 Keys = NDArray[np.int32]
 
@@ -104,13 +104,13 @@ def _sorting_network(wires: int) -> list[tuple[int, int]]:
 
 
 @rule
-def rival_at(block: Block, seat: int, other: int, lane: int) -> RivalSeen:
+def rival_at(block: Block, seat: int, other: int, lane: int) -> RivalFeatures:
     """R7.1: what one seat sees of another hunter."""
     me, rival = seat_of(block, seat), seat_of(block, other)
     sine, cosine = me[SINE + lane], me[COSINE + lane]
     rival_sine, rival_cosine = rival[SINE + lane], rival[COSINE + lane]
     dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
-    return RivalSeen(
+    return RivalFeatures(
         forward=cosine * dx + sine * dy,
         left=cosine * dy - sine * dx,
         present=1.0,
@@ -225,7 +225,7 @@ def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64
 
 
 @rule
-def precedes(a: RivalSeen, b: RivalSeen) -> bool:
+def precedes(a: RivalFeatures, b: RivalFeatures) -> bool:
     """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; never by
     seat.
     """

@@ -12,7 +12,7 @@ from catch_arena.replay import Replay
 from catch_arena.tournament.audit import FILE as AUDIT
 from catch_arena.tournament.audit import Audit, Check, Seat
 from catch_arena.tournament.execution.runner import REPLAYS
-from catch_arena.tournament.match import Played
+from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import Outcomes
@@ -27,7 +27,7 @@ class ReportData:
     folder: Path
     tournament: Tournament
     planned: int
-    played: Sequence[Played]
+    played: Sequence[PlayedMatch]
     """In the order of the plan."""
     versions: Sequence[dict[str, str]]
     """Each set of versions that played."""

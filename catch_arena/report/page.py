@@ -8,8 +8,8 @@ from typing import Any, Final
 import jinja2
 
 from catch_arena.config import RULESET
+from catch_arena.files import write_whole
 from catch_arena.player import element_script, packed_text, page_file, script_json
-from catch_arena.replay import write_whole
 from catch_arena.report import charts
 from catch_arena.report.charts import Axis
 from catch_arena.report.data import ReportData

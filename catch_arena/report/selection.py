@@ -7,7 +7,7 @@ from typing import NamedTuple
 from catch_arena.errors import ReplayError
 from catch_arena.player import bundle_text
 from catch_arena.report.data import ReportData
-from catch_arena.tournament.match import Played
+from catch_arena.tournament.match import PlayedMatch
 
 
 class SelectedMatch(NamedTuple):
@@ -58,15 +58,15 @@ def _by_interest(data: ReportData) -> Iterator[tuple[str, str]]:
                 yield one.match.id, why
 
 
-def _margin(one: Played) -> int:
+def _margin(one: PlayedMatch) -> int:
     """How far the first is ahead of the second."""
     first, second, *_ = (*sorted(one.result.scores, reverse=True), 0)
     return first - second
 
 
-def _contests(one: Played) -> int:
+def _contests(one: PlayedMatch) -> int:
     return sum(tally.get("LOST_CONTEST", 0) for tally in one.result.verdicts)
 
 
-def _lost_by(one: Played, entrant: int) -> bool:
+def _lost_by(one: PlayedMatch, entrant: int) -> bool:
     return any(who == entrant and rank > 1 for who, rank in zip(one.match.seating, one.result.ranks, strict=True))

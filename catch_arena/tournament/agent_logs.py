@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from catch_arena.replay import unwritable
+from catch_arena.files import unwritable
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Played
+from catch_arena.tournament.match import PlayedMatch
 
 MOST_BYTES: Final = 4 << 20
 """Of one agent's file; the next match is the last that is added."""
@@ -19,7 +19,7 @@ class AgentLogs:
         self._folder = folder
         self._entrants = entrants
 
-    def add(self, one: Played) -> None:
+    def add(self, one: PlayedMatch) -> None:
         """Of each seat that forfeited or printed: what.
 
         Raises:

@@ -13,7 +13,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.match import Block, Match, Played
+from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.sprt import Decision, Sprt
@@ -59,7 +59,7 @@ class ComparisonDesign:
                 found.append(Match(f"{match.id}-{'ab'[turn]}", match.block, match.seed, tuple(seating)))
         return tuple(found)
 
-    def outcome(self, block: Sequence[Played]) -> float:
+    def outcome(self, block: Sequence[PlayedMatch]) -> float:
         """The share that A got of B in a block: in each comparison of two ranks a better one counts 1, an equal one
         one half.
         """
@@ -112,7 +112,7 @@ class _UntilDecided:
         self._blocks = map(design.block, plan.blocks())
         self._seen, self._next_size = 0, _FIRST_BATCH
 
-    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
         """The next batch, once the last one has been given to the test in the order of the plan."""
         for _, block in groupby(islice(played, self._seen, None), key=lambda one: one.match.block):
             matches = list(block)

@@ -14,7 +14,7 @@ from typing import IO, Any, Final
 
 from catch_arena.config import RULESET, require_choice
 from catch_arena.errors import ConfigError
-from catch_arena.replay import whole_file
+from catch_arena.files import whole_file
 from catch_arena.tournament.match import MatchResult, agent_seed
 from catch_arena.tournament.store import Store
 from catch_arena.verdicts import Verdict

@@ -93,7 +93,7 @@ class MatchResult:
 
 
 @dataclass(frozen=True, slots=True)
-class Played:
+class PlayedMatch:
     """A match of the plan, and what came out of it."""
 
     match: Match

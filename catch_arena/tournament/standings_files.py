@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.config import RULESET
-from catch_arena.replay import write_whole
+from catch_arena.files import write_whole
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 from catch_arena.tournament.store import Tournament

@@ -20,9 +20,9 @@ from typing import Any, Final, Self
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import StoreError
-from catch_arena.replay import room
+from catch_arena.files import room
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Block, Forfeit, Match, MatchResult, MoveTimes, Played
+from catch_arena.tournament.match import Block, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch
 
 STORE: Final = "tournament.sqlite"
 _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: what kind of file it is
@@ -143,13 +143,13 @@ class Store:
                 count += 1
         return count
 
-    def keep(self, block: Iterable[Played]) -> None:
+    def keep(self, block: Iterable[PlayedMatch]) -> None:
         """Write matches that were played, all or none; one that was kept before must have come out alike."""
         with self._transaction():
             for one in block:
                 self._keep(one)
 
-    def _keep(self, one: Played) -> None:
+    def _keep(self, one: PlayedMatch) -> None:
         result = one.result
         parts = {name: getattr(result, name) for name in _RESULTS}
         parts["thinking"] = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in result.thinking]
@@ -185,12 +185,12 @@ class Store:
             yield from map(_match, rows)
             after = rows[-1][0]
 
-    def played(self, most: int = -1) -> Iterator[Played]:
+    def played(self, most: int = -1) -> Iterator[PlayedMatch]:
         """What was played, in the order of the plan; `most`, at most so many."""
         with self._store_errors():
             yield from map(_played, self._db.execute(f"{_PLAYED} ORDER BY id LIMIT ?", (most,)))
 
-    def records(self) -> Iterator[tuple[Played, dict[str, str]]]:
+    def records(self) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
         """What was played, in the order of the plan, each with the versions that played it."""
         with self._store_errors():
             known = {key: json.loads(value) for key, value in self._db.execute("SELECT id, value FROM versions")}
@@ -373,13 +373,13 @@ def _match(row: Sequence[Any]) -> Match:
     return Match(name, block, seed, tuple(json.loads(seating)))
 
 
-def _played(row: Sequence[Any]) -> Played:
+def _played(row: Sequence[Any]) -> PlayedMatch:
     parts: dict[str, Any] = {name: json.loads(text) for name, text in zip(_RESULTS, row[5:], strict=True)}
     parts["thinking"] = [MoveTimes(*part) for part in parts["thinking"]]
     parts["details"] = [part and Forfeit(*part) for part in parts["details"]]
     for name, part in parts.items():
         parts[name] = tuple(part) if isinstance(part, list) else part
-    return Played(_match(row[:4]), MatchResult(**parts), row[4])
+    return PlayedMatch(_match(row[:4]), MatchResult(**parts), row[4])
 
 
 def _json(value: object) -> str:

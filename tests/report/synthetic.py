@@ -7,7 +7,7 @@ from random import Random
 from catch_arena.config import ArenaConfig
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, Played, ranks_of
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch, ranks_of
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.store import Store, Tournament
 
@@ -44,7 +44,7 @@ def tournament(
                 Forfeit("FORFEIT_CRASH", 7, "act raised ValueError: <b>no</b>") if bad else None for bad in crashed
             ]
             played.append(
-                Played(
+                PlayedMatch(
                     match,
                     MatchResult(
                         scores=scores,

@@ -5,7 +5,7 @@ import pytest
 from catch_arena.errors import OutputError
 from catch_arena.tournament.agent_logs import MOST_BYTES, AgentLogs
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, Match, MatchResult, Played
+from catch_arena.tournament.match import Forfeit, Match, MatchResult, PlayedMatch
 
 ENTRANTS = [Entrant(name, name, "target", "") for name in ("quiet", "loud")]
 
@@ -13,7 +13,7 @@ ENTRANTS = [Entrant(name, name, "target", "") for name in ("quiet", "loud")]
 def played(number, printed, forfeit=None):
     codes = (None, forfeit and forfeit.code)
     result = MatchResult((1, 0), (1, 2), ({}, {}), (0, 0), 9, "", codes, (), (None, forfeit), ("", printed))
-    return Played(Match(f"m{number}", number, 0, (0, 1)), result)
+    return PlayedMatch(Match(f"m{number}", number, 0, (0, 1)), result)
 
 
 def test_each_agent_has_a_file_which_says_in_which_match_and_seat(tmp_path):

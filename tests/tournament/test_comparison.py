@@ -10,7 +10,7 @@ from catch_arena.cli import main
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.comparison import ComparisonDesign, compare
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match import Match, MatchResult, Played
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.sprt import Sprt
 
@@ -41,7 +41,7 @@ def test_beside_a_field_they_sit_together():
 def test_a_blocks_outcome_by_hand():
     def block(*matches):
         return [
-            Played(Match(str(number), 0, 0, seating), MatchResult((), ranks, (), (), 1, "", (), ()))
+            PlayedMatch(Match(str(number), 0, 0, seating), MatchResult((), ranks, (), (), 1, "", (), ()))
             for number, (seating, ranks) in enumerate(matches)
         ]
 

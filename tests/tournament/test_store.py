@@ -9,7 +9,7 @@ from catch_arena import scenario
 from catch_arena.errors import StoreError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
-from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, Played, blocks_of
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch, blocks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
 from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
 
@@ -49,7 +49,7 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
         (MoveTimes(17, 0.25, 0.125),) * 2,
         (None, Forfeit("FORFEIT_CRASH", 17, "it fell")),
     )
-    kept = [Played(played[0].match, strange, "00ff"), *played[1:]]
+    kept = [PlayedMatch(played[0].match, strange, "00ff"), *played[1:]]
     for one in kept[::-1]:
         store.keep([one])
     store.close()
@@ -73,12 +73,12 @@ def test_what_waits_is_what_was_not_played_in_the_order_of_the_plan(store, playe
 def test_keeping_a_match_again_changes_nothing_and_must_say_the_same(store, played):
     store.keep(played[:1])
     slower = dataclasses.replace(played[0].result, thinking=(MoveTimes(30, 9.0, 8.0),) * 2)
-    store.keep([Played(played[0].match, slower)])
+    store.keep([PlayedMatch(played[0].match, slower)])
     assert list(store.played()) == played[:1]
     assert next(store.played()).result.thinking[0].total_s < 9.0
     other = dataclasses.replace(played[0].result, scores=(99, 0))
     with pytest.raises(StoreError, match=rf"match {played[0].match.id} came out with scores .* \(99, 0\)"):
-        store.keep([played[1], Played(played[0].match, other)])
+        store.keep([played[1], PlayedMatch(played[0].match, other)])
     assert list(store.played()) == played[:1]
 
 
@@ -197,5 +197,5 @@ def test_its_size_is_what_a_plan_says(tmp_path):
     with Store.begin(Tournament(config, entrants, plan.parameters), tmp_path) as store:
         store.plan(plan.batch(0, ()))
         for block in plan.blocks():
-            store.keep(Played(match, first.result) for match in block)
+            store.keep(PlayedMatch(match, first.result) for match in block)
     assert (tmp_path / STORE).stat().st_size / plan.size == pytest.approx(store_bytes(4), rel=1 / 4)

@@ -8,7 +8,7 @@ from catch_arena.core import state
 from catch_arena.core.state import LANES
 from catch_arena.core.workspace import FEATURE_STRIDE
 from catch_arena.envs.parallel import parallel_env
-from catch_arena.layout import RivalSeen, SelfSeen, TargetSeen, columns, state_columns, width
+from catch_arena.layout import RivalFeatures, SelfFeatures, TargetFeatures, columns, state_columns, width
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.verdicts import Verdict
 
@@ -86,11 +86,11 @@ def test_the_columns_have_the_names_and_the_order_in_which_the_core_writes_them(
     """Its writer is made from the named tuples; and there is room in the core's scratch memory for what it writes."""
     config = ArenaConfig()
     names = [column.name for column in columns(config)]
-    own, target, rival = len(SelfSeen._fields), len(TargetSeen._fields), len(RivalSeen._fields)
+    own, target, rival = len(SelfFeatures._fields), len(TargetFeatures._fields), len(RivalFeatures._fields)
     first_rival = own + target * config.targets_seen
-    assert names[:own] == list(SelfSeen._fields)
-    assert names[own : own + target] == [f"target_1.{name}" for name in TargetSeen._fields]
-    assert names[first_rival : first_rival + rival] == [f"rival_1.{name}" for name in RivalSeen._fields]
+    assert names[:own] == list(SelfFeatures._fields)
+    assert names[own : own + target] == [f"target_1.{name}" for name in TargetFeatures._fields]
+    assert names[first_rival : first_rival + rival] == [f"rival_1.{name}" for name in RivalFeatures._fields]
     assert max(target, rival) <= FEATURE_STRIDE
 
 

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.match import Block, Played
+from catch_arena.tournament.match import Block, PlayedMatch
 
 
 class ForfeitStreaks:
@@ -29,7 +29,7 @@ class ForfeitStreaks:
         self._finished: set[int] = set()
         self._excluded: dict[int, str] = {}
 
-    def add(self, block: Iterable[Played]) -> bool:
+    def add(self, block: Iterable[PlayedMatch]) -> bool:
         """The next block of the plan has been played.
 
         Returns:

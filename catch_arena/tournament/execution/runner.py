@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.config import ArenaConfig
-from catch_arena.replay import prepare_folder, write_whole
+from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_logs import AgentLogs
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import play_blocks
@@ -14,7 +14,7 @@ from catch_arena.tournament.execution.executors import Executor, ProcessExecutor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.match import Match, Played
+from catch_arena.tournament.match import Match, PlayedMatch
 from catch_arena.tournament.plans.schedule import Plan, listed
 from catch_arena.tournament.store import Store, Tournament
 
@@ -33,7 +33,7 @@ def run(
     max_forfeits: int = 0,
     record: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> list[Played]:
+) -> list[PlayedMatch]:
     """Play every match, without a store on disk; the results come in the order of the plan.
 
     It raises what `play_plan` does.
@@ -52,7 +52,7 @@ def run(
     worker = Worker(config, tuple(entrants), record=record is not None, limits=limits)
     done = 0
 
-    def on_results(played: Sequence[Played]) -> None:
+    def on_results(played: Sequence[PlayedMatch]) -> None:
         nonlocal done
         done += len(played)
         if progress is not None:
@@ -73,7 +73,7 @@ def play_plan(
     *,
     max_forfeits: int = 0,
     folder: Path | None = None,
-    on_results: Callable[[Sequence[Played]], None] | None = None,
+    on_results: Callable[[Sequence[PlayedMatch]], None] | None = None,
 ) -> None:
     """Play what is not in the store yet, batch by batch, until the plan has no further.
 

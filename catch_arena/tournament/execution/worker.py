@@ -13,11 +13,11 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import play_entrants
-from catch_arena.tournament.match import Match, MatchResult, Played
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
 
 _DIGEST_BYTES: Final = 16
 
-RecordedMatch = tuple[Played, bytes]
+RecordedMatch = tuple[PlayedMatch, bytes]
 """A match that was played, and the content of its replay's file: empty where none was asked for."""
 
 
@@ -48,7 +48,7 @@ class Worker:
             NoContest: for a match that could not be held, time and again.
         """
         return [
-            self._recorded(match, excluded) if self.record else (Played(match, self._result(match, excluded)), b"")
+            self._recorded(match, excluded) if self.record else (PlayedMatch(match, self._result(match, excluded)), b"")
             for match in matches
         ]
 
@@ -61,7 +61,7 @@ class Worker:
         replay = BytesIO()
         result = self._result(match, excluded, replay)
         content = replay.getvalue()
-        return Played(match, result, hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest()), content
+        return PlayedMatch(match, result, hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest()), content
 
     def _result(self, match: Match, excluded: Mapping[int, str], record: BytesIO | None = None) -> MatchResult:
         players = [self.entrants[index] for index in match.seating]

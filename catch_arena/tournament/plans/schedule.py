@@ -10,7 +10,7 @@ from typing import Final, Protocol
 from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.tournament.match import Block, Match, Played, blocks_of
+from catch_arena.tournament.match import Block, Match, PlayedMatch, blocks_of
 from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
 from catch_arena.tournament.plans.swiss import pair_round
 
@@ -34,7 +34,7 @@ class Plan(Protocol):
     def size(self) -> int:
         """How many matches it has; the most that it may have, where it depends on their results."""
 
-    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
         """The blocks of a batch, from 0 up; none after the last one.
 
         Args:
@@ -57,7 +57,7 @@ class FixedPlan:
     def __iter__(self) -> Iterator[Match]:
         return (match for block in self.blocks() for match in block)
 
-    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
         """All of it."""
         del played
         return () if number else self.blocks()
@@ -85,7 +85,7 @@ class Swiss:
         """The same, whatever the results."""
         return self.rounds * (self.entrants // self.seats) * self.seats
 
-    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
         """One round."""
         if number >= self.rounds:
             return

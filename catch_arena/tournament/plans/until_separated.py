@@ -6,7 +6,7 @@ from typing import Final
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Block, Played
+from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.plans.schedule import FixedPlan
 from catch_arena.tournament.statistics.separation import Separation, next_look, require_confidence, separation
 
@@ -45,7 +45,7 @@ class UntilSeparated:
         self.last: Separation | None = None
         """What the last look showed."""
 
-    def batch(self, number: int, played: Iterable[Played]) -> Iterable[Block]:
+    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
         """The rounds until the next look."""
         del number
         matches = list(played)

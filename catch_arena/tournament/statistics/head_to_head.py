@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Played
+from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, sums_by
 
@@ -31,7 +31,7 @@ class Encounter:
     """
 
 
-def head_to_head(entrants: Sequence[Entrant], played: Sequence[Played]) -> list[Encounter]:
+def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> list[Encounter]:
     """All ordered pairs of different entrants that played, in the entrants' order."""
     outcomes = Outcomes.of(len(entrants), played)
     pairs = Pairs.of(outcomes)

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.tournament.match import MatchResult, Played
+from catch_arena.tournament.match import MatchResult, PlayedMatch
 
 Floats: TypeAlias = NDArray[np.floating[Any]]
 Ints: TypeAlias = NDArray[np.int64]
@@ -28,7 +28,7 @@ class Outcomes:
     """(N, H): 1 is best, equal ones tie; from 2 on where all forfeited, as nobody wins such a match."""
 
     @classmethod
-    def of(cls, entrants: int, played: Sequence[Played]) -> "Outcomes":
+    def of(cls, entrants: int, played: Sequence[PlayedMatch]) -> "Outcomes":
         """Those of a tournament, in the order of its plan, so that sums do not depend on who finished first."""
         in_order = sorted(played, key=lambda one: one.match)
         shape = (len(in_order), len(in_order[0].match.seating) if in_order else 0)

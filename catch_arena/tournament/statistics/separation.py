@@ -8,7 +8,7 @@ import numpy as np
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Played
+from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.statistics.distributions import fair_coin_tail, student_tail
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
 from catch_arena.tournament.statistics.ratings import Ratings, rate
@@ -112,7 +112,7 @@ def require_confidence(confidence: float) -> None:
         raise ConfigError(f"confidence must lie in [0.5, 1), got {confidence}")
 
 
-def separation(entrants: Sequence[Entrant], played: Sequence[Played], confidence: float = 0.95) -> Separation:
+def separation(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], confidence: float = 0.95) -> Separation:
     """Whether the order of all entrants is clear.
 
     To be asked once for each `next_look`. Looking often would find differences where there are none, so the k-th look

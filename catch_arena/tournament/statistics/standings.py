@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Played
+from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.statistics.intervals import Estimate, estimates, ratios, shares
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import rate
@@ -58,8 +58,8 @@ class Standing:
         return sum(self.refusals.values())
 
 
-def standings(entrants: Sequence[Entrant], played: Sequence[Played]) -> list[Standing]:
-    """The table of those who played, highest rating first. Played again it is the same, in whatever order."""
+def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> list[Standing]:
+    """The table of those who played, highest rating first. PlayedMatch again it is the same, in whatever order."""
     if not played:
         return []
     outcomes = Outcomes.of(len(entrants), played)

@@ -15,7 +15,7 @@ from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import play_plan, run
-from catch_arena.tournament.match import MatchResult, Played, blocks_of, ranks_of
+from catch_arena.tournament.match import MatchResult, PlayedMatch, blocks_of, ranks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
 from catch_arena.tournament.store import Store, Tournament
 
@@ -38,7 +38,7 @@ class Field:
         ]
         scores = tuple(0 if code else draw.randrange(9) for code in forfeits)
         ranks = ranks_of(scores, [0 if code else None for code in forfeits])
-        return Played(match, MatchResult(scores, ranks, ({},) * SEATS, (0,) * SEATS, 1, "", tuple(forfeits), ()))
+        return PlayedMatch(match, MatchResult(scores, ranks, ({},) * SEATS, (0,) * SEATS, 1, "", tuple(forfeits), ()))
 
 
 class Shuffled:
@@ -168,7 +168,7 @@ def played(codes):
     """Matches of two, one after the other, in which the first entrant met these codes."""
     matches = list(round_robin(2, 2, -(-len(codes) // 2), seed=0))
     return [
-        Played(
+        PlayedMatch(
             match,
             MatchResult(
                 (0, 0),

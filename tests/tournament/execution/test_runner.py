@@ -10,7 +10,7 @@ from tournament.agents import dies_once
 from catch_arena import Replay, scenario
 from catch_arena.descendants import family
 from catch_arena.errors import ConfigError, NoContest, OutputError
-from catch_arena.replay import prepare_folder
+from catch_arena.files import prepare_folder
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, run
 from catch_arena.tournament.match import blocks_of

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Match, MatchResult, Played, ranks_of
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch, ranks_of
 from catch_arena.tournament.statistics.head_to_head import head_to_head
 
 FOUR = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in "abcd"]
@@ -15,7 +15,7 @@ def played(block, seating, scores):
     result = MatchResult(
         scores, ranks_of(scores), ({},) * len(scores), (0,) * len(scores), 600, "", (None,) * len(scores), ()
     )
-    return Played(Match(f"{block:06d}", block, block, seating), result)
+    return PlayedMatch(Match(f"{block:06d}", block, block, seating), result)
 
 
 TABLE = {

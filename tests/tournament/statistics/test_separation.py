@@ -10,7 +10,7 @@ import pytest
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Match, MatchResult, Played, ranks_of
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch, ranks_of
 from catch_arena.tournament.plans.schedule import balanced
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import rate
@@ -28,7 +28,7 @@ def played(blocks, rates, seed=0):
     for block in range(blocks):
         scores = tuple(random.poisson(rates).tolist())
         result = MatchResult(scores, ranks_of(scores), ({},) * 3, (0,) * 3, 600, "", (None,) * 3, ())
-        found.append(Played(Match(f"{block:06d}", block, block, (0, 1, 2)), result))
+        found.append(PlayedMatch(Match(f"{block:06d}", block, block, (0, 1, 2)), result))
     return found
 
 

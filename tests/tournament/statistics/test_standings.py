@@ -9,7 +9,7 @@ import pytest
 
 from catch_arena import scenario
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.match import Match, MatchResult, Played, play, ranks_of
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch, play, ranks_of
 from catch_arena.tournament.standings_files import summary_text, table_text
 from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import Tournament
@@ -20,12 +20,12 @@ DUEL = Tournament(scenario("duel"), (A, B), {"format": "round-robin", "rounds": 
 
 def played(
     block: int, turn: int, seating: tuple[int, int], scores: tuple[int, int], lost: int = 0, code: str | None = None
-) -> Played:
+) -> PlayedMatch:
     verdicts = tuple(
         {"GRANTED": score} | ({"LOST_CONTEST": lost, "OUT_OF_REACH": 1} if seat == 0 and lost else {})
         for seat, score in enumerate(scores)
     )
-    return Played(
+    return PlayedMatch(
         Match(f"r00001-g{block + 1:06d}-s{turn:02d}", block, 7 + block, seating),
         MatchResult(scores, ranks_of(scores), verdicts, (1, lost), 600, "ab", (code, None), ()),
     )
@@ -81,7 +81,7 @@ def test_nobody_wins_a_match_that_all_have_forfeited():
     """The one that lasted longer is above the other all the same."""
     both = ("FORFEIT_CRASH", "FORFEIT_CRASH")
     result = MatchResult((3, 0), (1, 2), ({}, {}), (0, 0), 9, "", both, ())
-    lost = [Played(Match(f"{number}", number, 7, (0, 1)), result) for number in range(4)]
+    lost = [PlayedMatch(Match(f"{number}", number, 7, (0, 1)), result) for number in range(4)]
     first, second = standings([A, B], lost)
     assert (first.name, first.win_share.mean, second.win_share.mean) == ("a", 0.0, 0.0)
     assert first.rating.mean > second.rating.mean
