@@ -47,10 +47,10 @@ class Limits:
         """The limits of one seat of an arena."""
         return cls(
             side_m=config.side_m,
-            reach_m=config.reach_m,
-            max_speed_mps=config.max_speed_mps,
-            min_speed_mps=-config.max_speed_mps if config.reverse else 0.0,
-            max_turn_rate_radps=config.max_turn_rate_radps,
+            reach_m=config.reaches[seat],
+            max_speed_mps=config.max_speeds[seat],
+            min_speed_mps=-config.max_speeds[seat] if config.reverse else 0.0,
+            max_turn_rate_radps=config.max_turn_rates[seat],
             control_period_ms=config.control_period_ms,
             time_limit_s=config.time_limit_ms / 1000.0,
             hunters=config.hunters,

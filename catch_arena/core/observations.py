@@ -5,26 +5,30 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, phase
+from catch_arena.core.jit import Block, inlined, phase, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
+from catch_arena.core.random import seed_of
 from catch_arena.core.ranking import pack_order, rank_rivals, rank_targets, resolve_ties, rival_at
 from catch_arena.core.state import (
     ABSENT,
     ACTIVE,
-    ALIVE,
     APPEARED,
     BEARING_INTEGRAL,
+    BODY,
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
     NUMBER,
     RANKS_PER_WORD,
     SCORE,
+    SEED_HIGH,
+    SEED_LOW,
     SEEN,
     SINE,
-    SLOT_SIZE,
     SPEED,
+    STEP,
+    STILL,
     TARGET_X,
     TARGET_Y,
     THETA,
@@ -33,6 +37,9 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
+    body_of,
+    limits_of,
+    most_alive,
     seat_of,
     slot_at_rank,
     slot_in_word,
@@ -51,8 +58,9 @@ from catch_arena.core.vectors import (
     single,
     stream_eight,
 )
+from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur
 from catch_arena.core.workspace import FEATURE_STRIDE, Scratch, rival_order_of
-from catch_arena.layout import RivalFeatures, SelfFeatures, TargetFeatures
+from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures
 
 Masks = NDArray[np.int8]
 """(lanes, H, K + 1)."""
@@ -60,6 +68,7 @@ Numbers = NDArray[np.float32]
 
 SELF_WIDTH: Final = len(SelfFeatures._fields)
 TARGET_WIDTH: Final = len(TargetFeatures._fields)
+MOVING_TARGET_WIDTH: Final = len(MovingTargetFeatures._fields)
 RIVAL_WIDTH: Final = len(RivalFeatures._fields)
 
 _MANY: Final = 4
@@ -73,7 +82,7 @@ def update_heading(me: Block, width: Width) -> None:
     """The heading's sine and cosine, which the observation and the next step's controller read.
 
     Args:
-        me: the rows of one seat; SINE and COSINE are written.
+        me: the rows of one body; SINE and COSINE are written.
         width: how many lanes a group has.
     """
     for first in range(0, span(width), len(width)):
@@ -84,32 +93,7 @@ def update_heading(me: Block, width: Width) -> None:
 
 
 @phase
-def count_seen(arena: Block, me: Block, s: Settings, width: Width) -> None:
-    """R7.1: how many targets a seat sees, nearest first: those have a rank.
-
-    Args:
-        arena: the block, for its row ALIVE.
-        me: the rows of one seat; SEEN is written.
-        s: the settings.
-        width: how many lanes a group has.
-    """
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        alive = arena[ALIVE + lane]
-        me[SEEN + lane] = select(alive < s.targets_seen, alive, float(s.targets_seen))
-
-
-@phase
-def most_alive(arena: Block, lanes: int) -> int:
-    """How many targets are alive in the lane that has most; `lanes`, how many lanes are arenas."""
-    most = 0.0
-    for lane in range(lanes):
-        most = arena[ALIVE + lane] if arena[ALIVE + lane] > most else most
-    return int(most)
-
-
-@phase
-def compute_ages(arena: Block, targets: Block, width: Width, slots: int, ages: Numbers) -> None:
+def compute_ages(arena: Block, targets: Block, width: Width, slots: int, s: Settings, ages: Numbers) -> None:
     """R7.1: how long each target has been there.
 
     Args:
@@ -117,12 +101,13 @@ def compute_ages(arena: Block, targets: Block, width: Width, slots: int, ages: N
         targets: the slots of the block.
         width: how many lanes a group has.
         slots: how many slots are in use in any lane.
+        s: the settings.
         ages: the result [s], (slots * LANES,).
     """
     for slot in range(slots):
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
-            appeared = targets[slot * SLOT_SIZE + APPEARED + lane]
+            appeared = targets[slot * s.slot_size + APPEARED + lane]
             ages[slot * LANES + lane] = single((arena[TIME + lane] - appeared) / 1000.0)
 
 
@@ -144,7 +129,15 @@ def compute_time_left(arena: Block, s: Settings, width: Width, time_left: Block)
 
 @phase
 def compute_target_features(
-    me: Block, targets: Block, ages: Numbers, first: int, width: Width, slots: int, features: Numbers
+    me: Block,
+    targets: Block,
+    ages: Numbers,
+    noise: Block,
+    first: int,
+    width: Width,
+    slots: int,
+    s: Settings,
+    features: Numbers,
 ) -> None:
     """R7.1: every target as one seat sees it, in the lanes of one group.
 
@@ -152,35 +145,60 @@ def compute_target_features(
         me: the rows of the seat.
         targets: the slots of the block.
         ages: how long each has been there [s], (slots * LANES,).
+        noise: see `compute_noise`; read where the view has noise.
         first: the first lane of the group.
         width: how many lanes the group has.
         slots: how many slots are in use in any lane.
-        features: the result, the columns of `layout.TargetFeatures`: those of slot s in the group's lane l from
+        s: the settings.
+        features: the result, the columns of `layout.TargetFeatures`, or where targets move of
+            `layout.MovingTargetFeatures`: those of slot s in the group's lane l from
             features[(s * len(width) + l) * FEATURE_STRIDE] on.
     """
     lane = group(first, width)
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
     active = me[ACTIVE + lane]
     for slot in range(slots):
-        at = slot * SLOT_SIZE + lane
+        at = slot * s.slot_size + lane
         dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
+        forward, left = cosine * dx + sine * dy, cosine * dy - sine * dx
+        if s.view_noise > 0.0:
+            forward = forward + noise[2 * slot * LANES + lane]
+            left = left + noise[(2 * slot + 1) * LANES + lane]
         seen = TargetFeatures(
-            forward=cosine * dx + sine * dy,
-            left=cosine * dy - sine * dx,
+            forward=forward,
+            left=left,
             present=1.0,
             age=ages[slot * LANES + lane],
             active=select(targets[NUMBER + at] == active, 1.0, 0.0),
         )
-        put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
+        begin = slot * len(width) * FEATURE_STRIDE
+        if s.target_motion == STILL:
+            put_rows(features, begin, FEATURE_STRIDE, seen)
+        else:
+            target_sine, target_cosine = targets[BODY + SINE + at], targets[BODY + COSINE + at]
+            moving = MovingTargetFeatures(
+                forward=seen.forward,
+                left=seen.left,
+                present=seen.present,
+                age=seen.age,
+                active=seen.active,
+                heading_cos=target_cosine * cosine + target_sine * sine,
+                heading_sin=target_sine * cosine - target_cosine * sine,
+                linear_velocity=targets[BODY + SPEED + at],
+            )
+            put_rows(features, begin, FEATURE_STRIDE, moving)
 
 
 @phase
-def compute_rival_features(block: Block, seat: int, first: int, width: Width, s: Settings, features: Numbers) -> None:
+def compute_rival_features(
+    block: Block, seat: int, noise: Block, first: int, width: Width, s: Settings, features: Numbers
+) -> None:
     """R7.1: every rival as one seat sees it, in the lanes of one group.
 
     Args:
         block: the block.
         seat: who sees.
+        noise: see `compute_noise`; read where the view has noise.
         first: the first lane of the group.
         width: how many lanes the group has.
         s: the settings.
@@ -189,8 +207,79 @@ def compute_rival_features(block: Block, seat: int, first: int, width: Width, s:
     """
     for other in range(s.hunters):
         if other != seat:
-            seen = rival_at(block, seat, other, group(first, width))
+            lane = group(first, width)
+            seen = rival_at(block, seat, other, lane)
+            if s.view_noise > 0.0:
+                seen = blurred(seen, noise[2 * other * LANES + lane], noise[(2 * other + 1) * LANES + lane])
             put_rows(features, other * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
+
+
+@phase
+def compute_target_noise(
+    block: Block, seat: int, targets: Block, order: Block, first: int, width: Width, s: Settings, noise: Block
+) -> None:
+    """R7.6: how far each target that one seat sees is seen from where it is, in the lanes of one group.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        targets: the slots of the block.
+        order: slots by rank, packed: see `state.slot_at_rank`.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        s: the settings.
+        noise: the result [m], of each slot two rows of LANES: forward and left.
+    """
+    me = seat_of(block, seat)
+    for lane in range(first, first + len(width)):
+        seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+        for rank in range(int(me[SEEN + lane])):
+            slot = slot_at_rank(order, rank, lane)
+            number = targets[slot * s.slot_size + NUMBER + lane]
+            for axis in range(2):
+                noise[(2 * slot + axis) * LANES + lane] = blur(
+                    seed, block[STEP + lane], seat, TARGET_KIND, number, axis, s.view_noise
+                )
+
+
+@phase
+def compute_rival_noise(
+    block: Block, seat: int, order: Block, first: int, width: Width, s: Settings, noise: Block
+) -> None:
+    """R7.6: the same of each rival that it sees.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        order: seats by rank, packed: see `state.slot_at_rank`.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        s: the settings.
+        noise: the result [m], of each seat two rows of LANES: forward and left.
+    """
+    for lane in range(first, first + len(width)):
+        seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+        for rank in range(s.hunters_seen):
+            other = slot_at_rank(order, rank, lane)
+            if other != ABSENT:
+                for axis in range(2):
+                    noise[(2 * other + axis) * LANES + lane] = blur(
+                        seed, block[STEP + lane], seat, RIVAL_KIND, float(other), axis, s.view_noise
+                    )
+
+
+@rule
+def blurred(seen: RivalFeatures, forward: float, left: float) -> RivalFeatures:
+    """R7.6: a rival seen so far from where it is [m]."""
+    return RivalFeatures(
+        forward=seen.forward + forward,
+        left=seen.left + left,
+        present=seen.present,
+        heading_cos=seen.heading_cos,
+        heading_sin=seen.heading_sin,
+        linear_velocity=seen.linear_velocity,
+        score_difference=seen.score_difference,
+    )
 
 
 @phase
@@ -270,7 +359,9 @@ def write_ranked(
 
 
 @phase
-def write_rivals(block: Block, seat: int, order: Block, ranks: int, lane: int, out: Numbers, at: int) -> None:
+def write_rivals(
+    block: Block, seat: int, order: Block, noise: Block, ranks: int, lane: int, s: Settings, out: Numbers, at: int
+) -> None:
     """R7.1: the rivals of one lane, each looked at when its rank is written: for a few of very many, of whom it would
     take longer to compute all features.
 
@@ -278,8 +369,10 @@ def write_rivals(block: Block, seat: int, order: Block, ranks: int, lane: int, o
         block: the block.
         seat: who sees.
         order: seats by rank, packed: see `state.slot_at_rank`.
+        noise: see `compute_noise`; read where the view has noise.
         ranks: how many ranks are seen.
         lane: the lane.
+        s: the settings.
         out: observations, flat.
         at: where in `out` the columns of rank 1 begin.
     """
@@ -289,13 +382,17 @@ def write_rivals(block: Block, seat: int, order: Block, ranks: int, lane: int, o
             for column in range(RIVAL_WIDTH):
                 out[at + column] = 0.0
         else:
-            put_rows(out, at, FEATURE_STRIDE, rival_at(block, seat, other, lane))
+            seen = rival_at(block, seat, other, lane)
+            if s.view_noise > 0.0:
+                seen = blurred(seen, noise[2 * other * LANES + lane], noise[(2 * other + 1) * LANES + lane])
+            put_rows(out, at, FEATURE_STRIDE, seen)
         at += RIVAL_WIDTH
 
 
 @phase
 def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
-    """R7.2: hold and the ranks that have a target. They change rarely, and then for all seats of an arena.
+    """R7.2: hold and the ranks that have a target. They change rarely, and where all see everything for all seats of an
+    arena.
 
     Args:
         block: the block.
@@ -305,11 +402,15 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
     """
     ranks = s.targets_seen
     for lane in range(lanes):
-        there = int(seat_of(block, 0)[SEEN + lane])
-        if masks[lane, 0, there] == 0 or (there < ranks and masks[lane, 0, there + 1] == 1):
-            for seat in range(s.hunters):
+        seat = 0
+        while seat < s.hunters:
+            there = int(seat_of(block, seat)[SEEN + lane])
+            if masks[lane, seat, there] == 0 or (there < ranks and masks[lane, seat, there + 1] == 1):
                 for rank in range(ranks + 1):
                     masks[lane, seat, rank] = 1 if rank <= there else 0
+            elif not s.partial_view:
+                break
+            seat += 1
 
 
 @phase
@@ -350,9 +451,10 @@ def write(
     """
     targets = targets_of(block, s)
     time_left = scratch.rows[:LANES]
-    compute_ages(block, targets, width, slots, scratch.ages)
+    compute_ages(block, targets, width, slots, s, scratch.ages)
     compute_time_left(block, s, width, time_left)
-    rivals_at = SELF_WIDTH + s.targets_seen * TARGET_WIDTH
+    target_width = TARGET_WIDTH if s.target_motion == STILL else MOVING_TARGET_WIDTH
+    rivals_at = SELF_WIDTH + s.targets_seen * target_width
     columns = rivals_at + s.hunters_seen * RIVAL_WIDTH
     few_of_many = s.hunters > _MANY * s.hunters_seen
     stride = s.hunters * columns
@@ -369,9 +471,14 @@ def write(
                 rival_order_of(scratch, seat),
             )
             write_self(me, time_left, first, width, to, begin + seat * columns, stride)
-            compute_target_features(me, targets, scratch.ages, first, width, slots, scratch.target_features)
+            if s.view_noise > 0.0:
+                compute_target_noise(block, seat, targets, targets_seen, first, width, s, scratch.target_noise)
+                compute_rival_noise(block, seat, rivals_seen, first, width, s, scratch.rival_noise)
+            compute_target_features(
+                me, targets, scratch.ages, scratch.target_noise, first, width, slots, s, scratch.target_features
+            )
             if not few_of_many:
-                compute_rival_features(block, seat, first, width, s, scratch.rival_features)
+                compute_rival_features(block, seat, scratch.rival_noise, first, width, s, scratch.rival_features)
             for lane in range(first, first + len(width)):
                 at = begin + (lane - first) * stride + seat * columns
                 write_ranked(
@@ -381,12 +488,14 @@ def write(
                     lane,
                     scratch.target_features,
                     width,
-                    TARGET_WIDTH,
+                    target_width,
                     to,
                     at + SELF_WIDTH,
                 )
                 if few_of_many:
-                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, to, at + rivals_at)
+                    write_rivals(
+                        block, seat, rivals_seen, scratch.rival_noise, s.hunters_seen, lane, s, to, at + rivals_at
+                    )
                 else:
                     write_ranked(
                         rivals_seen,
@@ -419,13 +528,16 @@ def observe(
     slots = most_alive(block, lanes)
     for seat in range(s.hunters):
         update_heading(seat_of(block, seat), width)
+    if s.target_motion != STILL:
+        for slot in range(slots):
+            update_heading(body_of(targets, slot, s), width)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        count_seen(block, me, s, width)
-        rank_targets(block, me, targets, width, slots, sections.target_network, scratch.keys)
+        reach_um = limits_of(sections.limits, seat).reach_um
+        rank_targets(block, me, targets, width, slots, sections.target_network, s, reach_um, scratch.keys)
         pack_order(scratch.keys, slots, s.targets_seen, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
-            rank_rivals(block, seat, width, sections.rival_network, s, scratch.keys)
+            rank_rivals(block, seat, width, sections.rival_network, s, reach_um, scratch.keys)
             resolve_ties(block, seat, width, lanes, s, scratch.keys)
             pack_order(scratch.keys, s.hunters, s.hunters_seen, width, rival_order_of(scratch, seat))
     write(block, s, width, lanes, slots, scratch, sections.observations.reshape(-1), first)

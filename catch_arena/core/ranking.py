@@ -16,8 +16,8 @@ from catch_arena.core.state import (
     RANK_BITS,
     RANKS_PER_WORD,
     SCORE,
+    SEEN,
     SINE,
-    SLOT_SIZE,
     SPEED,
     TARGET_X,
     TARGET_Y,
@@ -29,6 +29,7 @@ from catch_arena.core.state import (
     span,
 )
 from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
+from catch_arena.core.visibility import is_seen
 from catch_arena.layout import RivalFeatures
 
 Keys = NDArray[np.int32]
@@ -176,34 +177,47 @@ def rank_targets(
     width: Width,
     slots: int,
     network: NDArray[np.int64],
+    s: Settings,
+    reach_um: float,
     keys: Keys,
 ) -> None:
-    """R7.1: the alive targets by distance, then by spawn number; slots are in spawning order.
+    """R7.1, R7.5: the alive targets by distance, then by spawn number; slots are in spawning order.
 
     Args:
         arena: the block, for its row ALIVE.
-        me: the rows of the seat that sees them.
+        me: the rows of the seat that sees them; SEEN is written: how many have a rank.
         targets: the slots of the block.
         width: how many lanes a group has.
         slots: how many slots are in use in any lane.
         network: (comparators, 2): see `selection_network`.
+        s: the settings.
+        reach_um: the seat's own [micrometres].
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         x, y = me[X + lane], me[Y + lane]
         alive = truncate(arena[ALIVE + lane])
+        seen = 0.0
         for slot in range(slots):
-            at = slot * SLOT_SIZE + lane
-            keys[slot * LANES + lane] = select(
-                alive > slot, key_of(targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y, slot), FAR
-            )
+            at = slot * s.slot_size + lane
+            dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
+            there = alive > slot
+            if s.partial_view:
+                there = there & is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], reach_um, s)
+                seen = seen + select(there, 1.0, 0.0)
+            keys[slot * LANES + lane] = select(there, key_of(dx, dy, slot), FAR)
+        if not s.partial_view:
+            seen = arena[ALIVE + lane]
+        me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
     sort_keys(keys, network, width, slots)
 
 
 @phase
-def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64], s: Settings, keys: Keys) -> None:
-    """R7.1, R1.6: the other hunters by distance; `resolve_ties` puts right those who are equally far.
+def rank_rivals(
+    block: Block, seat: int, width: Width, network: NDArray[np.int64], s: Settings, reach_um: float, keys: Keys
+) -> None:
+    """R7.1, R7.5, R1.6: the other hunters by distance; `resolve_ties` puts right those who are equally far.
 
     Args:
         block: the block.
@@ -211,6 +225,7 @@ def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64
         width: how many lanes a group has.
         network: (comparators, 2): see `selection_network`.
         s: the settings.
+        reach_um: the seat's own [micrometres].
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
     me = seat_of(block, seat)
@@ -218,16 +233,18 @@ def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64
         rival = seat_of(block, other)
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
-            key = key_of(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane], other)
-            unseen = (rival[WITHDRAWN + lane] > 0.0) | (other == seat)
-            keys[other * LANES + lane] = select(unseen, FAR, key)
+            dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
+            there = (rival[WITHDRAWN + lane] == 0.0) & (other != seat)
+            if s.partial_view:
+                there = there & is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], reach_um, s)
+            keys[other * LANES + lane] = select(there, key_of(dx, dy, other), FAR)
     sort_keys(keys, network, width, s.hunters)
 
 
 @rule
-def precedes(a: RivalFeatures, b: RivalFeatures) -> bool:
-    """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; never by
-    seat.
+def precedes(a: RivalFeatures, b: RivalFeatures, lower_seat: bool) -> bool:
+    """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; the seat tells
+    apart those who look alike in everything, which shows where the view has noise.
     """
     if a.left != b.left:
         return a.left > b.left
@@ -239,7 +256,9 @@ def precedes(a: RivalFeatures, b: RivalFeatures) -> bool:
         return a.heading_sin > b.heading_sin
     if a.linear_velocity != b.linear_velocity:
         return a.linear_velocity > b.linear_velocity
-    return a.score_difference > b.score_difference
+    if a.score_difference != b.score_difference:
+        return a.score_difference > b.score_difference
+    return lower_seat
 
 
 @rare
@@ -271,7 +290,9 @@ def sort_ties(block: Block, seat: int, lane: int, count: int, keys: Keys) -> Non
         at = last
         while at > 0:
             before = keys[(at - 1) * LANES + lane]
-            if not equally_far(before, key) or not precedes(seen, rival_at(block, seat, item_of(before), lane)):
+            if not equally_far(before, key):
+                break
+            if not precedes(seen, rival_at(block, seat, item_of(before), lane), item_of(key) < item_of(before)):
                 break
             keys[at * LANES + lane] = before
             at -= 1
