@@ -384,7 +384,17 @@ class Engine:
                 for name, me in zip(self.config.hunter_names, self.hunter_rows(arena).tolist(), strict=True)
             ),
             targets=tuple(
-                TargetState(self.config.target_name(int(number)), int(number), x, y, theta, int(appeared), *motion)
+                TargetState(
+                    name=self.config.target_name(int(number)),
+                    number=int(number),
+                    x=x,
+                    y=y,
+                    theta=theta,
+                    spawned_ms=int(appeared),
+                    linear_velocity=motion[0] if motion else 0.0,
+                    angular_velocity=motion[1] if motion else 0.0,
+                    at_wall=bool(motion and motion[2]),
+                )
                 for number, x, y, theta, appeared, *motion in self._targets[
                     block, :alive, self._target_digest, lane
                 ].T.tolist()
