@@ -34,7 +34,7 @@ class HunterState:
 
 @dataclass(frozen=True, slots=True)
 class TargetState:
-    """One alive target; theta is in [0, 2 pi), as drawn (R3.2), or in [-pi, pi) where targets move; metres and radians."""
+    """One alive target; theta is in [0, 2 pi), as drawn (R3.2), where targets move in [-pi, pi); metres and radians."""
 
     name: str
     number: int

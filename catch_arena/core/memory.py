@@ -48,8 +48,6 @@ class Sections(NamedTuple):
     ages: Annotated[NDArray[np.float32], 2]
     target_features: Annotated[NDArray[np.float32], 2]
     rival_features: Annotated[NDArray[np.float32], 2]
-    target_noise: Annotated[NDArray[np.float64], 2]
-    rival_noise: Annotated[NDArray[np.float64], 2]
     staging: Annotated[NDArray[np.float32], 2]
     requests: Annotated[NDArray[np.int64], 3]
     rows: Annotated[NDArray[np.float64], 2]

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, phase, rule
+from catch_arena.core.jit import Block, inlined, phase, rare, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.random import seed_of
@@ -127,98 +127,72 @@ def compute_time_left(arena: Block, s: Settings, width: Width, time_left: Block)
         time_left[lane] = select(remaining > 0.0, remaining / 1000.0, 0.0)
 
 
+@rule
+def target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> TargetFeatures:
+    """R7.1: what a seat sees of the target at `at`, which is that old [s]."""
+    sine, cosine = me[SINE + lane], me[COSINE + lane]
+    dx, dy = targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]
+    return TargetFeatures(
+        forward=cosine * dx + sine * dy,
+        left=cosine * dy - sine * dx,
+        present=1.0,
+        age=age,
+        active=select(targets[NUMBER + at] == me[ACTIVE + lane], 1.0, 0.0),
+    )
+
+
 @phase
 def compute_target_features(
-    me: Block,
-    targets: Block,
-    ages: Numbers,
-    noise: Block,
-    first: int,
-    width: Width,
-    slots: int,
-    s: Settings,
-    features: Numbers,
+    me: Block, targets: Block, ages: Numbers, first: int, width: Width, slots: int, s: Settings, features: Numbers
 ) -> None:
-    """R7.1: every target as one seat sees it, in the lanes of one group.
+    """R7.1: every target as one seat sees it, in the lanes of one group, where targets are still.
 
     Args:
         me: the rows of the seat.
         targets: the slots of the block.
         ages: how long each has been there [s], (slots * LANES,).
-        noise: see `compute_noise`; read where the view has noise.
         first: the first lane of the group.
         width: how many lanes the group has.
         slots: how many slots are in use in any lane.
         s: the settings.
-        features: the result, the columns of `layout.TargetFeatures`, or where targets move of
-            `layout.MovingTargetFeatures`: those of slot s in the group's lane l from
+        features: the result, the columns of `layout.TargetFeatures`: those of slot s in the group's lane l from
             features[(s * len(width) + l) * FEATURE_STRIDE] on.
     """
     lane = group(first, width)
-    x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
-    active = me[ACTIVE + lane]
+    for slot in range(slots):
+        seen = target_at(me, targets, slot * s.slot_size + lane, lane, ages[slot * LANES + lane])
+        put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
+
+
+@phase
+def compute_moving_target_features(
+    me: Block, targets: Block, ages: Numbers, first: int, width: Width, slots: int, s: Settings, features: Numbers
+) -> None:
+    """R7.4: the same where targets move, with the columns of `layout.MovingTargetFeatures`."""
+    lane = group(first, width)
+    sine, cosine = me[SINE + lane], me[COSINE + lane]
     for slot in range(slots):
         at = slot * s.slot_size + lane
-        dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
-        forward, left = cosine * dx + sine * dy, cosine * dy - sine * dx
-        if s.view_noise > 0.0:
-            forward = forward + noise[2 * slot * LANES + lane]
-            left = left + noise[(2 * slot + 1) * LANES + lane]
-        seen = TargetFeatures(
-            forward=forward,
-            left=left,
-            present=1.0,
-            age=ages[slot * LANES + lane],
-            active=select(targets[NUMBER + at] == active, 1.0, 0.0),
+        target_sine, target_cosine = targets[BODY + SINE + at], targets[BODY + COSINE + at]
+        still = target_at(me, targets, at, lane, ages[slot * LANES + lane])
+        seen = MovingTargetFeatures(
+            forward=still.forward,
+            left=still.left,
+            present=still.present,
+            age=still.age,
+            active=still.active,
+            heading_cos=target_cosine * cosine + target_sine * sine,
+            heading_sin=target_sine * cosine - target_cosine * sine,
+            linear_velocity=targets[BODY + SPEED + at],
         )
-        begin = slot * len(width) * FEATURE_STRIDE
-        if s.target_motion == STILL:
-            put_rows(features, begin, FEATURE_STRIDE, seen)
-        else:
-            target_sine, target_cosine = targets[BODY + SINE + at], targets[BODY + COSINE + at]
-            moving = MovingTargetFeatures(
-                forward=seen.forward,
-                left=seen.left,
-                present=seen.present,
-                age=seen.age,
-                active=seen.active,
-                heading_cos=target_cosine * cosine + target_sine * sine,
-                heading_sin=target_sine * cosine - target_cosine * sine,
-                linear_velocity=targets[BODY + SPEED + at],
-            )
-            put_rows(features, begin, FEATURE_STRIDE, moving)
+        put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 
 
 @phase
-def compute_rival_features(
-    block: Block, seat: int, noise: Block, first: int, width: Width, s: Settings, features: Numbers
+def blur_targets(
+    block: Block, seat: int, targets: Block, order: Block, first: int, width: Width, s: Settings, features: Numbers
 ) -> None:
-    """R7.1: every rival as one seat sees it, in the lanes of one group.
-
-    Args:
-        block: the block.
-        seat: who sees.
-        noise: see `compute_noise`; read where the view has noise.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        s: the settings.
-        features: the result, the columns of `layout.RivalFeatures`: those of seat r in the group's lane l from
-            features[(r * len(width) + l) * FEATURE_STRIDE] on.
-    """
-    for other in range(s.hunters):
-        if other != seat:
-            lane = group(first, width)
-            seen = rival_at(block, seat, other, lane)
-            if s.view_noise > 0.0:
-                seen = blurred(seen, noise[2 * other * LANES + lane], noise[(2 * other + 1) * LANES + lane])
-            put_rows(features, other * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
-
-
-@phase
-def compute_target_noise(
-    block: Block, seat: int, targets: Block, order: Block, first: int, width: Width, s: Settings, noise: Block
-) -> None:
-    """R7.6: how far each target that one seat sees is seen from where it is, in the lanes of one group.
+    """R7.6: the targets that one seat sees are seen some way from where they are, in the lanes of one group.
 
     Args:
         block: the block.
@@ -228,25 +202,23 @@ def compute_target_noise(
         first: the first lane of the group.
         width: how many lanes the group has.
         s: the settings.
-        noise: the result [m], of each slot two rows of LANES: forward and left.
+        features: as of `compute_target_features`; forward and left are written anew.
     """
     me = seat_of(block, seat)
     for lane in range(first, first + len(width)):
-        seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         for rank in range(int(me[SEEN + lane])):
             slot = slot_at_rank(order, rank, lane)
+            seen = target_at(me, targets, slot * s.slot_size + lane, lane, 0.0)
+            at = (slot * len(width) + lane - first) * FEATURE_STRIDE
             number = targets[slot * s.slot_size + NUMBER + lane]
-            for axis in range(2):
-                noise[(2 * slot + axis) * LANES + lane] = blur(
-                    seed, block[STEP + lane], seat, TARGET_KIND, number, axis, s.view_noise
-                )
+            write_blurred(block, seat, TARGET_KIND, number, lane, seen.forward, seen.left, s, features, at)
 
 
 @phase
-def compute_rival_noise(
-    block: Block, seat: int, order: Block, first: int, width: Width, s: Settings, noise: Block
+def blur_rivals(
+    block: Block, seat: int, order: Block, first: int, width: Width, s: Settings, features: Numbers
 ) -> None:
-    """R7.6: the same of each rival that it sees.
+    """R7.6: and the rivals.
 
     Args:
         block: the block.
@@ -255,31 +227,54 @@ def compute_rival_noise(
         first: the first lane of the group.
         width: how many lanes the group has.
         s: the settings.
-        noise: the result [m], of each seat two rows of LANES: forward and left.
+        features: as of `compute_rival_features`; forward and left are written anew.
     """
     for lane in range(first, first + len(width)):
-        seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         for rank in range(s.hunters_seen):
             other = slot_at_rank(order, rank, lane)
             if other != ABSENT:
-                for axis in range(2):
-                    noise[(2 * other + axis) * LANES + lane] = blur(
-                        seed, block[STEP + lane], seat, RIVAL_KIND, float(other), axis, s.view_noise
-                    )
+                seen = rival_at(block, seat, other, lane)
+                at = (other * len(width) + lane - first) * FEATURE_STRIDE
+                write_blurred(block, seat, RIVAL_KIND, float(other), lane, seen.forward, seen.left, s, features, at)
 
 
-@rule
-def blurred(seen: RivalFeatures, forward: float, left: float) -> RivalFeatures:
-    """R7.6: a rival seen so far from where it is [m]."""
-    return RivalFeatures(
-        forward=seen.forward + forward,
-        left=seen.left + left,
-        present=seen.present,
-        heading_cos=seen.heading_cos,
-        heading_sin=seen.heading_sin,
-        linear_velocity=seen.linear_velocity,
-        score_difference=seen.score_difference,
-    )
+@rare
+def write_blurred(
+    block: Block,
+    seat: int,
+    kind: np.uint64,
+    who: float,
+    lane: int,
+    forward: float,
+    left: float,
+    s: Settings,
+    out: Numbers,
+    at: int,
+) -> None:
+    """R7.6: where one thing is seen, which is so far ahead and to the left [m]; the two columns from out[at] on."""
+    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+    step = block[STEP + lane]
+    out[at] = np.float32(forward + blur(seed, step, seat, kind, who, 0, s.view_noise))
+    out[at + 1] = np.float32(left + blur(seed, step, seat, kind, who, 1, s.view_noise))
+
+
+@phase
+def compute_rival_features(block: Block, seat: int, first: int, width: Width, s: Settings, features: Numbers) -> None:
+    """R7.1: every rival as one seat sees it, in the lanes of one group.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        s: the settings.
+        features: the result, the columns of `layout.RivalFeatures`: those of seat r in the group's lane l from
+            features[(r * len(width) + l) * FEATURE_STRIDE] on.
+    """
+    for other in range(s.hunters):
+        if other != seat:
+            seen = rival_at(block, seat, other, group(first, width))
+            put_rows(features, other * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 
 
 @phase
@@ -360,7 +355,7 @@ def write_ranked(
 
 @phase
 def write_rivals(
-    block: Block, seat: int, order: Block, noise: Block, ranks: int, lane: int, s: Settings, out: Numbers, at: int
+    block: Block, seat: int, order: Block, ranks: int, lane: int, s: Settings, out: Numbers, at: int
 ) -> None:
     """R7.1: the rivals of one lane, each looked at when its rank is written: for a few of very many, of whom it would
     take longer to compute all features.
@@ -369,7 +364,6 @@ def write_rivals(
         block: the block.
         seat: who sees.
         order: seats by rank, packed: see `state.slot_at_rank`.
-        noise: see `compute_noise`; read where the view has noise.
         ranks: how many ranks are seen.
         lane: the lane.
         s: the settings.
@@ -383,9 +377,9 @@ def write_rivals(
                 out[at + column] = 0.0
         else:
             seen = rival_at(block, seat, other, lane)
-            if s.view_noise > 0.0:
-                seen = blurred(seen, noise[2 * other * LANES + lane], noise[(2 * other + 1) * LANES + lane])
             put_rows(out, at, FEATURE_STRIDE, seen)
+            if s.view_noise > 0.0:
+                write_blurred(block, seat, RIVAL_KIND, float(other), lane, seen.forward, seen.left, s, out, at)
         at += RIVAL_WIDTH
 
 
@@ -471,14 +465,17 @@ def write(
                 rival_order_of(scratch, seat),
             )
             write_self(me, time_left, first, width, to, begin + seat * columns, stride)
-            if s.view_noise > 0.0:
-                compute_target_noise(block, seat, targets, targets_seen, first, width, s, scratch.target_noise)
-                compute_rival_noise(block, seat, rivals_seen, first, width, s, scratch.rival_noise)
-            compute_target_features(
-                me, targets, scratch.ages, scratch.target_noise, first, width, slots, s, scratch.target_features
-            )
+            ages, features = scratch.ages, scratch.target_features
+            if s.target_motion == STILL:
+                compute_target_features(me, targets, ages, first, width, slots, s, features)
+            else:
+                compute_moving_target_features(me, targets, ages, first, width, slots, s, features)
             if not few_of_many:
-                compute_rival_features(block, seat, scratch.rival_noise, first, width, s, scratch.rival_features)
+                compute_rival_features(block, seat, first, width, s, scratch.rival_features)
+            if s.view_noise > 0.0:
+                blur_targets(block, seat, targets, targets_seen, first, width, s, features)
+                if not few_of_many:
+                    blur_rivals(block, seat, rivals_seen, first, width, s, scratch.rival_features)
             for lane in range(first, first + len(width)):
                 at = begin + (lane - first) * stride + seat * columns
                 write_ranked(
@@ -493,9 +490,7 @@ def write(
                     at + SELF_WIDTH,
                 )
                 if few_of_many:
-                    write_rivals(
-                        block, seat, rivals_seen, scratch.rival_noise, s.hunters_seen, lane, s, to, at + rivals_at
-                    )
+                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, s, to, at + rivals_at)
                 else:
                     write_ranked(
                         rivals_seen,

@@ -170,6 +170,55 @@ def pack_order(keys: Keys, there: int, ranks: int, width: Width, packed: Block) 
 
 
 @phase
+def hide_targets(me: Block, targets: Block, width: Width, slots: int, s: Settings, reach_um: float, keys: Keys) -> None:
+    """R7.5: what a hunter does not see has no rank.
+
+    Args:
+        me: the rows of its seat; SEEN is written: how many have a rank.
+        targets: the slots of the block.
+        width: how many lanes a group has.
+        slots: how many slots are in use in any lane.
+        s: the settings.
+        reach_um: the seat's own [micrometres].
+        keys: by slot, rows of LANES.
+    """
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
+        seen = 0.0
+        for slot in range(slots):
+            at = slot * s.slot_size + lane
+            key = keys[slot * LANES + lane]
+            there = key < FAR
+            there = there & is_seen(targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y, sine, cosine, reach_um, s)
+            keys[slot * LANES + lane] = select(there, key, FAR)
+            seen = seen + select(there, 1.0, 0.0)
+        me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
+
+
+@phase
+def hide_rivals(block: Block, seat: int, width: Width, s: Settings, reach_um: float, keys: Keys) -> None:
+    """R7.5: nor has a rival.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        width: how many lanes a group has.
+        s: the settings.
+        reach_um: the seat's own [micrometres].
+        keys: by seat, rows of LANES.
+    """
+    me = seat_of(block, seat)
+    for other in range(s.hunters):
+        rival = seat_of(block, other)
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
+            there = is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], reach_um, s)
+            keys[other * LANES + lane] = select(there, keys[other * LANES + lane], FAR)
+
+
+@phase
 def rank_targets(
     arena: Block,
     me: Block,
@@ -198,18 +247,15 @@ def rank_targets(
         lane = group(first, width)
         x, y = me[X + lane], me[Y + lane]
         alive = truncate(arena[ALIVE + lane])
-        seen = 0.0
         for slot in range(slots):
             at = slot * s.slot_size + lane
-            dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
-            there = alive > slot
-            if s.partial_view:
-                there = there & is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], reach_um, s)
-                seen = seen + select(there, 1.0, 0.0)
-            keys[slot * LANES + lane] = select(there, key_of(dx, dy, slot), FAR)
-        if not s.partial_view:
-            seen = arena[ALIVE + lane]
+            keys[slot * LANES + lane] = select(
+                alive > slot, key_of(targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y, slot), FAR
+            )
+        seen = arena[ALIVE + lane]
         me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
+    if s.partial_view:
+        hide_targets(me, targets, width, slots, s, reach_um, keys)
     sort_keys(keys, network, width, slots)
 
 
@@ -233,11 +279,11 @@ def rank_rivals(
         rival = seat_of(block, other)
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
-            dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
-            there = (rival[WITHDRAWN + lane] == 0.0) & (other != seat)
-            if s.partial_view:
-                there = there & is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], reach_um, s)
-            keys[other * LANES + lane] = select(there, key_of(dx, dy, other), FAR)
+            key = key_of(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane], other)
+            unseen = (rival[WITHDRAWN + lane] > 0.0) | (other == seat)
+            keys[other * LANES + lane] = select(unseen, FAR, key)
+    if s.partial_view:
+        hide_rivals(block, seat, width, s, reach_um, keys)
     sort_keys(keys, network, width, s.hunters)
 
 

@@ -34,10 +34,6 @@ class Scratch(NamedTuple):
     """What one seat sees of each target in one group of lanes: see `FEATURE_STRIDE`."""
     rival_features: NDArray[np.float32]
     """And of each rival."""
-    target_noise: Block
-    """R7.6: of what one seat sees of each target: see `observations.compute_target_noise`."""
-    rival_noise: Block
-    """And of each rival."""
     staging: NDArray[np.float32]
     """The observations of one group of lanes, as they lie in memory."""
     requests: RequestTable
@@ -60,8 +56,6 @@ def scratch_shapes(hunters: int, rows: int, columns: int) -> dict[str, tuple[int
         "ages": (_MOST * LANES,),
         "target_features": (_FEATURES,),
         "rival_features": (_FEATURES,),
-        "target_noise": (2 * _MOST * LANES,),
-        "rival_noise": (2 * _MOST * LANES,),
         "staging": (-(-staging // LANES) * LANES,),  # whole cache lines: no two threads write to the same one
         "requests": (hunters, REQUEST_COLUMNS),
         "rows": (_ROWS * LANES,),
@@ -79,8 +73,6 @@ def scratch_of(sections: Sections, thread: int) -> Scratch:
         sections.ages[thread],
         sections.target_features[thread],
         sections.rival_features[thread],
-        sections.target_noise[thread],
-        sections.rival_noise[thread],
         sections.staging[thread],
         sections.requests[thread],
         sections.rows[thread],
