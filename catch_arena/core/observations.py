@@ -5,10 +5,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, phase, rare, rule
+from catch_arena.core.jit import Block, inlined, phase, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
-from catch_arena.core.random import seed_of
+from catch_arena.core.random import draw, seed_of
 from catch_arena.core.ranking import pack_order, rank_rivals, rank_targets, resolve_ties, rival_at
 from catch_arena.core.state import (
     ABSENT,
@@ -58,7 +58,7 @@ from catch_arena.core.vectors import (
     single,
     stream_eight,
 )
-from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur
+from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
 from catch_arena.core.workspace import FEATURE_STRIDE, Scratch, rival_order_of
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures
 
@@ -206,12 +206,13 @@ def blur_targets(
     """
     me = seat_of(block, seat)
     for lane in range(first, first + len(width)):
+        key = blur_key_at(block, seat, TARGET_KIND, lane)
         for rank in range(int(me[SEEN + lane])):
             slot = slot_at_rank(order, rank, lane)
             seen = target_at(me, targets, slot * s.slot_size + lane, lane, 0.0)
             at = (slot * len(width) + lane - first) * FEATURE_STRIDE
-            number = targets[slot * s.slot_size + NUMBER + lane]
-            write_blurred(block, seat, TARGET_KIND, number, lane, seen.forward, seen.left, s, features, at)
+            number = np.uint64(targets[slot * s.slot_size + NUMBER + lane])
+            write_blurred(draw(key, number), seen.forward, seen.left, s, features, at)
 
 
 @phase
@@ -230,32 +231,13 @@ def blur_rivals(
         features: as of `compute_rival_features`; forward and left are written anew.
     """
     for lane in range(first, first + len(width)):
+        key = blur_key_at(block, seat, RIVAL_KIND, lane)
         for rank in range(s.hunters_seen):
             other = slot_at_rank(order, rank, lane)
             if other != ABSENT:
                 seen = rival_at(block, seat, other, lane)
                 at = (other * len(width) + lane - first) * FEATURE_STRIDE
-                write_blurred(block, seat, RIVAL_KIND, float(other), lane, seen.forward, seen.left, s, features, at)
-
-
-@rare
-def write_blurred(
-    block: Block,
-    seat: int,
-    kind: np.uint64,
-    who: float,
-    lane: int,
-    forward: float,
-    left: float,
-    s: Settings,
-    out: Numbers,
-    at: int,
-) -> None:
-    """R7.6: where one thing is seen, which is so far ahead and to the left [m]; the two columns from out[at] on."""
-    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-    step = block[STEP + lane]
-    out[at] = np.float32(forward + blur(seed, step, seat, kind, who, 0, s.view_noise))
-    out[at + 1] = np.float32(left + blur(seed, step, seat, kind, who, 1, s.view_noise))
+                write_blurred(draw(key, np.uint64(other)), seen.forward, seen.left, s, features, at)
 
 
 @phase
@@ -275,6 +257,19 @@ def compute_rival_features(block: Block, seat: int, first: int, width: Width, s:
         if other != seat:
             seen = rival_at(block, seat, other, group(first, width))
             put_rows(features, other * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
+
+
+@rule
+def blur_key_at(block: Block, seat: int, kind: np.uint64, lane: int) -> np.uint64:
+    """R7.6: `visibility.blur_key` of what a seat sees of one kind in one lane."""
+    return blur_key(seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), block[STEP + lane], seat, kind)
+
+
+@phase
+def write_blurred(key: np.uint64, forward: float, left: float, s: Settings, out: Numbers, at: int) -> None:
+    """R7.6: where one thing is seen that is so far ahead and to the left [m]: two columns from out[at] on."""
+    out[at] = np.float32(forward + blur(key, 0, s.view_noise))
+    out[at + 1] = np.float32(left + blur(key, 1, s.view_noise))
 
 
 @phase
@@ -379,7 +374,8 @@ def write_rivals(
             seen = rival_at(block, seat, other, lane)
             put_rows(out, at, FEATURE_STRIDE, seen)
             if s.view_noise > 0.0:
-                write_blurred(block, seat, RIVAL_KIND, float(other), lane, seen.forward, seen.left, s, out, at)
+                key = draw(blur_key_at(block, seat, RIVAL_KIND, lane), np.uint64(other))
+                write_blurred(key, seen.forward, seen.left, s, out, at)
         at += RIVAL_WIDTH
 
 

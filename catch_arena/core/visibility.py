@@ -33,20 +33,28 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s
 
 
 @rule
-def blur(seed: np.uint64, step: float, observer: int, kind: np.uint64, who: float, axis: int, noise: float) -> float:
-    """R7.6: what is added to where something is seen [m].
+def blur_key(seed: np.uint64, step: float, observer: int, kind: np.uint64) -> np.uint64:
+    """R7.6: the stream of errors of what one hunter sees.
 
     Args:
         seed: the arena's.
         step: that of the state that is observed.
         observer: the seat that sees.
         kind: TARGET_KIND or RIVAL_KIND.
-        who: the target's number, or the rival's seat.
+    """
+    return draw(draw(draw(stream(seed, VIEW_NOISE), np.uint64(step)), np.uint64(observer)), kind)
+
+
+@rule
+def blur(key: np.uint64, axis: int, noise: float) -> float:
+    """R7.6: what is added to where something is seen [m].
+
+    Args:
+        key: draw(blur_key(...), the target's number or the rival's seat).
         axis: 0 for forward, 1 for left.
         noise: the standard deviation [m].
     """
-    key = draw(draw(stream(seed, VIEW_NOISE), np.uint64(step)), np.uint64(observer))
-    key = draw(draw(draw(key, kind), np.uint64(who)), np.uint64(axis))
-    total = fraction(draw(key, np.uint64(0))) + fraction(draw(key, np.uint64(1)))
-    total = total + fraction(draw(key, np.uint64(2))) + fraction(draw(key, np.uint64(3)))
+    own = draw(key, np.uint64(axis))
+    total = fraction(draw(own, np.uint64(0))) + fraction(draw(own, np.uint64(1)))
+    total = total + fraction(draw(own, np.uint64(2))) + fraction(draw(own, np.uint64(3)))
     return noise * _SPREAD * (total - 2.0)
