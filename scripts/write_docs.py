@@ -30,8 +30,9 @@ and of `rival_2` and `rival_3` repeat those of the first.
 MOVING = """Each target has three columns more there (R7.4), and so it has in the global view; of `target_1`:
 """
 
-PARTIAL = """A scenario may limit what hunters see to a radius and a cone (R7.5), and blur it (R7.6). The columns stay: what is
-not seen has no rank, and `forward` and `left` have wider bounds where they are blurred. `view.limits` says what holds.
+PARTIAL = """A scenario may limit what hunters see to a radius and a cone (R7.5), and blur it (R7.6). The columns stay:
+what is not seen has no rank, and `forward` and `left` have wider bounds where they are blurred. `view.limits` says
+what holds.
 """
 
 STATE = """`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then
