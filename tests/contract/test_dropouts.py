@@ -21,7 +21,7 @@ def played(env, seed):
 
 
 @pytest.mark.rule("R1.7")
-def test_who_drops_out_is_terminated_in_that_step_and_leaves():
+def test_r1_7_who_drops_out_is_terminated_in_that_step_and_leaves():
     """With a last observation, and never truncated too; the state says that it is withdrawn."""
     left = 0
     for seed in range(6):
@@ -38,7 +38,7 @@ def test_who_drops_out_is_terminated_in_that_step_and_leaves():
 
 
 @pytest.mark.rule("R1.7")
-def test_who_drops_out_and_stays_is_refused_and_told_apart_by_active():
+def test_r1_7_who_drops_out_and_stays_is_refused_and_told_apart_by_active():
     """It goes on to act, to see and to have a mask; nobody is terminated."""
     refused = 0
     env = catch_arena.parallel_env(dropout_rate=RATE, dropouts="fixed", max_cycles=60, control="full")
@@ -63,7 +63,7 @@ def test_who_drops_out_and_stays_is_refused_and_told_apart_by_active():
 
 @pytest.mark.rule("R1.7")
 @pytest.mark.parametrize("dropouts", ["leave", "fixed"])
-def test_both_ways_play_the_same_arena(dropouts):
+def test_r1_7_both_ways_play_the_same_arena(dropouts):
     """The door differs, not the game: the batch of arrays has the same states, and says who is active."""
     config = catch_arena.scenario("standard", dropout_rate=RATE, dropouts=dropouts, max_cycles=30)
     env, batch = catch_arena.parallel_env(config), catch_arena.VectorArena(config, 3, auto_reset=False)
@@ -80,7 +80,7 @@ def test_both_ways_play_the_same_arena(dropouts):
 
 
 @pytest.mark.rule("R1.7")
-def test_a_batch_without_dropouts_says_nothing_of_them():
+def test_r1_7_a_batch_without_dropouts_says_nothing_of_them():
     assert "active" not in catch_arena.VectorArena("standard", 2).reset(seed=1)[1]
     assert "active" not in next(iter(catch_arena.parallel_env().reset(seed=1)[1].values()))
 
@@ -95,7 +95,7 @@ def test_dropouts_pass_pettingzoos_tests(dropouts):
 
 
 @pytest.mark.rule("R1.7")
-def test_a_match_of_dropouts_has_no_forfeits():
+def test_r1_7_a_match_of_dropouts_has_no_forfeits():
     """Score and rank stay; who has left is not asked any more."""
     from catch_arena.agents.nearest import Agent
     from catch_arena.tournament.match import play
