@@ -60,7 +60,10 @@ def test_every_row_has_one_owner():
     digest = [HUNTER[row // LANES] for row in state.HUNTER_DIGEST]
     assert digest == [*HUNTER[:5], "DISTANCE_INTEGRAL", "BEARING_INTEGRAL", "ACTIVE", "SCORE", "AT_WALL", "WITHDRAWN"]
     assert [state.NUMBER // LANES, state.APPEARED // LANES, state.BODY // LANES] == [0, 1, 2]
-    assert state.SLOT_ROWS == state.BODY // LANES + state.STILL_BODY_ROWS
+    assert state.STILL_SLOT_ROWS == state.BODY // LANES + state.STILL_BODY_ROWS
+    of_moving = [state.WANDER // LANES, state.WANDER_ENDS // LANES, state.MOVING_SLOT_ROWS]
+    assert of_moving == [state.BODY // LANES + state.BODY_ROWS + more for more in range(3)]
+    assert HUNTER.index("COSINE") + 1 == state.BODY_ROWS
 
 
 @pytest.mark.parametrize("config", SCENARIOS.values(), ids=SCENARIOS)
