@@ -275,6 +275,11 @@ class Hourglass:
         resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time()) + LONGEST_TEST_S, resource.RLIM_INFINITY))
 
 
+def is_of_another(path: Path, mutant: Mutant) -> bool:
+    """Whether these are the unit tests of another module, which rarely notice a mutant of this one."""
+    return path.parent.name == "unit" and path.stem != f"test_{mutant.module}"
+
+
 class OnEveryMutant:
     """A plugin of pytest that runs the tests, once they are collected, on one mutant after the other."""
 
@@ -289,8 +294,9 @@ class OnEveryMutant:
 
         hook = session.config.hook
 
-        def run_tests() -> int:
-            for item, following in itertools.zip_longest(session.items, session.items[1:]):
+        def run_tests(mutant: Mutant | None) -> int:
+            items = sorted(session.items, key=lambda item: mutant is not None and is_of_another(item.path, mutant))
+            for item, following in itertools.zip_longest(items, items[1:]):
                 hook.pytest_runtest_protocol(item=item, nextitem=following)
                 if session.testsfailed:
                     print(item.nodeid)
@@ -303,6 +309,11 @@ class OnEveryMutant:
         return True
 
 
+def on_constants(mutant: Mutant | None) -> int:  # noqa: ARG001 - the module is imported by the tests, with the mutant
+    """What pytest says of the killing tests, in a process that has none of the core yet."""
+    return run_pytest()
+
+
 def run_pytest(*plugins: object) -> int:
     """What pytest says of the killing tests, up to the first that fails."""
     import pytest
@@ -311,7 +322,7 @@ def run_pytest(*plugins: object) -> int:
     return int(pytest.main([*options, *KILLERS], [Hourglass(), *plugins]))
 
 
-def begin(mutant: Mutant | None, run_tests: Callable[[], int]) -> int:
+def begin(mutant: Mutant | None, run_tests: Callable[[Mutant | None], int]) -> int:
     """A process that runs the tests on a mutant (or on the core as it is) and ends with 0 if they all pass."""
     if (process := os.fork()) != 0:
         return process
@@ -322,12 +333,12 @@ def begin(mutant: Mutant | None, run_tests: Callable[[], int]) -> int:
             for stream in (1, 2):
                 os.dup2(nowhere, stream)
             put_in_place(mutant)
-        code = run_tests()
+        code = run_tests(mutant)
     finally:
         os._exit(code)  # nothing may come back into the copy of this script
 
 
-def survivors(mutants: Sequence[Mutant], processes: int, run_tests: Callable[[], int]) -> list[Name]:
+def survivors(mutants: Sequence[Mutant], processes: int, run_tests: Callable[[Mutant | None], int]) -> list[Name]:
     """Those on which all tests pass."""
     running: dict[int, Mutant] = {}
     found = []
@@ -377,7 +388,7 @@ def main() -> None:
     started = time.monotonic()
     mutants = [mutant for module in modules for mutant in mutants_of(module) if asked_for(mutant.name)]
     # constants first: collecting the tests for all the others imports the modules here, for good
-    found = survivors([mutant for mutant in mutants if not mutant.function], options.processes, run_pytest)
+    found = survivors([mutant for mutant in mutants if not mutant.function], options.processes, on_constants)
     within = [mutant for mutant in mutants if mutant.function]
     if run_pytest(OnEveryMutant(within, options.processes, found)):
         sys.exit(1)
