@@ -44,7 +44,8 @@ UNDISTURBED = {0, 1, 3}
 """How they end: 1 and 3 are what `compare` and `audit` say of few matches."""
 SPEC = """
 title = "An exercise"
-seeds = [1, 2, 3]
+seed = 1
+matches = 3
 [[test]]
 name = "catches"
 scenario = "duel"
