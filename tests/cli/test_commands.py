@@ -84,7 +84,7 @@ def test_bad_agents_are_isolated_by_default_and_spoil_nothing(catch_arena, tmp_p
 def test_one_that_is_trusted_and_one_that_is_isolated_play_the_same_tournament(catch_arena, tmp_path):
     """But one does not go on with what the other began, nor do other limits."""
     (tmp_path / "mine.py").write_text((ROOT / "agents" / "contested.py").read_text())
-    words = ["tournament", "mine.py", "nearest", "random", *QUICK, "--jobs", "1"]
+    words = ["tournament", "mine.py", "nearest", "random", *QUICK, "--seed", "0", "--jobs", "1"]
     for out, how in (("a", ["--trusted"]), ("b", [])):
         assert catch_arena(*words, "--out", out, *how).exit_code == 0
         catch_arena("export", out, "--no-timing", "-o", f"{out}.csv")
