@@ -248,7 +248,7 @@ def main() -> None:
     found = attack(corner)
     spent = time.process_time() - begin
     right = [key for key in found.keys if place_of(key, 60) == corner.places[59][:2]]
-    print(f"{arguments.seconds:g} s in a corner: {found.bits:.1f} bits of a place, {found.tries / 1e6:.0f} million tries")
+    print(f"{arguments.seconds:g} s in a corner: {found.bits:.1f} bits of a place, {found.tries:.1e} tries are left")
     print(f"in {spent:.1f} s of one core: {len(found.keys)} streams fit, {len(right)} of them the match's own")
 
 
