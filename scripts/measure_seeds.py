@@ -162,7 +162,7 @@ def drawn(key: np.uint64, counter: np.uint64) -> float:
 
 @njit
 def streams(first: np.uint64, last: np.uint64, counter: np.uint64, low: float, high: float) -> NDArray[np.uint64]:
-    """The keys of the stream whose word `counter` is in [first, last], and whose next word's fraction in [low, high]."""
+    """The keys of streams whose word `counter` is in [first, last], and the next one's fraction in [low, high]."""
     found = np.zeros(64, dtype=np.uint64)
     count = 0
     word = first

@@ -6,10 +6,13 @@ import re
 import sqlite3
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,6 +22,8 @@ from typer.testing import CliRunner
 from catch_arena import scenario
 from catch_arena.cli import main
 from catch_arena.cli.arguments import blank_argument
+from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.spawner import spawn_pose
 from catch_arena.engine import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
@@ -258,3 +263,31 @@ def test_a_secret_on_the_command_line_is_no_longer_read_there():
     assert digits not in line
     assert rf"--seed\x00{'x' * 32}\x00x\x00" in line
     blank_argument("not there")
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(INTERPRETED, reason="without the compiler it tries too few")
+def test_an_agent_that_tries_seeds_for_a_minute_predicts_no_place():
+    """From what it knows of the first place that it sees: small numbers, those around its own seed, and its double."""
+    spec = spec_from_file_location("measure_seeds", Path(__file__).parents[2] / "scripts" / "measure_seeds.py")
+    measure = module_from_spec(spec)
+    sys.modules["measure_seeds"] = measure
+    spec.loader.exec_module(measure)
+
+    def found(match: int, own: int) -> bool:
+        """By fractions that are known to 22 bits."""
+        x, y, _ = spawn_pose(np.uint64(match), 1, measure.LOW, measure.HIGH, measure.HIGH)
+        seen = [(at - measure.LOW) / (measure.HIGH - measure.LOW) for at in (x, y)]
+        ends = time.process_time() + 60.0
+        begins = [0, max(0, own - (1 << 30)), max(0, 2 * own - (1 << 30))]
+        tried = 0
+        while time.process_time() < ends:
+            begin = begins[tried % 3] + (tried // 3 << 28)
+            if match in measure.seeds_with(np.uint64(begin), 1 << 28, *seen, 2.0**-22):
+                return True
+            tried += 1
+        return False
+
+    block = Secret.of(None)
+    assert not found(block.seed("match", 0), block.seed("agent", 0, 0))
+    assert found(123_456_789, agent_seed(123_456_789, 0))
