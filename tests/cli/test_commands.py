@@ -115,7 +115,7 @@ def test_a_match_that_cannot_be_held_is_told_in_one_line_with_what_is_kept(catch
 
 
 def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
-    words = ["tournament", "nearest", "idle", "-s", "duel", "--set", "time_limit_s=15", "--jobs", "1"]
+    words = ["tournament", "nearest", "idle", "-s", "duel", "--set", "time_limit_s=15", "--seed", "0", "--jobs", "1"]
     clear = catch_arena(*words, "--until-separated", "0.95", "--out", "a")
     assert re.search(r"duel: 2 agents, at most 10000 matches", clear.output)
     assert re.search(r"after \d\d matches, the order is clear", clear.output)

@@ -19,7 +19,19 @@ from catch_arena.cli import main
 
 LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
 ROOT = Path(__file__).parents[2]
-TOURNAMENT = ("tournament", "mine.py", "nearest", "-s", "duel", "--set", "time_limit_s=20", "--rounds", "6")
+TOURNAMENT = (
+    "tournament",
+    "mine.py",
+    "nearest",
+    "-s",
+    "duel",
+    "--set",
+    "time_limit_s=20",
+    "--rounds",
+    "6",
+    "--seed",
+    "0",
+)
 WAYS = {
     "isolated, two jobs": ("--jobs", "2"),
     "trusted, watched": ("--trusted", "--jobs", "1", "--watch"),

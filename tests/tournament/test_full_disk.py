@@ -16,7 +16,7 @@ from catch_arena.errors import StoreError
 from catch_arena.tournament.store import Store
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
-TOURNAMENT = ["tournament", "nearest", "idle", *QUICK, "--rounds", "150", "--jobs", "1"]
+TOURNAMENT = ["tournament", "nearest", "idle", *QUICK, "--rounds", "150", "--seed", "0", "--jobs", "1"]
 ROOM = r"[\d.]+ \w+ are free in [\w/]+"
 KEPT = "of 300 matches are kept in {}; the same command with --resume goes on"
 
