@@ -21,7 +21,7 @@ from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import Tournament
 
 SHORT = scenario("duel", time_limit_s=6)
-SWISS_SEED = 0
+SWISS_SEED = 1
 """Seats a strong and an idle agent at each table of the first round."""
 
 
