@@ -27,3 +27,12 @@ def checked_seed(seed: object) -> int:
 def fresh_seed() -> int:
     """A seed from the operating system, for a first reset that names none; it is small enough to be typed again."""
     return secrets.randbits(32)
+
+
+def arena_seed(given: int | None) -> int:
+    """The seed of a match that agents play: where none is given, one that they cannot guess.
+
+    Raises:
+        ConfigError: unless it is a whole number in [0, 2^64).
+    """
+    return secrets.randbits(64) if given is None else checked_seed(given)

@@ -72,7 +72,7 @@ def measure(name: str, agents: list[str], rounds: int, seed: int) -> None:
             seating = [players[place] for place in match.seating]
             policies = [entrants[place].create() for place in seating]
             names = [entrants[place].name for place in seating]
-            result = play(config, match.seed, policies, names, indices=match.seating, watch=contests.watch)
+            result = play(config, match.seed, policies, names, agent_seeds=match.agent_seeds, watch=contests.watch)
             played.append(PlayedMatch(replace(match, seating=tuple(seating)), result))
             show(len(played), len(plan))
     share = 100 / max(1, contests.catches)

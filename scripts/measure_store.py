@@ -23,7 +23,6 @@ from catch_arena.tournament.execution.executors import ProcessExecutor, SerialEx
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import export
-from catch_arena.tournament.match import agent_seed
 from catch_arena.tournament.plans.schedule import FixedPlan, round_robin
 from catch_arena.tournament.store import STORE, Store, Tournament
 
@@ -60,8 +59,8 @@ def bare(config: ArenaConfig, entrants: tuple[Entrant, ...], plan: FixedPlan) ->
     for match in plan:
         env = CatchArenaEnv(config.replace(control=tuple(entrants[place].control for place in match.seating)))
         policies = [entrants[place].create() for place in match.seating]
-        for policy, place in zip(policies, match.seating, strict=True):
-            policy.reset(agent_seed(match.seed, place))
+        for policy, seed in zip(policies, match.agent_seeds, strict=True):
+            policy.reset(seed)
         observations, infos = env.reset(seed=match.seed)
         limits = Limits.of(env.config, 0)
         while env.agents:

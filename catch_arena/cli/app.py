@@ -11,11 +11,13 @@ import typer
 from typer.core import TyperGroup
 
 from catch_arena import interrupts
+from catch_arena.cli.arguments import blank_argument
 from catch_arena.cli.terminal import fit_help, let_all_be_written
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant
@@ -92,7 +94,18 @@ MaxForfeits = Annotated[
     ),
 ]
 MAX_FORFEITS = 10
-Seed = Annotated[int, typer.Option(help="Whatever is drawn follows from it.")]
+Seed = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SEED",
+        help="All that is drawn follows from it: 32 hexadecimal digits, as a result tells them, or a number, which "
+        "agents can guess.",
+        show_default="drawn",
+    ),
+]
+ArenaSeed = Annotated[
+    int | None, typer.Option(metavar="NUMBER", help="The arena's; agents can guess a small one.", show_default="drawn")
+]
 
 
 def _show_version(wanted: bool) -> None:
@@ -131,6 +144,27 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
         else:
             raise ConfigError(f"--set {group}=... and --set {key}=... must not both be given")
     return scenario(name, **overrides)
+
+
+def secret_of(seed: str | None) -> Secret:
+    """That of --seed, or a fresh one. The digits of one that was given no longer stand in our command line, which any
+    process may read.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
+    if seed is None:
+        return Secret.of(None)
+    given = Secret.parse(seed)
+    if given.number is None:
+        blank_argument(seed)
+    return given
+
+
+def seed_told(secret: Secret) -> str:
+    """How others can repeat what was drawn, in a line."""
+    guessed = "" if secret.number is None else f" ({secret.number}, a number, which agents can guess)"
+    return f"seed: {secret.digits}{guessed}"
 
 
 def agent_limits(changes: list[str] | None) -> AgentLimits:

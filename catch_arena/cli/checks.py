@@ -8,7 +8,6 @@ import typer
 from catch_arena.cli.app import (
     MAX_FORFEITS,
     Limits,
-    Seed,
     Settings,
     Trusted,
     agent_limits,
@@ -39,7 +38,7 @@ def check_agent(
         list[str] | None,
         typer.Option("--scenario", "-s", help="An arena to play in; may be repeated.", show_default="all"),
     ] = None,
-    seed: Seed = 0,
+    seed: Annotated[int, typer.Option(help="The arena's.")] = 0,
     limits: Limits = None,
     settings: Settings = None,
 ) -> None:
@@ -71,6 +70,10 @@ def grade(
     spec: Annotated[Path, typer.Option(metavar="FILE", help="What it is graded by (docs/grading.md).")],
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JUnit XML.")] = None,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JSON.")] = None,
+    seeds: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the seeds of all matches as JSON: for teachers, not for students."),
+    ] = None,
     force: Force = False,
     limits: Limits = None,
     trusted: Trusted = False,
@@ -89,11 +92,11 @@ def grade(
     """
     from catch_arena.files import write_whole
     from catch_arena.tournament.entrants import enter
-    from catch_arena.tournament.grading import grade_agent, json_text, junit_text, read_spec
+    from catch_arena.tournament.grading import grade_agent, json_text, junit_text, read_spec, seeds_text
     from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 
     exercise = read_spec(spec)
-    for path in (junit, json):
+    for path in (junit, json, seeds):
         if path is not None:
             output_file(path, force=force)
     with sandbox_for(limits_or_trust(limits, trusted=trusted)) as sandbox:
@@ -105,7 +108,7 @@ def grade(
             for word, opponent in zip(test.opponents, opponents, strict=True):
                 if opponent.fault is not None:
                     raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
-            grades.append(grade_agent(test, student, opponents, sandbox, max_forfeits))
+            grades.append(grade_agent(exercise, test, student, opponents, sandbox, max_forfeits))
             typer.echo(str(grades[-1]))
     points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
     typer.echo(f"{exercise.title}: {student.name} has {points:g} of {possible:g} points")
@@ -113,5 +116,7 @@ def grade(
         write_whole(junit, junit_text(exercise, student, grades).encode())
     if json is not None:
         write_whole(json, json_text(exercise, student, grades).encode())
+    if seeds is not None:
+        write_whole(seeds, seeds_text(exercise).encode())
     if any(one.failures for one in grades):
         raise typer.Exit(_EXIT_NOT_PASSED)

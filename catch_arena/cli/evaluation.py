@@ -19,6 +19,8 @@ from catch_arena.cli.app import (
     enter_agents,
     limits_or_trust,
     main,
+    secret_of,
+    seed_told,
 )
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.errors import ConfigError
@@ -47,7 +49,7 @@ def compare(
     alpha: Annotated[float, typer.Option(help="How often H1 may be accepted wrongly.")] = 0.05,
     beta: Annotated[float, typer.Option(help="How often H0 may be accepted wrongly.")] = 0.05,
     max_blocks: Annotated[int, typer.Option(help="Give up after so many blocks.")] = 2000,
-    seed: Seed = 0,
+    seed: Seed = None,
     jobs: Jobs = None,
     trusted: Trusted = False,
     limits: Limits = None,
@@ -61,7 +63,7 @@ def compare(
     from catch_arena.tournament.comparison import compare as play_and_test
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
-    config = arena(scenario, settings)
+    config, secret = arena(scenario, settings), secret_of(seed)
     if len(agents) != 2:
         raise ConfigError(f"agents must be two, A and B, got {len(agents)}; the field is named by --against")
     if (share0 is None) != (share1 is None):
@@ -85,7 +87,7 @@ def compare(
             entrants,
             test,
             max_blocks=max_blocks,
-            seed=seed,
+            seed=secret,
             jobs=jobs_or_all(jobs),
             limits=allowed,
             max_forfeits=max_forfeits,
@@ -109,6 +111,7 @@ def compare(
         "H0": f"{first.name} is not stronger than {second.name} (H0)",
         None: f"undecided after {found.blocks} blocks",
     }
+    typer.echo(seed_told(secret))
     typer.echo(f"verdict: {verdicts[found.decision]}")
     raise typer.Exit(_EXIT_CODES[found.decision])
 
@@ -121,7 +124,7 @@ def audit(
     *,
     scenario: Scenario = "standard",
     matches: Annotated[int, typer.Option(help="Matches of identical agents; the twins play a quarter as many.")] = 2000,
-    seed: Seed = 0,
+    seed: Seed = None,
     jobs: Jobs = None,
     out: Annotated[Path, typer.Option(help="The folder for audit.json, of which the report tells.")] = Path(
         "out/tournament"
@@ -139,11 +142,11 @@ def audit(
     from catch_arena.tournament.audit import FILE, LEVEL, audit_text
     from catch_arena.tournament.audit import audit as ask
 
-    config = arena(scenario, settings)
+    config, secret = arena(scenario, settings), secret_of(seed)
     output_file(out / FILE, force=force)
     with progress_bar("playing") as show:
-        found = ask(config, agent, matches=matches, seed=seed, jobs=jobs_or_all(jobs), progress=show)
-    write_whole(out / FILE, audit_text(found, config, seed).encode())
+        found = ask(config, agent, matches=matches, seed=secret, jobs=jobs_or_all(jobs), progress=show)
+    write_whole(out / FILE, audit_text(found, config, secret).encode())
     seats = FittedTable("seat", "wins", "95 %", "score")
     for number, seat in enumerate(found.seats):
         interval = f"{100 * seat.wins.low:.1f} - {100 * seat.wins.high:.1f}"
@@ -154,6 +157,7 @@ def audit(
         chance = "" if check.p is None else f" (p = {check.p:.3f})"
         typer.echo(f"{check.question} {'No' if check.passed else 'YES'}: {check.finding}{chance}")
     floor = found.twin_difference.margin
+    typer.echo(seed_told(secret))
     typer.echo(f"noise floor: up to {floor:.0f} points between equals after {found.twin_matches} matches")
     if found.passed:
         typer.echo(f"verdict: fair, as far as {found.matches} matches can show")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from catch_arena.cli.app import Agents, Scenario, Seed, Settings, arena, main
+from catch_arena.cli.app import Agents, ArenaSeed, Scenario, Settings, arena, main
 from catch_arena.cli.outputs import Force, free_name, output_file
 from catch_arena.cli.videos import width_and_height
 from catch_arena.errors import ConfigError
@@ -40,7 +40,7 @@ def play(
     ] = None,
     scenario: Scenario = "standard",
     seat: Annotated[int, typer.Option(help="Yours.")] = 0,
-    seed: Seed = 0,
+    seed: ArenaSeed = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
@@ -62,7 +62,7 @@ def watch(
     agents: Agents,
     *,
     scenario: Scenario = "standard",
-    seed: Seed = 0,
+    seed: ArenaSeed = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
@@ -77,7 +77,7 @@ def _show(
     scenario: str,
     free: int,
     person: int | None,
-    seed: int,
+    seed: int | None,
     record: Path | None,
     size: str,
     settings: list[str] | None,
@@ -87,6 +87,7 @@ def _show(
     """Seat the agents, one after the other and over again, and play in a window."""
     from catch_arena.live.session import line_up, show_match
     from catch_arena.render.renderer import checked_size
+    from catch_arena.seeding import arena_seed
     from catch_arena.tournament.entrants import enter
 
     config = arena(scenario, settings)
@@ -102,7 +103,7 @@ def _show(
         replay.save(target)
         return str(target)
 
-    replay, scores, ranks = show_match(config, seed, lineup, title=scenario, size=window, save=save)
+    replay, scores, ranks = show_match(config, arena_seed(seed), lineup, title=scenario, size=window, save=save)
     ranking = sorted(zip(ranks, scores, replay.names, strict=True), key=lambda line: line[0])
     for rank, score, name in ranking:
         typer.echo(f"{rank:>3}  {score:>3}  {name}")

@@ -13,6 +13,7 @@ from catch_arena import interrupts
 from catch_arena.cli.app import (
     MAX_FORFEITS,
     Agents,
+    ArenaSeed,
     Limits,
     MaxForfeits,
     Scenario,
@@ -23,6 +24,8 @@ from catch_arena.cli.app import (
     enter_agents,
     limits_or_trust,
     main,
+    secret_of,
+    seed_told,
 )
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
@@ -32,6 +35,7 @@ if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import Plan
+    from catch_arena.tournament.secret import Secret
 
 Format = Literal["round-robin", "balanced", "gauntlet", "swiss"]
 ExecutorName = Literal["local", "ray"]
@@ -62,7 +66,7 @@ def tournament(
     max_matches: Annotated[
         int | None, typer.Option(help="The most that --until-separated plays.", show_default="10000")
     ] = None,
-    seed: Seed = 0,
+    seed: Seed = None,
     jobs: Annotated[
         int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")
     ] = None,
@@ -108,11 +112,13 @@ def tournament(
     from catch_arena.tournament.store import STORE, Store, Tournament
 
     config = arena(scenario, settings)
+    given = None if seed is None else secret_of(seed)
     allowed = limits_or_trust(limits, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
     players = enter_agents(agents, allowed)
     require_enough(len(players), config, scenario)
-    plays = _plan(players, config.hunters, form, rounds, seed, until_separated, max_matches)
+    secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
+    plays = _plan(players, config.hunters, form, rounds, secret, until_separated, max_matches)
     worker = Worker(config, players, record, allowed)
     if plan:
         Console().print(plan_table(plays, worker, measure_cost(worker, plays), jobs, max_forfeits))
@@ -127,7 +133,7 @@ def tournament(
             )
     terms = {"recorded": record, "trusted": trusted, "max_forfeits": max_forfeits}
     terms |= {} if allowed is None else asdict(allowed)
-    facts = Tournament(config, players, plays.parameters, terms)
+    facts = Tournament(config, players, plays.parameters, terms, secret)
     most = "at most " if isinstance(plays, UntilSeparated) else ""
 
     def kept(count: int) -> str:
@@ -157,6 +163,7 @@ def tournament(
             typer.echo(f"after {played} matches, {plays.last}")
         if (out / LOGS).exists():
             typer.echo(f"what agents printed, and how they failed: {out / LOGS}")
+        typer.echo(seed_told(secret))
         typer.echo(f"results: {out}")
         typer.echo(f"report: {write_report(out)}")
 
@@ -178,7 +185,7 @@ def _plan(
     hunters: int,
     form: Format | None,
     rounds: int | None,
-    seed: int,
+    seed: "Secret",
     until_separated: float | None,
     max_matches: int | None,
 ) -> "Plan":
@@ -238,7 +245,7 @@ def match(
     agents: Agents,
     *,
     scenario: Scenario = "standard",
-    seed: Seed = 0,
+    seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: Limits = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="The replay to write.")] = Path("match.replay"),
@@ -246,6 +253,7 @@ def match(
     settings: Settings = None,
 ) -> None:
     """Play one match, seated in the order given, and record it."""
+    from catch_arena.seeding import arena_seed
     from catch_arena.tournament.isolation.starting import play_entrants, sandbox_for
     from catch_arena.tournament.plans.schedule import require_enough
 
@@ -256,12 +264,14 @@ def match(
     if len(players) > config.hunters:
         raise ConfigError(f"agents must be {config.hunters}, one for each hunter of {scenario}, got {len(players)}")
     output_file(output, force=force)
+    drawn = arena_seed(seed)
     with sandbox_for(allowed) as sandbox:
-        result = play_entrants(config, seed, players, sandbox, title=scenario, record=output)
+        result = play_entrants(config, drawn, players, sandbox, title=scenario, record=output)
     for player, log in zip(players, result.logs, strict=True):
         if log:
             typer.echo(f"{player.name} printed:\n{log}", err=True)
     lines = zip(result.ranks, result.scores, players, result.details, strict=True)
     for rank, score, player, forfeit in sorted(lines, key=lambda line: line[0]):
         typer.echo(f"{rank:>3}  {score:>3}  {player.name}" + (f": {forfeit}" if forfeit else ""))
+    typer.echo(f"seed: {drawn}")
     typer.echo(f"replay: {output}")

@@ -31,6 +31,8 @@ class ReportData:
     """In the order of the plan."""
     versions: Sequence[dict[str, str]]
     """Each set of versions that played."""
+    ended: bool
+    """Whether the plan has been played to its end."""
 
     @classmethod
     def of(cls, folder: Path) -> "ReportData":
@@ -41,13 +43,13 @@ class ReportData:
         """
         played, versions = [], {}
         with Store.read(folder) as store:
-            tournament, planned = store.tournament, store.count_planned()
+            tournament, planned, ended = store.tournament, store.count_planned(), store.ended
             for one, by in store.records():
                 played.append(one)
                 versions[id(by)] = by
         if not played:
             raise StoreError(f"{folder}: no match has been played yet")
-        return cls(folder, tournament, planned, played, list(versions.values()))
+        return cls(folder, tournament, planned, played, list(versions.values()), ended)
 
     @cached_property
     def names(self) -> list[str]:

@@ -57,7 +57,7 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
     return _template().render(
         data=data,
         table=data.standings,
-        headline=charts.headline(data.standings, ended=len(data.played) >= data.planned),
+        headline=charts.headline(data.standings, ended=data.ended),
         ratings=charts.rating_axis(data.standings),
         lanes=charts.lanes(data.standings),
         distributions=charts.distributions(data),

@@ -34,7 +34,7 @@ class LiveReport:
         self._lock = threading.Lock()
         self._page = ""
         self._data: ReportData | None = None
-        self._count = 0
+        self._shown = ""
         self._next = 0.0
 
     def state(self) -> str:
@@ -42,7 +42,7 @@ class LiveReport:
         with self._lock:
             if time.monotonic() >= self._next:
                 self._refresh()
-            return str(self._count)
+            return self._shown
 
     def page(self) -> str:
         """The page as it is now; it asks for the replays that it shows."""
@@ -64,7 +64,8 @@ class LiveReport:
     def _refresh(self) -> None:
         with Store.read(self._folder) as store:
             count = store.count_played()
-        if count == self._count and self._page:
+            state = f"{count} ended" if store.ended else str(count)
+        if state == self._shown:
             return
         begin = time.monotonic()
         if not count:
@@ -72,7 +73,7 @@ class LiveReport:
         else:
             self._data = ReportData.of(self._folder)
             self._page = page(self._data, {}, watched=True)
-        self._count = count
+        self._shown = state
         end = time.monotonic()
         self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
 

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import cycle, islice
 from random import Random
 from typing import Final
@@ -16,6 +16,7 @@ from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.permutations import Step, lots, names_matter, order_matters, with_labels
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.distributions import chi_squared_tail
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
@@ -81,7 +82,7 @@ def audit(
     agent: str = _DRAWS_NOTHING,
     *,
     matches: int = 2000,
-    seed: int = 0,
+    seed: Secret | int | None = None,
     jobs: int = 1,
     progress: Callable[[int, int], None] | None = None,
 ) -> Audit:
@@ -91,7 +92,7 @@ def audit(
         config: the arena's settings.
         agent: as on the command line; it is trusted, and plays in our own processes.
         matches: how many identical agents play, each on targets of its own; the twins play a quarter as many.
-        seed: a whole number in [0, 2^64).
+        seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed, None draws one freshly.
         jobs: how many processes play.
         progress: called with (matches played, matches in all).
 
@@ -104,10 +105,11 @@ def audit(
     if matches < _FEWEST_MATCHES:
         raise ConfigError(f"matches must be at least {_FEWEST_MATCHES} for an audit, got {matches}")
 
-    hunters = config.hunters
+    hunters, secret = config.hunters, Secret.of(seed)
     alike, twins = enter([agent] * hunters), enter([agent, agent, *islice(cycle(_OTHERS), hunters - 2)])
-    seat_matches = seat_plan(hunters, matches, seed)
-    twin_matches = tuple(round_robin(hunters, hunters, max(_FEWEST_TWIN_BLOCKS, matches // 4 // hunters), seed))
+    seat_matches = seat_plan(hunters, matches, secret.part("audit seats"))
+    twin_blocks = max(_FEWEST_TWIN_BLOCKS, matches // 4 // hunters)
+    twin_matches = tuple(round_robin(hunters, hunters, twin_blocks, secret.part("audit twins")))
     total = len(seat_matches) + len(twin_matches)
 
     def outcomes(entrants: Sequence[Entrant], plan: Sequence[Match], before: int) -> Outcomes:
@@ -121,7 +123,7 @@ def audit(
         return Outcomes.of(hunters, played)
 
     identical, paired = outcomes(alike, seat_matches, 0), outcomes(twins, twin_matches, len(seat_matches))
-    exact, drawn = permuted_steps(config, seed)
+    exact, drawn = permuted_steps(config, secret.seed("audit steps"))
     difference, twin_check = twins_differ(paired)
     return Audit(
         agent=alike[0].name,
@@ -134,35 +136,38 @@ def audit(
             *exact,
             _exact(
                 "Does the order of a step's actions matter?",
-                sum(order_matters(config, seed + number) for number in range(_REPLAYED)),
+                sum(order_matters(config, secret.seed("audit order", number)) for number in range(_REPLAYED)),
                 f"{_REPLAYED} matches, handed over in other orders",
             ),
             _exact(
                 "Do agents' names and places matter?",
-                sum(names_matter(config, seed + number, enter([_DRAWS_NOTHING])[0]) for number in range(_REPLAYED)),
+                sum(
+                    names_matter(config, secret.seed("audit names", number), enter([_DRAWS_NOTHING])[0])
+                    for number in range(_REPLAYED)
+                ),
                 f"{_REPLAYED} matches, whose names went round",
             ),
         ),
     )
 
 
-def audit_text(found: Audit, config: ArenaConfig, seed: int) -> str:
+def audit_text(found: Audit, config: ArenaConfig, secret: Secret) -> str:
     """What `audit.json` holds."""
     about = {
         "ruleset": RULESET,
         "config_digest": config.digest,
         "config": config.to_dict(),
-        "seed": seed,
+        "seed": secret.digits,
         "level": LEVEL,
         "passed": found.passed,
     }
     return json.dumps(about | asdict(found), indent=2) + "\n"
 
 
-def seat_plan(seats: int, matches: int, seed: int) -> tuple[Match, ...]:
+def seat_plan(seats: int, matches: int, seed: Secret | int) -> tuple[Match, ...]:
     """Matches with a seed each: to turn identical agents round would repeat a match, not add one."""
     plan = tuple(round_robin(seats, seats, matches, seed))[::seats]
-    return tuple(Match(match.id, match.block, match.seed, tuple(range(seats))) for match in plan)
+    return tuple(replace(match, seating=tuple(range(seats))) for match in plan)
 
 
 def seats_of(identical: Outcomes) -> tuple[Seat, ...]:

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby, islice
 from typing import Final
 
@@ -15,6 +15,7 @@ from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.sprt import Decision, Sprt
 
@@ -50,13 +51,15 @@ class ComparisonDesign:
         return self.seats - self.field == 1
 
     def block(self, matches: Iterable[Match]) -> tuple[Match, ...]:
-        """A block of a round robin of as many as there are seats, with these two and their field in their roles."""
+        """A block of a round robin of as many as there are seats, with these two and their field in their roles; who
+        plays a role in turn is told the same seed.
+        """
         free = self.seats - self.field
         found = []
         for match in matches:
             for turn in (0, 1) if self.in_turn else (0,):
                 seating = [_FIELD + role - free if role >= free else (role + turn) % 2 for role in match.seating]
-                found.append(Match(f"{match.id}-{'ab'[turn]}", match.block, match.seed, tuple(seating)))
+                found.append(replace(match, id=f"{match.id}-{'ab'[turn]}", seating=tuple(seating)))
         return tuple(found)
 
     def outcome(self, block: Sequence[PlayedMatch]) -> float:
@@ -99,11 +102,11 @@ class _UntilDecided:
         design: ComparisonDesign,
         test: Sprt,
         max_blocks: int,
-        seed: int,
+        secret: Secret,
         progress: Callable[[int, Sprt], None] | None,
     ) -> None:
-        plan = round_robin(design.seats, design.seats, max_blocks, seed)
-        self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks, "seed": seed}
+        plan = round_robin(design.seats, design.seats, max_blocks, secret.part("compare"))
+        self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks}
         self.size = plan.size * (2 if design.in_turn else 1)
         self.outcomes: list[float] = []
         self.matches = 0
@@ -136,7 +139,7 @@ def compare(
     test: Sprt,
     *,
     max_blocks: int,
-    seed: int = 0,
+    seed: Secret | int | None = None,
     jobs: int = 1,
     limits: AgentLimits | None = None,
     max_forfeits: int = 0,
@@ -151,7 +154,7 @@ def compare(
         entrants: the two to compare, then their field.
         test: the sequential test.
         max_blocks: after how many blocks it ends at the latest.
-        seed: a whole number in [0, 2^64).
+        seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed, None draws one freshly.
         jobs: how many processes play.
         limits: those of isolated agents, None where all are trusted.
         max_forfeits: as of `runner.play_plan`.
@@ -163,7 +166,8 @@ def compare(
     """
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
-    plan = _UntilDecided(ComparisonDesign(config.hunters, len(entrants) - _FIELD), test, max_blocks, seed, progress)
+    secret = Secret.of(seed)
+    plan = _UntilDecided(ComparisonDesign(config.hunters, len(entrants) - _FIELD), test, max_blocks, secret, progress)
     played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits)
     forfeits: dict[str, Counter[str]] = {}
     for one in played:

@@ -15,7 +15,7 @@ from typing import IO, Any, Final
 from catch_arena.config import RULESET, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.files import whole_file
-from catch_arena.tournament.match import MatchResult, agent_seed
+from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.store import Store
 from catch_arena.verdicts import Verdict
 
@@ -29,6 +29,7 @@ _BY_MATCH: Final[dict[str, type]] = {
     "replay_digest": str,
     "ruleset": str,
     "config_digest": str,
+    "tournament_seed": str,
 }
 _BY_SEAT: Final[dict[str, type]] = {
     "agent": str,
@@ -71,6 +72,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
     """What is known of each match that was played; lists are by seat."""
     tournament = store.tournament
     entrants, config_digest = tournament.entrants, tournament.config.digest
+    secret, ended = tournament.secret, store.ended
     for played, versions in store.records():
         match, result = played.match, played.result
         players = [entrants[index] for index in match.seating]
@@ -80,11 +82,12 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
             "seed": match.seed,
             "agents": [entrant.name for entrant in players],
             "agent_digests": [entrant.digest for entrant in players],
-            "agent_seeds": [agent_seed(match.seed, index) for index in match.seating],
+            "agent_seeds": list(match.agent_seeds),
             **{name: getattr(result, name) for name in _RESULTS},
             "replay_digest": played.replay,
             "ruleset": RULESET,
             "config_digest": config_digest,
+            "tournament_seed": secret.digits if secret is not None and ended else None,
             "versions": versions,
         }
         if timing:

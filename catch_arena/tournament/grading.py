@@ -17,12 +17,14 @@ from xml.etree import ElementTree as ET
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, suggest
 from catch_arena.scenarios import scenario
-from catch_arena.seeding import checked_seed
 from catch_arena.tournament.entrants import NOT_INSTALLED, Entrant
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import play_entrants
-from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.match import Forfeit, Match, MatchResult
+from catch_arena.tournament.secret import Secret
 
+_MATCHES: Final = 10
+_MOST_MATCHES: Final = 10_000
 _OFTEN: Final = 0.1
 """The part of an agent's requests that a verdict must have for its hint."""
 _LOG_SHOWN: Final = 4000
@@ -60,8 +62,8 @@ class Test:
     """Changes of the scenario, as for `--set`."""
     opponents: tuple[str, ...] = ()
     """Agents for the other seats, from the first again where there are more seats."""
-    seeds: tuple[int, ...] = ()
-    """One match each; without any, those of the spec."""
+    matches: int = _MATCHES
+    """How many are played; without a number, as many as the spec says."""
     points: float = 1.0
     min_mean_score: float | None = None
     """Catches a match."""
@@ -82,6 +84,22 @@ class Spec:
 
     title: str
     tests: tuple[Test, ...]
+    secret: Secret
+    """From which the seeds of all matches follow."""
+
+    def matches(self, test: Test) -> tuple[Match, ...]:
+        """Those of one of the tests, with the student, 0, in each seat in turn."""
+        secret, seats = self.secret.part("grade", self.tests.index(test)), test.config.hunters
+        return tuple(
+            Match(
+                id=f"m{number + 1:05d}",
+                block=number,
+                seed=secret.seed("match", number),
+                seating=(*range(1, number % seats + 1), 0, *range(number % seats + 1, seats)),
+                agent_seeds=tuple(secret.seed("agent", number, seat) for seat in range(seats)),
+            )
+            for number in range(test.matches)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,29 +143,30 @@ def read_spec(path: Path) -> Spec:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: is no TOML: {error}") from None
     try:
-        _require_known("spec", table, ("title", "seeds", "seed_file", "test"))
+        _require_known("spec", table, ("title", "seed", "seed_file", "matches", "test"))
         title = _checked("title", table.get("title", path.stem), str)
-        if "seed_file" in table:
-            if "seeds" in table:
-                raise ConfigError("seeds and seed_file must not both be given")
-            seeds = _seeds_of(path.parent / _checked("seed_file", table["seed_file"], str))
-        else:
-            seeds = _seeds("seeds", table.get("seeds", []))
+        secret = _secret(table, path.parent)
+        matches = table.get("matches", _MATCHES)
         tests = tuple(
-            _test(f"test[{number}]", test, seeds, path.parent)
+            _test(f"test[{number}]", test, matches, path.parent)
             for number, test in enumerate(_checked("test", table.get("test", []), list), 1)
         )
         if not tests:
             raise ConfigError("test must be given at least once, as [[test]], got none")
     except CatchArenaError as error:
         raise ConfigError(f"{path}: {error}") from None
-    return Spec(title, tests)
+    return Spec(title, tests, secret)
 
 
 def grade_agent(
-    test: Test, student: Entrant, opponents: Sequence[Entrant], sandbox: Sandbox | None, max_forfeits: int = 0
+    spec: Spec,
+    test: Test,
+    student: Entrant,
+    opponents: Sequence[Entrant],
+    sandbox: Sandbox | None,
+    max_forfeits: int = 0,
 ) -> Grade:
-    """Play a test's matches, the student in each seat in turn.
+    """Play the matches of one of a spec's tests, the student in each seat in turn.
 
     After `max_forfeits` in a row the rest is not played, 0 for never.
 
@@ -159,10 +178,10 @@ def grade_agent(
     others = [Entrant(f"{one.name} {seat}", one.spec, one.control, one.digest) for seat, one in enumerate(others, 1)]
     played: list[tuple[int, MatchResult]] = []
     forfeited = 0
-    for index, seed in enumerate(test.seeds):
-        seat = index % config.hunters
+    for match in spec.matches(test):
+        seat = match.seating.index(0)
         seating = [*others[:seat], student, *others[seat:]]
-        result = play_entrants(config, seed, seating, sandbox)
+        result = play_entrants(config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds)
         played.append((seat, result))
         forfeited = 0 if result.forfeits[seat] is None else forfeited + 1
         if max_forfeits and forfeited == max_forfeits:
@@ -190,8 +209,8 @@ def _grade(test: Test, played: Sequence[tuple[int, MatchResult]], max_forfeits: 
     refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
     measured = {"mean_score": score / count, "win_share": wins / count, "mean_refused": refused / count}
     failures = list(reasons.values())
-    if count < len(test.seeds):
-        left = len(test.seeds) - count
+    if count < test.matches:
+        left = test.matches - count
         failures.append(f"FORFEIT_OUT: it had forfeited {max_forfeits} matches in a row; {left} more were not played")
     for name, value in measured.items():
         least, most = getattr(test, f"min_{name}", None), getattr(test, f"max_{name}", None)
@@ -258,7 +277,26 @@ def _printable(text: str) -> str:
     return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)
 
 
-def _test(at: str, table: Any, seeds: tuple[int, ...], folder: Path) -> Test:
+def seeds_text(spec: Spec) -> str:
+    """Which matches a spec has, as JSON, with all their seeds: for nobody who may be graded by it again."""
+    content = {
+        "title": spec.title,
+        "seed": spec.secret.digits,
+        "tests": [
+            {
+                "test": test.name,
+                "matches": [
+                    {"seat": match.seating.index(0), "seed": match.seed, "agent_seeds": match.agent_seeds}
+                    for match in spec.matches(test)
+                ],
+            }
+            for test in spec.tests
+        ],
+    }
+    return json.dumps(content, indent=2) + "\n"
+
+
+def _test(at: str, table: Any, matches: Any, folder: Path) -> Test:
     _checked(at, table, dict)
     _require_known(at, table, [one.name for one in fields(Test)])
     for name in ("name", "scenario"):
@@ -272,15 +310,16 @@ def _test(at: str, table: Any, seeds: tuple[int, ...], folder: Path) -> Test:
     opponents = _checked(f"{at}.opponents", table.get("opponents", []), list)
     for word in opponents:
         _checked(f"{at}.opponents", word, str)
-    own_seeds = _seeds(f"{at}.seeds", table.get("seeds", list(seeds)))
-    if not own_seeds:
-        raise ConfigError(f"{at}.seeds must hold at least one seed, here or for the whole spec, got none")
+    own = table.get("matches", matches)
+    if isinstance(own, bool) or not isinstance(own, int) or not 1 <= own <= _MOST_MATCHES:
+        where = f"{at}.matches" if "matches" in table else "matches"
+        raise ConfigError(f"{where} must be a whole number from 1 to {_MOST_MATCHES}, got {own!r}")
     settings = _checked(f"{at}.settings", table.get("settings", {}), dict)
     if "control" in settings:
         raise ConfigError(f"{at}.settings.control must be left to the agents: each states its own control")
     # files stand beside the spec, as its seed_file does
     words = tuple(str(folder / Path(word).expanduser()) if word.endswith(".py") else word for word in opponents)
-    test = Test(**{**table, "opponents": words, "seeds": own_seeds, "points": float(table.get("points", 1))})
+    test = Test(**{**table, "opponents": words, "matches": own, "points": float(table.get("points", 1))})
     try:
         config = test.config
     except ConfigError as error:
@@ -292,19 +331,20 @@ def _test(at: str, table: Any, seeds: tuple[int, ...], folder: Path) -> Test:
     return test
 
 
-def _seeds(at: str, values: Any) -> tuple[int, ...]:
-    try:
-        return tuple(checked_seed(value) for value in _checked(at, values, list))
-    except ConfigError as error:
-        raise ConfigError(f"{at}: {error}") from None
-
-
-def _seeds_of(path: Path) -> tuple[int, ...]:
-    try:
-        words = path.read_text(encoding="utf-8").split()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"seed_file must be a file of whole numbers: {error}") from None
-    return _seeds("seed_file", [int(word) if word.isdecimal() else word for word in words])
+def _secret(table: Mapping[str, Any], folder: Path) -> Secret:
+    """The spec's; a fresh one where it has none."""
+    if "seed" in table and "seed_file" in table:
+        raise ConfigError("seed and seed_file must not both be given")
+    if "seed_file" in table:
+        path = folder / _checked("seed_file", table["seed_file"], str)
+        try:
+            return Secret.parse(path.read_text(encoding="utf-8").strip())
+        except (OSError, UnicodeDecodeError) as error:
+            raise ConfigError(f"seed_file must be a file: {error}") from None
+        except ConfigError:  # which would show what is to be hidden
+            raise ConfigError(f"seed_file must hold 32 hexadecimal digits or a number, and {path} does not") from None
+    seed = table.get("seed")
+    return Secret.parse(seed) if isinstance(seed, str) else Secret.of(seed)
 
 
 def _checked(at: str, value: Any, kind: type) -> Any:

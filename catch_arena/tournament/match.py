@@ -1,6 +1,5 @@
 """One match: as a plan has it, as it is played from the first observation to the last, and what came of it."""
 
-import hashlib
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
@@ -15,6 +14,7 @@ from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.policy import Limits, Policy
 from catch_arena.tournament.players import Fault, ForfeitCode, Observation, Players, TrustedPlayers
+from catch_arena.tournament.secret import Secret
 from catch_arena.verdicts import Verdict
 
 _HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full": {"cmd_vel": (0.0, 0.0), "catch": 0}}
@@ -29,9 +29,12 @@ class Match:
     """The same for the same plan, whenever it is made; ids sort in the order of the plan."""
     block: int
     """Its block, from 0: matches of one block share their seed, and so their targets (R3.3)."""
-    seed: int
+    seed: int = field(repr=False)
+    """The arena's. Like `agent_seeds` no message shows it: other matches of its block may not have been played yet."""
     seating: tuple[int, ...]
     """By seat: the index of its player among the entrants."""
+    agent_seeds: tuple[int, ...] = field(default=(), repr=False)
+    """By seat: what its player is told as its seed; where there are none they follow from the match's own."""
 
 
 Block = tuple[Match, ...]
@@ -108,7 +111,7 @@ def play(
     players: Players | Sequence[Policy],
     names: Sequence[str],
     *,
-    indices: Sequence[int] | None = None,
+    agent_seeds: Sequence[int] = (),
     title: str = "",
     record: Path | BytesIO | None = None,
     watch: Callable[[CatchArenaEnv], None] | None = None,
@@ -117,10 +120,10 @@ def play(
 
     Args:
         config: whose `control` gives way to what the players ask for.
-        seed: the match's.
+        seed: the arena's, a whole number in [0, 2^64).
         players: fresh for this match (policies are trusted, and play in this process), and their `names`, by seat.
         names: the agents' names by seat.
-        indices: each one's index among the entrants (else its seat), from which its own seed is made.
+        agent_seeds: what each is told as its own, by seat; where there are none they follow from `seed`.
         title: of the replay.
         record: whether the match is recorded.
         watch: called after the reset and after every step.
@@ -156,8 +159,8 @@ def play(
         env.withdraw(agents[seat])
         players.drop(seat)
 
-    seeds = [agent_seed(seed, index) for index in indices or seats]
-    for seat, failed in players.reset(seeds, [Limits.of(env.config, seat) for seat in seats]).items():
+    told = agent_seeds or [agent_seed(seed, seat) for seat in seats]
+    for seat, failed in players.reset(told, [Limits.of(env.config, seat) for seat in seats]).items():
         forfeit(seat, failed)
     if watch is not None:
         watch(env)
@@ -218,10 +221,9 @@ def blocks_of(matches: Iterable[Match]) -> list[Block]:
     return [tuple(block) for _, block in groupby(matches, key=lambda match: match.block)]
 
 
-def agent_seed(match_seed: int, index: int) -> int:
-    """What an agent is told as its seed, in [0, 2^63): a digest, as the match's own seed would tell it every spawn."""
-    digest = hashlib.blake2b(f"agent {index} of match {match_seed}".encode(), digest_size=8).digest()
-    return int.from_bytes(digest, "little") >> 1
+def agent_seed(seed: int, seat: int) -> int:
+    """What an agent is told as its seed, in [0, 2^63), in a match that is of no plan and has its seed from people."""
+    return Secret.of(seed).seed("agent", 0, seat)
 
 
 def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) -> tuple[int, ...]:

@@ -129,7 +129,7 @@ def names_matter(config: ArenaConfig, seed: int, agent: Entrant) -> bool:
     Args:
         config: the arena's settings.
         seed: a whole number in [0, 2^64).
-        agent: which must draw nothing: each index has an agent's seed of its own.
+        agent: which must draw nothing: each index is told as an agent's seed.
     """
     indices = list(range(config.hunters))
     digests = {
@@ -138,7 +138,7 @@ def names_matter(config: ArenaConfig, seed: int, agent: Entrant) -> bool:
             seed,
             [agent.create() for _ in indices],
             [f"agent {index}" for index in turned],
-            indices=turned,
+            agent_seeds=turned,
         ).digest
         for turned in (indices, indices[1:] + indices[:1], indices[::-1])
     }

@@ -22,7 +22,8 @@ _DIGITS: Final = 6
 
 
 def write_standings(folder: Path, tournament: Tournament, matches: int, table: Sequence[Standing]) -> None:
-    """Write both files, each whole or not at all; files of these names are replaced, others left alone.
+    """Write both files of a tournament that has ended, whose seed they tell; each whole or not at all; files of these
+    names are replaced, others left alone.
 
     Raises:
         OutputError: where it cannot be written.
@@ -46,6 +47,7 @@ def summary_text(tournament: Tournament, matches: int, table: Sequence[Standing]
     summary = {
         "ruleset": RULESET,
         "plan": dict(tournament.plan),
+        "seed": None if tournament.secret is None else tournament.secret.digits,
         "matches": matches,
         "config_digest": tournament.config.digest,
         "config": tournament.config.to_dict(),

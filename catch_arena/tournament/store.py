@@ -19,14 +19,15 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.errors import StoreError
+from catch_arena.errors import ConfigError, StoreError
 from catch_arena.files import room
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch
+from catch_arena.tournament.secret import Secret
 
 STORE: Final = "tournament.sqlite"
 _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: what kind of file it is
-_FORMAT: Final = 1
+_FORMAT: Final = 2
 _PAGE: Final = 1000
 """How many matches that wait are read at once."""
 _PATIENCE_S: Final = 60.0
@@ -43,7 +44,8 @@ CREATE TABLE match (
     id TEXT PRIMARY KEY,
     block INTEGER NOT NULL,
     seed INTEGER NOT NULL,
-    seating TEXT NOT NULL
+    seating TEXT NOT NULL,
+    agent_seeds TEXT NOT NULL
 ) WITHOUT ROWID;
 CREATE TABLE result (
     match TEXT PRIMARY KEY REFERENCES match (id),
@@ -56,7 +58,8 @@ _RESULTS: Final = tuple(field.name for field in dataclasses.fields(MatchResult) 
 """A column for each part of a result, as JSON; logs are files."""
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in _RESULTS)
 _KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(_RESULTS)})"  # noqa: S608
-_PLAYED: Final = f"SELECT id, block, seed, seating, replay, {', '.join(_RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
+_MATCH: Final = "id, block, seed, seating, agent_seeds"
+_PLAYED: Final = f"SELECT {_MATCH}, replay, {', '.join(_RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +72,8 @@ class Tournament:
     """The plan's parameters."""
     terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)
     """On what terms it is played besides: `recorded`, `trusted`, and the limits of isolated agents."""
+    secret: Secret | None = None
+    """What the plan is drawn from; None where it is not drawn, or not for others to repeat."""
 
     def facts(self) -> dict[str, Any]:
         """As it is stored."""
@@ -77,6 +82,7 @@ class Tournament:
             "config": self.config.to_dict(),
             "entrants": [dataclasses.asdict(entrant) for entrant in self.entrants],
             "plan": dict(self.plan),
+            "seed": None if self.secret is None else self.secret.text,
             "terms": dict(self.terms),
         }
 
@@ -102,7 +108,11 @@ class Store:
         Raises:
             StoreError: where the folder has a store already, unless it is to be resumed and is of this tournament.
         """
-        store = cls(None if folder is None else folder / STORE)
+        path = None if folder is None else folder / STORE
+        if path is not None and not path.exists():
+            with suppress(OSError):  # SQLite says it in its words
+                path.touch(0o600)  # it has the seeds of matches to come
+        store = cls(path)
         with store._closed_on_error():
             store._open(tournament, resume=resume)
         return store
@@ -123,23 +133,57 @@ class Store:
                 raise StoreError(f"{folder}: holds a tournament that has not begun")
         return store
 
+    @classmethod
+    def secret_in(cls, folder: Path) -> Secret | None:
+        """What the tournament in a folder is drawn from; None where there is none yet.
+
+        Raises:
+            StoreError: where it cannot be read.
+        """
+        path = folder / STORE
+        if not path.is_file():
+            return None
+        with cls(path) as store:
+            return store.tournament.secret if store._has_tables() else None
+
     @property
     def tournament(self) -> Tournament:
         """Whose matches these are."""
         facts = self._facts()
         entrants = tuple(Entrant(**entrant) for entrant in facts["entrants"])
-        return Tournament(ArenaConfig.from_dict(facts["config"]), entrants, facts["plan"], facts["terms"])
+        return Tournament(
+            ArenaConfig.from_dict(facts["config"]),
+            entrants,
+            facts["plan"],
+            facts["terms"],
+            self._secret,
+        )
+
+    @property
+    def ended(self) -> bool:
+        """Whether its plan has been played to its end: before, nobody may know what it is drawn from."""
+        return "ended" in self._facts()
+
+    def end(self) -> None:
+        """The plan has no further matches."""
+        with self._transaction() as db:
+            db.execute("INSERT OR REPLACE INTO fact VALUES ('ended', 'true')")
 
     def plan(self, blocks: Iterable[Block]) -> int:
         """Write blocks that will be played, all or none; how many matches there are in them."""
         count = 0
         with self._transaction() as db:
             for match in (match for block in blocks for match in block):
-                row = (match.id, match.block, match.seed, _json(match.seating))
-                if not db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?)", row).rowcount:
+                row = (match.id, match.block, match.seed, _json(match.seating), _json(match.agent_seeds))
+                if db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?, ?)", row).rowcount:
+                    db.execute("DELETE FROM fact WHERE name = 'ended'")  # as where it may be longer than it was
+                else:
                     planned = db.execute("SELECT * FROM match WHERE id = ?", (match.id,)).fetchone()
                     if planned != row:
-                        raise StoreError(f"{self._name}: match {match.id} must be {_match(planned)}, got {match}")
+                        raise StoreError(
+                            f"{self._name}: match {match.id} must be {_match(planned)}, got {match}, "
+                            f"with {'the same seed' if planned[2] == match.seed else 'another seed'}"
+                        )
                 count += 1
         return count
 
@@ -244,6 +288,10 @@ class Store:
                 )
             elif found := difference(self._facts(), json.loads(_json(tournament.facts()))):
                 raise StoreError(f"{self._name}: is of another tournament: {found}")
+            elif self._secret != tournament.secret:
+                raise StoreError(
+                    f"{self._name}: is of another tournament: its seed is another one; without --seed it keeps its own"
+                )
             text = _json(versions())
             db.execute("INSERT OR IGNORE INTO versions (value) VALUES (?)", (text,))
             (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
@@ -265,6 +313,14 @@ class Store:
         if form != _FORMAT:
             raise StoreError(f"{self._name}: is of format {form}, and this version reads format {_FORMAT}")
         return True
+
+    @property
+    def _secret(self) -> Secret | None:
+        text = self._facts().get("seed")
+        try:
+            return None if text is None else Secret.parse(str(text))
+        except ConfigError:
+            raise StoreError(f"{self._name}: is damaged: its seed is none") from None
 
     def _facts(self) -> dict[str, Any]:
         with self._store_errors():
@@ -339,7 +395,7 @@ def versions() -> dict[str, str]:
 
 def store_bytes(seats: int) -> int:
     """What a match takes in the store, about: scripts/measure_store.py."""
-    return 120 + 62 * seats
+    return 90 + 84 * seats
 
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
@@ -369,17 +425,17 @@ def _shown(value: object) -> str:
 
 
 def _match(row: Sequence[Any]) -> Match:
-    name, block, seed, seating = row
-    return Match(name, block, seed, tuple(json.loads(seating)))
+    name, block, seed, seating, agent_seeds = row
+    return Match(name, block, seed, tuple(json.loads(seating)), tuple(json.loads(agent_seeds)))
 
 
 def _played(row: Sequence[Any]) -> PlayedMatch:
-    parts: dict[str, Any] = {name: json.loads(text) for name, text in zip(_RESULTS, row[5:], strict=True)}
+    parts: dict[str, Any] = {name: json.loads(text) for name, text in zip(_RESULTS, row[6:], strict=True)}
     parts["thinking"] = [MoveTimes(*part) for part in parts["thinking"]]
     parts["details"] = [part and Forfeit(*part) for part in parts["details"]]
     for name, part in parts.items():
         parts[name] = tuple(part) if isinstance(part, list) else part
-    return PlayedMatch(_match(row[:4]), MatchResult(**parts), row[4])
+    return PlayedMatch(_match(row[:5]), MatchResult(**parts), row[5])
 
 
 def _json(value: object) -> str:

@@ -72,7 +72,19 @@ def report(tmp_path_factory):
 
     folder = tmp_path_factory.mktemp("tournament")
     agents = ["nearest", "contested", "patrol", "first"]
-    words = ["--record", "--jobs", "1", "--set", "time_limit_s=20", "--set", "reach_m=0.8", "--out", str(folder)]
+    words = [
+        "--record",
+        "--seed",
+        "0",
+        "--jobs",
+        "1",
+        "--set",
+        "time_limit_s=20",
+        "--set",
+        "reach_m=0.8",
+        "--out",
+        str(folder),
+    ]
     done = CliRunner().invoke(main, ["tournament", *agents, *words])
     assert done.exit_code == 0, done.output
     return folder / REPORT

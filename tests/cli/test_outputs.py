@@ -22,7 +22,7 @@ def played(tmp_path_factory):
     words = ["tournament", "nearest", "contested", *QUICK, "--jobs", "1", "--record", "--out", str(folder / "o")]
     assert CliRunner().invoke(main, words).exit_code == 0
     (folder / "spec.toml").write_text(
-        'seeds = [1]\n[[test]]\nname = "t"\nscenario = "capstone"\nsettings = { time_limit_s = 1 }\n'
+        'seed = 1\nmatches = 1\n[[test]]\nname = "t"\nscenario = "capstone"\nsettings = { time_limit_s = 1 }\n'
     )
     return folder
 

@@ -19,7 +19,19 @@ from catch_arena.cli import main
 
 LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
 ROOT = Path(__file__).parents[2]
-TOURNAMENT = ("tournament", "mine.py", "nearest", "-s", "duel", "--set", "time_limit_s=20", "--rounds", "6")
+TOURNAMENT = (
+    "tournament",
+    "mine.py",
+    "nearest",
+    "-s",
+    "duel",
+    "--set",
+    "time_limit_s=20",
+    "--rounds",
+    "6",
+    "--seed",
+    "0",
+)
 WAYS = {
     "isolated, two jobs": ("--jobs", "2"),
     "trusted, watched": ("--trusted", "--jobs", "1", "--watch"),
@@ -44,7 +56,8 @@ UNDISTURBED = {0, 1, 3}
 """How they end: 1 and 3 are what `compare` and `audit` say of few matches."""
 SPEC = """
 title = "An exercise"
-seeds = [1, 2, 3]
+seed = 1
+matches = 3
 [[test]]
 name = "catches"
 scenario = "duel"

@@ -9,6 +9,7 @@ from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch, ranks_of
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import Store, Tournament
 
 NAMES = ("contested", "patrol", "nearest", "first", "idle", "random")
@@ -29,9 +30,10 @@ def tournament(
     """
     config: ArenaConfig = scenario("standard")
     entrants = tuple(Entrant(name, f"{name}.py", "target", f"{place:016x}") for place, name in enumerate(names))
-    plan = round_robin(len(names), config.hunters, rounds, seed=1)
+    secret = Secret.of(1)
+    plan = round_robin(len(names), config.hunters, rounds, secret)
     folder.mkdir(parents=True, exist_ok=True)
-    with Store.begin(Tournament(config, entrants, plan.parameters, terms or {}), folder, resume=True) as store:
+    with Store.begin(Tournament(config, entrants, plan.parameters, terms or {}, secret), folder, resume=True) as store:
         store.plan(plan.batch(0, ()))
         played = []
         for number, match in enumerate(plan):
@@ -60,4 +62,6 @@ def tournament(
                 )
             )
         store.keep(played)
+        if most is None:
+            store.end()
         return store.count_played()

@@ -53,7 +53,7 @@ def test_a_watched_report_is_served_until_ctrl_c(tmp_path):
     tournament(tmp_path, 1)
     command = Command(tmp_path, ["report", ".", "--watch"])
     address = re.search(r"http://127\.0\.0\.1:\d+/", command.process.stdout.readline()).group()
-    assert fetched(f"{address}state") == "60"
+    assert fetched(f"{address}state") == "60 ended"
     command.interrupt()
     ended = command.ended()
     assert (ended.status, ended.errors) == (0, "")
@@ -68,7 +68,7 @@ def test_a_tournament_that_was_watched_is_served_until_ctrl_c(tmp_path):
     assert f"the report stays at {address} until Ctrl-C\n" in lines
     assert (tmp_path / "o" / "report.html").is_file()
     assert "of 2 matches" in fetched(address)
-    assert fetched(f"{address}state") == "2"
+    assert fetched(f"{address}state") == "2 ended"
     command.interrupt([0.01, 0.1, 0.1])
     ended = command.ended()
     assert (ended.status, ended.said, ended.errors, ended.left) == (0, "", "", [])

@@ -15,6 +15,7 @@ from catch_arena.player import bundle_text
 from catch_arena.report import watch
 from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
+from catch_arena.tournament.secret import Secret
 
 
 @pytest.fixture(autouse=True)
@@ -43,8 +44,18 @@ def test_the_page_follows_the_tournament(tmp_path):
         assert fetched(f"{address}state") == "8"
         assert "8 <small>of 60</small>" in fetched(address)
         tournament(tmp_path, 1)
-        assert fetched(f"{address}state") == "60"
+        assert fetched(f"{address}state") == "60 ended"
         assert "data-watched" in fetched(address)
+
+
+def test_the_seed_is_served_when_play_has_ended_and_not_before(tmp_path):
+    digits = Secret.of(1).digits
+    with serve(LiveReport(tmp_path), 0) as address:
+        tournament(tmp_path, 1, most=60)  # a Swiss stands like this between two rounds
+        assert digits not in fetched(address)
+        assert "shown when all has been played" in fetched(address)
+        tournament(tmp_path, 1)
+        assert f"<code>{digits}</code>" in fetched(address)
 
 
 def test_any_recorded_match_can_be_fetched_and_nothing_else(played):

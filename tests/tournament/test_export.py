@@ -16,18 +16,20 @@ from catch_arena.tournament.execution.ray_executor import RayExecutor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import columns, export
-from catch_arena.tournament.match import agent_seed
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import Store, Tournament, versions
 
 CONFIG = scenario("duel", time_limit_s=20)
 ENTRANTS = enter(["nearest", "first", "random"])
-PLAN = round_robin(3, 2, 2, seed=1)
+SECRET = Secret.of(1)
+PLAN = round_robin(3, 2, 2, SECRET)
+FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, secret=SECRET)
 
 
 @pytest.fixture(scope="module")
 def store():
-    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as store:
+    with Store.begin(FACTS) as store:
         play_plan(store, PLAN, SerialExecutor(Worker(CONFIG, ENTRANTS)))
         yield store
 
@@ -44,7 +46,7 @@ def test_a_line_of_json_says_all_that_is_known_of_a_match(store, tmp_path):
             "seed": match.seed,
             "agents": [ENTRANTS[place].name for place in match.seating],
             "agent_digests": [ENTRANTS[place].digest for place in match.seating],
-            "agent_seeds": [agent_seed(match.seed, place) for place in match.seating],
+            "agent_seeds": list(match.agent_seeds),
             "scores": list(result.scores),
             "ranks": list(result.ranks),
             "forfeits": [None, None],
@@ -56,6 +58,7 @@ def test_a_line_of_json_says_all_that_is_known_of_a_match(store, tmp_path):
             "replay_digest": None,
             "ruleset": "catch_arena_v1",
             "config_digest": CONFIG.digest,
+            "tournament_seed": SECRET.digits,
             "versions": versions(),
             "thinking": [
                 {"moves": one.moves, "total_s": one.total_s, "longest_s": one.longest_s} for one in result.thinking
@@ -78,7 +81,7 @@ def test_the_tables_have_a_row_for_each_seat_and_agree(store, tmp_path):
 
 @pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
 def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
-    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as other:
+    with Store.begin(FACTS) as other:
         play_plan(other, PLAN, SerialExecutor(Worker(CONFIG, ENTRANTS)))
         for one, name in ((store, "a"), (other, "b")):
             export(one, form, tmp_path / name, timing=False)
@@ -86,9 +89,18 @@ def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
     assert b"longest_s" not in (tmp_path / "a").read_bytes()
 
 
+def test_while_it_is_played_it_tells_no_seed_of_what_is_to_come(store, tmp_path):
+    with Store.begin(FACTS) as under_way:
+        under_way.plan(PLAN.batch(0, ()))
+        under_way.keep(list(store.played())[:2])
+        export(under_way, "jsonl", tmp_path / "m")
+    lines = [json.loads(line) for line in (tmp_path / "m").read_text().splitlines()]
+    assert [(line["block"], line["tournament_seed"]) for line in lines] == [(0, None), (0, None)]
+
+
 @pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
 def test_a_tournament_without_a_match_yet_is_exported_too(tmp_path, form):
-    with Store.begin(Tournament(CONFIG, ENTRANTS, PLAN.parameters)) as empty:
+    with Store.begin(FACTS) as empty:
         export(empty, form, tmp_path / "m")
     assert {
         "jsonl": lambda path: path.read_bytes() == b"",

@@ -16,7 +16,7 @@ from catch_arena.errors import StoreError
 from catch_arena.tournament.store import Store
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
-TOURNAMENT = ["tournament", "nearest", "idle", *QUICK, "--rounds", "150", "--jobs", "1"]
+TOURNAMENT = ["tournament", "nearest", "idle", *QUICK, "--rounds", "150", "--seed", "0", "--jobs", "1"]
 ROOM = r"[\d.]+ \w+ are free in [\w/]+"
 KEPT = "of 300 matches are kept in {}; the same command with --resume goes on"
 
@@ -49,7 +49,7 @@ def exported(catch_arena, folder):
 
 
 def test_a_store_that_cannot_grow_says_how_much_is_free_and_needed_and_is_resumed(catch_arena):
-    with files_of_at_most(60_000):
+    with files_of_at_most(80_000):
         stopped = catch_arena(*TOURNAMENT, "--out", "o")
     assert stopped.exit_code == 2
     error = re.fullmatch(

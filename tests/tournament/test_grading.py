@@ -14,19 +14,21 @@ from catch_arena.tournament.grading import _HINTS, read_spec
 
 BAD = Path(__file__).parent / "isolation" / "bad"
 DOCS = Path(__file__).parents[2] / "docs" / "grading.md"
-SPEC = """
+SEED = "seed = 'c0ffee00c0ffee00c0ffee00c0ffee00'"
+SPEC = f"""
 title = "Exercise 1"
-seeds = [90210, 90211]
+{SEED}
+matches = 2
 [[test]]
 name = "alone"
 scenario = "capstone"
-settings = { time_limit_s = 10 }
+settings = {{ time_limit_s = 10 }}
 points = 2
 min_mean_score = 2
 [[test]]
 name = "against one that holds"
 scenario = "duel"
-settings = { time_limit_s = 8 }
+settings = {{ time_limit_s = 8 }}
 opponents = ["idle"]
 min_win_share = 0.5
 max_mean_refused = 3
@@ -65,9 +67,36 @@ def test_trusted_and_isolated_give_the_same_marks(grade):
 
 
 def test_seeds_stand_in_no_output(grade):
-    result = grade(BAD / "crashes.py", "--json", "grades.json", "--junit", "grades.xml")
+    result = grade(BAD / "crashes.py", "--json", "grades.json", "--junit", "grades.xml", "--seeds", "seeds.json")
+    assert result.exit_code == 1, result.output
+    seeds = json.loads(Path("seeds.json").read_text())
+    assert seeds["seed"] == "c0ffee00" * 4
+    matches = [match for test in seeds["tests"] for match in test["matches"]]
+    assert [match["seat"] for match in matches] == [0, 0, 0, 1]
+    hidden = {match["seed"] for match in matches} | {seed for match in matches for seed in match["agent_seeds"]}
+    assert len(hidden) == 10
     for text in (result.output, Path("grades.json").read_text(), Path("grades.xml").read_text()):
-        assert "9021" not in text
+        assert not [seed for seed in (*hidden, "c0ffee") if str(seed) in text]
+
+
+def test_an_agent_is_told_its_own_seeds_and_of_the_matches_only_what_it_sees(grade, tmp_path):
+    (tmp_path / "tells.py").write_text(
+        "class Agent:\n    def reset(self, seed): print(seed)\n    def act(self, view): raise ValueError\n"
+    )
+    grade("tells.py", "--json", "grades.json", "--seeds", "seeds.json")
+    told = [test["log"].split()[0] for test in json.loads(Path("grades.json").read_text())["tests"]]
+    tests = json.loads(Path("seeds.json").read_text())["tests"]
+    assert told == [str(test["matches"][0]["agent_seeds"][0]) for test in tests]
+    assert len({match["seed"] for test in tests for match in test["matches"]}) == 4
+
+
+def test_without_a_seed_each_run_has_other_matches(grade):
+    spec = SPEC.replace(SEED, "")
+    seeds = set()
+    for name in ("a.json", "b.json"):
+        grade("idle", "--seeds", name, spec=spec)
+        seeds.add(json.loads(Path(name).read_text())["seed"])
+    assert len(seeds) == 2
 
 
 def test_a_bad_agent_has_none_and_is_told_why_and_what_to_read(grade):
@@ -84,7 +113,7 @@ def test_a_bad_agent_has_none_and_is_told_why_and_what_to_read(grade):
 
 
 def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(grade):
-    spec = SPEC.replace("[90210, 90211]", "[1, 2, 3, 4, 5]")
+    spec = SPEC.replace("matches = 2", "matches = 5")
     result = grade(BAD / "crashes.py", "--max-forfeits", "3", "--json", "grades.json", spec=spec)
     assert result.output.count("FORFEIT_OUT: it had forfeited 3 matches in a row; 2 more were not played") == 2
     assert [test["matches"] for test in json.loads(Path("grades.json").read_text())["tests"]] == [3, 3]
@@ -170,8 +199,8 @@ def test_the_example_in_the_docs_runs(grade):
     (spec,) = re.findall(r"```toml\n(.*?)```", DOCS.read_text(), re.DOTALL)
     short = spec.replace("[[test]]", "[[test]]\nsettings = { time_limit_s = 5 }")
     assert short.count("settings") == 2
-    Path("hidden_seeds.txt").write_text("3\n1\n")
-    assert read_spec_text(spec).title
+    Path("hidden_seed.txt").write_text("00112233445566778899aabbccddeeff\n")
+    assert read_spec_text(spec).secret.digits == "00112233445566778899aabbccddeeff"
     assert re.search(r"nearest has \d+ of \d+ points", grade("nearest", spec=short).output)
 
 
@@ -192,9 +221,18 @@ def read_spec_text(text):
             r"test\[2\]\.min_win_share must be a number from 0 to 1, got 50",
         ),
         (("min_mean_score = 2", "min_mean_score = 'two'"), r"test\[1\]\.min_mean_score must be a number .* got 'two'"),
-        (("seeds = [90210, 90211]", ""), r"test\[1\]\.seeds must hold at least one seed"),
-        (("[90210, 90211]", "[-1]"), "seeds: seed must be a whole number .* got -1"),
-        (("seeds = [90210, 90211]", "seed_file = 'none.txt'"), "seed_file must be a file of whole numbers: .*none.txt"),
+        (("matches = 2", "matches = 0"), r"matches must be a whole number from 1 to 10000, got 0"),
+        (("points = 2", "matches = 2.5"), r"test\[1\]\.matches must be a whole number from 1 to 10000, got 2.5"),
+        (("seed = 'c0ffee00c", "seed = 'c"), "seed must be 32 hexadecimal digits, or a whole number .* got 'c"),
+        ((SEED, "seed = -1"), "seed must be a whole number .* got -1"),
+        ((SEED, "seed = [1, 2]"), r"seed must be a whole number .* got \[1, 2\]"),
+        ((SEED, "seeds = [1, 2]"), "unknown field spec.seeds: did you mean seed"),
+        ((SEED, f"{SEED}\nseed_file = 'none.txt'"), "seed and seed_file must not both be given"),
+        ((SEED, "seed_file = 'none.txt'"), "seed_file must be a file: .*none.txt"),
+        (
+            (SEED, "seed_file = 'read.toml'"),
+            "seed_file must hold 32 .* or a number, and read.toml does not",
+        ),
         (("'duel'", "'dual'"), r"test\[2\]: unknown scenario 'dual': did you mean duel"),
         (("time_limit_s = 10", "time_limit = 10"), r"test\[1\]: unknown setting 'time_limit': did you mean"),
         (

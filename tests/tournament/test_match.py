@@ -43,20 +43,17 @@ def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
     assert digest(1) == digest(1) != digest(2)
 
 
-def test_an_agent_is_told_a_digest_that_depends_on_its_index_and_not_on_its_seat():
-    """These very numbers, for ever: else tournaments that were kept could not be played again. Each is half of the
-    BLAKE2b digest, of eight bytes, of a text like «agent 4 of match 77».
-    """
+def test_agents_are_told_the_seeds_that_a_plan_has_for_them():
+    agents = [Holds(), Holds()]
+    play(SHORT, 77, agents, ["a", "b"], agent_seeds=(5, 2**63 - 1))
+    assert [agent.seed for agent in agents] == [5, 2**63 - 1]
 
-    def told(seed, indices):
-        agents = [Holds(), Holds()]
-        play(SHORT, seed, agents, ["a", "b"], indices=indices)
-        return [agent.seed for agent in agents]
 
-    fourth, ninth = 4924698491048550662, 9114612845783763145
-    assert told(77, (4, 9)) == [fourth, ninth]
-    assert told(77, (9, 4)) == [ninth, fourth]
-    assert told(78, (4, 9))[0] == 4893812808768230859
+def test_without_a_plan_they_follow_from_the_match_and_the_seat():
+    """These very numbers, for ever: else a match could not be played again."""
+    agents = [Holds(), Holds()]
+    play(SHORT, 77, agents, ["a", "b"])
+    assert [agent.seed for agent in agents] == [6258151732429448147, 2098520664363859099]
 
 
 def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):

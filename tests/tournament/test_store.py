@@ -1,7 +1,10 @@
 """The store: what is kept stays kept, once, and belongs to one tournament."""
 
 import dataclasses
+import json
+import re
 import sqlite3
+import stat
 
 import pytest
 
@@ -11,12 +14,13 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch, blocks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
+from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
 
 SHORT = scenario("duel", time_limit_s=3)
 ENTRANTS = enter(["nearest", "idle", "random"])
 PLAN = round_robin(3, 2, 2, seed=4)
-FACTS = Tournament(SHORT, ENTRANTS, PLAN.parameters)
+FACTS = Tournament(SHORT, ENTRANTS, PLAN.parameters, secret=Secret.of(4))
 
 
 @pytest.fixture(scope="module")
@@ -84,8 +88,11 @@ def test_keeping_a_match_again_changes_nothing_and_must_say_the_same(store, play
 
 def test_planning_again_changes_nothing_and_must_say_the_same(store):
     assert store.plan(PLAN.batch(0, ())) == store.count_planned() == 12
-    with pytest.raises(StoreError, match=r"match r00001-g000001-s00 must be .* got Match"):
+    with pytest.raises(
+        StoreError, match=r"match r00001-g000001-s00 must be .* got Match.*, with another seed"
+    ) as raised:
         store.plan(round_robin(3, 2, 2, seed=5).blocks())
+    assert not re.search(r"\d{12}", str(raised.value))  # while play goes on, nobody is told a seed
     assert list(store.waiting()) == blocks_of(PLAN)
 
 
@@ -105,6 +112,7 @@ CHANGES = {
     "rounds is 2 there, and 3 here": {"plan": round_robin(3, 2, 3, seed=4).parameters},
     'format is "round-robin" there, and "swiss" here': {"plan": plan_of("swiss", 3, 2, 2, 4).parameters},
     "recorded is not given there, and true here": {"terms": {"recorded": True}},
+    "its seed is another one; without --seed it keeps its own": {"secret": Secret.of(5)},
     "its agents are nearest idle random, and here nearest idle": {"entrants": ENTRANTS[:2]},
     "agent idle can begin there, and cannot begin here": {
         "entrants": (ENTRANTS[0], dataclasses.replace(ENTRANTS[1], fault="it is broken"), ENTRANTS[2])
@@ -122,6 +130,33 @@ def test_another_tournament_does_not_go_on_with_it_and_is_told_why(tmp_path, mes
         Store.begin(dataclasses.replace(FACTS, **CHANGES[message]), tmp_path, resume=True)
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+def test_it_keeps_its_secret_from_others_and_until_the_end(store, tmp_path, played):
+    """From other people on this machine, that is: an agent without namespaces runs as ourselves."""
+    assert stat.S_IMODE((tmp_path / STORE).stat().st_mode) == 0o600
+    assert Store.secret_in(tmp_path) == FACTS.secret
+    assert Store.secret_in(tmp_path / "elsewhere") is None
+    store.keep(played)
+    assert not store.ended  # a Swiss may have another round
+    store.end()
+    with Store.read(tmp_path) as again:
+        assert again.ended
+    store.plan(PLAN.batch(0, ()))
+    assert store.ended
+    store.plan(round_robin(3, 2, 3, seed=4).batch(0, ()))
+    assert not store.ended
+
+
+@pytest.mark.parametrize("text", ["", "g" * 32, "-1", "0" * 31, str(2**64), "٣"])
+def test_a_seed_that_was_damaged_is_one_line(store, tmp_path, text):
+    store.close()
+    with sqlite3.connect(tmp_path / STORE) as db:
+        db.execute("UPDATE fact SET value = ? WHERE name = 'seed'", (json.dumps(text),))
+    db.close()
+    for look in (lambda: Store.secret_in(tmp_path), lambda: Store.begin(FACTS, tmp_path, resume=True)):
+        with pytest.raises(StoreError, match="is damaged: its seed is none"):
+            look()
 
 
 def test_the_place_of_an_agents_file_does_not_matter(tmp_path):
@@ -176,7 +211,7 @@ def test_a_store_of_another_format_is_refused(tmp_path):
     with sqlite3.connect(tmp_path / STORE) as db:
         db.execute("PRAGMA user_version = 99")
     db.close()
-    with pytest.raises(StoreError, match="is of format 99, and this version reads format 1"):
+    with pytest.raises(StoreError, match="is of format 99, and this version reads format 2"):
         Store.read(tmp_path)
 
 

@@ -109,6 +109,8 @@ def play_plan(
         if on_results is not None:
             on_results(played)
 
+    if folder is not None:
+        _remove_replays(store, folder / REPLAYS)
     streaks.add(store.played())
     if on_results is not None:
         on_results(list(store.played()))
@@ -116,6 +118,17 @@ def play_plan(
     for number in count():
         batch = store.plan(plan.batch(number, store.played(planned)))
         if not batch:
+            store.end()
             return
         planned += batch
         play_blocks(store.waiting(), executor, streaks, keep)
+
+
+def _remove_replays(store: Store, folder: Path) -> None:
+    """Of matches that are still to be played, where we were killed between writing a block's replays and keeping it:
+    they tell where its targets will appear.
+    """
+    there = {path.stem: path for path in folder.glob("*.replay")}
+    for match in (match for block in store.waiting() for match in block if there):
+        if (path := there.get(match.id)) is not None:
+            path.unlink(missing_ok=True)

@@ -71,7 +71,7 @@ class Worker:
             players,
             self.sandbox,
             excluded={seat: excluded[index] for seat, index in enumerate(match.seating) if index in excluded},
-            indices=match.seating,
+            agent_seeds=match.agent_seeds,
             title=f"match {match.id}",
             record=record,
         )

@@ -13,6 +13,7 @@ from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import Block, Match, PlayedMatch, blocks_of
 from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
 from catch_arena.tournament.plans.swiss import pair_round
+from catch_arena.tournament.secret import Secret
 
 FORMATS: Final = ("round-robin", "balanced", "gauntlet", "swiss")
 
@@ -28,7 +29,7 @@ class Plan(Protocol):
 
     @property
     def parameters(self) -> Mapping[str, str | int | float]:
-        """What it follows from: with as many entrants and seats, equal parameters make equal plans."""
+        """What it follows from, but for its secret: with as many entrants and seats, equal ones make equal plans."""
 
     @property
     def size(self) -> int:
@@ -70,15 +71,15 @@ class Swiss:
     entrants: int
     seats: int
     rounds: int
-    seed: int
+    secret: Secret
 
     def __post_init__(self) -> None:
-        _check(self.rounds, self.seed, self.size, f"Swiss rounds of {self.entrants} entrants")
+        _check(self.rounds, self.size, f"Swiss rounds of {self.entrants} entrants")
 
     @property
     def parameters(self) -> Mapping[str, str | int]:
-        """The format, the rounds and the seed."""
-        return _parameters("swiss", self.rounds, self.seed)
+        """The format and the rounds."""
+        return _parameters("swiss", self.rounds)
 
     @property
     def size(self) -> int:
@@ -90,12 +91,12 @@ class Swiss:
         if number >= self.rounds:
             return
         matches = ((one.match.seating, one.result.ranks) for one in played)
-        groups = pair_round(self.entrants, self.seats, matches, lambda one: draw("standing", self.seed, number, one))
+        groups = pair_round(self.entrants, self.seats, matches, lambda one: self.secret.seed("standing", number, one))
         for index, group in enumerate(groups):
-            yield _block(group, ("swiss", self.seed, number, index), number, index, len(groups))
+            yield _block(group, self.secret, number, index, len(groups))
 
 
-def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, seed: int) -> Plan:
+def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, seed: Secret | int) -> Plan:
     """The plan of a format.
 
     Args:
@@ -103,7 +104,7 @@ def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, s
         entrants: who plays.
         seats: how many play in a match.
         rounds: None for 1, and in a Swiss for as many as leave but one unbeaten where matches are duels.
-        seed: a whole number in [0, 2^64).
+        seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed.
 
     Raises:
         ConfigError: for an argument that cannot be.
@@ -112,29 +113,29 @@ def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, s
         wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"
     require_choice("format", wanted, FORMATS)
     if wanted == "swiss":
-        return Swiss(entrants, seats, (entrants - 1).bit_length() or 1 if rounds is None else rounds, seed)
+        return Swiss(entrants, seats, (entrants - 1).bit_length() or 1 if rounds is None else rounds, Secret.of(seed))
     makers = {"round-robin": round_robin, "balanced": balanced, "gauntlet": gauntlet}
     return makers[wanted](entrants, seats, 1 if rounds is None else rounds, seed)
 
 
-def round_robin(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
+def round_robin(entrants: int, seats: int, rounds: int, seed: Secret | int) -> FixedPlan:
     """In each round, one block for each subset of `seats` entrants.
 
     A block has one seed, draws a circular order of its players, and plays every rotation of it: each player sits in
     each seat once. All is drawn from `seed` alone; a plan with more rounds begins with the plan with fewer.
     """
-    count = comb(entrants, seats)
-    _check(rounds, seed, rounds * count * seats, f"every {seats} of {entrants} entrants")
+    secret, count = Secret.of(seed), comb(entrants, seats)
+    _check(rounds, rounds * count * seats, f"every {seats} of {entrants} entrants")
 
     def blocks() -> Iterator[Block]:
         for number in range(rounds):
             for index, group in enumerate(combinations(range(entrants), seats)):
-                yield _block(group, (seed, number, *group), number, index, count)
+                yield _block(group, secret, number, index, count)
 
-    return FixedPlan(_parameters("round-robin", rounds, seed), rounds * count * seats, blocks)
+    return FixedPlan(_parameters("round-robin", rounds), rounds * count * seats, blocks)
 
 
-def balanced(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
+def balanced(entrants: int, seats: int, rounds: int, seed: Secret | int) -> FixedPlan:
     """In each round, as few blocks as have a meeting for each pair, with everybody in as many of them.
 
     How often a pair meets differs by as little as the swaps of `balanced_groups.sweeps` can make it.
@@ -142,23 +143,23 @@ def balanced(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
     return _in_sweeps("balanced", entrants, seats, rounds, seed)
 
 
-def gauntlet(entrants: int, seats: int, rounds: int, seed: int) -> FixedPlan:
+def gauntlet(entrants: int, seats: int, rounds: int, seed: Secret | int) -> FixedPlan:
     """The first entrant in every block, against each subset of the others; balanced blocks of them where those are too
     many.
     """
     if seats < 2:
         raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {seats}")
-    count = comb(entrants - 1, seats - 1)
+    secret, count = Secret.of(seed), comb(entrants - 1, seats - 1)
     if count * seats > _MANY_MATCHES:
         return _in_sweeps("gauntlet", entrants, seats, rounds, seed, challenger=True)
-    _check(rounds, seed, rounds * count * seats, f"one against every {seats - 1} of {entrants - 1} entrants")
+    _check(rounds, rounds * count * seats, f"one against every {seats - 1} of {entrants - 1} entrants")
 
     def blocks() -> Iterator[Block]:
         for number in range(rounds):
             for index, others in enumerate(combinations(range(1, entrants), seats - 1)):
-                yield _block((0, *others), ("gauntlet", seed, number, index), number, index, count)
+                yield _block((0, *others), secret, number, index, count)
 
-    return FixedPlan(_parameters("gauntlet", rounds, seed), rounds * count * seats, blocks)
+    return FixedPlan(_parameters("gauntlet", rounds), rounds * count * seats, blocks)
 
 
 def listed(matches: Sequence[Match]) -> FixedPlan:
@@ -184,7 +185,7 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str) -> None:
     )
 
 
-def _check(rounds: int, seed: int, size: int, what: str) -> None:
+def _check(rounds: int, size: int, what: str) -> None:
     """
 
     Raises:
@@ -192,60 +193,57 @@ def _check(rounds: int, seed: int, size: int, what: str) -> None:
     """
     if not 1 <= rounds <= _MOST_ROUNDS:
         raise ConfigError(f"rounds must be at least 1 and at most {_MOST_ROUNDS}, got {rounds}")
-    if seed < 0:
-        raise ConfigError(f"seed must be a whole number from 0 up, got {seed}")
     if size > _MOST_MATCHES:
         raise ConfigError(
             f"a plan must have at most {_MOST_MATCHES} matches, got {size}: {what}, in every seating, {rounds} rounds"
         )
 
 
-def _block(group: Sequence[int], about: tuple[object, ...], number: int, index: int, groups: int) -> Block:
+def _block(group: Sequence[int], secret: Secret, number: int, index: int, groups: int) -> Block:
     """Every rotation of a drawn circle of the group.
 
     Args:
         group: who plays in the block.
-        about: what its seed and its circle are drawn from.
+        secret: what its seeds and its circle are drawn from.
         number: its round's, from 0.
         index: its own in the round, from 0.
         groups: how many a round has.
     """
-    order = sorted(group, key=lambda player: draw("order", *about, player))
-    seed = draw("match", *about)
+    block = number * groups + index
+    order = sorted(group, key=lambda player: secret.seed("seating", block, player))
+    seed, told = secret.seed("match", block), [secret.seed("agent", block, player) for player in order]
     return tuple(
         Match(
             id=f"r{number + 1:05d}-g{index + 1:06d}-s{turn:02d}",
-            block=number * groups + index,
+            block=block,
             seed=seed,
             seating=(*order[turn:], *order[:turn]),
+            agent_seeds=(*told[turn:], *told[:turn]),
         )
         for turn in range(len(order))
     )
 
 
-def draw(*about: object) -> int:
-    """48 bits that depend on these values alone; exact in a double, as JSON readers keep numbers."""
-    text = "/".join(map(str, about))
-    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=6).digest(), "little")
-
-
-def _in_sweeps(name: str, entrants: int, seats: int, rounds: int, seed: int, *, challenger: bool = False) -> FixedPlan:
+def _in_sweeps(
+    name: str, entrants: int, seats: int, rounds: int, seed: Secret | int, *, challenger: bool = False
+) -> FixedPlan:
     """Blocks from a balanced design of the entrants, or of the field when a challenger sits in every block."""
+    secret = Secret.of(seed)
     aside = int(challenger)
     players, free = entrants - aside, seats - aside
     turns = rounds * sweeps_to_meet(players, free)
     count = groups_in_sweep(players, free)
-    _check(turns, seed, turns * count * seats, f"balanced blocks of {entrants} entrants")
+    _check(turns, turns * count * seats, f"balanced blocks of {entrants} entrants")
 
     def blocks() -> Iterator[Block]:
-        drawn = sweeps(players, free, lambda *about: draw(name, seed, *about))
+        drawn = sweeps(players, free, lambda *about: secret.seed("groups", *about))
         for number, groups in enumerate(islice(drawn, turns)):
             for index, group in enumerate(groups):
                 everybody = (*range(aside), *(player + aside for player in group))
-                yield _block(everybody, (name, seed, number, index), number, index, count)
+                yield _block(everybody, secret, number, index, count)
 
-    return FixedPlan(_parameters(name, rounds, seed), turns * count * seats, blocks)
+    return FixedPlan(_parameters(name, rounds), turns * count * seats, blocks)
 
 
-def _parameters(name: str, rounds: int, seed: int) -> Mapping[str, str | int]:
-    return {"format": name, "rounds": rounds, "seed": seed}
+def _parameters(name: str, rounds: int) -> Mapping[str, str | int]:
+    return {"format": name, "rounds": rounds}

@@ -24,6 +24,8 @@ WORDS = [
     "time_limit_s=3",
     "--rounds",
     "20",
+    "--seed",
+    "0",
     "--record",
     "--resume",
     "--trusted",

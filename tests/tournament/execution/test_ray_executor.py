@@ -19,7 +19,7 @@ from catch_arena.tournament.export import export
 from catch_arena.tournament.store import Store, versions
 
 WORDS = ["nearest", "crashes.py", "--scenario", "duel", "--set", "time_limit_s=3", "--rounds", "4", "--record"]
-WORDS += ["--trusted", "--max-forfeits", "3"]
+WORDS += ["--seed", "0", "--trusted", "--max-forfeits", "3"]
 
 
 def played(folder, name: str, *words: str):

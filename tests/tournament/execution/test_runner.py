@@ -15,12 +15,13 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, run
 from catch_arena.tournament.match import blocks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
+from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.standings_files import write_standings
 from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import Tournament
 
 SHORT = scenario("duel", time_limit_s=6)
-SWISS_SEED = 0
+SWISS_SEED = 1
 """Seats a strong and an idle agent at each table of the first round."""
 
 
@@ -140,6 +141,7 @@ def test_standings_replace_older_ones_and_leave_other_files_alone(tmp_path):
     for seed in (1, 2):
         plan = round_robin(2, 2, 1, seed=seed)
         played = run(SHORT, entrants, plan)
-        write_standings(tmp_path, Tournament(SHORT, entrants, plan.parameters), 2, standings(entrants, played))
+        facts = Tournament(SHORT, entrants, plan.parameters, secret=Secret.of(seed))
+        write_standings(tmp_path, facts, 2, standings(entrants, played))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.txt", "standings.csv", "standings.json"]
-    assert json.loads((tmp_path / "standings.json").read_text())["plan"]["seed"] == 2
+    assert json.loads((tmp_path / "standings.json").read_text())["seed"] == Secret.of(2).digits

@@ -24,7 +24,7 @@ from catch_arena.tournament.isolation.pipes import Log
 from catch_arena.tournament.isolation.processes import missing_protections
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import inspector, play_entrants, start_players
-from catch_arena.tournament.match import agent_seed, play
+from catch_arena.tournament.match import play
 
 HERE = Path(__file__).parent
 SHORT = scenario("duel", time_limit_s=10)
@@ -141,8 +141,8 @@ def test_an_agent_is_told_its_own_seed_and_the_arenas_limits(sandbox, tmp_path):
         "    def act(self, view):\n        print(view.limits, view.observation[:2])\n        return 0\n"
     )
     entrants = enter([str(path), "idle"], inspector(sandbox))
-    result = played(SHORT, entrants, sandbox, indices=(3, 1))
-    assert result.logs[0].startswith(f"seed {agent_seed(7, 3)}\n{Limits.of(SHORT)} [")
+    result = played(SHORT, entrants, sandbox, agent_seeds=(2**63 - 1, 1))
+    assert result.logs[0].startswith(f"seed {2**63 - 1}\n{Limits.of(SHORT)} [")
 
 
 def test_numpys_numbers_are_actions(sandbox, tmp_path):

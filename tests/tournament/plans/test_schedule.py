@@ -31,7 +31,7 @@ def plans(draw):
     """Any plan; of a Swiss, the first round."""
     seats = draw(st.integers(2, 5))
     entrants, rounds = draw(st.integers(seats, 12)), draw(st.integers(1, 3))
-    return plan_of(draw(st.sampled_from(FORMATS)), entrants, seats, rounds, draw(st.integers(0, 2**70)))
+    return plan_of(draw(st.sampled_from(FORMATS)), entrants, seats, rounds, draw(st.integers(0, 2**64 - 1)))
 
 
 @settings(deadline=None, max_examples=80)
@@ -53,7 +53,7 @@ def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan)
         assert not list(plan.batch(1, ()))
 
 
-@given(SIZES, st.integers(0, 2**70))
+@given(SIZES, st.integers(0, 2**64 - 1))
 def test_each_round_meets_every_subset_once_in_every_rotation(sizes, seed):
     entrants, seats, rounds = sizes
     plan = round_robin(entrants, seats, rounds, seed)
@@ -61,7 +61,7 @@ def test_each_round_meets_every_subset_once_in_every_rotation(sizes, seed):
     assert groups == dict.fromkeys(combinations(range(entrants), seats), rounds)
 
 
-@given(SIZES, st.integers(0, 2**70))
+@given(SIZES, st.integers(0, 2**64 - 1))
 def test_every_entrant_sits_in_every_seat_equally_often(sizes, seed):
     plan = round_robin(*sizes, seed)
     sat = Counter((place, seat) for match in plan for seat, place in enumerate(match.seating))
@@ -77,9 +77,10 @@ def test_a_plan_follows_from_its_seed_and_a_longer_one_begins_with_the_shorter()
 def test_this_plan_stays_what_it_is_whatever_the_python_or_the_machine():
     """Results of one seed are compared across machines: a change of this line is a break."""
     match = next(iter(round_robin(5, 4, 1, 0)))
-    assert (match.id, match.seed, match.seating) == ("r00001-g000001-s00", 278489765007554, (3, 0, 2, 1))
+    assert (match.id, match.seed, match.seating) == ("r00001-g000001-s00", 2281132983424774186, (0, 1, 3, 2))
+    assert match.agent_seeds[:2] == (6263321435955792150, 3195517759362832997)
     *_, match = balanced(9, 4, 2, 0)
-    assert (match.id, match.seed, match.seating) == ("r00002-g000009-s03", 82427926568645, (4, 3, 5, 7))
+    assert (match.id, match.seed, match.seating) == ("r00002-g000009-s03", 4307498912338749714, (7, 5, 0, 4))
 
 
 def test_seeds_differ_from_block_to_block():

@@ -10,12 +10,13 @@ import pytest
 from catch_arena import scenario
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.match import Match, MatchResult, PlayedMatch, play, ranks_of
+from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.standings_files import summary_text, table_text
 from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import Tournament
 
 A, B = (Entrant(name, f"{name}.py", "target", "0" * 16) for name in "ab")
-DUEL = Tournament(scenario("duel"), (A, B), {"format": "round-robin", "rounds": 2, "seed": 3})
+DUEL = Tournament(scenario("duel"), (A, B), {"format": "round-robin", "rounds": 2}, secret=Secret.of(3))
 
 
 def played(
@@ -126,7 +127,7 @@ def test_the_files_hold_what_the_standings_say():
     rows = list(csv.DictReader(io.StringIO(table_text(table))))
     assert [(row["agent"], float(row["score"])) for row in rows] == [("a", 9.0), ("b", 6.0)]
     summary = json.loads(summary_text(DUEL, 4, table))
-    assert (summary["plan"]["seed"], summary["matches"], summary["config"]["hunters"]) == (3, 4, 2)
+    assert (summary["seed"], summary["matches"], summary["config"]["hunters"]) == (Secret.of(3).digits, 4, 2)
     first = summary["standings"][0]
     assert (first["group"], first["score"], first["score_low"]) == ("1", 9.0, None)
     assert first["rating"] == pytest.approx(-summary["standings"][1]["rating"])

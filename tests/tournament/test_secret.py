@@ -1,0 +1,293 @@
+"""A tournament's secret: written twice, told to nobody, and of no use to an agent that knows some of its seeds."""
+
+import hashlib
+import json
+import re
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tournament.blake2b import blake2b
+from typer.testing import CliRunner
+
+from catch_arena import scenario
+from catch_arena.cli import main
+from catch_arena.cli.arguments import blank_argument
+from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.spawner import spawn_pose
+from catch_arena.engine import batch_seeds, next_seeds
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.execution.executors import SerialExecutor
+from catch_arena.tournament.execution.runner import REPLAYS, play_plan
+from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.match import agent_seed, blocks_of
+from catch_arena.tournament.plans.schedule import FORMATS, Plan, plan_of, round_robin
+from catch_arena.tournament.secret import Purpose, Secret
+from catch_arena.tournament.store import STORE, Store, Tournament
+
+PAGE = (Path(__file__).parents[2] / "docs" / "tournaments.md").read_text()
+GUESSES = Path(__file__).parent / "isolation" / "bad" / "guesses.py"
+QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--jobs", "1", "--out", "o"]
+SMALL_NUMBERS = 40
+PURPOSES = get_args(Purpose)
+NUMBERS = st.lists(st.integers(0, 2**64 - 1), max_size=4)
+
+
+def seed_by_the_page(secret: bytes, words: str, numbers: list[int]) -> int:
+    """docs/tournaments.md, "Seeds", with another BLAKE2b than the package's."""
+    message = b"".join(number.to_bytes(8, "little") for number in numbers)
+    return int.from_bytes(blake2b(message, 8, key=secret, person=words.encode()), "little") // 2
+
+
+@given(
+    message=st.binary(max_size=300), size=st.integers(1, 64), key=st.binary(max_size=64), person=st.binary(max_size=16)
+)
+def test_the_second_blake2b_is_pythons(message, size, key, person):
+    assert (
+        blake2b(message, size, key, person)
+        == hashlib.blake2b(message, digest_size=size, key=key, person=person).digest()
+    )
+
+
+@given(secret=st.binary(min_size=16, max_size=16), words=st.sampled_from(PURPOSES), numbers=NUMBERS)
+def test_seeds_are_what_the_page_says(secret, words, numbers):
+    assert Secret(secret).seed(words, *numbers) == seed_by_the_page(secret, words, numbers) < 2**63
+    part = blake2b(b"".join(number.to_bytes(8, "little") for number in numbers), 16, key=secret, person=words.encode())
+    assert Secret(secret).part(words, *numbers).key == part
+
+
+@given(st.integers(0, 2**64 - 1))
+def test_a_number_makes_the_secret_that_the_page_says(number):
+    assert Secret.of(number).key == blake2b(number.to_bytes(8, "little"), 16, person=b"number")
+
+
+def test_the_page_lists_every_purpose_and_its_example_is_right():
+    section = PAGE.partition("## Seeds")[2].partition("\n## ")[0]
+    assert set(re.findall(r"^\| `([a-z ]+)` \|", section, re.MULTILINE)) == set(PURPOSES)
+    assert all(len(words.encode()) <= 16 for words in PURPOSES)
+    digits, seed, told = re.search(
+        r"`--seed ([0-9a-f]{32})`.*?block 3.*?(\d{15,}).*?agent 1.*?(\d{15,})", section, re.DOTALL
+    ).groups()
+    assert Secret.parse(digits).seed("match", 3) == int(seed)
+    assert Secret.parse(digits).seed("agent", 3, 1) == int(told)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_plan_has_the_seeds_of_its_blocks(form):
+    secret = Secret.of(9)
+    blocks = list(plan_of(form, 6, 3, 2, secret).batch(0, ()))
+    for number, block in enumerate(blocks):
+        for match in block:
+            assert match.block == number
+            assert match.seed == seed_by_the_page(secret.key, "match", [number])
+            assert match.agent_seeds == tuple(
+                seed_by_the_page(secret.key, "agent", [number, one]) for one in match.seating
+            )
+        lots = [seed_by_the_page(secret.key, "seating", [number, one]) for one in block[0].seating]
+        assert lots == sorted(lots)
+
+
+def test_exactly_32_hexadecimal_digits_are_a_secret_and_all_else_is_a_number():
+    digits = "00112233445566778899aAbBcCdDeEfF"
+    assert Secret.parse(digits).digits == Secret.parse(digits).text == digits.lower()
+    assert Secret.parse("0" * 31 + "7").key == bytes(15) + b"\7"
+    assert Secret.parse("7") == Secret.of(7) == Secret.parse(Secret.of(7).digits) != Secret.parse("0" * 31 + "7")
+    assert (Secret.parse("007").text, Secret.parse("007").number, Secret.parse(digits).number) == ("7", 7, None)
+    assert Secret.of(None) != Secret.of(None)
+    assert len(Secret.of(None).key) == 16
+
+
+@pytest.mark.parametrize(
+    "text", ["", "-1", "7.0", "0x7", "1e3", " 7", "٣", "f" * 31, "f" * 33, "g" * 32, str(2**64), "9" * 5000]
+)
+def test_a_text_that_is_neither_is_one_line(text):
+    with pytest.raises(
+        ConfigError, match="seed must be 32 hexadecimal digits, or a whole number from 0 to 2\\^64 - 1"
+    ) as raised:
+        Secret.parse(text)
+    assert len(str(raised.value)) < 200
+
+
+def test_neither_a_secret_nor_a_match_shows_its_seeds_where_it_is_printed():
+    secret = Secret.of(None)
+    match = next(iter(round_robin(2, 2, 1, secret)))
+    plan = plan_of("swiss", 4, 2, 1, secret)
+    for text in (repr(secret), str(secret), f"{secret}", repr(match), repr(plan)):
+        assert secret.digits not in text
+        assert repr(secret.key) not in text
+        assert not re.search(r"\d{10}", text)
+
+
+def told_to_agents(plan: Plan) -> Iterator[tuple[int, int]]:
+    """An agent's seed, and the seed of the match that it is told in."""
+    for block in plan.batch(0, ()):
+        for match in block:
+            for seed in match.agent_seeds:
+                yield seed, match.seed
+
+
+def worked_out(told: int) -> set[int]:
+    """What every function of the package makes of an agent's seed, and of the small numbers that people give."""
+    found = {told, told << 1, told << 1 | 1, told >> 1, agent_seed(told, 0), agent_seed(told, 1)}
+    for guess in {told, told << 1, told << 1 | 1, *range(SMALL_NUMBERS)}:
+        found |= {int(seed) for seed in batch_seeds(guess, 8)}
+        found |= {int(seed) for seed in next_seeds(batch_seeds(guess, 8))}
+        secret = Secret.of(guess)
+        for part in (secret, secret.part("compare"), secret.part("grade", 0)):
+            found |= {
+                part.seed(words, *numbers) for words in PURPOSES for numbers in ((), (0,), (1,), (2,), (0, 0), (0, 1))
+            }
+    return found
+
+
+def test_an_agents_seed_leads_to_its_match_only_where_the_tournaments_was_a_small_number():
+    for seed, match in told_to_agents(round_robin(3, 2, 1, Secret.of(None))):
+        assert match not in worked_out(seed)
+    assert all(match in worked_out(seed) for seed, match in told_to_agents(round_robin(3, 2, 1, SMALL_NUMBERS - 1)))
+
+
+def test_an_agent_that_tries_predicts_no_place_unless_a_number_was_given(tmp_path, monkeypatch):
+    """The second tournament shows that it could: there it works out where the next targets will appear."""
+    monkeypatch.chdir(tmp_path)
+    for out, seed, found in (("drawn", [], "nothing found"), ("given", ["--seed", "11"], "predicted")):
+        words = ["tournament", str(GUESSES), "idle", *QUICK[:-1], out, *seed]
+        assert CliRunner().invoke(main, words).exit_code == 0
+        told = re.findall(r"(predicted|nothing found)", (tmp_path / out / "logs" / "guesses.log").read_text())
+        assert told == [found] * 2
+
+
+def test_the_seed_is_told_in_the_end_and_repeats_all_of_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ["tournament", "random", "nearest", *QUICK[:-1]]
+    first = CliRunner().invoke(main, [*words, "a"])
+    digits = json.loads(Path("a/standings.json").read_text())["seed"]
+    assert re.fullmatch("[0-9a-f]{32}", digits)
+    assert f"seed: {digits}\n" in first.output
+    assert f"<code>{digits}</code>" in Path("a/report.html").read_text()
+    assert CliRunner().invoke(main, [*words, "b", "--seed", digits.upper()]).exit_code == 0
+    assert CliRunner().invoke(main, [*words, "c"]).exit_code == 0
+    for out in "abc":
+        CliRunner().invoke(main, ["export", out, "--no-timing", "-o", f"{out}.csv"])
+    assert Path("a.csv").read_bytes() == Path("b.csv").read_bytes() != Path("c.csv").read_bytes()
+    assert digits in Path("a.csv").read_text()
+
+
+def test_a_number_can_be_guessed_and_the_results_say_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(main, ["tournament", "random", "idle", *QUICK, "--seed", "7"])
+    digits = Secret.of(7).digits
+    assert f"seed: {digits} (7, a number, which agents can guess)" in done.output
+    assert "it was given as a number (7), which can be guessed" in Path("o/report.html").read_text()
+    assert json.loads(Path("o/standings.json").read_text())["seed"] == digits
+    assert "agents can guess" in " ".join(CliRunner().invoke(main, ["tournament", "--help"]).output.split())
+
+
+def test_resume_keeps_the_secret(tmp_path, monkeypatch):
+    """Drawn, given as digits or as a number; and it does not say what it is to whoever gives another one."""
+    monkeypatch.chdir(tmp_path)
+    words = ["tournament", "random", "idle", *QUICK, "--rounds", "2"]
+    assert CliRunner().invoke(main, words).exit_code == 0
+    secret = Store.secret_in(Path("o"))
+    with sqlite3.connect(f"o/{STORE}") as db:  # as where it was broken off
+        db.execute("DELETE FROM result WHERE match LIKE 'r00002%'")
+        db.execute("DELETE FROM fact WHERE name = 'ended'")
+    db.close()
+    refused = CliRunner().invoke(main, [*words, "--resume", "--seed", "7"])
+    assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
+    assert "its seed is another one; without --seed it keeps its own" in refused.stderr
+    assert secret.digits not in refused.output
+    assert CliRunner().invoke(main, [*words, "--resume"]).exit_code == 0
+    assert json.loads(Path("o/standings.json").read_text())["seed"] == secret.digits
+    assert CliRunner().invoke(main, [*words, "--resume", "--seed", secret.digits]).exit_code == 0
+
+
+CONFIG = scenario("duel", time_limit_s=3)
+
+
+class Breaks(SerialExecutor):
+    """As if a block's second match killed us."""
+
+    def submit(self, matches, excluded):
+        if matches[0].block == 1:
+            super().submit(matches[:1], excluded)
+            raise KeyboardInterrupt
+        return super().submit(matches, excluded)
+
+
+def test_no_replay_of_a_block_lies_there_before_it_has_ended(tmp_path):
+    """Not where it broke off within the block, nor from before, where its replays were written and it was not kept."""
+    entrants, secret = enter(["random", "idle"]), Secret.of(None)
+    plan, worker = round_robin(2, 2, 3, secret), Worker(CONFIG, entrants, record=True)
+    first, second, _ = blocks_of(plan)
+
+    def replays():
+        return {path.stem for path in (tmp_path / REPLAYS).glob("*.replay")}
+
+    with Store.begin(Tournament(CONFIG, entrants, plan.parameters, secret=secret), tmp_path) as store:
+        with pytest.raises(KeyboardInterrupt):
+            play_plan(store, plan, Breaks(worker), folder=tmp_path)
+        assert replays() == {match.id for match in first}
+        left = tmp_path / REPLAYS / f"{second[0].id}.replay"
+        left.write_bytes(b"its seed is in here")
+        with pytest.raises(KeyboardInterrupt):
+            play_plan(store, plan, Breaks(worker), folder=tmp_path)
+        assert not left.exists()
+        assert not store.ended
+        play_plan(store, plan, SerialExecutor(worker), folder=tmp_path)
+        assert replays() == {match.id for match in plan}
+        assert store.ended
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux says where a process's command line lies")
+def test_a_secret_on_the_command_line_is_no_longer_read_there():
+    digits = Secret.of(None).digits
+    code = (
+        "import sys\nfrom pathlib import Path\nfrom catch_arena.cli.app import secret_of\n"
+        "print(secret_of(sys.argv[2]).digits, Path('/proc/self/cmdline').read_bytes())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, "--seed", digits, "x"], check=True, capture_output=True, text=True
+    )
+    told, line = done.stdout.split(" ", 1)
+    assert told == digits
+    assert digits not in line
+    assert rf"--seed\x00{'x' * 32}\x00x\x00" in line
+    blank_argument("not there")
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(INTERPRETED, reason="without the compiler it tries too few")
+def test_an_agent_that_tries_seeds_for_a_minute_predicts_no_place():
+    """From what it knows of the first place that it sees: small numbers, those around its own seed, and its double."""
+    spec = spec_from_file_location("measure_seeds", Path(__file__).parents[2] / "scripts" / "measure_seeds.py")
+    measure = module_from_spec(spec)
+    sys.modules["measure_seeds"] = measure
+    spec.loader.exec_module(measure)
+
+    def found(match: int, own: int) -> bool:
+        """By fractions that are known to 22 bits."""
+        x, y, _ = spawn_pose(np.uint64(match), 1, measure.LOW, measure.HIGH, measure.HIGH)
+        seen = [(at - measure.LOW) / (measure.HIGH - measure.LOW) for at in (x, y)]
+        ends = time.process_time() + 60.0
+        begins = [0, max(0, own - (1 << 30)), max(0, 2 * own - (1 << 30))]
+        tried = 0
+        while time.process_time() < ends:
+            begin = begins[tried % 3] + (tried // 3 << 28)
+            if match in measure.seeds_with(np.uint64(begin), 1 << 28, *seen, 2.0**-22):
+                return True
+            tried += 1
+        return False
+
+    block = Secret.of(None)
+    assert not found(block.seed("match", 0), block.seed("agent", 0, 0))
+    assert found(123_456_789, agent_seed(123_456_789, 0))
