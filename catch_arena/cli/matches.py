@@ -1,6 +1,6 @@
 """`catch-arena tournament` and `match`: agents play."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
@@ -25,12 +25,14 @@ from catch_arena.cli.app import (
     main,
 )
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
+    from catch_arena.tournament.match import Forfeit
     from catch_arena.tournament.plans.schedule import Plan
 
 Format = Literal["round-robin", "balanced", "gauntlet", "swiss"]
@@ -91,8 +93,6 @@ def tournament(
     """Play groups of agents in every seating, and rank them.
 
     The same agents, options and seed give the same results, whatever --jobs and --executor are.
-
-    Agents that do not come with the package play in processes of their own, with limits.
     """
     from catch_arena.cli.live_standings import LiveStandings
     from catch_arena.cli.tables import plan_table, standings_table
@@ -139,7 +139,7 @@ def tournament(
 
     with Store.begin(facts, out, resume=resume) as store, _watched(out) if watch else nullcontext():
         interrupts.also_say(kept_by_now)
-        typer.echo(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {config.hunters} in each")
+        say(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {config.hunters} in each")
         try:
             with _executor(executor, worker, jobs, address) as ready, LiveStandings(players, plays.size) as live:
                 play_plan(store, plays, ready, max_forfeits=max_forfeits, folder=out, on_results=live.update)
@@ -152,13 +152,13 @@ def tournament(
         for line in table:
             if "FORFEIT_OUT" in line.forfeits:
                 without = f"{line.forfeits['FORFEIT_OUT']} of its {line.matches} matches were played without it"
-                typer.echo(f"{line.name} was out after {max_forfeits} forfeits in a row: {without}")
+                say(f"{line.name} was out after {max_forfeits} forfeits in a row: {without}")
         if isinstance(plays, UntilSeparated) and plays.last is not None:
-            typer.echo(f"after {played} matches, {plays.last}")
+            say(f"after {played} matches, {plays.last}")
         if (out / LOGS).exists():
-            typer.echo(f"what agents printed, and how they failed: {out / LOGS}")
-        typer.echo(f"results: {out}")
-        typer.echo(f"report: {write_report(out)}")
+            say(f"what agents printed, and how they failed: {out / LOGS}")
+        say(f"results: {out}")
+        say(f"report: {write_report(out)}")
 
 
 @contextmanager
@@ -167,9 +167,9 @@ def _watched(folder: Path) -> Iterator[None]:
     from catch_arena.report.watch import LiveReport, serve
 
     with serve(LiveReport(folder)) as address:
-        typer.echo(f"watch: {address}")
+        say(f"watch: {address}")
         yield
-        typer.echo(f"the report stays at {address} until Ctrl-C")
+        say(f"the report stays at {address} until Ctrl-C")
         interrupts.wait()
 
 
@@ -258,10 +258,23 @@ def match(
     output_file(output, force=force)
     with sandbox_for(allowed) as sandbox:
         result = play_entrants(config, seed, players, sandbox, title=scenario, record=output)
-    for player, log in zip(players, result.logs, strict=True):
+    names = [player.name for player in players]
+    print_logs(names, result.logs)
+    print_ranking(result.ranks, result.scores, names, result.details)
+    say(f"replay: {output}")
+
+
+def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
+    """What the agents of one match have printed, by seat, on stderr."""
+    for name, log in zip(names, logs, strict=True):
         if log:
-            typer.echo(f"{player.name} printed:\n{log}", err=True)
-    lines = zip(result.ranks, result.scores, players, result.details, strict=True)
-    for rank, score, player, forfeit in sorted(lines, key=lambda line: line[0]):
-        typer.echo(f"{rank:>3}  {score:>3}  {player.name}" + (f": {forfeit}" if forfeit else ""))
-    typer.echo(f"replay: {output}")
+            say(f"{name} printed:\n{log}", err=True)
+
+
+def print_ranking(
+    ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: "Sequence[Forfeit | None]"
+) -> None:
+    """The result of one match, and how agents failed; all by seat."""
+    lines = zip(ranks, scores, names, forfeits, strict=True)
+    for rank, score, name, forfeit in sorted(lines, key=lambda line: line[0]):
+        say(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))
