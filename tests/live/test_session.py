@@ -189,7 +189,7 @@ def test_the_match_begins_again_while_an_agent_hangs(session, tmp_path):
 def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path):
     (tmp_path / "hangs.py").write_text(HANGS)
     short = ["--limit", "step_ms=100", "--limit", "bank_s=0.1", "--record", "r.replay"]
-    result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], *nothing(5000))
+    result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], *nothing(400))
     assert result.exit_code == 0, result.output
     assert "  2    0  hangs: FORFEIT_TIMEOUT in step 1: act took longer than step_ms (100 ms)" in result.stdout
     assert Replay.load(tmp_path / "r.replay").withdrawals == [(0, 0)]
@@ -200,7 +200,7 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, tmp_pa
     drawn = match_window.MatchWindow.wait
     monkeypatch.setattr(match_window.MatchWindow, "wait", lambda window: (waited.append(1), drawn(window)))
     (tmp_path / "slow.py").write_text(SLOW)
-    result = session(["watch", "slow.py", "idle", "--scenario", "duel", "--record", "r.replay"], *nothing(5000))
+    result = session(["watch", "slow.py", "idle", "--scenario", "duel", "--record", "r.replay"], *nothing(400))
     assert result.exit_code == 0, result.output
     assert "FORFEIT" not in result.output
     assert Replay.load(tmp_path / "r.replay").steps == 10
