@@ -212,10 +212,7 @@ class Store:
         """What was played, in the order of the plan, each with the versions that played it."""
         read = self._rows()
         with self._store_errors():
-            known = {
-                key: rows.versions_of(value, versions())
-                for key, value in self._db.execute("SELECT id, value FROM versions")
-            }
+            known = self._known_versions()
             query = f"SELECT versions, {_PLAYED.removeprefix('SELECT ')} ORDER BY id"
             found = ((read.played(row), known[by]) for by, *row in self._db.execute(query))
             yield from rows.in_order(found, lambda one: one[0].match)
@@ -305,10 +302,15 @@ class Store:
                 raise rows.DamagedError("its tables are none of ours")
             if self._db.execute("PRAGMA foreign_key_check").fetchone() is not None:
                 raise rows.DamagedError("a result is of no match, or of no versions")
+            self._known_versions()
 
     def _facts(self) -> dict[str, Any]:
         with self._store_errors():
             return rows.facts_of(self._db.execute("SELECT name, value FROM fact"))
+
+    def _known_versions(self) -> dict[int, dict[str, str]]:
+        found = self._db.execute("SELECT id, value FROM versions")
+        return {key: rows.versions_of(value, versions()) for key, value in found}
 
     def _rows(self) -> rows.Rows:
         tournament = self.tournament
