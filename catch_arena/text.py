@@ -4,6 +4,7 @@ What cannot be printed (control characters, halves of surrogate pairs, marks tha
 shown as Python writes it: `\x1b`, `\ud800`, `\u202e`. It is done once, where such a text comes in.
 """
 
+import re
 import reprlib
 from typing import Final
 
@@ -12,6 +13,10 @@ LONGEST_NAME: Final = 100
 LONGEST_LINE: Final = 300
 """Characters of what is said about a failure."""
 _LOOKED_AT: Final = 8 * LONGEST_LINE
+_FOLDERS: Final = re.compile(
+    r"""(?<=['"])/(?:[^/'"]+/+)+|(?<![\w<.~/])~?/(?:[^\s/'"<>]+/+)+|\b[A-Za-z]:[\\/](?:[^\s\\/'"<>]+[\\/]+)*"""
+)
+"""Of whole paths: in quotes, where they may have spaces, or not; and those of Windows."""
 _FORMULA: Final = ("=", "+", "-", "@")
 
 
@@ -43,6 +48,11 @@ def name_fault(name: str) -> str | None:
     if name and name.isprintable() and len(name) <= LONGEST_NAME:
         return None
     return f"its name must be of characters that can be printed, at most {LONGEST_NAME} of them, got {name[:200]!a}"
+
+
+def without_folders(text: str) -> str:
+    """The text with the name alone of each file that it gives a whole path of."""
+    return _FOLDERS.sub("", text)
 
 
 def spreadsheet_cell(text: str) -> str:

@@ -13,7 +13,8 @@ from urllib.parse import unquote
 from catch_arena.errors import CatchArenaError, OutputError, ReplayError
 from catch_arena.player import bundle_text
 from catch_arena.report.data import ReportData
-from catch_arena.report.page import page
+from catch_arena.report.page import content_policy, page
+from catch_arena.text import printable, without_folders
 from catch_arena.tournament.store import Store
 
 HOST: Final = "127.0.0.1"
@@ -104,7 +105,7 @@ class _Handler(BaseHTTPRequestHandler):
             else:
                 self._answer(404, "text/plain", "there is nothing here")
         except CatchArenaError as error:
-            self._answer(404, "text/plain", str(error))
+            self._answer(404, "text/plain", without_folders(printable(str(error))))
 
     def _answer(self, status: int, kind: str, text: str) -> None:
         content = text.encode()
@@ -113,6 +114,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Length", str(len(content)))
         self.send_header("Cache-Control", "no-store")
         self.send_header("X-Content-Type-Options", "nosniff")
+        self.send_header("Content-Security-Policy", f"{content_policy(watched=True)}; frame-ancestors 'none'")
         self.end_headers()
         self.wfile.write(content)
 

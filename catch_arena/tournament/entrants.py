@@ -48,6 +48,16 @@ class Entrant:
     fault: str | None = None
     """Why it cannot play, where that showed when it was looked at in isolation: it forfeits all its matches."""
 
+    @property
+    def source(self) -> str:
+        """Where it comes from, for everybody: a file's name without its folders, and of a command its program."""
+        try:
+            if (words := command_of(self.spec)) is not None:
+                return f"a command: {Path(words[0]).name}"
+        except (ValueError, IndexError):  # a store may say anything
+            return "a command"
+        return Path(self.spec).name if self.spec.endswith(".py") else self.spec
+
     def create(self) -> Policy:
         """A fresh instance in this process, for one match.
 

@@ -356,3 +356,48 @@ def test_a_damaged_replay_says_so_in_one_line_and_the_next_one_plays(quiet, crow
     page.get_by_role("button", name="Play", exact=True).click()
     page.wait_for_function("document.querySelector('catch-replay').time > 600")
     assert "cannot be shown" not in page.locator(".note").inner_text()
+
+
+def test_an_injected_script_does_not_run_and_nothing_is_fetched(chromium, report, tmp_path):
+    """As if the escaping had failed: a script, a handler, an address and an image in the page itself, under its policy."""
+    wicked = (
+        "<script>window.harmed = 'script'</script>"
+        "<img src='https://example.invalid/x.png' onerror=\"window.harmed = 'handler'\">"
+        "<a id='trap' href=\"javascript:window.harmed='address'\">x</a>"
+        "<iframe src='data:text/html,x'></iframe><base href='https://example.invalid/'>"
+        "<svg onload=\"window.harmed='svg'\"></svg><form action='https://example.invalid/'></form>"
+    )
+    text = report.read_text(encoding="utf-8")
+    assert text.count("<main>") == 1
+    harmed = tmp_path / "harmed.html"
+    harmed.write_text(text.replace("<main>", f"<main>{wicked}"), encoding="utf-8")
+    page = chromium.new_page()
+    refused, asked = [], []
+    page.on(
+        "console", lambda message: refused.append(message.text) if "Content Security Policy" in message.text else None
+    )
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto(harmed.as_uri())
+    page.wait_for_function("document.querySelector('catch-replay').replay")  # the page's own scripts run
+    page.locator("#trap").click()
+    page.evaluate("setTimeout(() => {}, 0)")
+    assert page.evaluate("window.harmed") is None
+    assert len(refused) >= 4
+    assert [url for url in asked if not url.startswith(("file:", "data:", "blob:"))] == []
+    page.close()
+
+
+@pytest.mark.parametrize("served", [False, True])
+def test_the_page_breaks_no_rule_of_its_own_policy(chromium, report, served):
+    page = chromium.new_page()
+    said = []
+    page.on("console", lambda message: said.append(message.text))
+    with serve(LiveReport(report.parent), 0) as address:
+        page.goto(address if served else report.as_uri())
+        page.wait_for_function("document.querySelector('catch-replay').replay")
+        page.get_by_role("button", name="Next contest").click()
+        page.get_by_role("button", name="Light or dark").click()
+        page.get_by_role("button", name="Play", exact=True).click()
+        page.wait_for_function("document.querySelector('catch-replay').time > 300")
+    assert [line for line in said if "Policy" in line] == []
+    page.close()
