@@ -4,6 +4,7 @@ import dataclasses
 import hashlib
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal, get_args
@@ -22,6 +23,8 @@ TURTLESIM_SIDE_M: Final = 11.088889122009277
 RULESET: Final = "catch_arena_v1"
 """R10.3: raised when equal inputs could play differently, and for nothing else."""
 
+_SURROGATE: Final = re.compile("[\ud800-\udfff]")
+"""Half a letter, which no file and no terminal takes."""
 MAX_HUNTERS: Final = 64
 MAX_TARGETS: Final = 64
 
@@ -165,7 +168,7 @@ class ArenaConfig:
             raise ConfigError(
                 f"target_motion must be 'still' (R3.7's moving targets are not here yet), got {self.target_motion!r}"
             )
-        if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200:
+        if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200 or _SURROGATE.search(self.name_prefix):
             raise ConfigError(f"name_prefix must be a string of at most 200 characters, got {self.name_prefix!r}")
         for name, kind in (("gains", Gains), ("rewards", RewardWeights), ("faults", FaultRates)):
             if not isinstance(getattr(self, name), kind):
