@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import pty
 import re
 import sqlite3
 import subprocess
@@ -131,7 +132,7 @@ def test_its_replays_are_explained_and_filmed(played):
     for words in (
         ["explain", str(replay)],
         ["verify", str(replay)],
-        ["render", str(replay), "-o", "m.gif", "--size", "320x180"],
+        ["render", str(replay), "-o", "m.gif", "--size", "320x320"],
     ):
         ended = run(folder, *words)
         assert ended.returncode == 0, ended.stderr.decode()
@@ -172,6 +173,26 @@ def test_one_match_shows_them(played, trusted):
     assert ended.returncode == 0, ended.stderr.decode()
     assert SHOWN in ended.stdout.decode()
     assert b"\x1b" not in ended.stdout + ended.stderr
+
+
+def test_a_real_terminal_is_sent_none_of_its_commands(played):
+    """A pipe proves little: what is printed through one loses its colours in any case."""
+    folder, _ = played
+    ours, theirs = pty.openpty()
+    environment = os.environ | {"PYTHONPATH": str(Path(catch_arena.__file__).parents[1]), "TERM": "xterm-256color"}
+    words = [sys.executable, "-m", "catch_arena", "match", "[red]x.py", "nearest", *QUICK, "-o", "t.replay", "--force"]
+    sent = b""
+    with subprocess.Popen(words, cwd=folder, stdin=theirs, stdout=theirs, stderr=theirs, env=environment):
+        os.close(theirs)
+        try:
+            while part := os.read(ours, 65536):
+                sent += part
+        except OSError:  # the other end is closed
+            os.close(ours)
+    assert rb"\x1b]0;title\x07" in sent
+    assert SHOWN.encode() in sent
+    for command in (b"\x1b]0;", b"\x07", b"\x1b[31mred", b"\x1b[2J", b"\0", "\u202e".encode()):
+        assert command not in sent
 
 
 @settings(max_examples=30, deadline=None)
