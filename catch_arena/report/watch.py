@@ -22,7 +22,7 @@ PORT: Final = 8765
 _PORTS: Final = 20
 _PAUSE_S: Final = 2.0
 _PAUSE_FACTOR: Final = 10.0
-"""The page is made anew after so many times what it took to make: at most a tenth of one core's time."""
+"""It looks again after so many times what the last look took, with the page: at most a tenth of one core's time."""
 _PATIENCE_S: Final = 5.0
 """How long one request may take to arrive."""
 
@@ -41,8 +41,10 @@ class LiveReport:
     def state(self) -> str:
         """A word that changes when the page does."""
         with self._lock:
-            if time.monotonic() >= self._next:
+            if (begin := time.monotonic()) >= self._next:
                 self._refresh()
+                end = time.monotonic()
+                self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
             return str(self._count)
 
     def page(self) -> str:
@@ -67,15 +69,12 @@ class LiveReport:
             count = store.count_played()
         if count == self._count and self._page:
             return
-        begin = time.monotonic()
         if not count:
             self._page = _WAITING
         else:
             self._data = ReportData.of(self._folder)
             self._page = page(self._data, {}, watched=True)
         self._count = count
-        end = time.monotonic()
-        self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
 
 
 _WAITING: Final = (

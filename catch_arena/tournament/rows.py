@@ -6,6 +6,7 @@ Sizes are bounded by what a tournament can hold, so that no number of a stranger
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import Any, Final, TypeVar, get_args
 
@@ -22,6 +23,7 @@ RESULTS: Final = tuple(field.name for field in fields(MatchResult) if field.name
 """The parts of a result that a store keeps, in their order."""
 _MOST: Final = 10**6
 """Of whatever is counted in a match, and entrants."""
+_MOST_STEPS: Final = 10**7
 _MOST_BLOCKS: Final = 10**12
 _LONGEST_S: Final = 1e9
 _LONGEST_TEXT: Final = 200
@@ -29,6 +31,8 @@ _LONGEST_PATH: Final = 1 << 16
 _ID: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 """A match's id is a part of a file's name."""
 _DIGITS: Final = re.compile(r"[0-9a-f]{0,64}")
+
+_CODES: Final = get_args(ForfeitCode)
 
 T = TypeVar("T")
 
@@ -44,7 +48,7 @@ def parsed(what: str, text: object) -> Any:
         DamagedError: where it is none.
     """
     try:
-        return json.loads(text_of(what, text, most=None), parse_constant=_refuse)
+        return _decoded(text_of(what, text, most=None))
     except (ValueError, RecursionError) as error:
         raise DamagedError(f"{what} must be JSON: {error}") from None
 
@@ -74,7 +78,7 @@ def config_of(facts: Mapping[str, Any]) -> ArenaConfig:
 
 def entrants_of(facts: Mapping[str, Any]) -> tuple[Entrant, ...]:
     """Who plays; there is at least one, and each has a name of its own. Raises: DamagedError."""
-    entrants = _list_of("entrants", facts["entrants"], _entrant, least=1, most=_MOST)
+    entrants = tuple(map(_entrant, _list_of("entrants", facts["entrants"], 1, _MOST)))
     if len({one.name for one in entrants}) < len(entrants):
         raise DamagedError("entrants must have a name each")
     return entrants
@@ -112,38 +116,45 @@ class Rows:
         name, block, seed, seating = row
         if not isinstance(name, str) or not _ID.fullmatch(name):
             raise DamagedError(f"a match's id must be of letters, digits, - and _, got {in_short(name)}")
-        return Match(
-            name,
-            whole(f"match {name}: block", block, 0, _MOST_BLOCKS),
-            whole(f"match {name}: seed", seed, 0, SEED_LIMIT - 1),
-            self._by_seat(f"match {name}: seating", parsed("seating", seating), _whole_to(self.entrants - 1)),
-        )
+        with _within(name):
+            return Match(
+                name,
+                whole("block", block, 0, _MOST_BLOCKS),
+                whole("seed", seed, 0, SEED_LIMIT - 1),
+                self._wholes("seating", parsed("seating", seating), 0, self.entrants - 1),
+            )
 
     def played(self, row: Sequence[Any]) -> PlayedMatch:
         """A match that was played: as `match` has it, its replay's digest, and RESULTS. Raises: DamagedError."""
         *planned, replay = row[: -len(RESULTS)]
         match = self.match(planned)
-        parts = {name: parsed(name, text) for name, text in zip(RESULTS, row[-len(RESULTS) :], strict=True)}
-        at = f"match {match.id}"
-        forfeits = self._by_seat(f"{at}: forfeits", parts["forfeits"], _forfeit_code)
-        details = self._by_seat(f"{at}: details", parts["details"], _forfeit) if parts["details"] != [] else ()
-        if details and forfeits != tuple(one and one.code for one in details):
-            raise DamagedError(f"{at}: details must be of its forfeits")
-        result = MatchResult(
-            scores=self._by_seat(f"{at}: scores", parts["scores"], _whole_to(_MOST)),
-            ranks=self._by_seat(f"{at}: ranks", parts["ranks"], _whole_to(self.hunters, 1)),
-            verdicts=self._by_seat(f"{at}: verdicts", parts["verdicts"], _tally),
-            contests_won=self._by_seat(f"{at}: contests_won", parts["contests_won"], _whole_to(_MOST)),
-            steps=whole(f"{at}: steps", parts["steps"], 0, 10 * _MOST),
-            digest=_digest(f"{at}: digest", parts["digest"]),
-            forfeits=forfeits,
-            thinking=self._by_seat(f"{at}: thinking", parts["thinking"], _move_times),
-            details=details,
-        )
-        return PlayedMatch(match, result, None if replay is None else _digest(f"{at}: replay", replay))
+        with _within(match.id):
+            parts = {name: parsed(name, text) for name, text in zip(RESULTS, row[-len(RESULTS) :], strict=True)}
+            forfeits = self._by_seat("forfeits", parts["forfeits"], _forfeit_code)
+            details = self._by_seat("details", parts["details"], _forfeit) if parts["details"] != [] else ()
+            if details and forfeits != tuple(one and one.code for one in details):
+                raise DamagedError("details must be of its forfeits")
+            result = MatchResult(
+                scores=self._wholes("scores", parts["scores"], 0, _MOST),
+                ranks=self._wholes("ranks", parts["ranks"], 1, self.hunters),
+                verdicts=self._by_seat("verdicts", parts["verdicts"], _tally),
+                contests_won=self._wholes("contests_won", parts["contests_won"], 0, _MOST),
+                steps=whole("steps", parts["steps"], 0, _MOST_STEPS),
+                digest=_digest("digest", parts["digest"]),
+                forfeits=forfeits,
+                thinking=self._by_seat("thinking", parts["thinking"], _move_times),
+                details=details,
+            )
+            return PlayedMatch(match, result, None if replay is None else _digest("replay", replay))
 
-    def _by_seat(self, what: str, value: object, read: Callable[[str, object], T]) -> tuple[T, ...]:
-        return _list_of(what, value, read, least=self.hunters, most=self.hunters)
+    def _by_seat(self, what: str, value: object, read: Callable[[object], T]) -> tuple[T, ...]:
+        return tuple(map(read, _list_of(what, value, self.hunters, self.hunters)))
+
+    def _wholes(self, what: str, value: object, least: int, most: int) -> tuple[int, ...]:
+        found = _list_of(what, value, self.hunters, self.hunters)
+        for one in found:
+            whole(what, one, least, most)
+        return tuple(found)
 
 
 def in_order(found: Iterable[T], match_of: Callable[[T], Match], after: str = "") -> Iterator[T]:
@@ -178,8 +189,19 @@ def text_of(what: str, value: object, most: int | None = _LONGEST_TEXT) -> str:
     return value
 
 
+@contextmanager
+def _within(match: str) -> Iterator[None]:
+    try:
+        yield
+    except DamagedError as error:
+        raise DamagedError(f"match {match}: {error}") from None
+
+
 def _refuse(constant: str) -> float:
     raise ValueError(f"{constant} is no number")
+
+
+_decoded: Final = json.JSONDecoder(parse_constant=_refuse).decode
 
 
 def _table(what: str, value: object, names: Sequence[str] | None = None) -> dict[str, Any]:
@@ -189,15 +211,11 @@ def _table(what: str, value: object, names: Sequence[str] | None = None) -> dict
     return value
 
 
-def _list_of(what: str, value: object, read: Callable[[str, object], T], *, least: int, most: int) -> tuple[T, ...]:
+def _list_of(what: str, value: object, least: int, most: int) -> list[Any]:
     if not isinstance(value, list) or not least <= len(value) <= most:
         must = f"{least}" if least == most else f"{least} to {most}"
         raise DamagedError(f"{what} must be a list of {must}, got {in_short(value)}")
-    return tuple(read(what, one) for one in value)
-
-
-def _whole_to(most: int, least: int = 0) -> Callable[[str, object], int]:
-    return lambda what, value: whole(what, value, least, most)
+    return value
 
 
 def _digest(what: str, value: object) -> str:
@@ -206,55 +224,55 @@ def _digest(what: str, value: object) -> str:
     return value
 
 
-def _entrant(what: str, value: object) -> Entrant:
-    table = _table(what, value, [field.name for field in fields(Entrant)])
-    name, fault = text_of(f"{what}: name", table["name"], LONGEST_NAME), table["fault"]
+def _entrant(value: object) -> Entrant:
+    table = _table("entrant", value, [field.name for field in fields(Entrant)])
+    name, fault = text_of("entrant: name", table["name"], LONGEST_NAME), table["fault"]
     if (wrong := name_fault(name)) is not None:
-        raise DamagedError(f"{what}: {wrong}")
+        raise DamagedError(f"entrant: {wrong}")
     if table["control"] not in get_args(Control):
-        raise DamagedError(f"{what}: control must be one of {', '.join(get_args(Control))}")
-    spec = text_of(f"{what}: spec", table["spec"], most=None)
+        raise DamagedError(f"entrant: control must be one of {', '.join(get_args(Control))}")
+    spec = text_of("entrant: spec", table["spec"], most=None)
     if len(spec) > _LONGEST_PATH:
-        raise DamagedError(f"{what}: spec must be of at most {_LONGEST_PATH} characters, got {len(spec)}")
+        raise DamagedError(f"entrant: spec must be of at most {_LONGEST_PATH} characters, got {len(spec)}")
     return Entrant(
         name,
         printable(spec),
         table["control"],
-        _digest(f"{what}: digest", table["digest"]),
-        None if fault is None else one_line(text_of(f"{what}: fault", fault, most=None)),
+        _digest("entrant: digest", table["digest"]),
+        None if fault is None else one_line(text_of("entrant: fault", fault, most=None)),
     )
 
 
-def _forfeit_code(what: str, value: object) -> str | None:
-    if value is not None and value not in get_args(ForfeitCode):
-        raise DamagedError(f"{what} must be null or one of {', '.join(get_args(ForfeitCode))}, got {in_short(value)}")
-    return value  # type: ignore[return-value]
+def _forfeit_code(value: object) -> Any:
+    if value is not None and value not in _CODES:
+        raise DamagedError(f"forfeits must be null or one of {', '.join(_CODES)}, got {in_short(value)}")
+    return value
 
 
-def _forfeit(what: str, value: object) -> Forfeit | None:
+def _forfeit(value: object) -> Forfeit | None:
     if value is None:
         return None
-    code, step, reason = _list_of(what, value, lambda _, one: one, least=3, most=3)
+    code, step, reason = _list_of("details", value, 3, 3)
     return Forfeit(
-        _forfeit_code(what, code),  # type: ignore[arg-type]  # compared with the forfeits
-        whole(f"{what}: step", step, 0, 10 * _MOST),
-        one_line(text_of(f"{what}: reason", reason, most=None)),
+        _forfeit_code(code),
+        whole("details: step", step, 0, _MOST_STEPS),
+        one_line(text_of("details: reason", reason, most=None)),
     )
 
 
-def _tally(what: str, value: object) -> dict[str, int]:
-    table = _table(what, value)
+def _tally(value: object) -> dict[str, int]:
+    table = _table("verdicts", value)
     for name, count in table.items():
         if name not in Verdict.__members__:
-            raise DamagedError(f"{what} must be by verdict, got {in_short(name)}")
-        whole(f"{what}: {name}", count, 0, 10 * _MOST)
+            raise DamagedError(f"verdicts must be by their names, got {in_short(name)}")
+        whole("verdicts", count, 0, _MOST_STEPS)
     return table
 
 
-def _move_times(what: str, value: object) -> MoveTimes:
-    moves, total_s, longest_s = _list_of(what, value, lambda _, one: one, least=3, most=3)
+def _move_times(value: object) -> MoveTimes:
+    moves, total_s, longest_s = _list_of("thinking", value, 3, 3)
     return MoveTimes(
-        whole(f"{what}: moves", moves, 0, 10 * _MOST),
-        number_of(f"{what}: total_s", total_s, 0.0, _LONGEST_S),
-        number_of(f"{what}: longest_s", longest_s, 0.0, _LONGEST_S),
+        whole("thinking: moves", moves, 0, _MOST_STEPS),
+        number_of("thinking: total_s", total_s, 0.0, _LONGEST_S),
+        number_of("thinking: longest_s", longest_s, 0.0, _LONGEST_S),
     )

@@ -1,17 +1,23 @@
 """What strangers write into a report is text, and nothing of the teacher's machine stands in it."""
 
 import base64
+import csv
 import hashlib
 import re
 import urllib.request
+from html import unescape
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from report.synthetic import tournament
 
 from catch_arena.report import write_report
+from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
-from catch_arena.text import without_folders
+from catch_arena.text import spreadsheet_cell, without_folders
 from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.standings_files import TABLE, write_standings
 
 
 def policy_of(text):
@@ -89,3 +95,18 @@ def test_a_commands_source_is_its_program():
     assert Entrant("x", "cmd:'/a b/run' --fast", "target", "").source == "a command: run"
     for wrong in ("cmd:", "cmd:'"):
         assert Entrant("x", wrong, "target", "").source == "a command"
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.lists(st.text(min_size=1, max_size=100).filter(str.isprintable), min_size=4, max_size=4, unique=True))
+def test_any_name_that_may_be_entered_stands_in_the_report_as_it_is(tmp_path_factory, names):
+    folder = tmp_path_factory.mktemp("names")
+    tournament(folder, 1, names, specs=[f"{place}.py" for place in range(4)])
+    text = write_report(folder).read_text(encoding="utf-8")
+    shown = [unescape(name) for name in re.findall(r'<th scope="row">([^<]*)</th>', text)]
+    assert {name for name in shown if name in names} == set(names)
+    assert len(scripts_of(text)) == 2
+    data = ReportData.of(folder)
+    write_standings(folder, data.tournament, len(data.played), data.standings)
+    with (folder / TABLE).open(newline="", encoding="utf-8") as file:
+        assert {row["agent"] for row in csv.DictReader(file)} == set(map(spreadsheet_cell, names))
