@@ -186,11 +186,8 @@ def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
         text = repr(heard[:80].decode(errors="replace"))
         return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {text}"))
     if "error" in said:
-        return _Reply(
-            {},
-            seconds,
-            Fault("FORFEIT_CRASH", one_line(why if isinstance(why := said["error"], str) else in_short(why))),
-        )
+        why = said["error"]
+        return _Reply({}, seconds, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else in_short(why))))
     return _Reply(said, seconds)
 
 
