@@ -4,6 +4,7 @@ import dataclasses
 import hashlib
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal, get_args
@@ -24,6 +25,8 @@ TURTLESIM_SIDE_M: Final = 11.088889122009277
 RULESET: Final = "catch_arena_v1"
 """R10.3: raised when equal inputs could play differently, and for nothing else."""
 
+_SURROGATE: Final = re.compile("[\ud800-\udfff]")
+"""Half a letter, which no file and no terminal takes."""
 MAX_HUNTERS: Final = 64
 MAX_TARGETS: Final = 64
 
@@ -183,7 +186,7 @@ class ArenaConfig:
                 raise ConfigError(f"{name} must be true or false, got {getattr(self, name)!r}")
         require_choice("policy", self.policy, get_args(ArbitrationPolicy))
         require_choice("dropouts", self.dropouts, get_args(Dropouts))
-        if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200:
+        if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200 or _SURROGATE.search(self.name_prefix):
             raise ConfigError(f"name_prefix must be a string of at most 200 characters, got {self.name_prefix!r}")
         for name, kind in (("gains", Gains), ("rewards", RewardWeights), ("faults", FaultRates)):
             if not isinstance(getattr(self, name), kind):

@@ -56,5 +56,8 @@ def suggest(name: object, known: Iterable[str]) -> str:
 
 def reason(error: BaseException) -> str:
     """An exception in one line of at most 200 characters."""
-    text = " ".join(str(error).split())
+    try:
+        text = " ".join(str(error).split())
+    except Exception:  # noqa: BLE001 - a stranger's exception may raise anything
+        text = "its own text cannot be had"
     return f"{type(error).__name__}: {text}"[:200] if text else type(error).__name__

@@ -169,7 +169,7 @@ def _silence() -> None:
 def _tell(line: str) -> None:
     """Write to descriptor 2, as the thread that hangs may hold sys.stderr; a cursor that was hidden comes back."""
     try:  # noqa: SIM105 - contextlib may be half imported
-        os.write(2, (("\r\x1b[K\x1b[?25h" if os.isatty(2) else "") + line).encode())
+        os.write(2, (("\r\x1b[K\x1b[?25h" if os.isatty(2) else "") + line).encode(errors="backslashreplace"))
     except OSError:
         pass  # nobody is there
 

@@ -5,17 +5,18 @@ What is heavy (the engine, the renderer) is imported by the commands that need i
 
 import json
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 from typer.core import TyperGroup
 
 from catch_arena import interrupts
 from catch_arena.cli.arguments import blank_argument
-from catch_arena.cli.terminal import fit_help, let_all_be_written
+from catch_arena.cli.terminal import fit_help, let_all_be_written, say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.scenarios import scenario
+from catch_arena.text import printable_lines
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.secret import Secret
 
@@ -23,10 +24,12 @@ if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant
 
 _EXIT_ERROR = 2
+_UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
+"""Click's, which newer versions of typer carry inside."""
 
 
 class _Commands(TyperGroup):
-    """Turns our errors into one line and an exit code."""
+    """Turns our errors into one line and an exit code, and shows what mistakes quote as it is written."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Read the command line and run the command, help and mistakes included."""
@@ -40,8 +43,11 @@ class _Commands(TyperGroup):
             return super().invoke(ctx)
         except CatchArenaError as error:
             if not interrupts.received():  # else it is no news that something fails
-                typer.echo(f"catch-arena: {error}", err=True)
+                say(f"catch-arena: {error}", err=True)
             raise typer.Exit(_EXIT_ERROR) from None
+        except _UsageError as error:
+            error.message = printable_lines(error.message)  # type: ignore[attr-defined]
+            raise
 
 
 main = typer.Typer(
@@ -82,7 +88,11 @@ Limits = Annotated[
 ]
 Trusted = Annotated[
     bool,
-    typer.Option("--trusted", help="Run all agents inside our own processes: quicker, and nothing limits them."),
+    typer.Option(
+        "--trusted",
+        help="Run all agents inside our own processes: quicker, and nothing limits them. Without it whatever does not "
+        "come with Catch Arena is isolated (docs/isolation.md).",
+    ),
 ]
 MaxForfeits = Annotated[
     int,
@@ -112,7 +122,7 @@ def _show_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        typer.echo(f"catch-arena {version('catch-arena')}")
+        say(f"catch-arena {version('catch-arena')}")
         raise typer.Exit
 
 
@@ -202,10 +212,10 @@ def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Ent
         players = enter(specs, inspector(sandbox))
     for player in players:
         if player.fault is not None:
-            typer.echo(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)
+            say(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)
     if limits is not None and not all(is_shipped(player.spec) for player in players):
         for line in missing_protections():
-            typer.echo(f"warning: {line}", err=True)
+            say(f"warning: {line}", err=True)
     return players
 
 

@@ -10,13 +10,12 @@ from catch_arena.cli.app import (
     Limits,
     Settings,
     Trusted,
-    agent_limits,
     arena,
     limits_or_trust,
     main,
 )
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import folded
+from catch_arena.cli.terminal import folded, say
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 
@@ -40,27 +39,29 @@ def check_agent(
     ] = None,
     seed: Annotated[int, typer.Option(help="The arena's.")] = 0,
     limits: Limits = None,
+    trusted: Trusted = False,
     settings: Settings = None,
 ) -> None:
-    """Let an agent play itself, isolated, and say what is wrong with it.
+    """Let an agent play itself, and say what is wrong with it.
 
     The exit code is 1 where it would forfeit, else 0.
     """
     from catch_arena.tournament.agent_check import check_fitness
     from catch_arena.tournament.isolation.processes import missing_protections
-    from catch_arena.tournament.isolation.sandbox import Sandbox
+    from catch_arena.tournament.isolation.starting import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
-    for line in missing_protections():
-        typer.echo(folded(line, "note: ", " " * 6), err=True)
+    allowed = limits_or_trust(limits, trusted=trusted)
+    for line in missing_protections() if allowed is not None else ():
+        say(folded(line, "note: ", " " * 6), err=True)
     wrong = 0
-    with Sandbox(agent_limits(limits)) as sandbox:
+    with sandbox_for(allowed) as sandbox:
         for finding in check_fitness(agent, arenas, seed, sandbox):
             wrong += finding.level == "error"
-            typer.echo(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
+            say(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
     if wrong:
         raise typer.Exit(_EXIT_NOT_PASSED)
-    typer.echo(folded(f"{agent} is fit to play"))
+    say(folded(f"{agent} is fit to play"))
 
 
 @main.command()
@@ -109,9 +110,9 @@ def grade(
                 if opponent.fault is not None:
                     raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
             grades.append(grade_agent(exercise, test, student, opponents, sandbox, max_forfeits))
-            typer.echo(str(grades[-1]))
+            say(str(grades[-1]))
     points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
-    typer.echo(f"{exercise.title}: {student.name} has {points:g} of {possible:g} points")
+    say(f"{exercise.title}: {student.name} has {points:g} of {possible:g} points")
     if junit is not None:
         write_whole(junit, junit_text(exercise, student, grades).encode())
     if json is not None:

@@ -7,7 +7,7 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import columns
+from catch_arena.cli.terminal import columns, say
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
 _EXIT_FAILED = 1
@@ -50,7 +50,7 @@ def conformance(
 
     if listing:
         for case in select_cases(only or ()):
-            typer.echo(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
+            say(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
         return
     if arbiter is None and arena is None:
         raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
@@ -65,13 +65,13 @@ def conformance(
         limit_s=limit_s,
     )
     width = min(WIDTH, columns())
-    typer.echo(report.in_full(width) if everything else report.by_mistake(width))
+    say(report.in_full(width) if everything else report.by_mistake(width))
     if report.failures and not everything:
         first = report.diagnoses[0].failures[0].case.id
-        typer.echo(wrapped(f"--all shows every failure in full, --only {first} plays one case.", width))
+        say(wrapped(f"--all shows every failure in full, --only {first} plays one case.", width))
     if junit is not None:
         write_whole(junit, report.junit().encode())
-        typer.echo(f"JUnit XML: {junit}")
+        say(f"JUnit XML: {junit}")
     if not report.passed:
         raise typer.Exit(_EXIT_FAILED)
 

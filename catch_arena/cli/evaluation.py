@@ -23,6 +23,7 @@ from catch_arena.cli.app import (
     seed_told,
 )
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.terminal import plain, say
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def compare(
     first, second = entrants[:2]
     low, high = test.bounds
     console = Console(stderr=True)
-    with console.status(f"{first.name} against {second.name}: the first blocks") as status:
+    with console.status(plain(f"{first.name} against {second.name}: the first blocks")) as status:
 
         def show(blocks: int, test: Sprt) -> None:
             ratio = test.log_likelihood_ratio
@@ -94,15 +95,15 @@ def compare(
             progress=show,
         )
     for name, codes in found.forfeits.items():
-        typer.echo(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
+        say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
     share = found.share
     points = [f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high)]
-    typer.echo(f"{found.matches} matches in {found.blocks} blocks, {_opponents(config.hunters, entrants)}")
-    typer.echo(
+    say(f"{found.matches} matches in {found.blocks} blocks, {_opponents(config.hunters, entrants)}")
+    say(
         f"share of {first.name}: {100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), "
         f"{points[0]} points ({points[1]} to {points[2]})"
     )
-    typer.echo(
+    say(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
         f"H0 is {elo_of_share(test.share0):+.0f} points, H1 {elo_of_share(test.share1):+.0f}"
     )
@@ -111,8 +112,8 @@ def compare(
         "H0": f"{first.name} is not stronger than {second.name} (H0)",
         None: f"undecided after {found.blocks} blocks",
     }
-    typer.echo(seed_told(secret))
-    typer.echo(f"verdict: {verdicts[found.decision]}")
+    say(seed_told(secret))
+    say(f"verdict: {verdicts[found.decision]}")
     raise typer.Exit(_EXIT_CODES[found.decision])
 
 
@@ -126,6 +127,8 @@ def audit(
     matches: Annotated[int, typer.Option(help="Matches of identical agents; the twins play a quarter as many.")] = 2000,
     seed: Seed = None,
     jobs: Jobs = None,
+    trusted: Trusted = False,
+    limits: Limits = None,
     out: Annotated[Path, typer.Option(help="The folder for audit.json, of which the report tells.")] = Path(
         "out/tournament"
     ),
@@ -143,27 +146,28 @@ def audit(
     from catch_arena.tournament.audit import audit as ask
 
     config, secret = arena(scenario, settings), secret_of(seed)
+    allowed = limits_or_trust(limits, trusted=trusted)
     output_file(out / FILE, force=force)
     with progress_bar("playing") as show:
-        found = ask(config, agent, matches=matches, seed=secret, jobs=jobs_or_all(jobs), progress=show)
+        found = ask(config, agent, matches=matches, seed=secret, jobs=jobs_or_all(jobs), limits=allowed, progress=show)
     write_whole(out / FILE, audit_text(found, config, secret).encode())
     seats = FittedTable("seat", "wins", "95 %", "score")
     for number, seat in enumerate(found.seats):
         interval = f"{100 * seat.wins.low:.1f} - {100 * seat.wins.high:.1f}"
         seats.add_row(str(number), f"{100 * seat.wins.mean:.1f} %", interval, f"{seat.score:.2f}")
-    typer.echo(f"{found.matches} matches of {found.agent} in all seats of {scenario}")
+    say(f"{found.matches} matches of {found.agent} in all seats of {scenario}")
     Console().print(seats)
     for check in found.checks:
         chance = "" if check.p is None else f" (p = {check.p:.3f})"
-        typer.echo(f"{check.question} {'No' if check.passed else 'YES'}: {check.finding}{chance}")
+        say(f"{check.question} {'No' if check.passed else 'YES'}: {check.finding}{chance}")
     floor = found.twin_difference.margin
-    typer.echo(seed_told(secret))
-    typer.echo(f"noise floor: up to {floor:.0f} points between equals after {found.twin_matches} matches")
+    say(seed_told(secret))
+    say(f"noise floor: up to {floor:.0f} points between equals after {found.twin_matches} matches")
     if found.passed:
-        typer.echo(f"verdict: fair, as far as {found.matches} matches can show")
+        say(f"verdict: fair, as far as {found.matches} matches can show")
     else:
-        typer.echo(f"verdict: NOT FAIR; a fair arena fails like this in {100 * LEVEL:.0f} audits of 100 at most")
-    typer.echo(f"results: {out / FILE}")
+        say(f"verdict: NOT FAIR; a fair arena fails like this in {100 * LEVEL:.0f} audits of 100 at most")
+    say(f"results: {out / FILE}")
     raise typer.Exit(0 if found.passed else 1)
 
 

@@ -7,6 +7,7 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
 Format = Literal["jsonl", "csv", "parquet"]
@@ -38,7 +39,7 @@ def export(
         chosen = _format(form, output)
         output_file(output, force=force)
         write(store, chosen, output, timing=timing)
-        typer.echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")
+        say(f"{store.count_played()} of {store.count_planned()} matches: {output}")
 
 
 def _format(form: Format | None, output: Path) -> Format:

@@ -10,14 +10,16 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from catch_arena.cli.terminal import plain
+
 _LEAST: Final = 12
 """So many columns of the terminal are enough for a cell that may be folded."""
 _ANY: Final = 100_000
 
 
 class FittedTable(Table):
-    """A plain table; on a terminal that is too narrow for it, a list: each row's name, and below it the other cells
-    with their headings. Nothing is cut off.
+    """A plain table of texts, shown as they stand; on a terminal that is too narrow for it, a list: each row's name,
+    and below it the other cells with their headings. Nothing is cut off.
 
     Args:
         headings: of the columns.
@@ -30,6 +32,10 @@ class FittedTable(Table):
         for heading in headings:
             self.add_column(heading, no_wrap=heading != folded, overflow="fold")
         self._named_by = named_by
+
+    def add_row(self, *cells: Any, **options: Any) -> None:
+        """One more row."""
+        super().add_row(*map(plain, cells), **options)
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """The table, or the list."""

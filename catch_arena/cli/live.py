@@ -5,13 +5,28 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from catch_arena.cli.app import Agents, ArenaSeed, Scenario, Settings, arena, main
+from catch_arena.cli.app import (
+    Agents,
+    ArenaSeed,
+    Limits,
+    Scenario,
+    Settings,
+    Trusted,
+    arena,
+    enter_agents,
+    limits_or_trust,
+    main,
+)
+from catch_arena.cli.matches import print_logs, print_ranking
 from catch_arena.cli.outputs import Force, free_name, output_file
+from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import width_and_height
+from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
     from catch_arena.replay import Replay
+    from catch_arena.tournament.isolation.limits import AgentLimits
 
 _RIVALS = ("nearest", "contested_by_time", "patrol")
 
@@ -41,6 +56,8 @@ def play(
     scenario: Scenario = "standard",
     seat: Annotated[int, typer.Option(help="Yours.")] = 0,
     seed: ArenaSeed = None,
+    trusted: Trusted = False,
+    limits: Limits = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
@@ -54,7 +71,8 @@ def play(
     if not 0 <= seat < config.hunters:
         raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario}, got {seat}")
     rivals = [*(against or ()), *(agents or ())] or list(_RIVALS)
-    _show(rivals, scenario, config.hunters - 1, seat, seed, record, size, settings, force=force)
+    allowed = limits_or_trust(limits, trusted=trusted)
+    _show(rivals, allowed, scenario, config, seat, seed, record, size, force=force)
 
 
 @main.command()
@@ -63,24 +81,27 @@ def watch(
     *,
     scenario: Scenario = "standard",
     seed: ArenaSeed = None,
+    trusted: Trusted = False,
+    limits: Limits = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
     settings: Settings = None,
 ) -> None:
     """Watch agents play, live; fewer than the scenario has seats for sit in several."""
-    _show(agents, scenario, arena(scenario, settings).hunters, None, seed, record, size, settings, force=force)
+    allowed = limits_or_trust(limits, trusted=trusted)
+    _show(agents, allowed, scenario, arena(scenario, settings), None, seed, record, size, force=force)
 
 
 def _show(
     agents: list[str],
+    limits: "AgentLimits | None",
     scenario: str,
-    free: int,
+    config: ArenaConfig,
     person: int | None,
     seed: int | None,
     record: Path | None,
     size: str,
-    settings: list[str] | None,
     *,
     force: bool,
 ) -> None:
@@ -88,13 +109,13 @@ def _show(
     from catch_arena.live.session import line_up, show_match
     from catch_arena.render.renderer import checked_size
     from catch_arena.seeding import arena_seed
-    from catch_arena.tournament.entrants import enter
 
-    config = arena(scenario, settings)
+    free = config.hunters - (person is not None)
     if len(agents) > free:
         raise ConfigError(f"agents must be {free} at most, one for each free seat of {scenario}, got {len(agents)}")
     window = checked_size(width_and_height(size))
-    lineup = line_up(enter([agents[index % len(agents)] for index in range(free)]), config.hunters, person)
+    players = enter_agents([agents[index % len(agents)] for index in range(free)], limits)
+    lineup = line_up(players, config.hunters, person)
     unasked = Path("match.replay")
     output_file(unasked if record is None else record, force=force or record is None)
 
@@ -103,9 +124,8 @@ def _show(
         replay.save(target)
         return str(target)
 
-    replay, scores, ranks = show_match(config, arena_seed(seed), lineup, title=scenario, size=window, save=save)
-    ranking = sorted(zip(ranks, scores, replay.names, strict=True), key=lambda line: line[0])
-    for rank, score, name in ranking:
-        typer.echo(f"{rank:>3}  {score:>3}  {name}")
+    shown = show_match(config, arena_seed(seed), lineup, limits, title=scenario, size=window, save=save)
+    print_logs(shown.replay.names, shown.logs)
+    print_ranking(shown.ranks, shown.scores, shown.replay.names, shown.forfeits)
     if record is not None:
-        typer.echo(f"replay: {save(replay)}")
+        say(f"replay: {save(shown.replay)}")

@@ -1,6 +1,6 @@
 """`catch-arena tournament` and `match`: agents play."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
@@ -28,12 +28,14 @@ from catch_arena.cli.app import (
     seed_told,
 )
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
+    from catch_arena.tournament.match import Forfeit
     from catch_arena.tournament.plans.schedule import Plan
     from catch_arena.tournament.secret import Secret
 
@@ -95,8 +97,6 @@ def tournament(
     """Play groups of agents in every seating, and rank them.
 
     The same agents, options and seed give the same results, whatever --jobs and --executor are.
-
-    Agents that do not come with the package play in processes of their own, with limits.
     """
     from catch_arena.cli.live_standings import LiveStandings
     from catch_arena.cli.tables import plan_table, standings_table
@@ -145,7 +145,7 @@ def tournament(
 
     with Store.begin(facts, out, resume=resume) as store, _watched(out) if watch else nullcontext():
         interrupts.also_say(kept_by_now)
-        typer.echo(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {config.hunters} in each")
+        say(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {config.hunters} in each")
         try:
             with _executor(executor, worker, jobs, address) as ready, LiveStandings(players, plays.size) as live:
                 play_plan(store, plays, ready, max_forfeits=max_forfeits, folder=out, on_results=live.update)
@@ -158,14 +158,14 @@ def tournament(
         for line in table:
             if "FORFEIT_OUT" in line.forfeits:
                 without = f"{line.forfeits['FORFEIT_OUT']} of its {line.matches} matches were played without it"
-                typer.echo(f"{line.name} was out after {max_forfeits} forfeits in a row: {without}")
+                say(f"{line.name} was out after {max_forfeits} forfeits in a row: {without}")
         if isinstance(plays, UntilSeparated) and plays.last is not None:
-            typer.echo(f"after {played} matches, {plays.last}")
+            say(f"after {played} matches, {plays.last}")
         if (out / LOGS).exists():
-            typer.echo(f"what agents printed, and how they failed: {out / LOGS}")
-        typer.echo(seed_told(secret))
-        typer.echo(f"results: {out}")
-        typer.echo(f"report: {write_report(out)}")
+            say(f"what agents printed, and how they failed: {out / LOGS}")
+        say(seed_told(secret))
+        say(f"results: {out}")
+        say(f"report: {write_report(out)}")
 
 
 @contextmanager
@@ -174,9 +174,9 @@ def _watched(folder: Path) -> Iterator[None]:
     from catch_arena.report.watch import LiveReport, serve
 
     with serve(LiveReport(folder)) as address:
-        typer.echo(f"watch: {address}")
+        say(f"watch: {address}")
         yield
-        typer.echo(f"the report stays at {address} until Ctrl-C")
+        say(f"the report stays at {address} until Ctrl-C")
         interrupts.wait()
 
 
@@ -267,11 +267,24 @@ def match(
     drawn = arena_seed(seed)
     with sandbox_for(allowed) as sandbox:
         result = play_entrants(config, drawn, players, sandbox, title=scenario, record=output)
-    for player, log in zip(players, result.logs, strict=True):
+    names = [player.name for player in players]
+    print_logs(names, result.logs)
+    print_ranking(result.ranks, result.scores, names, result.details)
+    say(f"seed: {drawn}")
+    say(f"replay: {output}")
+
+
+def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
+    """What the agents of one match have printed, by seat, on stderr."""
+    for name, log in zip(names, logs, strict=True):
         if log:
-            typer.echo(f"{player.name} printed:\n{log}", err=True)
-    lines = zip(result.ranks, result.scores, players, result.details, strict=True)
-    for rank, score, player, forfeit in sorted(lines, key=lambda line: line[0]):
-        typer.echo(f"{rank:>3}  {score:>3}  {player.name}" + (f": {forfeit}" if forfeit else ""))
-    typer.echo(f"seed: {drawn}")
-    typer.echo(f"replay: {output}")
+            say(f"{name} printed:\n{log}", err=True)
+
+
+def print_ranking(
+    ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: "Sequence[Forfeit | None]"
+) -> None:
+    """The result of one match, and how agents failed; all by seat."""
+    lines = zip(ranks, scores, names, forfeits, strict=True)
+    for rank, score, name, forfeit in sorted(lines, key=lambda line: line[0]):
+        say(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))

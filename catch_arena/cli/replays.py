@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.terminal import WIDE, columns
+from catch_arena.cli.terminal import WIDE, columns, say
 from catch_arena.errors import ReplayError
 
 _EXIT_DIFFERENT = 1
@@ -36,9 +36,9 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
             lines = [str(error)]
         bad += bool(lines)
         for line in lines:
-            typer.echo(line, err=True)
+            say(line, err=True)
         if not lines:
-            typer.echo(f"{path}: all of {replay.steps} steps play as recorded")
+            say(f"{path}: all of {replay.steps} steps play as recorded")
     if bad:
         raise ReplayError(f"{bad} of {len(replays)} replays failed")
 
@@ -57,11 +57,11 @@ def diff(
 
     lines = replay_differences(Replay.load(a), Replay.load(b))
     if not lines:
-        typer.echo("the replays are equal")
+        say("the replays are equal")
         return
-    typer.echo(f"A: {a}\nB: {b}")
+    say(f"A: {a}\nB: {b}")
     for line in lines:
-        typer.echo(line)
+        say(line)
     raise typer.Exit(_EXIT_DIFFERENT)
 
 
@@ -88,8 +88,8 @@ def explain(
     else:
         result = explanation.explain_step(recorded, step, hunter)
     if as_json:
-        typer.echo(json.dumps(result.to_dict(), indent=1))
+        say(json.dumps(result.to_dict(), indent=1))
         return
     width = min(WIDE, columns())
     for paragraph in result.lines():
-        typer.echo(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))
+        say(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))

@@ -7,6 +7,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
 _MOST_MB = 1000
@@ -40,10 +41,10 @@ def report(
         live = LiveReport(folder)
         live.state()  # what is wrong is said here, before anybody looks
         with serve(live, port) as address:
-            typer.echo(f"report: {address} (Ctrl-C ends)")
+            say(f"report: {address} (Ctrl-C ends)")
             interrupts.wait()
         return
     from catch_arena.report import BUDGET, write_report
 
     size = BUDGET if budget is None else round(1e6 * budget)
-    typer.echo(f"report: {write_report(folder, budget=size, matches=match or ())}")
+    say(f"report: {write_report(folder, budget=size, matches=match or ())}")

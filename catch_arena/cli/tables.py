@@ -9,6 +9,7 @@ from rich.filesize import decimal
 from rich.table import Table
 
 from catch_arena.cli.fitted_table import FittedTable
+from catch_arena.cli.terminal import plain
 from catch_arena.tournament.execution.cost import Cost, match_counts, worst_delay
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
@@ -70,7 +71,7 @@ def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: 
         shown.add_row("replays", f"about {decimal(plan.size * cost.replay)}")
     shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
     for name, forfeit in cost.forfeits.items():
-        shown.add_row("", f"{name} forfeited there: {forfeit}")
+        shown.add_row("", plain(f"{name} forfeited there: {forfeit}"))
     worst = worst_delay(worker, most, max_forfeits)
     if worst is not None:
         once, all_s = _duration(worst.hanging_s), worst.matches * worst.hanging_s

@@ -9,11 +9,34 @@ from io import TextIOWrapper
 from textwrap import wrap
 from typing import Any, Final
 
+import typer
+from rich.text import Text
+
+from catch_arena.text import printable, printable_lines
+
 WIDE: Final = 80
 """So many columns hold our tables and the help's boxes."""
 _LEAST: Final = 20
 _INDENT: Final = 6
 """Of the explanations on a narrow terminal."""
+
+
+def say(text: str, *, err: bool = False) -> None:
+    """Print lines, `err` on stderr. Control characters that a stranger's text may hold are shown, not sent."""
+    typer.echo(printable_lines(_as_utf8(text)), err=err)  # noqa: TID251 - here
+
+
+def plain(text: str) -> Text:
+    """A text that Rich shows as it stands, in a table's cell for instance: `[red]` is no markup in it."""
+    return Text(printable(_as_utf8(text)))
+
+
+def _as_utf8(text: str) -> str:
+    """Under LANG=C Python reads a file's name byte by byte: the letters that these bytes are in UTF-8."""
+    try:
+        return text.encode("utf-8", "surrogateescape").decode()
+    except UnicodeError:
+        return text
 
 
 def columns() -> int:

@@ -8,6 +8,7 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def mosaic(
     output_file(output_path(output), force=force)
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, size=frame_size, fps=fps, speed=speed, progress=show)
-    typer.echo(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
+    say(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
     _print_report(report)
 
 
@@ -152,11 +153,9 @@ def highlights(
     if not selected:
         raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
     for path, highlight in selected:
-        typer.echo(
-            f"{Path(path).name}  {clock(highlight.decisive_ms)} s  {highlight.kind}: {highlight.what}. {highlight.why}"
-        )
+        say(f"{Path(path).name}  {clock(highlight.decisive_ms)} s  {highlight.kind}: {highlight.what}. {highlight.why}")
     if fewer := _fewer(len(selected), count, "there are no more that do not overlap"):
-        typer.echo(f"moments: {len(selected)}{fewer}", err=True)
+        say(f"moments: {len(selected)}{fewer}", err=True)
     if listing:
         return
     with progress_bar("rendering") as show:
@@ -210,7 +209,7 @@ def sheet(
         picture = contact_sheet(recorded, instants, size=frame_size, progress=show)
     write_whole(output, picture)
     pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
-    typer.echo(f"sheet: {output} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
+    say(f"sheet: {output} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
 
 
 def _fewer(got: int, asked: int | None, why: str) -> str:
@@ -268,14 +267,14 @@ def _require_some(folder: Path, good: int, paths: int) -> None:
 
 
 def _print_skipped(error: ReplayError) -> None:
-    typer.echo(f"left out: {error}", err=True)
+    say(f"left out: {error}", err=True)
 
 
 def _print_report(report: "RenderReport") -> None:
     """Where the video is."""
     if report.notice:
-        typer.echo(report.notice, err=True)
-    typer.echo(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
+        say(report.notice, err=True)
+    say(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
 
 
 def width_and_height(text: str) -> tuple[int, int]:

@@ -1,7 +1,6 @@
 """A stranger's code is called, and its answer read: whatever is wrong with it becomes a difference in words."""
 
 import operator
-import reprlib
 import signal
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -14,10 +13,13 @@ from typing import Any, Final
 
 from catch_arena.conformance.cases import ExpectedRuling
 from catch_arena.errors import reason
+from catch_arena.text import in_short, printable
 from catch_arena.verdicts import Ruling, Verdict
 
 _EVIDENCE: Final = ("distance_um", "winner")
 _FIELDS: Final = ("verdict", "hunter", "target", *_EVIDENCE)
+_LARGEST: Final = 2**64
+"""Of whole numbers: longer ones mean nothing here, and Python refuses to write the longest."""
 _AGAIN_S: Final = 1.0
 """Code that swallows the interruption is interrupted again."""
 
@@ -82,7 +84,7 @@ def call_adjudicator(what: str, function: Callable[..., object], *arguments: obj
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         where = _where(error)
         raised = f"none: it raised {printable(reason(error))}{where}"
-        raise DiffersError(RaisedError(what, "an answer", raised, type(error).__name__, where)) from error
+        raise DiffersError(RaisedError(what, "an answer", raised, printable(type(error).__name__), where)) from error
 
 
 @contextmanager
@@ -138,16 +140,6 @@ def counted(number: int, thing: str) -> str:
 def request_in_words(place: int, one: ExpectedRuling) -> str:
     """Who asks for what."""
     return f"request {place}, hunter {one.hunter} asks for {in_short(one.target)}"
-
-
-def in_short(value: object) -> str:
-    """A value as Python would write it, shortened, in one line."""
-    return printable(" ".join(reprlib.repr(value).split()))
-
-
-def printable(text: str) -> str:
-    """The text with escapes for what neither a terminal nor XML can hold."""
-    return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
 
 
 def _where(error: BaseException) -> str:
@@ -208,9 +200,10 @@ def _whole(value: object) -> int | None:
     if isinstance(value, bool):
         return None
     try:
-        return operator.index(value)  # type: ignore[arg-type]
+        number = operator.index(value)  # type: ignore[arg-type]
     except TypeError:
         return None
+    return number if abs(number) <= _LARGEST else None
 
 
 def _repeats(asked: object, target: object) -> bool:

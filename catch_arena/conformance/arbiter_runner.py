@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final
 
-from catch_arena.conformance.answers import DiffersError, in_short
+from catch_arena.conformance.answers import DiffersError
 from catch_arena.conformance.cases import LOT, ArbiterCase, ExpectedRuling, Lot
 from catch_arena.conformance.comparison import Call, Strictness, WrongLot, ask_for_rulings, compare
+from catch_arena.text import in_short
 from catch_arena.verdicts import Verdict
 
 Arbiter = Callable[..., object]

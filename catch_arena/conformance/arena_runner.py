@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.answers import Difference, DiffersError, call_adjudicator, in_short
+from catch_arena.conformance.answers import Difference, DiffersError, call_adjudicator
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase, CaseStep, ExpectedRuling, Lot
 from catch_arena.conformance.comparison import Call, Strictness, ask_for_rulings, compare
+from catch_arena.text import in_short
 from catch_arena.verdicts import Ruling, Verdict
 
 

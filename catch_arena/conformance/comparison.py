@@ -9,11 +9,11 @@ from catch_arena.conformance.answers import (
     DiffersError,
     WrongTarget,
     call_adjudicator,
-    in_short,
     read_rulings,
     request_in_words,
 )
 from catch_arena.conformance.cases import ANY, LOT, ExpectedRuling, Lot
+from catch_arena.text import in_short
 from catch_arena.verdicts import Ruling, Verdict
 
 

@@ -12,6 +12,7 @@ from catch_arena.conformance.answers import counted
 from catch_arena.conformance.comparison import Strictness
 from catch_arena.conformance.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
+from catch_arena.text import printable, printable_lines
 
 _USUAL: Final = Strictness()
 _MOST_IN_FULL: Final = 10
@@ -127,8 +128,8 @@ class Report:
             )
             if result.failure is not None:
                 message = f"{', '.join(case.clauses)}: {result.failure.differences[0]}"
-                failure = SubElement(test, "failure", {"type": "conformance", "message": message})
-                failure.text = str(result.failure)
+                failure = SubElement(test, "failure", {"type": "conformance", "message": printable(message)})
+                failure.text = printable_lines(str(result.failure))
             elif not result.played:
                 SubElement(test, "skipped", {"message": f"needs {result.needs}"})
         indent(root)

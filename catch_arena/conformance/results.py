@@ -5,9 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from catch_arena.conformance.answers import Difference, in_short
+from catch_arena.conformance.answers import Difference
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
 from catch_arena.conformance.comparison import Call, WrongRuling
+from catch_arena.text import in_short
 
 WIDTH: Final = 100
 """Of a report, in characters, where nobody asks for another one."""

@@ -4,11 +4,12 @@ import operator
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from catch_arena.conformance.answers import WrongTarget, in_short
+from catch_arena.conformance.answers import WrongTarget
 from catch_arena.conformance.comparison import Call, Strictness, WrongLot, WrongRuling
 from catch_arena.conformance.mistakes import KNOWN, Mistake, mistaken_verdicts, rules_with
 from catch_arena.conformance.results import Result
 from catch_arena.conformance.rules import Lottery, Request, Rules, judge
+from catch_arena.text import in_short
 from catch_arena.verdicts import Ruling
 
 _FIRST: Final[Lottery] = operator.itemgetter(0)

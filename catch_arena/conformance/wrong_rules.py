@@ -4,8 +4,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from catch_arena.conformance.answers import WrongTarget, in_short
+from catch_arena.conformance.answers import WrongTarget
 from catch_arena.conformance.rules import Request, Step, nearest
+from catch_arena.text import in_short
 from catch_arena.verdicts import Verdict
 
 Finish = Callable[[Request, Step], None]

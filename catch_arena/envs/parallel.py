@@ -3,6 +3,7 @@ door.
 """
 
 import math
+from bisect import insort
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from html import escape
@@ -241,7 +242,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine.withdraw(0, seat)
         self._withdrawn.add(agent)
         if self._replay is not None:
-            self._replay.withdrawals.append((self._replay.steps, seat))
+            insort(self._replay.withdrawals, (self._replay.steps, seat))  # agents fail in any order
 
     def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
         """R8.1: a target outside the timer; its name, or "" where the arena is full. A recorded episode takes none."""

@@ -9,6 +9,7 @@ from gymnasium import spaces
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import ActionError
 from catch_arena.layout import columns, state_columns
+from catch_arena.text import in_short
 
 
 def observation_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
@@ -65,7 +66,7 @@ def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:
     """
     number = action if type(action) is int else _whole_number(action)
     if number is None or not 0 <= number <= ranks:
-        raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {action!r}")
+        raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {in_short(action)}")
     return number
 
 
@@ -92,7 +93,7 @@ def checked_command(agent: str, what: str, action: Any) -> tuple[float, float]:
             legal = False
         if legal and type(speed) is not bool and type(turn_rate) is not bool:
             return speed, turn_rate
-    raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {action!r}")
+    raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {in_short(action)}")
 
 
 def checked_full(agent: str, action: Any, ranks: int) -> tuple[int, tuple[float, float]]:
@@ -103,6 +104,6 @@ def checked_full(agent: str, action: Any, ranks: int) -> tuple[int, tuple[float,
     """
     named = type(action) is dict or isinstance(action, Mapping)
     if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
-        raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {action!r}")
+        raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {in_short(action)}")
     choice = checked_choice(agent, "catch", action["catch"], ranks)
     return choice, checked_command(agent, "cmd_vel", action["cmd_vel"])

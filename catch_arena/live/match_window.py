@@ -77,7 +77,7 @@ class MatchWindow:
         self._helped = inputs is None
         self._speed = SPEEDS.index(1.0)
         self._note, self._note_until_s = "", 0.0
-        self._notify("H shows the keys")
+        self.notify("H shows the keys")
 
     @property
     def replay(self) -> Replay:
@@ -110,6 +110,18 @@ class MatchWindow:
         self._run(motion)
         if not env.agents:
             self._end(world)
+
+    def wait(self) -> None:
+        """One frame while an agent takes long, with what has been played until now."""
+        motion = self._motions[-1] if self._motions else step_motion(self._last, self._last)
+        note = overlays.note_overlay(self._area, "waiting for an agent")
+        self._draw(motion, motion.after.time_ms, [*self._pointer(motion, motion.after.time_ms), *note])
+        self._events()
+        self._clock.tick(_FPS)
+
+    def notify(self, text: str) -> None:
+        """Show a line for some seconds."""
+        self._note, self._note_until_s = text, time.monotonic() + _NOTE_S
 
     def close(self) -> None:
         """Close the window."""
@@ -191,15 +203,15 @@ class MatchWindow:
         else:
             faster = 1 if command is UserCommand.FASTER else -1
             self._speed = min(max(0, self._speed + faster), len(SPEEDS) - 1)
-            self._notify(f"speed {SPEEDS[self._speed]:g}")
+            self.notify(f"speed {SPEEDS[self._speed]:g}")
 
     def _save_replay(self) -> None:
         if self._save is None:
             return
         try:
-            self._notify(f"saved: {self._save(self.replay)}")
+            self.notify(f"saved: {self._save(self.replay)}")
         except OutputError as error:
-            self._notify(str(error))
+            self.notify(str(error))
 
     def _draw(self, motion: StepMotion, time_ms: float, over: list[Shape]) -> None:
         self._renderer.draw(time_ms, motion.at(time_ms))
@@ -207,15 +219,19 @@ class MatchWindow:
         self._screen.show(self._renderer.pixels)
 
     def _overlays(self, motion: StepMotion, time_ms: float) -> list[Shape]:
-        shapes: list[Shape] = []
-        if self._seat is not None and (time_ms < _POINTED_MS or self._paused):
-            viewport = Viewport(*self._area, self._info.config.side_m)
-            shapes += overlays.seat_pointer(viewport, motion.at(time_ms)[self._seat][:2], self._info.color(self._seat))
+        shapes = self._pointer(motion, time_ms)
         if self._helping:
             return shapes + self._keys_overlay("H goes on")
         if self._paused:
             return shapes + overlays.note_overlay(self._area, "paused    space: go on    N: one step    H: keys")
         return shapes + self._note_shapes()
+
+    def _pointer(self, motion: StepMotion, time_ms: float) -> list[Shape]:
+        """Which hunter is the person's, in the first seconds and in a pause."""
+        if self._seat is None or not (time_ms < _POINTED_MS or self._paused):
+            return []
+        viewport = Viewport(*self._area, self._info.config.side_m)
+        return overlays.seat_pointer(viewport, motion.at(time_ms)[self._seat][:2], self._info.color(self._seat))
 
     def _keys_overlay(self, below: str) -> list[Shape]:
         rows = overlays.WINDOW if self._inputs is None else (*overlays.DRIVING, *overlays.WINDOW)
@@ -223,9 +239,6 @@ class MatchWindow:
 
     def _note_shapes(self) -> list[Shape]:
         return overlays.note_overlay(self._area, self._note) if time.monotonic() < self._note_until_s else []
-
-    def _notify(self, text: str) -> None:
-        self._note, self._note_until_s = text, time.monotonic() + _NOTE_S
 
     @property
     def _area(self) -> tuple[int, int]:

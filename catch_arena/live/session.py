@@ -1,19 +1,26 @@
 """One match in the window, as often as its user wants it."""
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.live.match_window import MatchWindow, QuitRequested, RestartRequested
+from catch_arena.live.patient_players import PatientPlayers
 from catch_arena.live.user_input import InputState
-from catch_arena.policy import Policy, View
+from catch_arena.policy import View
 from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
+from catch_arena.text import printable_lines
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import play
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.starting import sandbox_for, start_players
+from catch_arena.tournament.match import Forfeit, play
+from catch_arena.tournament.players import CompositePlayers, Players, TrustedPlayers
 
 
 class HumanPolicy:
@@ -51,23 +58,28 @@ class Lineup:
         """The person's seat."""
         return self.players.index(None) if None in self.players else None
 
-    def policies(self, inputs: InputState) -> list[Policy]:
-        """Fresh ones, for one match."""
-        return [HumanPolicy(inputs) if player is None else player.create() for player in self.players]
+    @property
+    def agents(self) -> dict[int, Entrant]:
+        """The entrants by seat."""
+        return {seat: player for seat, player in enumerate(self.players) if player is not None}
 
 
 class SessionResult(NamedTuple):
-    """What was played last, to its end or not; scores and ranks by seat."""
+    """What was played last, to its end or not; tuples are by seat."""
 
     replay: Replay
     scores: tuple[int, ...]
     ranks: tuple[int, ...]
+    forfeits: tuple[Forfeit | None, ...]
+    logs: tuple[str, ...]
+    """What isolated agents printed."""
 
 
 def show_match(
     config: ArenaConfig,
     seed: int,
     lineup: Lineup,
+    limits: AgentLimits | None,
     *,
     title: str,
     size: tuple[int, int],
@@ -75,12 +87,18 @@ def show_match(
 ) -> SessionResult:
     """Play a match in a window until its user has seen enough.
 
-    The arguments are those of `tournament.match.play`, with the `size` of the window, and `save`, which is called when
-    the user asks for it and says where the replay is.
+    Args:
+        config: the arena's settings.
+        seed: a whole number in [0, 2^64).
+        lineup: who plays.
+        limits: those of isolated agents, None where all are trusted.
+        title: of the replay and of the window.
+        size: of the window [pixels].
+        save: called with the replay when the user asks for it; it says where the replay is.
 
     Raises:
         OutputError: without a display.
-        AgentError: where an agent cannot be used.
+        NoContest: where isolated agents could not be held.
     """
     inputs = InputState()
     window = MatchWindow(
@@ -92,18 +110,52 @@ def show_match(
         save=save,
     )
     try:
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory() as folder, sandbox_for(limits) as sandbox:
             record = Path(folder, "match.replay")  # a match is recorded where it is to be written; `save` decides
             while True:
-                try:
-                    play(config, seed, lineup.policies(inputs), lineup.names, title=title, record=record, watch=window)
-                except RestartRequested:
-                    continue
-                except QuitRequested:
-                    pass
-                return SessionResult(window.replay, window.scores, window.ranks)
+                forfeits: dict[int, Forfeit] = {}
+
+                def on_forfeit(seat: int, forfeit: Forfeit, forfeits: dict[int, Forfeit] = forfeits) -> None:
+                    forfeits[seat] = forfeit
+                    window.notify(f"{lineup.names[seat]} is out: {forfeit}")
+
+                with _players(lineup, inputs, sandbox, window) as players:
+                    try:
+                        play(
+                            config,
+                            seed,
+                            players,
+                            lineup.names,
+                            title=title,
+                            record=record,
+                            watch=window,
+                            on_forfeit=on_forfeit,
+                        )
+                    except RestartRequested:
+                        continue
+                    except QuitRequested:
+                        pass
+                    logs = players.logs()
+                return SessionResult(
+                    window.replay,
+                    window.scores,
+                    window.ranks,
+                    tuple(forfeits.get(seat) for seat in range(config.hunters)),
+                    tuple(printable_lines(logs.get(seat, "")) for seat in range(config.hunters)),
+                )
     finally:
         window.close()
+
+
+@contextmanager
+def _players(lineup: Lineup, inputs: InputState, sandbox: Sandbox | None, window: MatchWindow) -> Iterator[Players]:
+    """Fresh ones, for one match."""
+    with start_players(lineup.agents, sandbox) as agents:
+        others = agents if sandbox is None else PatientPlayers(agents, sandbox, window.wait)
+        if lineup.person is None:
+            yield others
+        else:
+            yield CompositePlayers([TrustedPlayers({lineup.person: HumanPolicy(inputs)}), others])
 
 
 def line_up(players: Sequence[Entrant], hunters: int, person: int | None) -> Lineup:

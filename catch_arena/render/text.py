@@ -43,6 +43,7 @@ def printable(text: str) -> str:
 @lru_cache(maxsize=2048)
 def text_width(text: str, size: int, weight: int) -> int:
     """How far a text reaches [pixels]."""
+    text = printable(text)
     if not text:
         return 0
     if _FACE is None:

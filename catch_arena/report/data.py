@@ -1,11 +1,12 @@
 """What a tournament's folder holds, read once: everything in the report is made from it."""
 
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from catch_arena.errors import ReplayError, StoreError, reason
 from catch_arena.replay import Replay
@@ -13,11 +14,15 @@ from catch_arena.tournament.audit import FILE as AUDIT
 from catch_arena.tournament.audit import Audit, Check, Seat
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.rows import DamagedError, number_of, text_of, whole
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.standings import Standing, standings
 from catch_arena.tournament.store import Store, Tournament
+
+_MOST: Final = 10**9
+"""Of whatever an audit counts or measures."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +99,7 @@ class ReportData:
             return _audit(found), found["config_digest"]
         except FileNotFoundError:
             return None, None
-        except (OSError, ValueError, TypeError, KeyError) as error:
+        except (OSError, ValueError, TypeError, KeyError, RecursionError, DamagedError) as error:
             raise StoreError(f"{path}: must be as `catch-arena audit` writes it: {reason(error)}") from None
 
     @cached_property
@@ -114,12 +119,28 @@ class ReportData:
 
 
 def _audit(found: dict[str, Any]) -> Audit:
-    """What `audit_text` wrote."""
+    """What `audit_text` wrote; anybody may have written it."""
     return Audit(
-        agent=found["agent"],
-        matches=found["matches"],
-        seats=tuple(Seat(Estimate(**seat["wins"]), seat["score"]) for seat in found["seats"]),
-        twin_matches=found["twin_matches"],
-        twin_difference=Estimate(**found["twin_difference"]),
-        checks=tuple(Check(**check) for check in found["checks"]),
+        agent=text_of("agent", found["agent"]),
+        matches=whole("matches", found["matches"], 1, _MOST),
+        seats=tuple(Seat(_estimate(seat["wins"]), _figure("score", seat["score"])) for seat in found["seats"]),
+        twin_matches=whole("twin_matches", found["twin_matches"], 1, _MOST),
+        twin_difference=_estimate(found["twin_difference"]),
+        checks=tuple(
+            Check(
+                text_of("question", check["question"]),
+                check["passed"] is True,
+                text_of("finding", check["finding"]),
+                None if check["p"] is None else _figure("p", check["p"]),
+            )
+            for check in found["checks"]
+        ),
     )
+
+
+def _estimate(found: dict[str, Any]) -> Estimate:
+    return Estimate(*(_figure(name, found[name]) for name in ("mean", "low", "high")))
+
+
+def _figure(what: str, value: object) -> float:
+    return math.nan if value != value else number_of(what, value, -_MOST, _MOST)  # noqa: PLR0124 - NaN: not known

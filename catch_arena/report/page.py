@@ -1,5 +1,10 @@
-"""The page: a tournament's data, put into templates. One file, which loads nothing."""
+"""The page: a tournament's data, put into templates. One file, which loads nothing.
 
+What strangers have written into it is text: templates escape it, and the page's policy lets no script run but its own.
+"""
+
+import base64
+import hashlib
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -14,8 +19,10 @@ from catch_arena.report import charts
 from catch_arena.report.charts import Axis
 from catch_arena.report.data import ReportData
 from catch_arena.report.selection import SelectedMatch, select_matches
+from catch_arena.text import without_folders
 
 REPORT: Final = "report.html"
+_PAGE: Final = "catch_arena.report"
 BUDGET: Final = 1_000_000
 """Bytes for the replays of matches, unless told otherwise."""
 MOST_LISTED: Final = 20_000
@@ -78,16 +85,37 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
         selected_json=script_json({match: [one.bundle, one.why] for match, one in selected.items()}),
         matches=packed_text(script_json(_matches(data)).encode()),
         watched=watched,
+        policy=content_policy(watched=watched),
         element=element_script(),
-        style=page_file("catch_arena.report", "report.css"),
-        script=page_file("catch_arena.report", "report.js"),
+        style=page_file(_PAGE, "report.css"),
+        script=page_file(_PAGE, "report.js"),
     )
+
+
+@cache
+def content_policy(*, watched: bool) -> str:
+    """The Content-Security-Policy: two scripts run, by their digests; nothing is loaded, but news where it is watched.
+
+    Styles may stand anywhere, as those of each line's chart do.
+    """
+    own = element_script().removeprefix("<script>").removesuffix("</script>"), page_file(_PAGE, "report.js")
+    digests = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in own)
+    parts = {
+        "default-src": "'none'",
+        "script-src": " ".join(f"'sha256-{digest}'" for digest in digests),
+        "style-src": "'unsafe-inline'",
+        "img-src": "data:",
+        "connect-src": "'self'" if watched else "'none'",
+        "base-uri": "'none'",
+        "form-action": "'none'",
+    }
+    return "; ".join(f"{name} {value}" for name, value in parts.items())
 
 
 @cache
 def _template() -> jinja2.Template:
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("catch_arena.report", "page"),
+        loader=jinja2.PackageLoader(_PAGE, "page"),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -123,7 +151,9 @@ def _forfeits(data: ReportData) -> list[dict[str, Any]]:
             if code is None:
                 continue
             detail = one.result.details[seat] if one.result.details else None
-            name, reason = data.names[one.match.seating[seat]], detail.reason if detail else ""
+            entrant = data.tournament.entrants[one.match.seating[seat]]
+            name, told = entrant.name, detail.reason if detail else ""
+            reason = without_folders(told.replace(entrant.spec, entrant.source))
             first = {"match": one.match.id, "seat": seat, "step": detail.step if detail else None, "times": 0}
             way = found.setdefault((name, code, reason), {"name": name, "code": code, "reason": reason} | first)
             way["times"] += 1

@@ -13,7 +13,8 @@ from urllib.parse import unquote
 from catch_arena.errors import CatchArenaError, OutputError, ReplayError
 from catch_arena.player import bundle_text
 from catch_arena.report.data import ReportData
-from catch_arena.report.page import page
+from catch_arena.report.page import content_policy, page
+from catch_arena.text import printable, without_folders
 from catch_arena.tournament.store import Store
 
 HOST: Final = "127.0.0.1"
@@ -21,7 +22,7 @@ PORT: Final = 8765
 _PORTS: Final = 20
 _PAUSE_S: Final = 2.0
 _PAUSE_FACTOR: Final = 10.0
-"""The page is made anew after so many times what it took to make: at most a tenth of one core's time."""
+"""It looks again after so many times what the last look took, with the page: at most a tenth of one core's time."""
 _PATIENCE_S: Final = 5.0
 """How long one request may take to arrive."""
 
@@ -40,8 +41,10 @@ class LiveReport:
     def state(self) -> str:
         """A word that changes when the page does."""
         with self._lock:
-            if time.monotonic() >= self._next:
+            if (begin := time.monotonic()) >= self._next:
                 self._refresh()
+                end = time.monotonic()
+                self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
             return self._shown
 
     def page(self) -> str:
@@ -67,15 +70,12 @@ class LiveReport:
             state = f"{count} ended" if store.ended else str(count)
         if state == self._shown:
             return
-        begin = time.monotonic()
         if not count:
             self._page = _WAITING
         else:
             self._data = ReportData.of(self._folder)
             self._page = page(self._data, {}, watched=True)
         self._shown = state
-        end = time.monotonic()
-        self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
 
 
 _WAITING: Final = (
@@ -105,7 +105,7 @@ class _Handler(BaseHTTPRequestHandler):
             else:
                 self._answer(404, "text/plain", "there is nothing here")
         except CatchArenaError as error:
-            self._answer(404, "text/plain", str(error))
+            self._answer(404, "text/plain", without_folders(printable(str(error))))
 
     def _answer(self, status: int, kind: str, text: str) -> None:
         content = text.encode()
@@ -114,6 +114,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Length", str(len(content)))
         self.send_header("Cache-Control", "no-store")
         self.send_header("X-Content-Type-Options", "nosniff")
+        self.send_header("Content-Security-Policy", f"{content_policy(watched=True)}; frame-ancestors 'none'")
         self.end_headers()
         self.wfile.write(content)
 

@@ -1,12 +1,14 @@
-"""Whether an agent is fit to play: it plays itself, isolated, and what is wrong is said in plain words."""
+"""Whether an agent is fit to play: it plays itself, and what is wrong is said in plain words."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
 from catch_arena.config import ArenaConfig
+from catch_arena.errors import AgentError
 from catch_arena.policy import Limits, View
 from catch_arena.tournament.entrants import Inspection, enter
+from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import inspector, play_entrants
 from catch_arena.tournament.match import Forfeit, MatchResult
@@ -25,14 +27,16 @@ class Finding:
     """The first line says it, further ones show it."""
 
 
-def check_fitness(spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox) -> Iterator[Finding]:
+def check_fitness(
+    spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox | None
+) -> Iterator[Finding]:
     """Play the agent against itself, in every seat of each arena, and twice in the first that nobody forfeits.
 
     Args:
         spec: as `enter` takes it.
         arenas: by name.
         seed: a whole number in [0, 2^64).
-        sandbox: how agents that are not trusted run.
+        sandbox: how agents that are not trusted run; None where all are trusted.
 
     Raises:
         AgentError: where the spec names no agent.
@@ -42,9 +46,13 @@ def check_fitness(spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandb
 
     def look(resolved: str) -> Inspection:
         if not looked:
-            looked.append(inspector(sandbox)(resolved))
+            try:
+                looked.append(inspector(sandbox)(resolved))
+            except AgentError as error:  # it is trusted
+                looked.append(Inspection(fault=str(error)))
         return looked[0]
 
+    limits = AgentLimits() if sandbox is None else sandbox.limits
     (entrant,) = enter([spec], look)
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
@@ -56,7 +64,7 @@ def check_fitness(spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandb
         digests: list[bytes] = []
         copies = enter([spec] * config.hunters, look)
         result = play_entrants(config, seed, copies, sandbox, watch=lambda env, to=digests: to.append(env.digest()))
-        yield from _findings(name, config, result, sandbox.limits.step_ms, reported)
+        yield from _findings(name, config, result, limits.step_ms, reported)
         if not any(result.forfeits):
             whole[name] = digests
     if not whole:  # where and why it forfeited is what there is to say

@@ -10,6 +10,8 @@ from catch_arena.tournament.match import PlayedMatch
 
 MOST_BYTES: Final = 4 << 20
 """Of one agent's file; the next match is the last that is added."""
+_LONGEST: Final = 240
+"""Bytes of a file's name, its ending left out."""
 
 
 class AgentLogs:
@@ -32,11 +34,16 @@ class AgentLogs:
                 self._append(self._entrants[index].name, f"== match {one.match.id}, seat {seat}{why}\n{printed}")
 
     def _append(self, name: str, text: str) -> None:
-        path = self._folder / f"{name}.log"
+        *folders, last = name.split("/")  # as ann/agent has
+        path = Path(self._folder, *folders, f"{_cut(last)}.log")
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)  # a name may have parts, as ann/agent has
+            path.parent.mkdir(parents=True, exist_ok=True)
             with path.open("ab") as file:
                 if file.tell() < MOST_BYTES:
                     file.write(text.encode() + (b"" if text.endswith("\n") else b"\n"))
         except OSError as error:
             raise unwritable(path, error, len(text)) from None
+
+
+def _cut(name: str) -> str:
+    return name.encode()[:_LONGEST].decode(errors="ignore")

@@ -13,6 +13,8 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.permutations import Step, lots, names_matter, order_matters, with_labels
 from catch_arena.tournament.plans.schedule import round_robin
@@ -84,21 +86,24 @@ def audit(
     matches: int = 2000,
     seed: Secret | int | None = None,
     jobs: int = 1,
+    limits: AgentLimits | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Audit:
     """Ask all the questions.
 
     Args:
         config: the arena's settings.
-        agent: as on the command line; it is trusted, and plays in our own processes.
+        agent: as on the command line.
         matches: how many identical agents play, each on targets of its own; the twins play a quarter as many.
         seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed, None draws one freshly.
         jobs: how many processes play.
+        limits: those of isolated agents, None where all are trusted.
         progress: called with (matches played, matches in all).
 
     Raises:
         ConfigError: for an argument that cannot be.
         AgentError: where an agent cannot be used.
+        NoContest: where a match could not be held.
     """
     if config.hunters < 2:
         raise ConfigError(f"hunters must be at least 2 for an audit, got {config.hunters}")
@@ -106,7 +111,10 @@ def audit(
         raise ConfigError(f"matches must be at least {_FEWEST_MATCHES} for an audit, got {matches}")
 
     hunters, secret = config.hunters, Secret.of(seed)
-    alike, twins = enter([agent] * hunters), enter([agent, agent, *islice(cycle(_OTHERS), hunters - 2)])
+    with sandbox_for(limits) as sandbox:
+        look = inspector(sandbox)
+        alike = enter([agent] * hunters, look)
+        twins = enter([agent, agent, *islice(cycle(_OTHERS), hunters - 2)], look)
     seat_matches = seat_plan(hunters, matches, secret.part("audit seats"))
     twin_blocks = max(_FEWEST_TWIN_BLOCKS, matches // 4 // hunters)
     twin_matches = tuple(round_robin(hunters, hunters, twin_blocks, secret.part("audit twins")))
@@ -117,7 +125,8 @@ def audit(
             if progress is not None:
                 progress(before + done, total)
 
-        played = run(config, entrants, plan, jobs=jobs, progress=show)
+        # one forfeit is too many: who fails once is not waited for again
+        played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=1, progress=show)
         for forfeit in (forfeit for one in played for forfeit in one.result.details if forfeit is not None):
             raise AgentError(f"{agent}: must be able to play, for an audit: {forfeit}")
         return Outcomes.of(hunters, played)

@@ -3,6 +3,7 @@
 import hashlib
 import importlib
 import importlib.util
+import os
 import pkgutil
 import shlex
 import shutil
@@ -13,18 +14,22 @@ from dataclasses import dataclass
 from functools import cache
 from inspect import signature
 from pathlib import Path
+from stat import S_ISREG
 from types import ModuleType
 from typing import Final, NamedTuple
 
 from catch_arena.config import Control
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
 from catch_arena.policy import Policy, control_of
+from catch_arena.text import name_fault, one_line
 
 COMMAND: Final = "cmd:"
 """What the spec of a command begins with."""
 NOT_INSTALLED: Final = "which is not installed here"
 """What is said of a module that an agent imports, and that is not there."""
 _SHIPPED: Final = "catch_arena.agents"
+_LARGEST_SOURCE: Final = 1 << 26
+"""Bytes of a file that is taken for a module's source."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +47,16 @@ class Entrant:
     """16 hexadecimal digits of the source file's bytes; of a command, of its words and of the files that they name."""
     fault: str | None = None
     """Why it cannot play, where that showed when it was looked at in isolation: it forfeits all its matches."""
+
+    @property
+    def source(self) -> str:
+        """Where it comes from, for everybody: a file's name without its folders, and of a command its program."""
+        try:
+            if (words := command_of(self.spec)) is not None:
+                return f"a command: {Path(words[0]).name}"
+        except (ValueError, IndexError):  # a store may say anything
+            return "a command"
+        return Path(self.spec).name if self.spec.endswith(".py") else self.spec
 
     def create(self) -> Policy:
         """A fresh instance in this process, for one match.
@@ -93,6 +108,7 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
         AgentError: one line, that names the spec and what is wrong with it.
     """
     seen: Counter[str] = Counter()
+    names: set[str] = set()
     inspections: dict[str, Inspection] = {}
     entrants = []
     resolved = [_resolve(spec) for spec in specs]
@@ -102,18 +118,21 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
                 f"{one.spec!a}: must be text in this system's encoding, {sys.getfilesystemencoding()}: "
                 "give the file or its folder another name, or try LANG=C.UTF-8"
             )
-        if not name.isprintable():
-            raise AgentError(f"{one.spec!a}: its name must be of characters that can be printed, got {name!a}")
+        seen[name] += 1
+        while (unique := name if seen[name] == 1 else f"{name}#{seen[name]}") in names:
+            seen[name] += 1  # a file may be called like that
+        names.add(unique)
+        if (wrong := name_fault(unique)) is not None:
+            raise AgentError(f"{one.spec!a}: {wrong}: give the file another name")
         if one.spec not in inspections:
             inspections[one.spec] = inspect(one.spec)
         found = inspections[one.spec]
         content = one.content
         if content is None:
-            content = Path(found.source).read_bytes() if found.source else one.spec.encode()
-        seen[name] += 1
-        unique = name if seen[name] == 1 else f"{name}#{seen[name]}"
+            content = _content_of(found.source) or one.spec.encode()
         digest = hashlib.blake2b(content, digest_size=8).hexdigest()
-        entrants.append(Entrant(unique, one.spec, found.control, digest, found.fault))
+        fault = None if found.fault is None else one_line(found.fault)
+        entrants.append(Entrant(unique, one.spec, found.control, digest, fault))
     return tuple(entrants)
 
 
@@ -217,6 +236,16 @@ def _resolve(spec: str) -> _Resolved:
             f"(or give package.module:Class, the path of a .py file, or {COMMAND}COMMAND)"
         )
     return _Resolved(f"{_SHIPPED}.{spec}:Agent", (spec,))
+
+
+def _content_of(source: str | None) -> bytes | None:
+    """What is in the file that an agent says it comes from; None where there is nothing to be read. It may say any."""
+    try:
+        # a pipe that nobody writes to is not waited for
+        with os.fdopen(os.open(source or "", os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+            return file.read(_LARGEST_SOURCE) if S_ISREG(os.fstat(file.fileno()).st_mode) else None
+    except (OSError, ValueError):
+        return None
 
 
 def _name_parts(file: Path) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from typing import IO, Any, Final
 from catch_arena.config import RULESET, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.files import whole_file
+from catch_arena.text import spreadsheet_cell
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.store import Store
 from catch_arena.verdicts import Verdict
@@ -121,7 +122,8 @@ def _write_csv(store: Store, file: IO[bytes], timing: bool) -> None:
     text = io.TextIOWrapper(file, "utf-8", newline="")
     writer = csv.DictWriter(text, fieldnames=list(columns(timing=timing)), lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows(store, timing=timing))
+    for row in rows(store, timing=timing):
+        writer.writerow(row | {"agent": spreadsheet_cell(row["agent"])})
     text.detach()  # flushed, and left open
 
 

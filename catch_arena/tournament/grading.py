@@ -4,7 +4,6 @@ docs/grading.md has the spec's fields and an example.
 """
 
 import json
-import re
 import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -17,6 +16,7 @@ from xml.etree import ElementTree as ET
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, suggest
 from catch_arena.scenarios import scenario
+from catch_arena.text import printable, printable_lines
 from catch_arena.tournament.entrants import NOT_INSTALLED, Entrant
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import play_entrants
@@ -256,25 +256,22 @@ def json_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
 def junit_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
     """The grades as JUnit XML, a test case for each test; no seed is told."""
     failed = sum(bool(one.failures) for one in grades)
-    suite = ET.Element("testsuite", name=spec.title, tests=str(len(grades)), failures=str(failed), errors="0")
+    suite = ET.Element(
+        "testsuite", name=printable(spec.title), tests=str(len(grades)), failures=str(failed), errors="0"
+    )
     properties = ET.SubElement(suite, "properties")
     for name in ("points", "possible"):
         total = sum(getattr(one, name) for one in grades)
         ET.SubElement(properties, "property", name=name, value=f"{total:g}")
     for one in grades:
-        case = ET.SubElement(suite, "testcase", classname=student.name, name=one.test)
+        case = ET.SubElement(suite, "testcase", classname=student.name, name=printable(one.test))
         if one.failures:
-            failure = ET.SubElement(case, "failure", message=_printable(one.failures[0]))
-            failure.text = _printable("\n".join([*one.failures, *one.hints]))
+            failure = ET.SubElement(case, "failure", message=printable(one.failures[0]))
+            failure.text = printable_lines("\n".join([*one.failures, *one.hints]))
         if one.log:
-            ET.SubElement(case, "system-out").text = _printable(one.log)
+            ET.SubElement(case, "system-out").text = printable_lines(one.log)
     ET.indent(suite)
     return f'<?xml version="1.0" encoding="utf-8"?>\n{ET.tostring(suite, encoding="unicode")}\n'
-
-
-def _printable(text: str) -> str:
-    """Text without the characters that XML 1.0 has no way to write."""
-    return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)
 
 
 def seeds_text(spec: Spec) -> str:

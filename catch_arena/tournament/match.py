@@ -13,6 +13,7 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.policy import Limits, Policy
+from catch_arena.text import one_line, printable_lines
 from catch_arena.tournament.players import Fault, ForfeitCode, Observation, Players, TrustedPlayers
 from catch_arena.tournament.secret import Secret
 from catch_arena.verdicts import Verdict
@@ -59,7 +60,7 @@ class Forfeit:
     step: int
     """The step that it gave no action for, from 1; 0 where it could not begin."""
     reason: str
-    """One line for people."""
+    """One line for people, as `text.one_line` makes it."""
     observation: Observation | None = None
     """What it was shown in that step; a store does not keep it."""
 
@@ -92,7 +93,9 @@ class MatchResult:
     details: tuple[Forfeit | None, ...] = field(default=(), compare=False)
     """More about each of `forfeits`."""
     logs: tuple[str, ...] = field(default=(), compare=False)
-    """What isolated agents printed, tracebacks included, as far as it is kept; a store does not hold it."""
+    """What isolated agents printed, tracebacks included, as far as it is kept; control characters are escapes in it.
+    A store does not hold it.
+    """
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +118,7 @@ def play(
     title: str = "",
     record: Path | BytesIO | None = None,
     watch: Callable[[CatchArenaEnv], None] | None = None,
+    on_forfeit: Callable[[int, Forfeit], None] | None = None,
 ) -> MatchResult:
     """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6); the others play on.
 
@@ -127,13 +131,14 @@ def play(
         title: of the replay.
         record: whether the match is recorded.
         watch: called after the reset and after every step.
+        on_forfeit: called with (seat, how) when a seat fails.
 
     Raises:
         OutputError: for a replay that cannot be written.
         NoContest: where isolated players could not be held.
     """
     if isinstance(players, Sequence):
-        players = TrustedPlayers(players)
+        players = TrustedPlayers(dict(enumerate(players)))
     controls = players.controls
     if not len(controls) == len(names) == config.hunters:
         raise ConfigError(f"players must be {config.hunters}, one for each hunter, got {len(controls)}")
@@ -153,7 +158,9 @@ def play(
     actions: dict[str, Any] = {}
 
     def forfeit(seat: int, fault: Fault, observation: Observation | None = None) -> None:
-        forfeits[seat] = Forfeit(fault.code, step, fault.reason, observation)
+        forfeits[seat] = how = Forfeit(fault.code, step, one_line(fault.reason), observation)
+        if on_forfeit is not None:
+            on_forfeit(seat, how)
         actions[agents[seat]] = _HOLD[controls[seat]]  # R1.6: it is among the env's agents for one more step
         del playing[seat]
         env.withdraw(agents[seat])
@@ -197,7 +204,7 @@ def play(
                 players.drop(seat)
         if watch is not None:
             watch(env)
-    logs = players.logs()
+    logs = {seat: printable_lines(log) for seat, log in players.logs().items()}
     moves = [step if one is None else one.step for one in forfeits]
     scores = tuple(hunter.score for hunter in env.world().hunters)
     if record is not None:
@@ -256,6 +263,5 @@ def _illegal(env: CatchArenaEnv, actions: dict[str, Any]) -> dict[int, Fault]:
             if agent in actions:
                 env.check_action(agent, actions[agent])
         except ActionError as refused:
-            detail = str(refused).removeprefix(f"{agent}: ").replace("\n", " ")[:200]
-            faults[seat] = Fault("FORFEIT_ILLEGAL", detail)
+            faults[seat] = Fault("FORFEIT_ILLEGAL", str(refused).removeprefix(f"{agent}: "))
     return faults

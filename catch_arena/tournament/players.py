@@ -62,18 +62,21 @@ class Players(Protocol):
 class TrustedPlayers:
     """Agents in this process: quick, and asked one after the other. What they raise is their fault alone; nothing
     limits their time, their memory or their reach.
+
+    Args:
+        policies: by seat.
     """
 
-    def __init__(self, policies: Sequence[Policy]) -> None:
-        self.controls: dict[int, Control] = {seat: control_of(policy) for seat, policy in enumerate(policies)}
-        self._policies = dict(enumerate(policies))
+    def __init__(self, policies: Mapping[int, Policy]) -> None:
+        self.controls: dict[int, Control] = {seat: control_of(policy) for seat, policy in policies.items()}
+        self._policies = dict(policies)
         self._limits: Sequence[Limits] = ()
         self._faults: dict[int, Fault] = {}
 
     @classmethod
     def of(cls, entrants: Mapping[int, Entrant]) -> "TrustedPlayers":
         """A fresh instance of each, by seat; what cannot be made forfeits."""
-        players = cls(())
+        players = cls({})
         players.controls = {seat: entrant.control for seat, entrant in entrants.items()}
         for seat, entrant in entrants.items():
             try:

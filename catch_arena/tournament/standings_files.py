@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from catch_arena.config import RULESET
 from catch_arena.files import write_whole
+from catch_arena.text import spreadsheet_cell
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 from catch_arena.tournament.store import Tournament
@@ -38,7 +39,7 @@ def table_text(table: Sequence[Standing]) -> str:
     rows = [_flat(standing) for standing in table]
     writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows)
+    writer.writerows(row | {"agent": spreadsheet_cell(row["agent"])} for row in rows)
     return text.getvalue()
 
 

@@ -9,7 +9,7 @@ import json
 import platform
 import shutil
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.metadata import version
@@ -19,10 +19,12 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.errors import ConfigError, StoreError
+from catch_arena.errors import StoreError
 from catch_arena.files import room
+from catch_arena.text import one_line
+from catch_arena.tournament import rows
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Block, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch
+from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.secret import Secret
 
 STORE: Final = "tournament.sqlite"
@@ -54,12 +56,14 @@ CREATE TABLE result (
     {results}
 ) WITHOUT ROWID;
 """
-_RESULTS: Final = tuple(field.name for field in dataclasses.fields(MatchResult) if field.name != "logs")
-"""A column for each part of a result, as JSON; logs are files."""
-_COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in _RESULTS)
-_KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(_RESULTS)})"  # noqa: S608
+_COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in rows.RESULTS)
+"""One for each part of a result, as JSON; logs are files."""
+_STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
+_LONGEST: Final = 1 << 26
+"""Bytes of a value; longer ones are not read."""
+_KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(rows.RESULTS)})"  # noqa: S608
 _MATCH: Final = "id, block, seed, seating, agent_seeds"
-_PLAYED: Final = f"SELECT {_MATCH}, replay, {', '.join(_RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
+_PLAYED: Final = f"SELECT {_MATCH}, replay, {', '.join(rows.RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +103,7 @@ class Store:
         self.path = path
         with self._store_errors():
             self._db = sqlite3.connect(path or ":memory:", isolation_level=None, timeout=_PATIENCE_S)
+            self._db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LONGEST)
         self._versions = 0
 
     @classmethod
@@ -121,8 +126,10 @@ class Store:
     def read(cls, folder: Path) -> Self:
         """The store of a tournament that has begun.
 
+        Whatever is read from it was checked (rows.py), as it may be damaged, or made by anybody.
+
         Raises:
-            StoreError: where there is none.
+            StoreError: where there is none; from here on also where something in it is none of ours.
         """
         path = folder / STORE
         if not path.is_file():
@@ -150,14 +157,14 @@ class Store:
     def tournament(self) -> Tournament:
         """Whose matches these are."""
         facts = self._facts()
-        entrants = tuple(Entrant(**entrant) for entrant in facts["entrants"])
-        return Tournament(
-            ArenaConfig.from_dict(facts["config"]),
-            entrants,
-            facts["plan"],
-            facts["terms"],
-            self._secret,
-        )
+        with self._store_errors():
+            return Tournament(
+                rows.config_of(facts),
+                rows.entrants_of(facts),
+                rows.parameters_of("plan", facts),
+                rows.parameters_of("terms", facts),
+                rows.secret_of(facts),
+            )
 
     @property
     def ended(self) -> bool:
@@ -172,6 +179,7 @@ class Store:
     def plan(self, blocks: Iterable[Block]) -> int:
         """Write blocks that will be played, all or none; how many matches there are in them."""
         count = 0
+        read = self._rows()
         with self._transaction() as db:
             for match in (match for block in blocks for match in block):
                 row = (match.id, match.block, match.seed, _json(match.seating), _json(match.agent_seeds))
@@ -181,7 +189,7 @@ class Store:
                     planned = db.execute("SELECT * FROM match WHERE id = ?", (match.id,)).fetchone()
                     if planned != row:
                         raise StoreError(
-                            f"{self._name}: match {match.id} must be {_match(planned)}, got {match}, "
+                            f"{self._name}: match {match.id} must be {read.match(planned)}, got {match}, "
                             f"with {'the same seed' if planned[2] == match.seed else 'another seed'}"
                         )
                 count += 1
@@ -195,13 +203,13 @@ class Store:
 
     def _keep(self, one: PlayedMatch) -> None:
         result = one.result
-        parts = {name: getattr(result, name) for name in _RESULTS}
+        parts = {name: getattr(result, name) for name in rows.RESULTS}
         parts["thinking"] = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in result.thinking]
         parts["details"] = [one and (one.code, one.step, one.reason) for one in result.details]
         row = (one.match.id, self._versions, one.replay, *map(_json, parts.values()))
         if self._db.execute(_KEEP, row).rowcount:
             return
-        kept = _played(self._db.execute(f"{_PLAYED} WHERE id = ?", (one.match.id,)).fetchone())
+        kept = self._rows().played(self._db.execute(f"{_PLAYED} WHERE id = ?", (one.match.id,)).fetchone())
         if kept != one:
             raise StoreError(
                 f"{self._name}: match {one.match.id} came out with scores {kept.result.scores} and digest "
@@ -216,31 +224,35 @@ class Store:
 
     def _waiting(self) -> Iterator[Match]:
         """Match by match, read a page at a time: in between there are writes."""
-        after = ""
+        after, read = "", self._rows()
         while True:
             with self._store_errors():
-                rows = self._db.execute(
+                found = self._db.execute(
                     "SELECT match.* FROM match LEFT JOIN result ON match = id "
                     "WHERE result.match IS NULL AND id > ? ORDER BY id LIMIT ?",
                     (after, _PAGE),
                 ).fetchall()
-            if not rows:
+                page = list(rows.in_order(map(read.match, found), lambda match: match, after))
+            if not page:
                 return
-            yield from map(_match, rows)
-            after = rows[-1][0]
+            yield from page
+            after = page[-1].id
 
     def played(self, most: int = -1) -> Iterator[PlayedMatch]:
         """What was played, in the order of the plan; `most`, at most so many."""
+        read = self._rows()
         with self._store_errors():
-            yield from map(_played, self._db.execute(f"{_PLAYED} ORDER BY id LIMIT ?", (most,)))
+            found = self._db.execute(f"{_PLAYED} ORDER BY id LIMIT ?", (most,))
+            yield from rows.in_order(map(read.played, found), lambda one: one.match)
 
     def records(self) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
         """What was played, in the order of the plan, each with the versions that played it."""
+        read = self._rows()
         with self._store_errors():
-            known = {key: json.loads(value) for key, value in self._db.execute("SELECT id, value FROM versions")}
+            known = self._known_versions()
             query = f"SELECT versions, {_PLAYED.removeprefix('SELECT ')} ORDER BY id"
-            for by, *row in self._db.execute(query):
-                yield _played(row), known[by]
+            found = ((read.played(row), known[by]) for by, *row in self._db.execute(query))
+            yield from rows.in_order(found, lambda one: one[0].match)
 
     def count_played(self) -> int:
         """How many matches were played."""
@@ -267,14 +279,14 @@ class Store:
         return "the store" if self.path is None else str(self.path)
 
     def _open(self, tournament: Tournament, *, resume: bool) -> None:
-        self._has_tables()  # before anything is changed in a file that may not be ours
+        begun = self._has_tables()  # before anything is changed in a file that may not be ours
         with self._store_errors():
             self._db.execute("PRAGMA journal_mode = WAL")
             self._db.execute("PRAGMA synchronous = NORMAL")  # a power cut may take the last matches, but never the file
             self._db.execute("PRAGMA foreign_keys = ON")
         with self._transaction() as db:
-            if not self._has_tables():
-                for statement in _TABLES.format(results=_COLUMNS).strip().split(";\n"):
+            if not begun and not self._has_tables():
+                for statement in _STATEMENTS:
                     db.execute(statement)
                 db.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
                 db.execute(f"PRAGMA user_version = {_FORMAT}")
@@ -286,9 +298,9 @@ class Store:
                     f"{self._name}: holds a tournament already, with {self.count_played()} of {self.count_planned()} "
                     "matches played: go on with --resume, or give another folder"
                 )
-            elif found := difference(self._facts(), json.loads(_json(tournament.facts()))):
+            elif found := difference(*(json.loads(_json(one.facts())) for one in (self.tournament, tournament))):
                 raise StoreError(f"{self._name}: is of another tournament: {found}")
-            elif self._secret != tournament.secret:
+            elif self.tournament.secret != tournament.secret:
                 raise StoreError(
                     f"{self._name}: is of another tournament: its seed is another one; without --seed it keeps its own"
                 )
@@ -312,19 +324,38 @@ class Store:
             raise StoreError(f"{self._name}: is no store of a tournament")
         if form != _FORMAT:
             raise StoreError(f"{self._name}: is of format {form}, and this version reads format {_FORMAT}")
+        self._require_sound()
         return True
 
-    @property
-    def _secret(self) -> Secret | None:
-        text = self._facts().get("seed")
-        try:
-            return None if text is None else Secret.parse(str(text))
-        except ConfigError:
-            raise StoreError(f"{self._name}: is damaged: its seed is none") from None
+    def _require_sound(self) -> None:
+        """
+
+        Raises:
+            StoreError: where its pages do not hang together, its tables are not ours, or a row leads nowhere.
+        """
+        with self._store_errors():
+            (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
+            if found != "ok":
+                raise rows.DamagedError(str(found))
+            # nothing else: what a view or a trigger would do is up to whoever made it
+            made = self._db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'").fetchall()
+            if sorted(made) != sorted((statement,) for statement in _STATEMENTS):
+                raise rows.DamagedError("its tables are none of ours")
+            if self._db.execute("PRAGMA foreign_key_check").fetchone() is not None:
+                raise rows.DamagedError("a result is of no match, or of no versions")
+            self._known_versions()
 
     def _facts(self) -> dict[str, Any]:
         with self._store_errors():
-            return {name: json.loads(value) for name, value in self._db.execute("SELECT name, value FROM fact")}
+            return rows.facts_of(self._db.execute("SELECT name, value FROM fact"))
+
+    def _known_versions(self) -> dict[int, dict[str, str]]:
+        found = self._db.execute("SELECT id, value FROM versions")
+        return {key: rows.versions_of(value, versions()) for key, value in found}
+
+    def _rows(self) -> rows.Rows:
+        tournament = self.tournament
+        return rows.Rows(tournament.config.hunters, len(tournament.entrants))
 
     def _count(self, table: str) -> int:
         with self._store_errors():
@@ -354,8 +385,12 @@ class Store:
     def _store_errors(self) -> Iterator[None]:
         try:
             yield
+        except rows.DamagedError as error:
+            raise StoreError(f"{self._name}: is damaged: {one_line(str(error))}") from None
+        except UnicodeError:  # of what SQLite itself says
+            raise StoreError(f"{self._name}: is damaged: it holds what is no text") from None
         except sqlite3.Error as error:
-            raise StoreError(f"{self._name}: {self._message(error)}") from None
+            raise StoreError(f"{self._name}: {one_line(self._message(error))}") from None
 
     def _message(self, error: sqlite3.Error) -> str:
         """What SQLite says; where it cannot write, with the room that there is, and what the rest needs."""
@@ -373,7 +408,7 @@ class Store:
                 "SELECT count(*) FROM match LEFT JOIN result ON match = id WHERE result.match IS NULL"
             ).fetchone()
             for (seating,) in self._db.execute("SELECT seating FROM match LIMIT 1"):
-                return int(count) * store_bytes(len(json.loads(seating)))
+                return int(count) * store_bytes(str(seating).count(",") + 1)
         return None
 
 
@@ -422,20 +457,6 @@ def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
 
 def _shown(value: object) -> str:
     return "not given" if value is None else _json(value)
-
-
-def _match(row: Sequence[Any]) -> Match:
-    name, block, seed, seating, agent_seeds = row
-    return Match(name, block, seed, tuple(json.loads(seating)), tuple(json.loads(agent_seeds)))
-
-
-def _played(row: Sequence[Any]) -> PlayedMatch:
-    parts: dict[str, Any] = {name: json.loads(text) for name, text in zip(_RESULTS, row[6:], strict=True)}
-    parts["thinking"] = [MoveTimes(*part) for part in parts["thinking"]]
-    parts["details"] = [part and Forfeit(*part) for part in parts["details"]]
-    for name, part in parts.items():
-        parts[name] = tuple(part) if isinstance(part, list) else part
-    return PlayedMatch(_match(row[:5]), MatchResult(**parts), row[5])
 
 
 def _json(value: object) -> str:

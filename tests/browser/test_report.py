@@ -7,6 +7,7 @@ import time
 import cv2
 import numpy as np
 import pytest
+from browser.waiting import until
 from report.synthetic import tournament
 
 import catch_arena
@@ -111,7 +112,7 @@ def opened(page, folder, body):
     path = folder / "player.html"
     path.write_text(f'<!doctype html><html lang="en"><meta charset="utf-8"><title>replay</title><body>{body}')
     page.goto(path.as_uri())
-    page.wait_for_function("[...document.querySelectorAll('catch-replay')].every((one) => one.replay)")
+    until(page, "[...document.querySelectorAll('catch-replay')].every((one) => one.replay)")
     return page
 
 
@@ -133,7 +134,7 @@ def test_a_click_plays_and_another_one_pauses(player):
     before = picture(player, "canvas.arena")
     assert clock(player) == 0.0
     player.get_by_role("button", name="Play", exact=True).click()
-    player.wait_for_function("document.querySelector('catch-replay').time > 600")
+    until(player, "document.querySelector('catch-replay').time > 600")
     player.get_by_role("button", name="Pause").click()
     now = clock(player)
     assert 0.6 <= now < 8.0
@@ -192,7 +193,7 @@ def test_scores_and_speed_follow_the_scrubber(player, crowd):
     player.get_by_label("Speed").select_option("8")
     player.locator("canvas.arena").focus()
     player.keyboard.press("Space")
-    player.wait_for_function("document.querySelector('catch-replay').time === 8000", timeout=5000)
+    until(player, "document.querySelector('catch-replay').time === 8000", timeout=5000)
     assert player.get_by_role("button", name="Play", exact=True).is_visible()
 
 
@@ -222,7 +223,7 @@ def test_every_listed_key_does_what_it_says(player, crowd):
         keys.press(key)
         assert player.get_by_label("Speed").input_value() == speed
     keys.press("Space")
-    player.wait_for_function("document.querySelector('catch-replay').time > 200")
+    until(player, "document.querySelector('catch-replay').time > 200")
     keys.press("Space")
     assert player.get_by_role("button", name="Play", exact=True).is_visible()
     player.get_by_role("button", name="Next contest").focus()
@@ -241,22 +242,22 @@ def test_several_players_stand_on_one_page(quiet, crowd, tmp_path):
 def test_a_replay_plays_for_those_who_want_less_motion(chromium, crowd, tmp_path):
     page = opened(chromium.new_page(reduced_motion="reduce"), tmp_path, player_html(crowd))
     page.get_by_role("button", name="Play", exact=True).click()
-    page.wait_for_function("document.querySelector('catch-replay').time > 600")
+    until(page, "document.querySelector('catch-replay').time > 600")
     page.close()
 
 
 def test_a_report_shows_its_first_replay_and_any_other_that_is_picked(quiet, report):
     quiet.goto(report.as_uri())
-    quiet.wait_for_function("document.querySelector('catch-replay').replay")
+    until(quiet, "document.querySelector('catch-replay').replay")
     assert quiet.get_by_role("heading", level=1).inner_text()
     assert quiet.locator("#list li").count() == 4
     other = quiet.locator("#list li").nth(2)
     match = other.get_by_role("button").get_attribute("aria-label").removeprefix("Show match ")
     other.get_by_role("button").click()
-    quiet.wait_for_function(_SHOWING, arg=match)
+    until(quiet, _SHOWING, arg=match)
     assert quiet.locator("#list [aria-current]").inner_text().startswith(match)
     quiet.keyboard.press("Space")  # the player has the focus
-    quiet.wait_for_function("document.querySelector('catch-replay').time > 300")
+    until(quiet, "document.querySelector('catch-replay').time > 300")
     quiet.get_by_role("combobox", name="Agent").select_option("patrol")
     assert quiet.locator("#found").inner_text() == "1 to 4 of 4"
 
@@ -266,7 +267,7 @@ def test_a_report_shows_its_first_replay_and_any_other_that_is_picked(quiet, rep
 def test_a_report_is_readable_in_light_and_dark_on_a_phone_and_a_desk(chromium, report, scheme, width):
     page = chromium.new_page(color_scheme=scheme, viewport={"width": width, "height": 800})
     page.goto(report.as_uri())
-    page.wait_for_function("document.querySelector('catch-replay').replay")
+    until(page, "document.querySelector('catch-replay').replay")
     page.get_by_role("button", name="Next contest").click()
     assert page.evaluate("document.documentElement.scrollWidth") == width  # nothing is cut off
     assert (picture(page, "h1").mean() > 128) == (scheme == "light")
@@ -297,7 +298,7 @@ def test_the_switch_changes_light_and_dark_and_is_remembered(chromium, report):
 
 def test_every_control_and_picture_has_a_name(quiet, report):
     quiet.goto(report.as_uri())
-    quiet.wait_for_function("document.querySelector('catch-replay').replay")
+    until(quiet, "document.querySelector('catch-replay').replay")
     roles = ("button", "combobox", "checkbox", "slider", "img", "region", "link")
     for role in roles:
         found = quiet.get_by_role(role).all()
@@ -324,7 +325,7 @@ def test_ten_thousand_matches_open_in_under_two_seconds_and_five_megabytes(quiet
     assert path.stat().st_size < 5_000_000
     begin = time.monotonic()
     quiet.goto(path.as_uri())
-    quiet.wait_for_function("document.querySelectorAll('#list li').length === 10")
+    until(quiet, "document.querySelectorAll('#list li').length === 10")
     quiet.evaluate("() => new Promise((painted) => requestAnimationFrame(() => requestAnimationFrame(painted)))")
     assert time.monotonic() - begin < 2.0
     assert quiet.locator("#found").inner_text() == "1 to 10 of 10,020"
@@ -341,18 +342,16 @@ def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report
         page.wait_for_selector("#list li")
         assert "of 60" in page.locator("header").inner_text()
         tournament(tmp_path, 1)
-        page.wait_for_function("document.querySelector('#found').textContent === '1 to 10 of 60'", timeout=15_000)
+        until(page, "document.querySelector('#found').textContent === '1 to 10 of 60'", timeout=15_000)
         assert "of 60" not in page.locator("header").inner_text()
-    page.wait_for_function("document.querySelector('#news').textContent.includes('ended')", timeout=15_000)
+    until(page, "document.querySelector('#news').textContent.includes('ended')", timeout=15_000)
     recorded = ReportData.of(report.parent).recorded
     with serve(LiveReport(report.parent), 0) as address:
         page.goto(address)
-        page.wait_for_function("document.querySelector('catch-replay').replay")
+        until(page, "document.querySelector('catch-replay').replay")
         match = max(recorded)
         page.get_by_role("button", name=f"Show match {match}").click()
-        page.wait_for_function(
-            "match => document.getElementById('showing').textContent === `Match ${match}`", arg=match
-        )
+        until(page, "match => document.getElementById('showing').textContent === `Match ${match}`", arg=match)
 
 
 def test_a_damaged_replay_says_so_in_one_line_and_the_next_one_plays(quiet, crowd, tmp_path):
@@ -360,11 +359,54 @@ def test_a_damaged_replay_says_so_in_one_line_and_the_next_one_plays(quiet, crow
     text = bundle_text(crowd)
     player = page.locator("catch-replay")
     player.evaluate("(player, text) => player.setAttribute('film', text)", text[: len(text) // 8 * 4])
-    page.wait_for_function("document.querySelector('catch-replay').note.textContent.includes('cannot be shown')")
+    until(page, "document.querySelector('catch-replay').note.textContent.includes('cannot be shown')")
     assert page.locator(".note").inner_text() == "The replay cannot be shown. It is damaged: it cannot be unpacked."
     page.get_by_role("button", name="Play", exact=True).click()  # there is nothing to play
     player.evaluate("(player, text) => player.setAttribute('film', text)", text)
-    page.wait_for_function("document.querySelector('catch-replay').replay")
+    until(page, "document.querySelector('catch-replay').replay")
     page.get_by_role("button", name="Play", exact=True).click()
-    page.wait_for_function("document.querySelector('catch-replay').time > 600")
+    until(page, "document.querySelector('catch-replay').time > 600")
     assert "cannot be shown" not in page.locator(".note").inner_text()
+
+
+def test_an_injected_script_does_not_run_and_nothing_is_fetched(chromium, report, tmp_path):
+    """As if the escaping had failed: a script, a handler, an address and an image in the page itself."""
+    wicked = (
+        "<script>window.harmed = 'script'</script>"
+        "<img src='https://example.invalid/x.png' onerror=\"window.harmed = 'handler'\">"
+        "<a id='trap' href=\"javascript:window.harmed='address'\">x</a>"
+        "<iframe src='data:text/html,x'></iframe><base href='https://example.invalid/'>"
+        "<svg onload=\"window.harmed='svg'\"></svg><form action='https://example.invalid/'></form>"
+    )
+    text = report.read_text(encoding="utf-8")
+    assert text.count("<main>") == 1
+    harmed = tmp_path / "harmed.html"
+    harmed.write_text(text.replace("<main>", f"<main>{wicked}"), encoding="utf-8")
+    page = chromium.new_page()
+    refused, asked, blocked = [], [], {}
+    page.on("console", lambda message: refused.append(message.text))
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("requestfailed", lambda request: blocked.update({request.url: request.failure}))
+    page.goto(harmed.as_uri())
+    until(page, "document.querySelector('catch-replay').replay")  # the page's own scripts run
+    page.locator("#trap").click()
+    page.evaluate("setTimeout(() => {}, 0)")
+    assert page.evaluate("window.harmed") is None
+    assert sum("Content Security Policy" in line for line in refused) >= 4
+    assert all(url.startswith(("file:", "data:")) or blocked.get(url) == "csp" for url in asked)
+    page.close()
+
+
+@pytest.mark.parametrize("served", [False, True])
+def test_the_page_breaks_no_rule_of_its_own_policy(chromium, report, served):
+    page = chromium.new_page()
+    said = []
+    page.on("console", lambda message: said.append(message.text))
+    with serve(LiveReport(report.parent), 0) as address:
+        page.goto(address if served else report.as_uri())
+        until(page, "document.querySelector('catch-replay').replay")
+        page.get_by_role("button", name="Light or dark").click()
+        page.get_by_role("button", name="Play", exact=True).click()
+        until(page, "document.querySelector('catch-replay').time > 300")
+    assert [line for line in said if "Policy" in line] == []
+    page.close()

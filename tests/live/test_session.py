@@ -149,7 +149,62 @@ def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, tmp_path
     (tmp_path / "bad.py").write_text("class Agent:\n def reset(self, seed): 0\n def act(self, view): return 1 / 0\n")
     result = session(["watch", "bad.py", "idle", "--scenario", "duel"], *nothing(150))
     assert result.exit_code == 0, result.output
-    assert result.output.splitlines() == ["  1    0  idle", "  2    0  bad"]
+    assert result.stdout.splitlines() == [
+        "  1    0  idle",
+        "  2    0  bad: FORFEIT_CRASH in step 1: act raised ZeroDivisionError: division by zero",
+    ]
+    assert result.stderr.startswith("bad printed:\nTraceback")
+
+
+HANGS = "import time\nclass Agent:\n def reset(self, seed): 0\n def act(self, view): time.sleep(600)\n"
+SLOW = """import time
+class Agent:
+    def reset(self, seed):
+        self.steps = 0
+    def act(self, view):
+        self.steps += 1
+        time.sleep(0.4 * (self.steps == 2))
+        return 1
+"""
+
+
+def test_while_an_agent_hangs_the_window_hears_its_user(session, tmp_path):
+    """The limit is an hour: that the command ends shows that nobody waits for it."""
+    (tmp_path / "hangs.py").write_text(HANGS)
+    patient = ["--limit", "step_ms=1e6", "--limit", "bank_s=3600"]
+    result = session(["watch", "hangs.py", "idle", "--scenario", "duel", *patient], *nothing(20))
+    assert result.exit_code == 0, result.output
+    assert result.stdout.splitlines() == ["  1    0  hangs", "  1    0  idle"]
+
+
+def test_the_match_begins_again_while_an_agent_hangs(session, tmp_path):
+    (tmp_path / "hangs.py").write_text(HANGS)
+    patient = ["--limit", "step_ms=1e6", "--limit", "bank_s=3600"]
+    result = session(
+        ["watch", "hangs.py", "idle", "--scenario", "duel", *patient], *nothing(5), pygame.K_r, *nothing(5)
+    )
+    assert result.exit_code == 0, result.output
+
+
+def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path):
+    (tmp_path / "hangs.py").write_text(HANGS)
+    short = ["--limit", "step_ms=100", "--limit", "bank_s=0.1", "--record", "r.replay"]
+    result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], *nothing(400))
+    assert result.exit_code == 0, result.output
+    assert "  2    0  hangs: FORFEIT_TIMEOUT in step 1: act took longer than step_ms (100 ms)" in result.stdout
+    assert Replay.load(tmp_path / "r.replay").withdrawals == [(0, 0)]
+
+
+def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, tmp_path, monkeypatch):
+    waited = []
+    drawn = match_window.MatchWindow.wait
+    monkeypatch.setattr(match_window.MatchWindow, "wait", lambda window: (waited.append(1), drawn(window)))
+    (tmp_path / "slow.py").write_text(SLOW)
+    result = session(["watch", "slow.py", "idle", "--scenario", "duel", "--record", "r.replay"], *nothing(400))
+    assert result.exit_code == 0, result.output
+    assert "FORFEIT" not in result.output
+    assert Replay.load(tmp_path / "r.replay").steps == 10
+    assert waited
 
 
 @pytest.mark.parametrize(

@@ -62,3 +62,19 @@ def test_only_regular_files_are_replaced(recorded, tmp_path):
 
     assert (tmp_path / "link.replay").is_symlink()
     assert catch_arena.Replay.load(tmp_path / "real.replay").steps == replay.steps
+
+
+def test_hunters_that_leave_in_one_step_may_do_so_in_any_order(tmp_path):
+    """As agents that fail together: which of them is noticed first is chance."""
+    contents = []
+    for order in (("hunter_0", "hunter_1"), ("hunter_1", "hunter_0")):
+        env = catch_arena.parallel_env("duel", max_cycles=3)
+        env.record()
+        env.reset(seed=1)
+        for agent in order:
+            env.withdraw(agent)
+        env.step(dict.fromkeys(env.agents, 0))
+        env.replay().save(tmp_path / "match.replay")
+        assert catch_arena.Replay.load(tmp_path / "match.replay").withdrawals == [(0, 0), (0, 1)]
+        contents.append((tmp_path / "match.replay").read_bytes())
+    assert contents[0] == contents[1]

@@ -23,13 +23,19 @@ def tournament(
     most: int | None = None,
     forfeits: bool = False,
     terms: dict[str, bool] | None = None,
+    specs: Sequence[str] = (),
+    reason: str = "",
 ) -> int:
     """Fill a folder's store, or what is missing in it; how many matches it has. The first agents are the best.
 
-    Args: `most`, play no more than so many; `forfeits`, whether the last agent crashes now and then.
+    Args: `most`, play no more than so many; `forfeits`, whether the last agent crashes now and then; `specs`, of the
+    agents, else files; `reason`, for which the first one forfeits all.
     """
     config: ArenaConfig = scenario("standard")
-    entrants = tuple(Entrant(name, f"{name}.py", "target", f"{place:016x}") for place, name in enumerate(names))
+    entrants = tuple(
+        Entrant(name, spec, "target", f"{place:016x}")
+        for place, (name, spec) in enumerate(zip(names, specs or [f"{name}.py" for name in names], strict=True))
+    )
     secret = Secret.of(1)
     plan = round_robin(len(names), config.hunters, rounds, secret)
     folder.mkdir(parents=True, exist_ok=True)
@@ -45,6 +51,8 @@ def tournament(
             wrong = [
                 Forfeit("FORFEIT_CRASH", 7, "act raised ValueError: <b>no</b>") if bad else None for bad in crashed
             ]
+            if reason:
+                wrong[match.seating.index(0)] = Forfeit("FORFEIT_INIT", 0, reason)
             played.append(
                 PlayedMatch(
                     match,

@@ -112,12 +112,43 @@ def test_an_audit_stands_in_the_report(tmp_path, passed):
     assert ("with other settings" in text) is not passed
 
 
-@pytest.mark.parametrize("content", ["[]", "{", "{}", '{"agent": 1}', "\xff"])
+SOUND = {
+    "config_digest": "x",
+    "agent": "nearest",
+    "matches": 100,
+    "seats": [{"wins": {"mean": 0.2, "low": 0.1, "high": 0.3}, "score": 1.0}] * 4,
+    "twin_matches": 100,
+    "twin_difference": {"mean": 1.0, "low": float("nan"), "high": float("nan")},
+    "checks": [{"question": "Is it?", "passed": True, "finding": "no", "p": None}],
+}
+FORGED = [
+    {"agent": "\x1b[2J"},
+    {"matches": "many"},
+    {"matches": 10**400},
+    {"seats": 5},
+    {"seats": [{"wins": {"mean": "x", "low": 0, "high": 0}, "score": 1}]},
+    {"twin_difference": [1, 2, 3]},
+    {"twin_difference": {"mean": 10**400, "low": 0, "high": 0}},
+    {"checks": [{"question": 1, "passed": 1, "finding": None, "p": "x"}]},
+    {"checks": [{}]},
+]
+
+
+def test_an_audit_may_leave_an_interval_open(tmp_path):
+    tournament(tmp_path, 1, most=4)
+    (tmp_path / AUDIT).write_text(json.dumps(SOUND))
+    assert "Fair<small>" in report_of(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "content", ["[]", "{", "{}", '{"agent": 1}', "\xff", "[" * 100_000, *(json.dumps(SOUND | one) for one in FORGED)]
+)
 def test_an_audit_that_is_none_is_refused_in_one_line(tmp_path, content):
     tournament(tmp_path, 1, most=4)
     (tmp_path / AUDIT).write_text(content)
-    with pytest.raises(StoreError, match=rf"{AUDIT}: must be as `catch-arena audit` writes it"):
+    with pytest.raises(StoreError, match=rf"{AUDIT}: must be as `catch-arena audit` writes it") as raised:
         write_report(tmp_path)
+    assert "\n" not in str(raised.value)
 
 
 def test_a_tournament_without_matches_has_no_report(tmp_path):

@@ -12,6 +12,7 @@ from typing import Any, Final, NamedTuple, get_args
 from catch_arena.config import Control, require_choice
 from catch_arena.errors import ConfigError, NoContest
 from catch_arena.policy import Limits
+from catch_arena.text import in_short, one_line
 from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.pipes import AgentPipes
@@ -63,7 +64,7 @@ class IsolatedPlayers:
             if reply.fault is not None:
                 faults[seat] = reply.fault.reason
             elif (control := _control_in(reply)) != self.controls[seat]:
-                faults[seat] = f"says that its control is {control!r}, and said {self.controls[seat]!r} before"
+                faults[seat] = f"says that its control is {in_short(control)}, and said {self.controls[seat]!r} before"
         lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
         left_s = {seat: max(0.0, self._limits.init_s - greeted[seat].seconds) for seat in lines}
         for seat, reply in self._exchange(lines, left_s, "reset").items():
@@ -80,7 +81,7 @@ class IsolatedPlayers:
             bank_s[seat] -= max(0.0, reply.seconds - step_s)
             fault = reply.fault
             if fault is None and "action" not in reply.said:
-                fault = Fault("FORFEIT_ILLEGAL", f"its line holds no action: {reply.said!r:.80}")
+                fault = Fault("FORFEIT_ILLEGAL", f"its line holds no action: {in_short(reply.said)}")
             answers[seat] = reply.said.get("action"), reply.seconds, fault
         return answers
 
@@ -92,7 +93,7 @@ class IsolatedPlayers:
             return Inspection(fault=reply.fault.reason, log=log)
         control, source = _control_in(reply), reply.said.get("source")
         try:
-            require_choice("control", control, get_args(Control))
+            require_choice("control", control if isinstance(control, str) else in_short(control), get_args(Control))
         except ConfigError as error:
             return Inspection(fault=str(error), log=log)
         named = isinstance(source, str) and Path(source).is_file()  # a stranger's code may say anything
@@ -185,7 +186,8 @@ def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
         text = repr(heard[:80].decode(errors="replace"))
         return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {text}"))
     if "error" in said:
-        return _Reply({}, seconds, Fault("FORFEIT_CRASH", " ".join(str(said["error"]).split())[:300]))
+        why = said["error"]
+        return _Reply({}, seconds, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else in_short(why))))
     return _Reply(said, seconds)
 
 

@@ -30,7 +30,7 @@ class Log:
     def text(self) -> str:
         """What is kept, with a line where something is left out."""
         gap = f"\n[{self._between} bytes left out]\n".encode() if self._between else b""
-        return (self._first + gap + self._last).decode(errors="replace")
+        return (self._first + gap + self._last).decode(errors="backslashreplace")
 
 
 class AgentPipes:

@@ -21,9 +21,12 @@ _PAUSES_S: Final = (0.0, 1.0, 5.0)
 
 @contextmanager
 def start_players(
-    entrants: Sequence[Entrant], sandbox: Sandbox | None, excluded: Mapping[int, str] = MappingProxyType({})
+    entrants: Sequence[Entrant] | Mapping[int, Entrant],
+    sandbox: Sandbox | None,
+    excluded: Mapping[int, str] = MappingProxyType({}),
 ) -> Iterator[Players]:
-    """The players of one match, for as long as the context lasts; all that isolated agents started is ended with it.
+    """The players of one match, by seat, for as long as the context lasts; all that isolated agents started is ended
+    with it.
 
     Entrants that do not come with the package are isolated in the `sandbox`, where there is one, and those that cannot
     begin are not started; nor are the `excluded`, seats with the reason why.
@@ -31,9 +34,10 @@ def start_players(
     Raises:
         NoContest: where they could not be held.
     """
-    faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in enumerate(entrants) if one.fault is not None}
+    entrants = entrants if isinstance(entrants, Mapping) else dict(enumerate(entrants))
+    faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in entrants.items() if one.fault is not None}
     faults |= {seat: Fault("FORFEIT_OUT", why) for seat, why in excluded.items()}
-    started = {seat: one for seat, one in enumerate(entrants) if seat not in faults}
+    started = {seat: one for seat, one in entrants.items() if seat not in faults}
     isolated = {seat: one for seat, one in started.items() if sandbox is not None and not is_shipped(one.spec)}
     trusted = {seat: one for seat, one in started.items() if seat not in isolated}
     with ExitStack() as stack:

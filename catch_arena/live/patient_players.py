@@ -1,0 +1,62 @@
+"""Agents that may take long: they are asked in a thread of their own, and the window answers its user meanwhile."""
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
+from threading import Thread
+from typing import Final
+
+from catch_arena.policy import Limits
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.players import Answer, Fault, Observation, Players
+
+_AT_ONCE_S: Final = 0.05
+"""Most agents have answered by then, and the window need not be drawn."""
+
+
+class PatientPlayers:
+    """Isolated players whose thinking does not hold up this thread.
+
+    Args:
+        players: in the sandbox.
+        sandbox: which is closed where nobody waits any more.
+        wait: called again and again while they think; what it raises breaks the match off.
+    """
+
+    def __init__(self, players: Players, sandbox: Sandbox, wait: Callable[[], None]) -> None:
+        self.controls = players.controls
+        self._players = players
+        self._sandbox = sandbox
+        self._wait = wait
+
+    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+        """Begin a match."""
+        return self._players.reset(seeds, limits)
+
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
+        """Ask these seats for their actions."""
+        answers: Future[dict[int, Answer]] = Future()
+        thread = Thread(target=self._ask, args=(observations, answers))
+        thread.start()
+        thread.join(_AT_ONCE_S)
+        try:
+            while thread.is_alive():
+                self._wait()
+        except BaseException:
+            self._sandbox.close()  # with the agents' processes the wait for their answers ends
+            thread.join()
+            raise
+        return answers.result()
+
+    def drop(self, seat: int) -> None:
+        """The seat has forfeited."""
+        self._players.drop(seat)
+
+    def logs(self) -> dict[int, str]:
+        """What seats have printed."""
+        return self._players.logs()
+
+    def _ask(self, observations: Mapping[int, Observation], answers: "Future[dict[int, Answer]]") -> None:
+        try:
+            answers.set_result(self._players.act(observations))
+        except BaseException as error:  # noqa: BLE001 - it is raised where the answers are read
+            answers.set_exception(error)

@@ -1,0 +1,130 @@
+"""One trust rule: what does not come with the package is isolated by every command that runs agents, unless --trusted.
+
+The agent writes to the file that an environment variable names. Only an agent inside our own processes has our
+environment: an isolated one has one of its own.
+"""
+
+import re
+
+import pytest
+from typer.main import get_command
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.render.libraries import pygame
+
+MARK = "CATCH_ARENA_TEST_MARK"
+AGENT = f"""
+import os
+from pathlib import Path
+from catch_arena.agents.nearest import Agent as Nearest
+if "{MARK}" in os.environ:
+    Path(os.environ["{MARK}"]).touch()
+class Agent(Nearest):
+    pass
+"""
+SPEC = """
+[[test]]
+name = "it plays"
+scenario = "duel"
+settings = { time_limit_s = 1 }
+opponents = ["nearest"]
+seeds = [1]
+"""
+SHORT = ["--scenario", "duel", "--set", "time_limit_s=1"]
+RUNS = {
+    "tournament": ["{}", "nearest", *SHORT, "--jobs", "1", "--out", "out"],
+    "tournament --plan": ["{}", "nearest", *SHORT, "--jobs", "1", "--plan"],
+    "match": ["{}", "nearest", *SHORT],
+    "compare": ["{}", "nearest", *SHORT, "--jobs", "1", "--max-blocks", "1"],
+    "audit": ["{}", *SHORT, "--jobs", "1", "--matches", "100", "--out", "out"],
+    "check-agent": ["{}", *SHORT],
+    "grade": ["{}", "--spec", "spec.toml"],
+    "play": ["{}", *SHORT, "--size", "320x320"],
+    "watch": ["{}", "nearest", *SHORT, "--size", "320x320"],
+}
+"""Each command that runs agents, and what it is given."""
+WITHOUT_AGENTS = {
+    *("agents", "conformance", "diff", "explain", "export", "highlights", "mosaic", "render", "report", "scenarios"),
+    *("sheet", "verify"),
+}
+EXIT_CODES = {"compare": {0, 1, 3}}
+
+
+class SteadyClock:
+    """Nobody waits for a frame."""
+
+    def tick(self, frames_per_s=0):
+        return 1000 // frames_per_s if frames_per_s else 0
+
+
+@pytest.fixture
+def run(monkeypatch, tmp_path):
+    """Runs a command with the agent; whether the agent was in one of our own processes."""
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
+    monkeypatch.setattr("catch_arena.tournament.audit._STEPS", 50)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(MARK, str(tmp_path / "mark"))
+    (tmp_path / "mine.py").write_text(AGENT)
+    (tmp_path / "spec.toml").write_text(SPEC)
+    looks = iter(range(10**9))
+    escape = pygame.event.Event(pygame.KEYDOWN, key=pygame.K_ESCAPE, mod=0, unicode="")
+    begin = pygame.event.Event(pygame.KEYDOWN, key=pygame.K_x, mod=0, unicode="x")
+    monkeypatch.setattr(pygame.event, "get", lambda: [begin] if (look := next(looks)) == 0 else [escape] * (look > 200))
+
+    def run(name: str, agent: str, *more: str) -> bool:
+        command, *options = name.split()
+        words = [agent if word == "{}" else word for word in RUNS[name]]
+        result = CliRunner().invoke(main, [command, *options, *words, *more])
+        assert result.exit_code in EXIT_CODES.get(command, {0}), result.output
+        assert "FORFEIT" not in result.output
+        return (tmp_path / "mark").exists()
+
+    yield run
+    pygame.display.quit()
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_an_agent_in_a_file_is_isolated_unless_it_is_trusted(run, name):
+    assert not run(name, "mine.py")
+    assert run(name, "mine.py", "--trusted", "--force" if name in {"match", "audit"} else "--trusted", *again(name))
+
+
+@pytest.mark.parametrize("name", ["match", "check-agent", "watch"])
+def test_so_is_one_in_a_module(run, tmp_path, name):
+    """A module may be a stranger's as well: a package of several files is handed in so."""
+    (tmp_path / f"theirs_{name.replace('-', '_')}.py").write_text(AGENT)
+    spec = f"theirs_{name.replace('-', '_')}:Agent"
+    assert not run(name, spec)
+    assert run(name, spec, "--trusted", *(["--force"] if name == "match" else []))
+
+
+def again(name: str) -> list[str]:
+    """What lets a command run twice in one folder."""
+    return ["--out", "trusted"] if name == "tournament" else []
+
+
+def test_every_command_is_in_the_table_or_runs_no_agent():
+    commands = get_command(main).commands
+    assert set(commands) - WITHOUT_AGENTS == {name.split()[0] for name in RUNS}
+
+
+def test_help_says_the_rule_in_the_same_words():
+    commands = get_command(main).commands
+    told = set()
+    for name in {name.split()[0] for name in RUNS}:
+        (option,) = [one for one in commands[name].params if "--trusted" in one.opts]
+        (limit,) = [one for one in commands[name].params if "--limit" in one.opts]
+        told.add((option.help, limit.help))
+    assert len(told) == 1
+    assert "Without it whatever does not come with Catch Arena is isolated" in told.pop()[0]
+    for name in WITHOUT_AGENTS:
+        assert not [one for one in commands[name].params if "--trusted" in one.opts]
+
+
+def test_a_command_is_never_trusted(tmp_path):
+    (tmp_path / "bot.sh").write_text("read -r line; echo '{}'\n")
+    result = CliRunner().invoke(main, ["match", f"cmd:sh {tmp_path / 'bot.sh'}", "nearest", *SHORT, "--trusted"])
+    assert result.exit_code == 2
+    assert re.search("a command plays in a process of its own only: it must not be trusted", result.stderr)

@@ -1,0 +1,292 @@
+"""Agents whose every text is hostile: a tournament ends, and each place where their text goes is unharmed."""
+
+import csv
+import json
+import os
+import pty
+import re
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+import catch_arena
+from catch_arena import scenario
+from catch_arena.cli import main
+from catch_arena.report import write_report
+from catch_arena.tournament.agent_logs import AgentLogs
+from catch_arena.tournament.entrants import Inspection, enter
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.starting import inspector, start_players
+from catch_arena.tournament.match import Match, PlayedMatch, play
+from catch_arena.tournament.store import STORE, Store, Tournament
+
+ANY = st.text(st.characters(codec=None, exclude_categories=()), max_size=400)
+QUICK = ["--scenario", "duel", "--set", "time_limit_s=1"]
+WORDS = ["tournament", "[red]x.py", "=1+1.py", "nearest", *QUICK, "--jobs", "1", "--record", "--out", "out"]
+SHORT = scenario("duel", time_limit_s=1)
+PATIENT = AgentLimits(init_s=60, step_ms=60_000)
+HOSTILE = r"""
+import sys
+print("\x1b[31mred\x1b[0m \x07 \u202e abc [bold]x[/bold]")
+class Agent:
+    def reset(self, seed):
+        sys.stdout.buffer.write(b"\xff\x00\x1b]0;title\x07\n")
+    def act(self, view):
+        raise RuntimeError("\ud800 \x1b[2J \x00 \u202e <script>alert(1)</script> ]]> [red]")
+"""
+SHOWN = r"act raised RuntimeError: \ud800 \x1b[2J \x00 \u202e <script>alert(1)</script> ]]> [red]"
+ANSWERS = r"""
+import os
+LINES = [
+    b'{"error":"\\ud800 \\u001b[2J \\u0000"}',
+    b'{"error":{"a":[[[[1]]]]}}',
+    b'{"error":' + b"[" * 900 + b"]" * 900 + b"}",
+    b'{"action":"\\ud800"}',
+    b'{"action":' + b"9" * 4000 + b"}",
+    b'{"action":' + b"9" * 9000 + b"}",
+    b'{"action":' + b"[" * 900 + b"]" * 900 + b"}",
+    b'{"action":' + b"[" * 30000 + b"}",
+    b'{"action":NaN}',
+    b'{"action":1e999}',
+    b'{"\\ud800":1}',
+    b'{"a":' + b"[" * 940 + b"]" * 940 + b"}",
+    b'{"action":{"cmd_vel":["\\ud800",1],"catch":null}}',
+    *(b"\xff\xfe\x00", b"\x00", b'""', b"\x1b[2J", b"null", b"{}", b"", "\u202e".encode()),
+]
+class Agent:
+    def reset(self, seed):
+        pass
+    def act(self, view):
+        os.write(4, LINES[int(os.path.basename(__file__)[1:-3])] + b"\n")
+        os._exit(0)
+"""
+
+
+def run(folder, *words):
+    """A command of the package that is tested, in that folder."""
+    environment = os.environ | {"PYTHONPATH": str(Path(catch_arena.__file__).parents[1])}
+    command = [sys.executable, "-m", "catch_arena", *words]
+    return subprocess.run(command, cwd=folder, capture_output=True, check=False, env=environment)
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory):
+    """A tournament with such an agent, whose file's name is markup."""
+    folder = tmp_path_factory.mktemp("hostile")
+    (folder / "[red]x.py").write_text(HOSTILE)
+    (folder / "=1+1.py").write_text(HOSTILE)
+    ended = run(folder, *WORDS)
+    assert ended.returncode == 0, ended.stderr.decode()
+    return folder, ended
+
+
+def test_the_tournament_ends_and_the_terminal_is_sent_no_control_character(played):
+    _, ended = played
+    assert re.search(r"^ *\d +\[red\]x ", ended.stdout.decode(), re.MULTILINE)
+    for said in (ended.stdout, ended.stderr):
+        assert all(letter.isprintable() or letter == "\n" for letter in said.decode())
+
+
+def test_its_logs_show_what_was_printed_and_raised(played):
+    folder, _ = played
+    text = (folder / "out/logs/[red]x.log").read_text(encoding="utf-8")
+    assert f"FORFEIT_CRASH in step 1: {SHOWN}\n" in text
+    assert "\\xff\\x00\\x1b]0;title\\x07\n" in text
+    assert all(letter.isprintable() or letter in "\n\t" for letter in text)
+
+
+def test_its_store_and_its_exports_hold_it_and_no_cell_is_a_formula(played):
+    folder, _ = played
+    with closing(sqlite3.connect(folder / "out" / STORE)) as db:
+        details = [json.loads(text) for (text,) in db.execute("SELECT details FROM result")]
+    assert SHOWN in {one[2] for match in details for one in match if one}
+    for form in ("jsonl", "csv"):
+        assert run(folder, "export", "out", "-o", f"m.{form}", "--force").returncode == 0
+    told = [json.loads(line) for line in (folder / "m.jsonl").read_text(encoding="utf-8").splitlines()]
+    assert {name for one in told for name in one["agents"]} == {"[red]x", "=1+1", "nearest"}
+    for table in (folder / "m.csv", folder / "out/standings.csv"):
+        with table.open(newline="") as file:
+            assert {row["agent"] for row in csv.DictReader(file)} == {"[red]x", "'=1+1", "nearest"}
+
+
+def test_its_report_is_text(played):
+    folder, _ = played
+    text = (folder / "out/report.html").read_text(encoding="utf-8")
+    assert "<script>alert" not in text
+    assert "&lt;script&gt;alert(1)" in text
+    assert str(folder) not in text
+
+
+def test_its_replays_are_explained_and_filmed(played):
+    folder, _ = played
+    replay = min((folder / "out/replays").glob("*.replay"))
+    for words in (
+        ["explain", str(replay)],
+        ["verify", str(replay)],
+        ["render", str(replay), "-o", "m.gif", "--size", "320x320"],
+    ):
+        ended = run(folder, *words)
+        assert ended.returncode == 0, ended.stderr.decode()
+
+
+def test_it_goes_on_where_it_was(played):
+    folder, _ = played
+    assert run(folder, *WORDS, "--resume").returncode == 0
+
+
+def test_a_mark_is_xml_and_json_and_one_line_each(played):
+    folder, _ = played
+    spec = '[[test]]\nname = "a\\u001bb"\nscenario = "duel"\nopponents = ["idle"]\nseeds = [1]\n'
+    (folder / "spec.toml").write_text(spec)
+    ended = run(folder, "grade", "[red]x.py", "--spec", "spec.toml", "--junit", "g.xml", "--json", "g.json", "--force")
+    assert ended.returncode == 1, ended.stderr.decode()
+    assert all(letter.isprintable() or letter == "\n" for letter in ended.stdout.decode())
+    (case,) = ET.parse(folder / "g.xml").getroot().iter("testcase")  # noqa: S314 - ours
+    assert (case.get("classname"), case.get("name")) == ("[red]x", r"a\x1bb")
+    assert SHOWN in case.find("failure").text
+    (failure,) = json.loads((folder / "g.json").read_text())["tests"][0]["failures"]
+    assert SHOWN in failure
+
+
+def test_a_look_at_it_shows_the_escapes(played):
+    folder, _ = played
+    ended = run(folder, "check-agent", "[red]x.py", *QUICK)
+    assert ended.returncode == 1
+    assert SHOWN in ended.stdout.decode()
+    assert b"\x1b" not in ended.stdout + ended.stderr
+
+
+@pytest.mark.parametrize("trusted", [(), ("--trusted",)])
+def test_one_match_shows_them(played, trusted):
+    folder, _ = played
+    (folder / "quiet.py").write_text(HOSTILE.replace("print(", "str(").replace("sys.stdout.buffer.write", "len"))
+    ended = run(folder, "match", "quiet.py", "nearest", *QUICK, "-o", "m.replay", "--force", *trusted)
+    assert ended.returncode == 0, ended.stderr.decode()
+    assert SHOWN in ended.stdout.decode()
+    assert b"\x1b" not in ended.stdout + ended.stderr
+
+
+def test_a_real_terminal_is_sent_none_of_its_commands(played):
+    """A pipe proves little: what is printed through one loses its colours in any case."""
+    folder, _ = played
+    ours, theirs = pty.openpty()
+    environment = os.environ | {"PYTHONPATH": str(Path(catch_arena.__file__).parents[1]), "TERM": "xterm-256color"}
+    words = [sys.executable, "-m", "catch_arena", "match", "[red]x.py", "nearest", *QUICK, "-o", "t.replay", "--force"]
+    sent = b""
+    with subprocess.Popen(words, cwd=folder, stdin=theirs, stdout=theirs, stderr=theirs, env=environment):
+        os.close(theirs)
+        try:
+            while part := os.read(ours, 65536):
+                sent += part
+        except OSError:  # the other end is closed
+            os.close(ours)
+    assert rb"\x1b]0;title\x07" in sent
+    assert SHOWN.encode() in sent
+    for command in (b"\x1b]0;", b"\x07", b"\x1b[31mred", b"\x1b[2J", b"\0", "\u202e".encode()):
+        assert command not in sent
+
+
+@settings(max_examples=30, deadline=None)
+@given(ANY)
+def test_any_exception_reaches_every_sink(tmp_path_factory, raised):
+    class Raises:
+        def reset(self, seed):
+            pass
+
+        def act(self, view):
+            raise RuntimeError(raised, view.score)
+
+    folder = tmp_path_factory.mktemp("any")
+    entrants = enter(["idle", "nearest"])
+    match = Match("m1", 0, 1, (0, 1))
+    result = play(SHORT, 1, [Raises(), entrants[1].create()], ["idle", "nearest"])
+    assert result.details[0].reason.isprintable()
+    one = PlayedMatch(match, result)
+    with Store.begin(Tournament(SHORT, entrants, {"format": "x"}), folder) as store:
+        store.plan([(match,)])
+        store.keep([one])
+        (kept,) = store.played()
+        assert kept.result.details[0].reason == result.details[0].reason
+    AgentLogs(folder / "logs", entrants).add(one)
+    write_report(folder).read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def sandbox():
+    with Sandbox(PATIENT) as made:
+        yield made
+
+
+@pytest.mark.parametrize("number", range(21))
+def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, number):
+    """It writes to the descriptor itself, behind the back of our side of the protocol."""
+    file = tmp_path / f"a{number}.py"
+    file.write_text(ANSWERS)
+    entrants = enter([str(file), "nearest"], inspector(sandbox))
+    with start_players(entrants, sandbox) as players:
+        result = play(SHORT, 3, players, ["x", "nearest"])
+    assert result.forfeits[1] is None
+    assert result.details[0].reason.isprintable()
+    assert len(result.details[0].reason) <= 300
+
+
+def test_what_an_agent_says_of_itself_is_no_file_to_be_read(tmp_path):
+    """A folder, a device, what nobody may read, a pipe that nobody writes to: its digest is that of its spec then."""
+    os.mkfifo(tmp_path / "pipe")
+    usual = enter(["no_such_module:Agent"], lambda _: Inspection())[0].digest
+    for source in ("/", "/dev/zero", "\0", "\ud800", "", str(tmp_path / "pipe"), "x" * 9999, "/proc/self/mem"):
+        found = enter(["no_such_module:Agent"], lambda _, source=source: Inspection(source=source))
+        assert found[0].digest == usual, source
+
+
+def test_a_file_may_be_called_like_the_second_of_two(tmp_path):
+    (tmp_path / "nearest#2.py").write_text(HOSTILE)
+    found = enter(["nearest", str(tmp_path / "nearest#2.py"), "nearest"], lambda _: Inspection())
+    assert [one.name for one in found] == ["nearest", "nearest#2", "nearest#3"]
+    found = enter(["nearest", "nearest", str(tmp_path / "nearest#2.py")], lambda _: Inspection())
+    assert len({one.name for one in found}) == 3
+
+
+@pytest.mark.parametrize("name", ["x" * 101 + ".py", "\x1b[31m.py", "\u202ea.py", "a\tb.py"])
+def test_a_name_that_cannot_be_shown_is_refused_in_one_line(tmp_path, name):
+    (tmp_path / name).write_text(HOSTILE)
+    words = ["tournament", str(tmp_path / name), "nearest", *QUICK, "--out", str(tmp_path / "o")]
+    ended = CliRunner().invoke(main, words)
+    assert ended.exit_code == 2
+    assert ended.stderr.count("\n") == 1
+    assert "its name must be of characters that can be printed, at most 100 of them" in ended.stderr
+    assert ended.stderr.replace("\n", "").isprintable()
+    assert not (tmp_path / "o").exists()
+
+
+@pytest.mark.parametrize(
+    "words", [["report", "a", "\x1b[3m"], ["\x1b[3m"], ["report", "\x1b[3m"], ["verify", "\x1b[3m"]]
+)
+def test_what_a_mistake_quotes_is_shown_not_sent(tmp_path, words):
+    ended = run(tmp_path, *words)
+    assert ended.returncode == 2
+    assert b"\x1b" not in ended.stderr + ended.stdout
+    assert rb"\x1b" in ended.stderr
+
+
+def test_files_of_any_name_are_listed_without_harm(played):
+    folder, _ = played
+    place = folder / "films"
+    place.mkdir()
+    replay = min((folder / "out/replays").glob("*.replay"))
+    for name in (b"a\x1b[2J.replay", b"caf\xe9.replay", "\u202eb.replay".encode()):
+        Path(os.fsdecode(bytes(place) + b"/" + name)).write_bytes(replay.read_bytes())
+    filmed = ["mosaic", "films", "-o", "m2.gif", "--size", "320x320", "--force"]
+    for words in (filmed, ["highlights", "films", "--list"]):
+        ended = run(folder, *words)
+        assert b"Traceback" not in ended.stderr
+        assert b"\x1b" not in ended.stdout + ended.stderr

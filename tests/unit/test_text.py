@@ -1,0 +1,117 @@
+"""Text from strangers: whatever it is, every sink can hold what becomes of it."""
+
+import csv
+import io
+from xml.etree import ElementTree as ET
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.console import Console
+
+from catch_arena.cli.fitted_table import FittedTable
+from catch_arena.cli.terminal import plain
+from catch_arena.errors import reason
+from catch_arena.text import (
+    LONGEST_LINE,
+    LONGEST_NAME,
+    in_short,
+    name_fault,
+    one_line,
+    printable,
+    printable_lines,
+    spreadsheet_cell,
+)
+
+ANY = st.text(st.characters(codec=None, exclude_categories=()))
+"""Surrogates, control characters and all."""
+
+
+@given(ANY)
+def test_any_text_becomes_printable_and_printable_text_stays(text):
+    shown = printable(text)
+    assert shown.isprintable()
+    assert printable(shown) == shown
+    assert (shown == text) == text.isprintable()
+    assert len(one_line(text)) <= LONGEST_LINE
+    assert one_line(text).isprintable()
+    assert not [line for line in printable_lines(text).replace("\t", "").split("\n") if not line.isprintable()]
+    assert printable_lines(text).count("\n") == text.count("\n")
+
+
+@given(ANY)
+def test_what_is_shown_is_what_python_would_write(text):
+    shown = printable(text)
+    assert shown == "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
+
+
+@given(ANY)
+def test_every_sink_takes_it(text):
+    """A file in UTF-8, XML 1.0, a CSV file, a table on the terminal."""
+    shown = printable_lines(text)
+    assert shown.encode().decode() == shown
+    case = ET.Element("case", name=printable(text))
+    case.text = shown
+    read = ET.fromstring(ET.tostring(case))  # noqa: S314 - ours
+    assert (read.get("name"), read.text or "") == (printable(text), shown)
+    file = io.StringIO()
+    csv.writer(file).writerow([spreadsheet_cell(printable(text)), "x"])
+    ((cell, _),) = csv.reader(io.StringIO(file.getvalue()))
+    assert cell.removeprefix("'") == printable(text).removeprefix("'")
+    assert not cell.startswith(("=", "+", "-", "@", "\t", "\r"))
+
+
+@given(ANY)
+def test_the_tables_of_the_terminal_show_it_as_it_stands(text):
+    table = FittedTable("name", folded="name")
+    table.add_row(text)
+    console = Console(file=io.StringIO(), width=10_000, force_terminal=True, color_system=None)
+    console.print(table)
+    assert plain(text).plain in console.file.getvalue()
+    assert "\x1b" not in console.file.getvalue()
+
+
+def test_markup_is_none():
+    assert plain("[red]x[/red]").plain == "[red]x[/red]"
+
+
+@given(ANY)
+def test_an_exception_of_any_text_is_a_line(text):
+    said = one_line(reason(RuntimeError(text)))
+    assert said.isprintable()
+    assert said.startswith("RuntimeError")
+
+
+class LyingError(Exception):
+    def __str__(self):
+        raise ValueError
+
+
+class Odd:
+    def __repr__(self):
+        raise ValueError
+
+
+def test_what_cannot_even_be_written_is_named_by_its_kind():
+    assert reason(LyingError()) == "LyingError: its own text cannot be had"
+    assert in_short(10**9999) == "<int>"
+    deep = []
+    for _ in range(100_000):
+        deep = [deep]
+    assert len(in_short(deep)) < 200
+    assert "Odd" in in_short(Odd())
+    assert in_short("\ud800\x1b") == r"'\ud800\x1b'"
+    assert in_short({1: "a\nb"}) == r"{1: 'a\nb'}"
+
+
+@given(ANY)
+def test_a_name_is_printable_and_short_or_the_fault_says_so_in_one_line(text):
+    fault = name_fault(text)
+    assert (fault is None) == (text.isprintable() and 1 <= len(text) <= LONGEST_NAME)
+    assert fault is None or fault.isprintable()
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@x"])
+def test_what_begins_like_a_formula_is_text_to_a_spreadsheet(text):
+    assert spreadsheet_cell(text) == f"'{text}"
+    assert spreadsheet_cell(f"x{text}") == f"x{text}"
