@@ -155,7 +155,7 @@ def test_a_seed_that_was_damaged_is_one_line(store, tmp_path, text):
         db.execute("UPDATE fact SET value = ? WHERE name = 'seed'", (json.dumps(text),))
     db.close()
     for look in (lambda: Store.secret_in(tmp_path), lambda: Store.begin(FACTS, tmp_path, resume=True)):
-        with pytest.raises(StoreError, match="is damaged: its seed is none"):
+        with pytest.raises(StoreError, match="is damaged: seed must be"):
             look()
 
 
