@@ -7,7 +7,6 @@ none that was kept. Keeping a match twice changes nothing.
 import dataclasses
 import json
 import platform
-import shutil
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -20,7 +19,7 @@ from typing import Any, Final, Self
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import StoreError
-from catch_arena.files import room
+from catch_arena.files import LEAST_FREE, is_full, room
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch
 
@@ -34,8 +33,6 @@ _PATIENCE_S: Final = 60.0
 _FULL: Final = "SQLITE_FULL"
 _FAILED: Final = "SQLITE_IOERR"
 """What SQLite says where it cannot write. It says the second on a full disk too, of the files beside its own."""
-_LEAST_FREE: Final = 1_000_000
-"""Bytes: with less free, a write that failed was for want of room."""
 _TABLES: Final = """
 CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE versions (id INTEGER PRIMARY KEY, value TEXT NOT NULL UNIQUE);
@@ -307,7 +304,7 @@ class Store:
         if self.path is None or not name.startswith((_FULL, _FAILED)):
             return f"cannot be used: {error}"
         folder, needed = self.path.parent, self._bytes_needed()
-        why = "the disk is full" if name == _FULL or _is_full(folder, needed or 0) else error
+        why = "the disk is full" if name == _FULL or is_full(folder, max(LEAST_FREE, needed or 0)) else error
         return f"cannot be written: {why}: {room(folder, needed)}"
 
     def _bytes_needed(self) -> int | None:
@@ -319,12 +316,6 @@ class Store:
             for (seating,) in self._db.execute("SELECT seating FROM match LIMIT 1"):
                 return int(count) * store_bytes(len(json.loads(seating)))
         return None
-
-
-def _is_full(folder: Path, needed: int) -> bool:
-    with suppress(OSError):
-        return shutil.disk_usage(folder).free < max(_LEAST_FREE, needed)
-    return False
 
 
 def versions() -> dict[str, str]:
