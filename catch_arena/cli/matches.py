@@ -224,13 +224,13 @@ def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
 
 
 def _executor(name: ExecutorName, worker: "Worker", jobs: int, address: str | None) -> "Executor":
-    from catch_arena.tournament.execution.executors import ProcessExecutor, SerialExecutor
+    from catch_arena.tournament.execution.executors import local_executor
 
     if name == "ray":
         from catch_arena.tournament.execution.ray_executor import RayExecutor
 
         return RayExecutor(worker, jobs, address)
-    return SerialExecutor(worker) if jobs == 1 else ProcessExecutor(worker, jobs)
+    return local_executor(worker, jobs)
 
 
 @main.command()

@@ -130,7 +130,7 @@ class Store:
     def plan(self, blocks: Iterable[Block]) -> int:
         """Write blocks that will be played, all or none; how many matches there are in them."""
         count = 0
-        with self._transaction() as db:
+        with self.transaction() as db:
             for match in (match for block in blocks for match in block):
                 row = (match.id, match.block, match.seed, _json(match.seating))
                 if not db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?)", row).rowcount:
@@ -142,7 +142,7 @@ class Store:
 
     def keep(self, block: Iterable[PlayedMatch]) -> None:
         """Write matches that were played, all or none; one that was kept before must have come out alike."""
-        with self._transaction():
+        with self.transaction():
             for one in block:
                 self._keep(one)
 
@@ -225,7 +225,7 @@ class Store:
             self._db.execute("PRAGMA journal_mode = WAL")
             self._db.execute("PRAGMA synchronous = NORMAL")  # a power cut may take the last matches, but never the file
             self._db.execute("PRAGMA foreign_keys = ON")
-        with self._transaction() as db:
+        with self.transaction() as db:
             if not self._has_tables():
                 for statement in _TABLES.format(results=_COLUMNS).strip().split(";\n"):
                     db.execute(statement)
@@ -280,7 +280,8 @@ class Store:
             raise
 
     @contextmanager
-    def _transaction(self) -> Iterator[sqlite3.Connection]:
+    def transaction(self) -> Iterator[sqlite3.Connection]:
+        """What is written in it is kept, all or none."""
         with self._store_errors():
             self._db.execute("BEGIN IMMEDIATE")
             try:

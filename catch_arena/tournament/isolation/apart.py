@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from catch_arena.errors import NoContest
+from catch_arena.errors import NoContest, Stalled
 from catch_arena.files import is_full
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import Entrant, Inspection
@@ -55,9 +55,9 @@ class _Disk:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._before = self._free()
-        self._taken: Counter[int] = Counter()
+        self._free_at_first = self._before = self._free()
         self._was_full = is_full(folder)
+        self._taken: Counter[int] = Counter()
 
     def begin_turn(self) -> None:
         """Somebody may write from here on."""
@@ -67,13 +67,14 @@ class _Disk:
         """The seat has written.
 
         Returns:
-            which one has filled the disk: of all that was taken in turns, it took the most.
+            which one has filled the disk: it has taken the most of all, and more than half of the room there was.
         """
-        self._taken[seat] += max(0, self._before - self._free())
+        free = self._free()
+        self._taken[seat] += max(0, self._before - free)
         if self._was_full or not is_full(self._folder):
             return None
         ((most, taken),) = self._taken.most_common(1)
-        return most if taken else None
+        return most if 2 * taken > self._free_at_first - free else None
 
     def _free(self) -> int:
         with suppress(OSError):
@@ -164,11 +165,10 @@ class ApartPlayers:
             yield
         except NoContest as error:
             failed = error
-        obeys = one.freezer.freeze()
+        if not one.freezer.freeze():
+            raise Stalled(f"a process of {one.name} does not stand still")
         if harm := self._harm():
             raise Sabotage(seat, f"{harm} while no other agent ran")
-        if not obeys:
-            raise Sabotage(seat, "a process of it could not be stopped")
         if failed is not None:
             raise failed
         for disk in self._disks:
@@ -179,6 +179,8 @@ class ApartPlayers:
         """What was done to those who stand still, in words."""
         for seat in self._in_play:
             one = self._seats[seat]
-            if one.freezer is not None and not one.freezer.holds():
-                return f"a process of {one.name}, or the one that keeps it, was ended or made to run"
+            lost = None if one.freezer is None else one.freezer.lost()
+            if lost is not None:
+                whose = "the supervisor" if lost == one.sandbox.pid else "a process"
+                return f"{whose} of {one.name} was ended, or made to run,"
         return ""

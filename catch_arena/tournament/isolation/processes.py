@@ -20,7 +20,7 @@ _GET_CHILD_SUBREAPER: Final = 37
 _SET_NO_NEW_PRIVS: Final = 38
 
 _MIB: Final = 1 << 20
-_FREEZE_S: Final = 2.0
+_FREEZE_S: Final = 10.0
 _PAUSE_S: Final = 0.0002
 _ADDRESSES: Final = 4
 """Addresses that a process may use for each byte of its private memory: libraries map much that they never touch."""
@@ -72,11 +72,11 @@ class Freezer:
             self._still = stopped
             obeyed |= self._found
 
-    def holds(self) -> bool:
-        """Whether all who stood still do so, and live, the first one in any case: one that was killed does not, from
-        that moment on, nor does one that was told to go on.
+    def lost(self) -> int | None:
+        """One who should stand still and does not: it has been killed, from that moment on, or told to go on. The first
+        one of all is lost too where it had ended before.
         """
-        return self._root in self._still and all(state(pid) == "T" for pid in self._still)
+        return next((pid for pid in (self._root, *self._still) if state(pid) != "T"), None)
 
     def thaw(self) -> None:
         """Let them go on."""

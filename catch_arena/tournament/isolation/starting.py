@@ -3,7 +3,7 @@
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from types import MappingProxyType
@@ -66,8 +66,10 @@ def start_players(
         if trusted:
             parts.append(TrustedPlayers.of(trusted))
         if sandbox is not None and isolated:
-            shared = _isolated(isolated, sandbox)
-            parts.append(stack.enter_context(shared if apart is None else _apart(isolated, sandbox.limits, apart)))
+            if apart is None:
+                parts.append(stack.enter_context(_isolated(isolated, sandbox)))
+            else:
+                parts.append(stack.enter_context(_apart(isolated, sandbox.limits, apart)))
         if faults:
             parts.append(AbsentPlayers({seat: entrants[seat].control for seat in faults}, faults))
         yield parts[0] if len(parts) == 1 else CompositePlayers(parts)
@@ -102,7 +104,7 @@ def play_entrants(
     try:
         return play_together(config, seed, entrants, sandbox, **options)
     except NoContest:
-        if sandbox is None or not suspects(entrants):
+        if sandbox is None or not any(map(is_suspect, entrants)):
             raise
         sandbox.close()
     culprits: dict[int, Fault] = {}
@@ -186,9 +188,9 @@ def play_apart(
     return _attempt_apart(attempt, on_turn, disks)
 
 
-def suspects(entrants: Iterable[Entrant]) -> bool:
-    """Whether one of these could do harm, where it is not trusted."""
-    return any(one.fault is None and not is_shipped(one.spec) for one in entrants)
+def is_suspect(entrant: Entrant) -> bool:
+    """Whether an entrant that is not trusted could do harm: it is started, and does not come with the package."""
+    return entrant.fault is None and not is_shipped(entrant.spec)
 
 
 def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
@@ -199,15 +201,18 @@ def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
     if sandbox is None:
         return inspect_agent
 
+    def look(seats: Mapping[int, Entrant]) -> Inspection:
+        with _isolated(seats, sandbox) as players:
+            found = players.inspect()
+            sandbox.end(seats[0])
+        return found
+
     def inspect(spec: str) -> Inspection:
         if is_shipped(spec):
             return inspect_agent(spec)
         seats = {0: Entrant(spec, spec, "target", "")}
         try:
-            with _isolated(seats, sandbox) as players:
-                found = players.inspect()
-                sandbox.end(seats[0])
-            return found
+            return look(seats)
         except NoContest:  # there is no other agent, but the fault may be ours
             sandbox.close()
 

@@ -1,0 +1,94 @@
+"""Blocks that could not be played: each is played again with its isolated agents apart, and without those who turn out
+to have done harm.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+from catch_arena.descendants import end
+from catch_arena.errors import NoContest, WorkerLost
+from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
+from catch_arena.tournament.execution.worker_process import WorkerProcess
+from catch_arena.tournament.isolation.apart import Sabotage
+from catch_arena.tournament.isolation.processes import no_newcomers_left
+from catch_arena.tournament.match import Block
+from catch_arena.tournament.players import Fault
+from catch_arena.tournament.suspicions import Suspicions
+
+_MOST_TRIES: Final = 3
+"""How often a block is begun whose worker is lost before any agent ran."""
+
+
+class Trials:
+    """The trials of one tournament; nothing else may be played meanwhile."""
+
+    def __init__(self, worker: Worker, suspicions: Suspicions) -> None:
+        self._worker = worker
+        self._suspicions = suspicions
+        store = suspicions.store.path
+        self._disks = [] if store is None else [store.parent.absolute()]
+
+    def has_suspects(self, block: Block, excluded: Excluded) -> bool:
+        """Whether agents run in a block that could do harm; else a trial finds nothing."""
+        return bool(self._worker.suspects(block, excluded))
+
+    def is_due(self, block: Block, excluded: Excluded) -> bool:
+        """Whether a block was being played when the tournament ended the last time, perhaps by its agents' doing."""
+        return block[0].block in self._suspicions.begun and self.has_suspects(block, excluded)
+
+    def note(self, block: Block, excluded: Excluded) -> None:
+        """That block is about to be played."""
+        if self.has_suspects(block, excluded):
+            self._suspicions.begin(block[0].block)
+
+    def settle(self, block: Block) -> None:
+        """That block has been kept."""
+        self._suspicions.end(block[0].block)
+
+    def play(self, block: Block, excluded: Excluded) -> list[RecordedMatch]:
+        """The matches of a block, in a process of its own; whoever does harm forfeits all of them, and is not started.
+
+        Raises:
+            NoContest: for a match that could not be held, and no agent is to blame.
+            StoreError: where what was found cannot be written.
+        """
+        number, lost = block[0].block, 0
+        while True:
+            turns: list[int] = []
+
+            def begin_turn(index: int, turns: list[int] = turns) -> None:
+                self._suspicions.begin_turn(number, index)
+                turns[:] = [index]
+
+            culprits = self._suspicions.culprits(number)
+            forfeits = {index: Fault("FORFEIT_SABOTAGE", what) for index, what in culprits.items()}
+            try:
+                played = self._attempt(block, {**forfeits, **excluded}, begin_turn)
+            except Sabotage as found:
+                self._suspicions.convict(number, found.who, found.what)
+            except WorkerLost as error:
+                lost += 1
+                if turns:
+                    self._suspicions.convict(number, turns[0], f"{error} while no other agent ran")
+                elif lost == _MOST_TRIES:
+                    raise
+            except KeyboardInterrupt:
+                self._suspicions.break_off()
+                raise
+            except NoContest:
+                self._suspicions.end_turns()
+                raise
+            else:
+                self._suspicions.end_turns()
+                return played
+
+    def _attempt(self, block: Block, excluded: Excluded, on_turn: Callable[[int], None]) -> list[RecordedMatch]:
+        with no_newcomers_left():
+            process = WorkerProcess(self._worker)
+            try:
+                return process.play_apart(block, excluded, on_turn, self._disks)
+            finally:
+                if process.lives:
+                    end([process.pid])
+                process.let_go()
+                process.wait()
