@@ -150,9 +150,10 @@ def tournament(
             raise type(error)(f"{error}; {kept(store.count_played())}") from None
         Console().print(standings_table(table))
         for line in table:
-            if "FORFEIT_OUT" in line.forfeits:
-                without = f"{line.forfeits['FORFEIT_OUT']} of its {line.matches} matches were played without it"
-                typer.echo(f"{line.name} was out after {max_forfeits} forfeits in a row: {without}")
+            if harmful := line.forfeits.get("FORFEIT_SABOTAGE"):
+                typer.echo(f"{line.name} did harm, and forfeited {harmful} matches for it (FORFEIT_SABOTAGE)")
+            if without := line.forfeits.get("FORFEIT_OUT"):
+                typer.echo(f"{line.name} was out: {without} of its {line.matches} matches were played without it")
         if isinstance(plays, UntilSeparated) and plays.last is not None:
             typer.echo(f"after {played} matches, {plays.last}")
         if (out / LOGS).exists():

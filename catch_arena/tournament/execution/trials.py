@@ -2,7 +2,8 @@
 to have done harm.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Final
 
 from catch_arena.descendants import end
@@ -53,23 +54,26 @@ class Trials:
             StoreError: where what was found cannot be written.
         """
         number, lost = block[0].block, 0
+        turn: int | None = None
+
+        def begin_turn(index: int) -> None:
+            nonlocal turn
+            self._suspicions.begin_turn(number, index)
+            turn = index
+
         while True:
-            turns: list[int] = []
-
-            def begin_turn(index: int, turns: list[int] = turns) -> None:
-                self._suspicions.begin_turn(number, index)
-                turns[:] = [index]
-
+            turn = None
             culprits = self._suspicions.culprits(number)
             forfeits = {index: Fault("FORFEIT_SABOTAGE", what) for index, what in culprits.items()}
             try:
-                played = self._attempt(block, {**forfeits, **excluded}, begin_turn)
+                with _worker_process(self._worker) as process:
+                    played = process.play_apart(block, {**forfeits, **excluded}, begin_turn, self._disks)
             except Sabotage as found:
                 self._suspicions.convict(number, found.who, found.what)
             except WorkerLost as error:
                 lost += 1
-                if turns:
-                    self._suspicions.convict(number, turns[0], f"{error} while no other agent ran")
+                if turn is not None:
+                    self._suspicions.convict(number, turn, f"{error} while no other agent ran")
                 elif lost == _MOST_TRIES:
                     raise
             except KeyboardInterrupt:
@@ -82,13 +86,16 @@ class Trials:
                 self._suspicions.end_turns()
                 return played
 
-    def _attempt(self, block: Block, excluded: Excluded, on_turn: Callable[[int], None]) -> list[RecordedMatch]:
-        with no_newcomers_left():
-            process = WorkerProcess(self._worker)
-            try:
-                return process.play_apart(block, excluded, on_turn, self._disks)
-            finally:
-                if process.lives:
-                    end([process.pid])
-                process.let_go()
-                process.wait()
+
+@contextmanager
+def _worker_process(worker: Worker) -> Iterator[WorkerProcess]:
+    """One that ends with the context, and all that descends from it."""
+    with no_newcomers_left():
+        process = WorkerProcess(worker)
+        try:
+            yield process
+        finally:
+            if process.lives:
+                end([process.pid])
+            process.let_go()
+            process.wait()

@@ -53,7 +53,7 @@ _KINDS = {
     # The supervisor is the second above an agent, the first above what imports it.
     "at_import": "strike(ancestors()[:1])\n",
     "at_construction": "class Agent(Agent):\n    def __init__(self): strike(ancestors()[1:2])\n",
-    "at_reset": "class Agent(Agent):\n    def reset(self, seed):\n        self.step = 0\n        strike(ancestors()[1:2])\n",
+    "at_reset": "class Agent(Agent):\n    def reset(self, seed): strike(ancestors()[1:2])\n",
     "in_a_step": "class Agent(Agent):\n    def move(self):\n        if self.step == 12: strike(ancestors()[1:2])\n",
     # the supervisor, the worker above it, and all that is between that and the tournament's own process
     "all_but_the_tournament": "class Agent(Agent):\n    def move(self):\n"
