@@ -88,7 +88,6 @@ class _BlockQueue:
                         self._take(one)
             elif self._queue[0].on_trial:  # nothing else is played: who does harm now is found
                 one = self._queue[0]
-                self._executor.rest()
                 one.excluded = self._streaks.excluded_from(one.block)
                 one.matches = self._trials.play(one.block, one.excluded)
             while self._queue and (matches := self._queue[0].matches) is not None:

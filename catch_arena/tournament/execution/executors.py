@@ -1,9 +1,9 @@
 """Where blocks are played: in this process, or in several on this machine. `ray_executor` has a third place."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from queue import Empty, SimpleQueue
 from threading import Lock
 from types import TracebackType
@@ -11,7 +11,7 @@ from typing import Protocol, Self
 
 from catch_arena.descendants import end, family
 from catch_arena.engine import Engine
-from catch_arena.errors import ConfigError, NoContest
+from catch_arena.errors import ConfigError, NoContest, WorkerLost
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
 from catch_arena.tournament.execution.worker_process import WorkerProcess
 from catch_arena.tournament.isolation.processes import kill_newcomers, no_newcomers_left
@@ -42,6 +42,9 @@ class Executor(Protocol):
     def rest(self) -> None:
         """End all that agents run on this machine; nothing of what was begun is waited for. More may be begun then."""
 
+    def process(self) -> AbstractContextManager[WorkerProcess]:
+        """A process on this machine that plays nothing, for as long as the context lasts."""
+
     def __enter__(self) -> Self: ...
 
     def __exit__(
@@ -71,6 +74,10 @@ class SerialExecutor:
     def rest(self) -> None:
         """End the agents that wait for their next match."""
         self.worker.close()
+
+    def process(self) -> AbstractContextManager[WorkerProcess]:
+        """A process on this machine that plays nothing."""
+        return fresh_process(self.worker)
 
     def __enter__(self) -> Self:
         return self
@@ -108,12 +115,28 @@ class ProcessExecutor:
         return future.result()
 
     def rest(self) -> None:
-        """End the processes, and what agents have left that killed the process above them."""
-        with self._lock:
-            processes, self._processes = self._processes or [], []
-        self._end(processes)
+        """End the agents that wait for their next match, and what others have left that killed the process above them.
+
+        Processes that still play are ended: what they play is waited for by nobody.
+        """
+        idle = self._take_idle()
+        end([process.pid for process in self._processes or () if process not in idle and process.lives])
+        for process in idle:
+            with suppress(WorkerLost):
+                process.rest()
+            self._idle.put(process)
         if self.worker.limits is not None:
-            kill_newcomers(self._before)
+            living = [process.pid for process in idle if process.lives]
+            kill_newcomers(self._before | {*living} | family(*living))
+
+    @contextmanager
+    def process(self) -> Iterator[WorkerProcess]:
+        """A process on this machine that plays nothing."""
+        process = self._idle_or_new()
+        try:
+            yield process
+        finally:
+            self._idle.put(process)
 
     def __enter__(self) -> Self:
         self._before = family(os.getpid())
@@ -127,30 +150,33 @@ class ProcessExecutor:
         with self._lock:
             processes, self._processes = self._processes or [], None
         self._threads.shutdown(wait=False, cancel_futures=True)
-        self._end(processes)
-        self._threads.shutdown()
-        self._context.close()
-
-    def _end(self, processes: Sequence[WorkerProcess]) -> None:
-        idle = [self._idle.get() for _ in range(self._idle.qsize())]
+        idle = self._take_idle()
         # nobody waits any more for what the others play, and an agent may never return
         end([process.pid for process in processes if process not in idle and process.lives])
-        for process in idle:
+        self._threads.shutdown()
+        for process in processes:
             process.let_go()
         for process in processes:
             process.wait()
+        self._context.close()
 
     def _play(self, matches: Sequence[Match], excluded: Excluded) -> list[RecordedMatch]:
+        process = self._idle_or_new()
+        try:
+            return process.play(matches, excluded)
+        finally:
+            self._idle.put(process)
+
+    def _take_idle(self) -> list[WorkerProcess]:
+        return [self._idle.get() for _ in range(self._idle.qsize())]
+
+    def _idle_or_new(self) -> WorkerProcess:
         try:
             while not (process := self._idle.get_nowait()).lives:
                 pass
         except Empty:
-            process = self._start()
-        try:
-            return process.play(matches, excluded)
-        finally:
-            if process.lives:
-                self._idle.put(process)
+            return self._start()
+        return process
 
     def _start(self) -> WorkerProcess:
         with self._lock:
@@ -165,6 +191,20 @@ def local_executor(worker: Worker, jobs: int) -> SerialExecutor | ProcessExecuto
     would end with what they kill.
     """
     return SerialExecutor(worker) if jobs == 1 and worker.limits is None else ProcessExecutor(worker, jobs)
+
+
+@contextmanager
+def fresh_process(worker: Worker) -> Iterator[WorkerProcess]:
+    """One that ends with the context, and all that descends from it."""
+    with no_newcomers_left():
+        process = WorkerProcess(worker)
+        try:
+            yield process
+        finally:
+            if process.lives:
+                end([process.pid])
+            process.let_go()
+            process.wait()
 
 
 def usable_cores() -> int:

@@ -5,7 +5,7 @@ import platform
 import signal
 from collections.abc import Sequence
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from functools import cache
 from types import TracebackType
 from typing import Any, Self
@@ -13,8 +13,9 @@ from typing import Any, Self
 from catch_arena.engine import Engine
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost, reason
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import require_jobs
+from catch_arena.tournament.execution.executors import fresh_process, require_jobs
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
+from catch_arena.tournament.execution.worker_process import WorkerProcess
 from catch_arena.tournament.isolation.starting import inspector
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.store import versions
@@ -85,6 +86,10 @@ class RayExecutor:
 
     def rest(self) -> None:
         """Ray's workers wait; a cluster's are on other machines."""
+
+    def process(self) -> AbstractContextManager[WorkerProcess]:
+        """A process on this machine that plays nothing."""
+        return fresh_process(self.worker)
 
     def __enter__(self) -> Self:
         return self

@@ -99,7 +99,7 @@ def play_plan(
     """
     logs = None if folder is None else AgentLogs(folder / LOGS, store.tournament.entrants)
     streaks = ForfeitStreaks(max_forfeits)
-    trials = Trials(executor.worker, Suspicions(store))
+    trials = Trials(executor, Suspicions(store))
 
     def keep(recorded: Sequence[RecordedMatch]) -> None:
         for one, replay in recorded:  # files first, so that what is kept has them

@@ -2,16 +2,12 @@
 to have done harm.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Final
 
-from catch_arena.descendants import end
 from catch_arena.errors import NoContest, WorkerLost
-from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
-from catch_arena.tournament.execution.worker_process import WorkerProcess
+from catch_arena.tournament.execution.executors import Executor
+from catch_arena.tournament.execution.worker import Excluded, RecordedMatch
 from catch_arena.tournament.isolation.apart import Sabotage
-from catch_arena.tournament.isolation.processes import no_newcomers_left
 from catch_arena.tournament.match import Block
 from catch_arena.tournament.players import Fault
 from catch_arena.tournament.suspicions import Suspicions
@@ -21,17 +17,17 @@ _MOST_TRIES: Final = 3
 
 
 class Trials:
-    """The trials of one tournament; nothing else may be played meanwhile."""
+    """The trials of one tournament; nothing that agents run lives on meanwhile."""
 
-    def __init__(self, worker: Worker, suspicions: Suspicions) -> None:
-        self._worker = worker
+    def __init__(self, executor: Executor, suspicions: Suspicions) -> None:
+        self._executor = executor
         self._suspicions = suspicions
         store = suspicions.store.path
         self._disks = [] if store is None else [store.parent.absolute()]
 
     def has_suspects(self, block: Block, excluded: Excluded) -> bool:
         """Whether agents run in a block that could do harm; else a trial finds nothing."""
-        return bool(self._worker.suspects(block, excluded))
+        return bool(self._executor.worker.suspects(block, excluded))
 
     def is_due(self, block: Block, excluded: Excluded) -> bool:
         """Whether a block was being played when the tournament ended the last time, perhaps by its agents' doing."""
@@ -47,7 +43,7 @@ class Trials:
         self._suspicions.end(block[0].block)
 
     def play(self, block: Block, excluded: Excluded) -> list[RecordedMatch]:
-        """The matches of a block, in a process of its own; whoever does harm forfeits all of them, and is not started.
+        """The matches of a block, while nothing else is played. Whoever does harm forfeits all of them, unstarted.
 
         Raises:
             NoContest: for a match that could not be held, and no agent is to blame.
@@ -66,7 +62,8 @@ class Trials:
             culprits = self._suspicions.culprits(number)
             forfeits = {index: Fault("FORFEIT_SABOTAGE", what) for index, what in culprits.items()}
             try:
-                with _worker_process(self._worker) as process:
+                self._executor.rest()
+                with self._executor.process() as process:
                     played = process.play_apart(block, {**forfeits, **excluded}, begin_turn, self._disks)
             except Sabotage as found:
                 self._suspicions.convict(number, found.who, found.what)
@@ -85,17 +82,3 @@ class Trials:
             else:
                 self._suspicions.end_turns()
                 return played
-
-
-@contextmanager
-def _worker_process(worker: Worker) -> Iterator[WorkerProcess]:
-    """One that ends with the context, and all that descends from it."""
-    with no_newcomers_left():
-        process = WorkerProcess(worker)
-        try:
-            yield process
-        finally:
-            if process.lives:
-                end([process.pid])
-            process.let_go()
-            process.wait()

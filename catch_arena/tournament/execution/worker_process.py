@@ -15,6 +15,7 @@ from typing import Any, Final, NamedTuple
 from catch_arena.descendants import end, start, state
 from catch_arena.errors import CatchArenaError, NoContest, WorkerLost
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
+from catch_arena.tournament.isolation.processes import adopt_orphans, kill_newcomers
 from catch_arena.tournament.match import Match
 
 _GRACE_S: Final = 1.0
@@ -32,6 +33,8 @@ class _Together(NamedTuple):
 
     matches: Sequence[Match]
     excluded: Excluded
+    rest: bool = False
+    """Whether no agent is to live on afterwards."""
 
 
 class _Apart(NamedTuple):
@@ -81,6 +84,10 @@ class WorkerProcess:
         """The same, as of `Worker.play_apart`: no agent runs before `on_turn` has returned."""
         return self._answer(_Apart(matches, excluded, disks), on_turn)
 
+    def rest(self) -> None:
+        """End the agents that wait there for their next match. Raises: WorkerLost where the process has died."""
+        self._answer(_Together((), {}, rest=True), None)
+
     def _answer(self, request: "_Together | _Apart", on_turn: Callable[[int], None] | None) -> list[RecordedMatch]:
         try:
             self._channel.send(request)
@@ -125,6 +132,8 @@ def main() -> None:
     worker = requests.get()
     if worker is _GONE:
         return
+    if worker.limits is not None:
+        adopt_orphans()
 
     def begin_turn(index: int) -> None:
         channel.send(index)
@@ -138,6 +147,13 @@ def main() -> None:
                 answer = worker.play_apart(request.matches, request.excluded, begin_turn, request.disks)
             else:
                 answer = worker.play(request.matches, request.excluded)
+                if request.rest:
+                    worker.close()
+        except NoContest as error:
+            answer = error
+            worker.close()
+            if worker.limits is not None:
+                kill_newcomers(set())  # those, too, whose supervisor was killed
         except CatchArenaError as error:
             answer = error
         except BaseException:  # noqa: BLE001 - a trusted agent may raise anything

@@ -165,9 +165,10 @@ class ApartPlayers:
             yield
         except NoContest as error:
             failed = error
+        stopped = one.sandbox.has_stopped()
         if not one.freezer.freeze():
             raise Stalled(f"a process of {one.name} does not stand still")
-        if harm := self._harm():
+        if harm := self._harm() or ("its supervisor was stopped" if stopped else ""):
             raise Sabotage(seat, f"{harm} while no other agent ran")
         if failed is not None:
             raise failed

@@ -178,6 +178,8 @@ class IsolatedPlayers:
                 replies[seat] = reply._replace(fault=Fault(reply.fault.code, reason))
                 if signalled:
                     self.doubts.append(f"{name}: {reason}")
+            elif reply.fault.code == "FORFEIT_TIMEOUT" and self._sandbox.holds_stopped():
+                self.doubts.append(f"{name}: {reason}, and a process was stopped")
             elif self._sandbox.is_full():
                 self.doubts.append(f"{name}: {reason}, and the disk of the agents' folders is full")
         return replies
