@@ -101,6 +101,7 @@ def tournament(
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
+    from catch_arena.tournament.first_looks import FirstLooks
     from catch_arena.tournament.plans.schedule import require_enough
     from catch_arena.tournament.plans.until_separated import UntilSeparated
     from catch_arena.tournament.standings_files import SUMMARY, TABLE, write_standings
@@ -110,7 +111,7 @@ def tournament(
     config = arena(scenario, settings)
     allowed = limits_or_trust(limits, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
-    players = enter_agents(agents, allowed)
+    players = enter_agents(agents, allowed, FirstLooks(out))
     require_enough(len(players), config, scenario)
     plays = _plan(players, config.hunters, form, rounds, seed, until_separated, max_matches)
     worker = Worker(config, players, record, allowed)

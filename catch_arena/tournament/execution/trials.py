@@ -23,7 +23,7 @@ class Trials:
         self._executor = executor
         self._suspicions = suspicions
         store = suspicions.store.path
-        self._disks = [] if store is None else [store.parent.absolute()]
+        self._disks = {} if store is None else {"the disk of the results": store.parent.absolute()}
 
     def has_suspects(self, block: Block, excluded: Excluded) -> bool:
         """Whether agents run in a block that could do harm; else a trial finds nothing."""

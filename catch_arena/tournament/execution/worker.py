@@ -61,7 +61,7 @@ class Worker:
         return [self._recorded(match, excluded, play_together) for match in matches]
 
     def play_apart(
-        self, matches: Iterable[Match], excluded: Excluded, on_turn: Callable[[int], None], disks: Sequence[Path]
+        self, matches: Iterable[Match], excluded: Excluded, on_turn: Callable[[int], None], disks: Mapping[str, Path]
     ) -> list[RecordedMatch]:
         """One match after the other, isolated agents one at a time (isolation.apart).
 

@@ -3,7 +3,7 @@
 import os
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
@@ -42,7 +42,7 @@ class _Apart(NamedTuple):
 
     matches: Sequence[Match]
     excluded: Excluded
-    disks: Sequence[Path]
+    disks: Mapping[str, Path]
 
 
 class WorkerProcess:
@@ -79,7 +79,7 @@ class WorkerProcess:
         return self._answer(_Together(matches, excluded), None)
 
     def play_apart(
-        self, matches: Sequence[Match], excluded: Excluded, on_turn: Callable[[int], None], disks: Sequence[Path]
+        self, matches: Sequence[Match], excluded: Excluded, on_turn: Callable[[int], None], disks: Mapping[str, Path]
     ) -> list[RecordedMatch]:
         """The same, as of `Worker.play_apart`: no agent runs before `on_turn` has returned."""
         return self._answer(_Apart(matches, excluded, disks), on_turn)

@@ -53,7 +53,8 @@ class _Seat:
 class _Disk:
     """How much of a disk each seat has taken."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, name: str, folder: Path) -> None:
+        self.name = name
         self._folder = folder
         self._free_at_first = self._before = self._free()
         self._was_full = is_full(folder)
@@ -81,9 +82,6 @@ class _Disk:
             return shutil.disk_usage(self._folder).free
         return 0
 
-    def __str__(self) -> str:
-        return f"the disk of {self._folder} was filled"
-
 
 class ApartPlayers:
     """Entrants in seats of one match, each with a supervisor of its own, of whom one at a time runs.
@@ -92,7 +90,7 @@ class ApartPlayers:
         entrants: by seat.
         limits: of each.
         on_turn: called with a seat before it runs.
-        disks: folders whose disks nobody may fill.
+        disks: folders whose disks nobody may fill, by what is said of them.
     """
 
     def __init__(
@@ -100,13 +98,13 @@ class ApartPlayers:
         entrants: Mapping[int, Entrant],
         limits: AgentLimits,
         on_turn: Callable[[int], None],
-        disks: Sequence[Path],
+        disks: Mapping[str, Path],
     ) -> None:
         self._seats = {seat: _Seat(seat, entrant, limits) for seat, entrant in entrants.items()}
         self.controls = {seat: entrant.control for seat, entrant in entrants.items()}
         self._in_play = set(entrants)
         self._on_turn = on_turn
-        self._disks = [_Disk(folder) for folder in disks]
+        self._disks = [_Disk(name, folder) for name, folder in disks.items()]
 
     def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
         """Begin a match."""
@@ -151,7 +149,7 @@ class ApartPlayers:
             Sabotage: where it did harm.
             NoContest: where the match cannot go on, and nobody knows by whose fault.
         """
-        if harm := self._harm():
+        if harm := self._harm(None):
             raise NoContest(f"{harm} while no agent ran")
         one = self._seats[seat]
         if one.freezer is None:
@@ -168,20 +166,21 @@ class ApartPlayers:
         stopped = one.sandbox.has_stopped()
         if not one.freezer.freeze():
             raise Stalled(f"a process of {one.name} does not stand still")
-        if harm := self._harm() or ("its supervisor was stopped" if stopped else ""):
+        if harm := self._harm(seat) or ("its supervisor was stopped" if stopped else ""):
             raise Sabotage(seat, f"{harm} while no other agent ran")
         if failed is not None:
             raise failed
         for disk in self._disks:
             if (who := disk.end_turn(seat)) is not None:
-                raise Sabotage(who, f"{disk} while no other agent ran")
+                raise Sabotage(who, f"{disk.name} was filled while no other agent ran")
 
-    def _harm(self) -> str:
-        """What was done to those who stand still, in words."""
+    def _harm(self, ran: int | None) -> str:
+        """What was done to those who stand still, in words, as of the seat that ran."""
         for seat in self._in_play:
             one = self._seats[seat]
             lost = None if one.freezer is None else one.freezer.lost()
             if lost is not None:
-                whose = "the supervisor" if lost == one.sandbox.pid else "a process"
-                return f"{whose} of {one.name} was ended, or made to run,"
+                what = "supervisor" if lost == one.sandbox.pid else "process"
+                whose = f"its {what}" if seat == ran else f"the {what} of {one.name}"
+                return f"{whose} was ended, or made to run,"
         return ""

@@ -31,7 +31,7 @@ class Apart(NamedTuple):
     """How isolated agents are kept apart from each other: the arguments of ApartPlayers."""
 
     on_turn: Callable[[int], None]
-    disks: Sequence[Path]
+    disks: Mapping[str, Path]
 
 
 @contextmanager
@@ -159,7 +159,7 @@ def play_apart(
     *,
     excluded: Mapping[int, Fault] = MappingProxyType({}),
     on_turn: Callable[[int], None] | None = None,
-    disks: Sequence[Path] = (),
+    disks: Mapping[str, Path] = MappingProxyType({}),
     **options: Any,
 ) -> MatchResult:
     """One match, isolated agents one at a time, so that whoever does harm is found.
@@ -171,7 +171,7 @@ def play_apart(
         sandbox: whose limits they have.
         excluded: as of `start_players`.
         on_turn: called with a seat before it runs.
-        disks: folders whose disks nobody may fill, that of the agents' folders besides.
+        disks: folders whose disks nobody may fill, by what is said of them; that of the agents' folders besides.
         options: those of `play`.
 
     Raises:
@@ -229,7 +229,9 @@ def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
 
 
 def _attempt_apart(
-    attempt: Callable[[Apart], _Result], on_turn: Callable[[int], None] | None = None, disks: Sequence[Path] = ()
+    attempt: Callable[[Apart], _Result],
+    on_turn: Callable[[int], None] | None = None,
+    disks: Mapping[str, Path] = MappingProxyType({}),
 ) -> _Result:
     """What comes of an attempt with agents apart, which is repeated where we failed ourselves.
 
@@ -244,7 +246,7 @@ def _attempt_apart(
         if on_turn is not None:
             on_turn(seat)
 
-    apart = Apart(begin_turn, (Path(tempfile.gettempdir()), *disks))
+    apart = Apart(begin_turn, {"the disk of the agents' folders": Path(tempfile.gettempdir()), **disks})
     while True:
         try:
             with no_newcomers_left():

@@ -65,6 +65,7 @@ _KINDS = {
     "        if self.step == 5: strike(ancestors()[1:2], signal.SIGSTOP)\n",
     "stops_the_worker": "class Agent(Agent):\n    def move(self):\n"
     "        if self.step == 5: strike(ancestors()[2:3], signal.SIGSTOP)\n",
+    "the_tournament_at_import": "strike(ancestors()[-1:])\n",
     # all that the supervisor started: the rivals and their fork servers, who die as if by themselves
     "its_rivals": "class Agent(Agent):\n    def move(self):\n        if self.step != 6: return\n"
     "        mine = {os.getpid(), *ancestors()}\n"

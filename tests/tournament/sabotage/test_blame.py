@@ -96,6 +96,16 @@ def test_one_that_does_harm_when_it_is_looked_at_is_not_started(tmp_path, kind):
     assert codes(tmp_path / "o") == {kind: {"FORFEIT_INIT"}} | {Path(path).stem: {None} for path in others}
 
 
+def test_one_that_kills_the_tournament_when_it_is_looked_at_is_not_looked_at_again(tmp_path):
+    others = honest(tmp_path)
+    done = play(tmp_path / "o", [saboteur(tmp_path, "the_tournament_at_import"), *others], "--jobs", "1", lives=2)
+    said = "the tournament was killed while it was looked at; to have it looked at again, remove first_looks.json"
+    assert f"cannot begin, and forfeits its matches: {said}" in done.stderr
+    assert codes(tmp_path / "o") == {"the_tournament_at_import": {"FORFEIT_INIT"}} | {
+        Path(path).stem: {None} for path in others
+    }
+
+
 @pytest.mark.parametrize("kind", ["by_a_sleeping_grandchild", "by_a_thread_that_waits"])
 def test_who_plays_when_another_ones_harm_is_done_is_not_blamed(tmp_path, kind):
     """The one waits until its match is over, and is ended with it; the other strikes where it has no seat."""
@@ -147,7 +157,7 @@ def test_whoever_harms_a_single_match_is_named_there(tmp_path):
     words = [saboteur(tmp_path, "in_a_step"), *honest(tmp_path, 1), *QUICK, "-o", str(tmp_path / "m.replay")]
     command = [sys.executable, "-m", "catch_arena", "match", *words]
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=300)
-    assert "in_a_step: FORFEIT_SABOTAGE before the first step: the supervisor of in_a_step was ended" in done.stdout
+    assert "in_a_step: FORFEIT_SABOTAGE before the first step: its supervisor was ended" in done.stdout
 
 
 @pytest.fixture
@@ -171,7 +181,7 @@ def test_whoever_fills_the_disk_of_the_agents_folders_is_named(tmp_path, small_d
     play(tmp_path / "o", agents, "--jobs", "1", env=os.environ | {"TMPDIR": str(small_disk)})
     assert codes(tmp_path / "o") == {"fills_the_disk": {SABOTAGE}, "writes": {None}}
     reasons = {detail and detail.reason for _, result in results(tmp_path / "o")[1] for detail in result.details}
-    assert reasons == {None, f"the disk of {small_disk} was filled while no other agent ran"}
+    assert reasons == {None, "the disk of the agents' folders was filled while no other agent ran"}
 
 
 def test_a_disk_that_is_full_of_other_things_is_told_in_one_line(tmp_path, small_disk):
