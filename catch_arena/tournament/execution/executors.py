@@ -124,7 +124,7 @@ class ProcessExecutor:
         for process in idle:
             with suppress(WorkerLost):
                 process.rest()
-            self._idle.put(process)
+                self._idle.put(process)
         if self.worker.limits is not None:
             living = [process.pid for process in idle if process.lives]
             kill_newcomers(self._before | {*living} | family(*living))
@@ -135,8 +135,10 @@ class ProcessExecutor:
         process = self._idle_or_new()
         try:
             yield process
-        finally:
+        except NoContest:  # after anything else nobody waits for what it plays
             self._idle.put(process)
+            raise
+        self._idle.put(process)
 
     def __enter__(self) -> Self:
         self._before = family(os.getpid())
@@ -196,15 +198,14 @@ def local_executor(worker: Worker, jobs: int) -> SerialExecutor | ProcessExecuto
 @contextmanager
 def fresh_process(worker: Worker) -> Iterator[WorkerProcess]:
     """One that ends with the context, and all that descends from it."""
-    with no_newcomers_left():
-        process = WorkerProcess(worker)
-        try:
-            yield process
-        finally:
-            if process.lives:
-                end([process.pid])
-            process.let_go()
-            process.wait()
+    process = WorkerProcess(worker)
+    try:
+        yield process
+    finally:
+        if process.lives:
+            end([process.pid])
+        process.let_go()
+        process.wait()
 
 
 def usable_cores() -> int:
