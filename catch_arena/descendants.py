@@ -90,6 +90,12 @@ def state(pid: int) -> str:
     return (_stat(pid) or [b""])[0].decode()
 
 
+def session_of(pid: int) -> int:
+    """The session that a process belongs to; 0 where nobody knows."""
+    stat = _stat(pid)
+    return int(stat[3]) if stat else 0
+
+
 def end_all() -> None:
     """End all that descend from this process."""
     end(_by_generation(os.getpid())[1:])

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Final
 
-from catch_arena.descendants import LINUX, family, kill_all, parent_of, send, state
+from catch_arena.descendants import LINUX, family, kill_all, parent_of, send, session_of, state
 from catch_arena.tournament.isolation.limits import AgentLimits
 
 # <linux/prctl.h>
@@ -103,7 +103,7 @@ class Freezer:
 
 @contextmanager
 def no_newcomers_left() -> Iterator[None]:
-    """What has come to descend from this process in the meantime is killed at the end, who lost his parent included."""
+    """What agents have left under this process in the meantime is killed at the end: as of `kill_newcomers`."""
     before, adopts = family(os.getpid()), ctypes.c_int()
     if LINUX:
         ctypes.CDLL(None).prctl(_GET_CHILD_SUBREAPER, ctypes.byref(adopts), 0, 0, 0)
@@ -116,11 +116,14 @@ def no_newcomers_left() -> Iterator[None]:
 
 
 def kill_newcomers(before: set[int]) -> None:
-    """Kill all that descends from this process, but for those who did `before`."""
+    """Kill all that has come to descend from this process, orphans that it adopted included, but for those who did
+    `before`, and for its own session: agents' processes have others, and cannot enter it.
+    """
     doomed: set[int] = set()
+    ours = os.getsid(0)
 
     def newcomers() -> set[int]:
-        found = family(os.getpid()) - before
+        found = {pid for pid in family(os.getpid()) - before if session_of(pid) not in {0, ours}}
         doomed.update(found)
         return found
 

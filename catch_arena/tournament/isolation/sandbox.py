@@ -10,7 +10,6 @@ import shutil
 import signal
 import socket
 import subprocess
-import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -69,9 +68,6 @@ class _Supervisor:
             self.folder = Path(self._heard()["folder"])
         except NoContest:
             self._end()
-            folder = Path(tempfile.gettempdir())
-            if is_full(folder):
-                raise NoContest(f"the disk of the agents' folders is full: {room(folder)}") from None
             raise
 
     @property
