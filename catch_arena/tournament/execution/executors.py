@@ -14,7 +14,7 @@ from catch_arena.engine import Engine
 from catch_arena.errors import ConfigError, NoContest, WorkerLost
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
 from catch_arena.tournament.execution.worker_process import WorkerProcess
-from catch_arena.tournament.isolation.processes import kill_newcomers, no_newcomers_left
+from catch_arena.tournament.isolation.newcomers import kill_newcomers, no_newcomers_left
 from catch_arena.tournament.match import Match
 
 

@@ -15,7 +15,8 @@ from typing import Any, Final, NamedTuple
 from catch_arena.descendants import end, start, state
 from catch_arena.errors import CatchArenaError, NoContest, WorkerLost
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
-from catch_arena.tournament.isolation.processes import adopt_orphans, kill_newcomers
+from catch_arena.tournament.isolation.newcomers import kill_newcomers
+from catch_arena.tournament.isolation.processes import adopt_orphans
 from catch_arena.tournament.match import Match
 
 _GRACE_S: Final = 1.0

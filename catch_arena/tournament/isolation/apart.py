@@ -15,9 +15,9 @@ from catch_arena.errors import NoContest, Stalled
 from catch_arena.files import is_full
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import Entrant, Inspection
+from catch_arena.tournament.isolation.freezer import Freezer
 from catch_arena.tournament.isolation.isolated_players import IsolatedPlayers
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.processes import Freezer
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.players import Answer, Fault, Observation
 

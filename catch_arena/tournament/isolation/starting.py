@@ -15,7 +15,7 @@ from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent, 
 from catch_arena.tournament.isolation.apart import ApartPlayers, Sabotage
 from catch_arena.tournament.isolation.isolated_players import IsolatedPlayers
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.processes import no_newcomers_left
+from catch_arena.tournament.isolation.newcomers import no_newcomers_left
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult, play
 from catch_arena.tournament.players import AbsentPlayers, CompositePlayers, Fault, Players, TrustedPlayers
