@@ -47,7 +47,7 @@ def _by_generation(*roots: int) -> list[int]:
     """These processes and their living descendants, parents before their children."""
     children: dict[int, list[int]] = {}
     for entry in os.scandir("/proc") if LINUX else ():
-        if entry.name.isdigit() and (parent := _parent(int(entry.name))) is not None:
+        if entry.name.isdigit() and (parent := parent_of(int(entry.name))) is not None:
             children.setdefault(parent, []).append(int(entry.name))
     found = dict.fromkeys(roots)
     generation = list(roots)
@@ -62,7 +62,7 @@ def kill_all(doomed: Callable[[], Iterable[int]], patience_s: float = _PATIENCE_
     patience = time.monotonic() + patience_s
     while pids := list(doomed()):
         for pid in pids:
-            _send(pid, signal.SIGKILL)
+            send(pid, signal.SIGKILL)
         if time.monotonic() > patience:
             return False
         time.sleep(0.0005)
@@ -76,11 +76,24 @@ def end(roots: Collection[int]) -> None:
     """
     doomed = _by_generation(*roots)
     for pid in doomed:
-        _send(pid, signal.SIGTERM)
+        send(pid, signal.SIGTERM)
     patience = time.monotonic() + _GRACE_S
     while (left := list(filter(_lives, doomed))) and time.monotonic() < patience:
         time.sleep(_PAUSE_S)
     kill_all(lambda: filter(_lives, _by_generation(*left)), _GRACE_S)
+
+
+def state(pid: int) -> str:
+    """A process's state, as proc(5) has it, `T` for one that was stopped (SIGSTOP); empty where nobody knows, `Z` or
+    empty where it has ended.
+    """
+    return (_stat(pid) or [b""])[0].decode()
+
+
+def session_of(pid: int) -> int:
+    """The session that a process belongs to; 0 where nobody knows."""
+    stat = _stat(pid)
+    return int(stat[3]) if stat else 0
 
 
 def end_all() -> None:
@@ -89,20 +102,26 @@ def end_all() -> None:
 
 
 def _lives(pid: int) -> bool:
-    return _parent(pid) is not None if LINUX else _send(pid, 0)
+    return parent_of(pid) is not None if LINUX else send(pid, 0)
 
 
-def _parent(pid: int) -> int | None:
+def parent_of(pid: int) -> int | None:
     """None where the process has ended, though it may not be buried."""
+    stat = _stat(pid)
+    return None if not stat or stat[0] in {b"Z", b"X"} else int(stat[1])
+
+
+def _stat(pid: int) -> list[bytes]:
+    """What the system tells of a process, from its state on; empty where there is none, or where it tells nothing."""
     try:
-        state, parent = Path("/proc", str(pid), "stat").read_bytes().rpartition(b")")[2].split()[:2]
+        with open(f"/proc/{pid}/stat", "rb", buffering=0) as file:  # noqa: PTH123 - read for each process there is
+            return file.read().rpartition(b")")[2].split()
     except OSError:  # it has just ended
-        return None
-    return None if state in {b"Z", b"X"} else int(parent)
+        return []
 
 
-def _send(pid: int, number: int) -> bool:
-    """Whether there was a process of ours to take that signal."""
+def send(pid: int, number: int) -> bool:
+    """Send a signal; whether there was a process of ours to take it."""
     try:
         os.kill(pid, number)
     except OSError:

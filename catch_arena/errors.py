@@ -39,6 +39,10 @@ class WorkerLost(NoContest):
     """The process that played a match is gone, with all that it knew: another one may play the match."""
 
 
+class Stalled(NoContest):
+    """A match in which our own process stood still, so that nobody could be told to be late."""
+
+
 class StoreError(CatchArenaError):
     """A tournament's store that cannot be used, or that holds another tournament."""
 

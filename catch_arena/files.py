@@ -5,7 +5,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Final
 
@@ -14,6 +14,8 @@ from rich.filesize import decimal
 from catch_arena.errors import OutputError
 
 _FULL: Final = {errno.ENOSPC, errno.EDQUOT}
+LEAST_FREE: Final = 1_000_000
+"""Bytes: with less free, a write that failed was for want of room."""
 
 
 def regular_file(path: Path) -> Path:
@@ -94,6 +96,13 @@ def unwritable(path: Path, error: Exception, size: int | None = None) -> OutputE
     full = getattr(error, "errno", None) in _FULL
     why = f"the disk is full: {room(path.parent, size)}" if full else getattr(error, "strerror", None) or error
     return OutputError(f"{path}: cannot be written: {why}")
+
+
+def is_full(folder: Path, needed: int = LEAST_FREE) -> bool:
+    """Whether so many bytes find no room in a folder; false where nobody knows."""
+    with suppress(OSError):
+        return shutil.disk_usage(folder).free < needed
+    return False
 
 
 def room(folder: Path, size: int | None = None) -> str:

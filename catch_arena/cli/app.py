@@ -22,6 +22,7 @@ from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant
+    from catch_arena.tournament.first_looks import FirstLooks
 
 _EXIT_ERROR = 2
 _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
@@ -197,9 +198,16 @@ def limits_or_trust(changes: list[str] | None, *, trusted: bool) -> AgentLimits 
     return None if trusted else agent_limits(changes)
 
 
-def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
+def enter_agents(
+    specs: Sequence[str], limits: AgentLimits | None, looks: "FirstLooks | None" = None
+) -> "tuple[Entrant, ...]":
     """The agents that these specs stand for, looked at where they will play. Warns on stderr of those that cannot play,
     and of what this system cannot limit.
+
+    Args:
+        specs: as on the command line.
+        limits: those of isolated agents, None where all are trusted.
+        looks: what is known of earlier looks, where one may have ended the command.
 
     Raises:
         AgentError: where an agent cannot be used.
@@ -209,7 +217,11 @@ def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Ent
     from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 
     with sandbox_for(limits) as sandbox:
-        players = enter(specs, inspector(sandbox))
+        look = inspector(sandbox)
+        if looks is None or sandbox is None:
+            players = enter(specs, look)
+        else:
+            players = enter(specs, lambda spec: look(spec) if is_shipped(spec) else looks.inspect(spec, look))
     for player in players:
         if player.fault is not None:
             say(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)

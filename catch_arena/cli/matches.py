@@ -105,6 +105,7 @@ def tournament(
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
+    from catch_arena.tournament.first_looks import FirstLooks
     from catch_arena.tournament.plans.schedule import require_enough
     from catch_arena.tournament.plans.until_separated import UntilSeparated
     from catch_arena.tournament.standings_files import SUMMARY, TABLE, write_standings
@@ -115,7 +116,7 @@ def tournament(
     given = None if seed is None else secret_of(seed)
     allowed = limits_or_trust(limits, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
-    players = enter_agents(agents, allowed)
+    players = enter_agents(agents, allowed, FirstLooks(out))
     require_enough(len(players), config, scenario)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
     plays = _plan(players, config.hunters, form, rounds, secret, until_separated, max_matches)
@@ -156,9 +157,10 @@ def tournament(
             raise type(error)(f"{error}; {kept(store.count_played())}") from None
         Console().print(standings_table(table))
         for line in table:
-            if "FORFEIT_OUT" in line.forfeits:
-                without = f"{line.forfeits['FORFEIT_OUT']} of its {line.matches} matches were played without it"
-                say(f"{line.name} was out after {max_forfeits} forfeits in a row: {without}")
+            if harmful := line.forfeits.get("FORFEIT_SABOTAGE"):
+                say(f"{line.name} did harm, and forfeited {harmful} matches for it (FORFEIT_SABOTAGE)")
+            if without := line.forfeits.get("FORFEIT_OUT"):
+                say(f"{line.name} was out: {without} of its {line.matches} matches were played without it")
         if isinstance(plays, UntilSeparated) and plays.last is not None:
             say(f"after {played} matches, {plays.last}")
         if (out / LOGS).exists():
@@ -231,13 +233,13 @@ def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
 
 
 def _executor(name: ExecutorName, worker: "Worker", jobs: int, address: str | None) -> "Executor":
-    from catch_arena.tournament.execution.executors import ProcessExecutor, SerialExecutor
+    from catch_arena.tournament.execution.executors import local_executor
 
     if name == "ray":
         from catch_arena.tournament.execution.ray_executor import RayExecutor
 
         return RayExecutor(worker, jobs, address)
-    return SerialExecutor(worker) if jobs == 1 else ProcessExecutor(worker, jobs)
+    return local_executor(worker, jobs)
 
 
 @main.command()

@@ -86,7 +86,7 @@ class MatchResult:
     digest: str
     """The final state's (A.8): matches that agree in it ended alike."""
     forfeits: tuple[str | None, ...]
-    """FORFEIT_CRASH, FORFEIT_TIMEOUT, FORFEIT_ILLEGAL, FORFEIT_INIT or FORFEIT_OUT where a seat failed."""
+    """One of players.ForfeitCode where a seat failed, as FORFEIT_CRASH."""
     thinking: tuple[MoveTimes, ...] = field(compare=False)
     """Like all that follows, no part of what another run of the same match repeats. Stores and exports have this name.
     """

@@ -13,9 +13,11 @@ from catch_arena.errors import AgentError, reason
 from catch_arena.policy import Limits, Policy, View, control_of
 from catch_arena.tournament.entrants import Entrant
 
-ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_OUT"]
+ForfeitCode = Literal[
+    "FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_SABOTAGE", "FORFEIT_OUT"
+]
 """How an agent fails: it raises or dies; it takes too long; what it answers is no legal action; it cannot begin; it has
-failed in too many matches in a row, and is not started any more.
+harmed others or what holds the match; it has failed in too many matches in a row, and is not started any more.
 """
 
 

@@ -7,7 +7,6 @@ none that was kept. Keeping a match twice changes nothing.
 import dataclasses
 import json
 import platform
-import shutil
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -20,7 +19,7 @@ from typing import Any, Final, Self
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import StoreError
-from catch_arena.files import room
+from catch_arena.files import LEAST_FREE, is_full, room
 from catch_arena.text import one_line
 from catch_arena.tournament import rows
 from catch_arena.tournament.entrants import Entrant
@@ -37,8 +36,6 @@ _PATIENCE_S: Final = 60.0
 _FULL: Final = "SQLITE_FULL"
 _FAILED: Final = "SQLITE_IOERR"
 """What SQLite says where it cannot write. It says the second on a full disk too, of the files beside its own."""
-_LEAST_FREE: Final = 1_000_000
-"""Bytes: with less free, a write that failed was for want of room."""
 _TABLES: Final = """
 CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE versions (id INTEGER PRIMARY KEY, value TEXT NOT NULL UNIQUE);
@@ -55,7 +52,17 @@ CREATE TABLE result (
     replay TEXT,
     {results}
 ) WITHOUT ROWID;
+CREATE TABLE begun (block INTEGER PRIMARY KEY) STRICT;
+CREATE TABLE turn (block INTEGER NOT NULL, entrant INTEGER NOT NULL, boot TEXT NOT NULL) STRICT;
+CREATE TABLE broken_off (block INTEGER NOT NULL, entrant INTEGER NOT NULL, PRIMARY KEY (block, entrant)) STRICT;
+CREATE TABLE culprit (
+    block INTEGER NOT NULL,
+    entrant INTEGER NOT NULL,
+    what TEXT NOT NULL,
+    PRIMARY KEY (block, entrant)
+) STRICT;
 """
+"""The last four are suspicions.py's."""
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in rows.RESULTS)
 """One for each part of a result, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
@@ -173,14 +180,14 @@ class Store:
 
     def end(self) -> None:
         """The plan has no further matches."""
-        with self._transaction() as db:
+        with self.transaction() as db:
             db.execute("INSERT OR REPLACE INTO fact VALUES ('ended', 'true')")
 
     def plan(self, blocks: Iterable[Block]) -> int:
         """Write blocks that will be played, all or none; how many matches there are in them."""
         count = 0
         read = self._rows()
-        with self._transaction() as db:
+        with self.transaction() as db:
             for match in (match for block in blocks for match in block):
                 row = (match.id, match.block, match.seed, _json(match.seating), _json(match.agent_seeds))
                 if db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?, ?)", row).rowcount:
@@ -197,7 +204,7 @@ class Store:
 
     def keep(self, block: Iterable[PlayedMatch]) -> None:
         """Write matches that were played, all or none; one that was kept before must have come out alike."""
-        with self._transaction():
+        with self.transaction():
             for one in block:
                 self._keep(one)
 
@@ -284,7 +291,7 @@ class Store:
             self._db.execute("PRAGMA journal_mode = WAL")
             self._db.execute("PRAGMA synchronous = NORMAL")  # a power cut may take the last matches, but never the file
             self._db.execute("PRAGMA foreign_keys = ON")
-        with self._transaction() as db:
+        with self.transaction() as db:
             if not begun and not self._has_tables():
                 for statement in _STATEMENTS:
                     db.execute(statement)
@@ -370,7 +377,8 @@ class Store:
             raise
 
     @contextmanager
-    def _transaction(self) -> Iterator[sqlite3.Connection]:
+    def transaction(self) -> Iterator[sqlite3.Connection]:
+        """What is written in it is kept, all or none."""
         with self._store_errors():
             self._db.execute("BEGIN IMMEDIATE")
             try:
@@ -398,7 +406,7 @@ class Store:
         if self.path is None or not name.startswith((_FULL, _FAILED)):
             return f"cannot be used: {error}"
         folder, needed = self.path.parent, self._bytes_needed()
-        why = "the disk is full" if name == _FULL or _is_full(folder, needed or 0) else error
+        why = "the disk is full" if name == _FULL or is_full(folder, max(LEAST_FREE, needed or 0)) else error
         return f"cannot be written: {why}: {room(folder, needed)}"
 
     def _bytes_needed(self) -> int | None:
@@ -410,12 +418,6 @@ class Store:
             for (seating,) in self._db.execute("SELECT seating FROM match LIMIT 1"):
                 return int(count) * store_bytes(str(seating).count(",") + 1)
         return None
-
-
-def _is_full(folder: Path, needed: int) -> bool:
-    with suppress(OSError):
-        return shutil.disk_usage(folder).free < max(_LEAST_FREE, needed)
-    return False
 
 
 def versions() -> dict[str, str]:

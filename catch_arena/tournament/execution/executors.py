@@ -1,18 +1,20 @@
 """Where blocks are played: in this process, or in several on this machine. `ray_executor` has a third place."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from queue import Empty, SimpleQueue
 from threading import Lock
 from types import TracebackType
 from typing import Protocol, Self
 
-from catch_arena.descendants import end
+from catch_arena.descendants import end, family
 from catch_arena.engine import Engine
-from catch_arena.errors import ConfigError, NoContest
-from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.errors import ConfigError, NoContest, WorkerLost
+from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
 from catch_arena.tournament.execution.worker_process import WorkerProcess
+from catch_arena.tournament.isolation.newcomers import kill_newcomers, no_newcomers_left
 from catch_arena.tournament.match import Match
 
 
@@ -20,14 +22,28 @@ class Executor(Protocol):
     """Plays blocks side by side; a context, which leaves no process behind."""
 
     @property
+    def worker(self) -> Worker:
+        """How each match is played."""
+
+    @property
     def lookahead(self) -> int:
         """How many blocks it takes before the first must be waited for: enough that no worker is ever idle."""
 
-    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
-        """Begin to play these matches, without the entrants that are `excluded`: by index, and why."""
+    @property
+    def patience(self) -> int:
+        """How many workers may be lost with a block before agents are suspected: where machines may be lost."""
+
+    def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
+        """Begin to play these matches, without the entrants that are `excluded`."""
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """What came of it. Raises: WorkerLost where it should be played again."""
+
+    def rest(self) -> None:
+        """End all that agents run on this machine; nothing of what was begun is waited for. More may be begun then."""
+
+    def process(self) -> AbstractContextManager[WorkerProcess]:
+        """A process on this machine that plays nothing, for as long as the context lasts."""
 
     def __enter__(self) -> Self: ...
 
@@ -40,19 +56,28 @@ class SerialExecutor:
     """One block after the other, in this process."""
 
     lookahead = 1
+    patience = 0
 
     def __init__(self, worker: Worker) -> None:
-        self._worker = worker
+        self.worker = worker
 
-    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
+    def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
         """Play them before it returns."""
         future: Future[list[RecordedMatch]] = Future()
-        future.set_result(self._worker.play(matches, excluded))
+        future.set_result(self.worker.play(matches, excluded))
         return future
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """What came of it."""
         return future.result()
+
+    def rest(self) -> None:
+        """End the agents that wait for their next match."""
+        self.worker.close()
+
+    def process(self) -> AbstractContextManager[WorkerProcess]:
+        """A process on this machine that plays nothing."""
+        return fresh_process(self.worker)
 
     def __enter__(self) -> Self:
         return self
@@ -60,24 +85,28 @@ class SerialExecutor:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._worker.close()
+        self.rest()
 
 
 class ProcessExecutor:
     """Several processes on this machine; a thread here waits for each."""
 
+    patience = 0
+
     def __init__(self, worker: Worker, jobs: int) -> None:
         require_jobs(jobs)
         self.lookahead = 4 * jobs
-        self._worker = worker
+        self.worker = worker
         Engine(worker.config)  # compiled once here, and read from the cache there
         self._threads = ThreadPoolExecutor(jobs, "catch-arena-worker")
         self._lock = Lock()
         self._processes: list[WorkerProcess] | None = []
         """All that were started; None once no more may be."""
         self._idle: SimpleQueue[WorkerProcess] = SimpleQueue()
+        self._before: set[int] = set()
+        self._context = ExitStack()
 
-    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
+    def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
         """Begin to play these matches, when one of the processes is idle or can be started."""
         return self._threads.submit(self._play, matches, excluded)
 
@@ -85,7 +114,36 @@ class ProcessExecutor:
         """What came of it."""
         return future.result()
 
+    def rest(self) -> None:
+        """End the agents that wait for their next match, and what others have left that killed the process above them.
+
+        Processes that still play are ended: what they play is waited for by nobody.
+        """
+        idle = self._take_idle()
+        end([process.pid for process in self._processes or () if process not in idle and process.lives])
+        for process in idle:
+            with suppress(WorkerLost):
+                process.rest()
+                self._idle.put(process)
+        if self.worker.limits is not None:
+            living = [process.pid for process in idle if process.lives]
+            kill_newcomers(self._before | {*living} | family(*living))
+
+    @contextmanager
+    def process(self) -> Iterator[WorkerProcess]:
+        """A process on this machine that plays nothing."""
+        process = self._idle_or_new()
+        try:
+            yield process
+        except NoContest:  # after anything else nobody waits for what it plays
+            self._idle.put(process)
+            raise
+        self._idle.put(process)
+
     def __enter__(self) -> Self:
+        self._before = family(os.getpid())
+        if self.worker.limits is not None:
+            self._context.enter_context(no_newcomers_left())
         return self
 
     def __exit__(
@@ -94,7 +152,7 @@ class ProcessExecutor:
         with self._lock:
             processes, self._processes = self._processes or [], None
         self._threads.shutdown(wait=False, cancel_futures=True)
-        idle = [self._idle.get() for _ in range(self._idle.qsize())]
+        idle = self._take_idle()
         # nobody waits any more for what the others play, and an agent may never return
         end([process.pid for process in processes if process not in idle and process.lives])
         self._threads.shutdown()
@@ -102,22 +160,52 @@ class ProcessExecutor:
             process.let_go()
         for process in processes:
             process.wait()
+        self._context.close()
 
-    def _play(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> list[RecordedMatch]:
+    def _play(self, matches: Sequence[Match], excluded: Excluded) -> list[RecordedMatch]:
+        process = self._idle_or_new()
         try:
-            process = self._idle.get_nowait()
+            return process.play(matches, excluded)
+        finally:
+            self._idle.put(process)
+
+    def _take_idle(self) -> list[WorkerProcess]:
+        return [self._idle.get() for _ in range(self._idle.qsize())]
+
+    def _idle_or_new(self) -> WorkerProcess:
+        try:
+            while not (process := self._idle.get_nowait()).lives:
+                pass
         except Empty:
-            process = self._start()
-        played = process.play(matches, excluded)
-        self._idle.put(process)
-        return played
+            return self._start()
+        return process
 
     def _start(self) -> WorkerProcess:
         with self._lock:
             if self._processes is None:
                 raise NoContest("the matches were broken off")
-            self._processes.append(process := WorkerProcess(self._worker))
+            self._processes.append(process := WorkerProcess(self.worker))
         return process
+
+
+def local_executor(worker: Worker, jobs: int) -> SerialExecutor | ProcessExecutor:
+    """What plays in so many processes on this machine; agents that are not trusted are kept out of this one, which
+    would end with what they kill.
+    """
+    return SerialExecutor(worker) if jobs == 1 and worker.limits is None else ProcessExecutor(worker, jobs)
+
+
+@contextmanager
+def fresh_process(worker: Worker) -> Iterator[WorkerProcess]:
+    """One that ends with the context, and all that descends from it."""
+    process = WorkerProcess(worker)
+    try:
+        yield process
+    finally:
+        if process.lives:
+            end([process.pid])
+        process.let_go()
+        process.wait()
 
 
 def usable_cores() -> int:

@@ -1,21 +1,27 @@
-"""Who is excluded: an agent that has forfeited so many matches in a row plays no further ones.
+"""Who is excluded: an agent that has forfeited so many matches in a row plays no further ones, nor does one that was
+found to do harm in two blocks.
 
-Streaks are counted in the order of the plan, whenever and wherever its matches were played, and looked at where a block
+Both are counted in the order of the plan, whenever and wherever its matches were played, and looked at where a block
 ends: all matches of a block have the same field.
 """
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.match import Block, PlayedMatch
+from catch_arena.tournament.players import Fault
+
+_MOST_SABOTAGED: Final = 2
+"""Once may be an accident: somebody may kill our processes just when an agent runs alone."""
 
 
 class ForfeitStreaks:
     """How many matches each entrant has forfeited in a row, block by block.
 
     Args:
-        most: how many exclude an entrant, 0 for never.
+        most: how many exclude an entrant, 0 for none.
 
     Raises:
         ConfigError: for an argument that cannot be.
@@ -27,7 +33,9 @@ class ForfeitStreaks:
         self._most = most
         self._forfeited: Counter[int] = Counter()
         self._finished: set[int] = set()
-        self._excluded: dict[int, str] = {}
+        self._sabotaged: dict[int, set[int]] = {}
+        """Blocks in which it was found to do harm, by entrant."""
+        self._excluded: dict[int, Fault] = {}
 
     def add(self, block: Iterable[PlayedMatch]) -> bool:
         """The next block of the plan has been played.
@@ -44,12 +52,20 @@ class ForfeitStreaks:
                     continue
                 self._forfeited[index] += 1
                 if self._forfeited[index] == self._most:
-                    self._excluded[index] = f"it had forfeited {self._most} matches in a row"
+                    self._exclude(index, f"it had forfeited {self._most} matches in a row")
+                if code == "FORFEIT_SABOTAGE":
+                    blocks = self._sabotaged.setdefault(index, set())
+                    blocks.add(one.match.block)
+                    if len(blocks) == _MOST_SABOTAGED:
+                        self._exclude(index, f"it had done harm in {_MOST_SABOTAGED} blocks")
         return len(self._excluded) > before
 
-    def excluded_from(self, block: Block) -> Mapping[int, str]:
+    def excluded_from(self, block: Block) -> Mapping[int, Fault]:
         """Which entrants of a block are excluded, and why, as far as the blocks that were added tell."""
         return {index: why for index, why in self._excluded.items() if index in block[0].seating}
+
+    def _exclude(self, index: int, why: str) -> None:
+        self._excluded.setdefault(index, Fault("FORFEIT_OUT", why))
 
     def may_begin(self, block: Block, before: Sequence[Block]) -> bool:
         """Whether it makes sense to begin a block while those right before it are still played.

@@ -3,9 +3,9 @@
 import os
 import platform
 import signal
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from functools import cache
 from types import TracebackType
 from typing import Any, Self
@@ -13,8 +13,9 @@ from typing import Any, Self
 from catch_arena.engine import Engine
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost, reason
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import require_jobs
-from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.tournament.execution.executors import fresh_process, require_jobs
+from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
+from catch_arena.tournament.execution.worker_process import WorkerProcess
 from catch_arena.tournament.isolation.starting import inspector
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.store import versions
@@ -31,6 +32,8 @@ class RayExecutor:
     Raises:
         ConfigError: where Ray is missing or does not answer.
     """
+
+    patience = 2
 
     def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
         require_jobs(jobs)
@@ -59,15 +62,14 @@ class RayExecutor:
                 signal.signal(signal.SIGTERM, before)
         self._ray = ray
         self.lookahead = 4 * int(ray.cluster_resources().get("CPU", 1))
-        self._worker = ray.put(worker)
+        self.worker = worker
+        self._sent = ray.put(worker)
         self._versions = tuple(versions().items())
         self._task = ray.remote(max_retries=0)(_play)  # what is lost is counted and played again by the runner
 
-    def submit(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> Future[list[RecordedMatch]]:
+    def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
         """Begin to play these matches."""
-        future: Future[list[RecordedMatch]] = self._task.remote(
-            self._worker, matches, excluded, self._versions
-        ).future()
+        future: Future[list[RecordedMatch]] = self._task.remote(self._sent, matches, excluded, self._versions).future()
         return future
 
     def result(self, future: Future[Any]) -> list[RecordedMatch]:
@@ -82,6 +84,13 @@ class RayExecutor:
             raise answer
         return answer
 
+    def rest(self) -> None:
+        """Ray's workers wait; a cluster's are on other machines."""
+
+    def process(self) -> AbstractContextManager[WorkerProcess]:
+        """A process on this machine that plays nothing."""
+        return fresh_process(self.worker)
+
     def __enter__(self) -> Self:
         return self
 
@@ -92,7 +101,7 @@ class RayExecutor:
 
 
 def _play(
-    worker: Worker, matches: Sequence[Match], excluded: Mapping[int, str], expected: tuple[tuple[str, str], ...]
+    worker: Worker, matches: Sequence[Match], excluded: Excluded, expected: tuple[tuple[str, str], ...]
 ) -> list[RecordedMatch] | CatchArenaError:
     """The matches that were played, or our error as a value: Ray would wrap one that is raised in its own."""
     try:

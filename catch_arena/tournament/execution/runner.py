@@ -10,13 +10,15 @@ from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_logs import AgentLogs
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import play_blocks
-from catch_arena.tournament.execution.executors import Executor, ProcessExecutor, SerialExecutor
+from catch_arena.tournament.execution.executors import Executor, local_executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
+from catch_arena.tournament.execution.trials import Trials
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Match, PlayedMatch
 from catch_arena.tournament.plans.schedule import Plan, listed
 from catch_arena.tournament.store import Store, Tournament
+from catch_arena.tournament.suspicions import Suspicions
 
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
@@ -60,7 +62,7 @@ def run(
 
     with (
         Store.begin(Tournament(config, tuple(entrants), plan.parameters)) as store,
-        SerialExecutor(worker) if jobs == 1 else ProcessExecutor(worker, jobs) as executor,
+        local_executor(worker, jobs) as executor,
     ):
         play_plan(store, plan, executor, max_forfeits=max_forfeits, folder=record, on_results=on_results)
         return list(store.played())
@@ -97,6 +99,7 @@ def play_plan(
     """
     logs = None if folder is None else AgentLogs(folder / LOGS, store.tournament.entrants)
     streaks = ForfeitStreaks(max_forfeits)
+    trials = Trials(executor, Suspicions(store))
 
     def keep(recorded: Sequence[RecordedMatch]) -> None:
         for one, replay in recorded:  # files first, so that what is kept has them
@@ -121,7 +124,7 @@ def play_plan(
             store.end()
             return
         planned += batch
-        play_blocks(store.waiting(), executor, streaks, keep)
+        play_blocks(store.waiting(), executor, streaks, trials, keep)
 
 
 def _remove_replays(store: Store, folder: Path) -> None:

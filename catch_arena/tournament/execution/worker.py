@@ -1,22 +1,27 @@
 """What plays the matches of a block, in whatever process."""
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from io import BytesIO
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.isolation.apart import Sabotage
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import play_entrants
-from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
+from catch_arena.tournament.isolation.starting import is_suspect, play_apart, play_together
+from catch_arena.tournament.match import Block, Match, MatchResult, PlayedMatch
+from catch_arena.tournament.players import Fault
 
 _DIGEST_BYTES: Final = 16
 
+Excluded = Mapping[int, Fault]
+"""Entrants that are not started, by index, and why."""
 RecordedMatch = tuple[PlayedMatch, bytes]
 """A match that was played, and the content of its replay's file: empty where none was asked for."""
 
@@ -37,7 +42,13 @@ class Worker:
         """Where its agents are isolated: one for each process, which waits there for the next match."""
         return None if self.limits is None else _sandbox(self.limits)
 
-    def play(self, matches: Iterable[Match], excluded: Mapping[int, str] = MappingProxyType({})) -> list[RecordedMatch]:
+    def suspects(self, block: Block, excluded: Iterable[int]) -> list[int]:
+        """Whose processes run in a block, and could do harm: the indices of isolated entrants that are started."""
+        if self.limits is None:
+            return []
+        return [index for index in block[0].seating if index not in excluded and is_suspect(self.entrants[index])]
+
+    def play(self, matches: Iterable[Match], excluded: Excluded = MappingProxyType({})) -> list[RecordedMatch]:
         """One match after the other.
 
         Args:
@@ -45,36 +56,59 @@ class Worker:
             excluded: the indices of entrants that are not started, and why.
 
         Raises:
+            NoContest: for a match that could not be held.
+        """
+        return [self._recorded(match, excluded, play_together) for match in matches]
+
+    def play_apart(
+        self, matches: Iterable[Match], excluded: Excluded, on_turn: Callable[[int], None], disks: Mapping[str, Path]
+    ) -> list[RecordedMatch]:
+        """One match after the other, isolated agents one at a time (isolation.apart).
+
+        Args:
+            matches: which matches.
+            excluded: the indices of entrants that are not started, and why.
+            on_turn: called with the index of an entrant before it runs.
+            disks: as of `play_apart`.
+
+        Raises:
+            Sabotage: for an entrant that did harm, by its index.
             NoContest: for a match that could not be held, time and again.
         """
-        return [
-            self._recorded(match, excluded) if self.record else (PlayedMatch(match, self._result(match, excluded)), b"")
-            for match in matches
-        ]
+        played = []
+        for match in matches:
+            by_seat = partial(_tell_index, on_turn, match.seating)
+            try:
+                played.append(self._recorded(match, excluded, partial(play_apart, on_turn=by_seat, disks=disks)))
+            except Sabotage as found:
+                raise Sabotage(match.seating[found.who], found.what) from None
+        return played
 
     def close(self) -> None:
         """End the agents that wait in this process for their next match; they end with it at the latest."""
         if self.sandbox is not None:
             self.sandbox.close()
 
-    def _recorded(self, match: Match, excluded: Mapping[int, str]) -> RecordedMatch:
-        replay = BytesIO()
-        result = self._result(match, excluded, replay)
-        content = replay.getvalue()
-        return PlayedMatch(match, result, hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest()), content
-
-    def _result(self, match: Match, excluded: Mapping[int, str], record: BytesIO | None = None) -> MatchResult:
-        players = [self.entrants[index] for index in match.seating]
-        return play_entrants(
+    def _recorded(self, match: Match, excluded: Excluded, play: Callable[..., MatchResult]) -> RecordedMatch:
+        replay = BytesIO() if self.record else None
+        result = play(
             self.config,
             match.seed,
-            players,
+            [self.entrants[index] for index in match.seating],
             self.sandbox,
             excluded={seat: excluded[index] for seat, index in enumerate(match.seating) if index in excluded},
             agent_seeds=match.agent_seeds,
             title=f"match {match.id}",
-            record=record,
+            record=replay,
         )
+        if replay is None:
+            return PlayedMatch(match, result), b""
+        content = replay.getvalue()
+        return PlayedMatch(match, result, hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest()), content
+
+
+def _tell_index(on_turn: Callable[[int], None], seating: Sequence[int], seat: int) -> None:
+    on_turn(seating[seat])
 
 
 @cache

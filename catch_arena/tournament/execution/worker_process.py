@@ -3,21 +3,47 @@
 import os
 import time
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
+from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
-from catch_arena.descendants import start
+from catch_arena.descendants import end, start, state
 from catch_arena.errors import CatchArenaError, NoContest, WorkerLost
-from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
+from catch_arena.tournament.isolation.newcomers import kill_newcomers
+from catch_arena.tournament.isolation.processes import adopt_orphans
 from catch_arena.tournament.match import Match
 
 _GRACE_S: Final = 1.0
 """How long a match may go on that nobody waits for any more."""
+
+
+_POLL_S: Final = 1.0
+"""How often one that says nothing is looked at."""
+_GONE: Final = "gone"
+"""What stands for the end of requests."""
+
+
+class _Together(NamedTuple):
+    """A request: these matches."""
+
+    matches: Sequence[Match]
+    excluded: Excluded
+    rest: bool = False
+    """Whether no agent is to live on afterwards."""
+
+
+class _Apart(NamedTuple):
+    """A request: these matches, isolated agents one at a time."""
+
+    matches: Sequence[Match]
+    excluded: Excluded
+    disks: Mapping[str, Path]
 
 
 class WorkerProcess:
@@ -43,7 +69,7 @@ class WorkerProcess:
         """Whether it has not ended yet."""
         return self._process.poll() is None
 
-    def play(self, matches: Sequence[Match], excluded: Mapping[int, str]) -> list[RecordedMatch]:
+    def play(self, matches: Sequence[Match], excluded: Excluded) -> list[RecordedMatch]:
         """The matches that were played, without those who are `excluded`.
 
         What was raised there is raised here.
@@ -51,9 +77,25 @@ class WorkerProcess:
         Raises:
             WorkerLost: where the process has died.
         """
+        return self._answer(_Together(matches, excluded), None)
+
+    def play_apart(
+        self, matches: Sequence[Match], excluded: Excluded, on_turn: Callable[[int], None], disks: Mapping[str, Path]
+    ) -> list[RecordedMatch]:
+        """The same, as of `Worker.play_apart`: no agent runs before `on_turn` has returned."""
+        return self._answer(_Apart(matches, excluded, disks), on_turn)
+
+    def rest(self) -> None:
+        """End the agents that wait there for their next match. Raises: WorkerLost where the process has died."""
+        self._answer(_Together((), {}, rest=True), None)
+
+    def _answer(self, request: "_Together | _Apart", on_turn: Callable[[int], None] | None) -> list[RecordedMatch]:
         try:
-            self._channel.send((matches, excluded))
-            answer: list[RecordedMatch] | Exception = self._channel.recv()
+            self._channel.send(request)
+            while isinstance(answer := self._heard(), int):
+                if on_turn is not None:
+                    on_turn(answer)
+                self._channel.send(None)
         except (EOFError, OSError):
             self.let_go()
             self.wait()
@@ -61,6 +103,15 @@ class WorkerProcess:
         if isinstance(answer, Exception):
             raise answer
         return answer
+
+    def _heard(self) -> list[RecordedMatch] | Exception | int:
+        """What it says, however long that takes; one that was stopped would never say anything, and is ended."""
+        while not self._channel.poll(_POLL_S):
+            if state(self.pid) == "T":
+                end([self.pid])
+                raise EOFError
+        heard: list[RecordedMatch] | Exception | int = self._channel.recv()
+        return heard
 
     def let_go(self) -> None:
         """It ends when it has nothing to play."""
@@ -79,13 +130,31 @@ def main() -> None:
     os.close(nothing)
     requests: SimpleQueue[Any] = SimpleQueue()
     Thread(target=_read_requests, args=(channel, requests), daemon=True).start()
-    worker: Worker | None = requests.get()
-    if worker is None:
+    worker = requests.get()
+    if worker is _GONE:
         return
-    while (block := requests.get()) is not None:
+    if worker.limits is not None:
+        adopt_orphans()
+
+    def begin_turn(index: int) -> None:
+        channel.send(index)
+        if requests.get() is _GONE:
+            raise NoContest("nobody waits any more")
+
+    while (request := requests.get()) is not _GONE:
         answer: list[RecordedMatch] | Exception
         try:
-            answer = worker.play(*block)
+            if isinstance(request, _Apart):
+                answer = worker.play_apart(request.matches, request.excluded, begin_turn, request.disks)
+            else:
+                answer = worker.play(request.matches, request.excluded)
+                if request.rest:
+                    worker.close()
+        except NoContest as error:
+            answer = error
+            worker.close()
+            if worker.limits is not None:
+                kill_newcomers(set())  # those, too, whose supervisor was killed
         except CatchArenaError as error:
             answer = error
         except BaseException:  # noqa: BLE001 - a trusted agent may raise anything
@@ -96,11 +165,11 @@ def main() -> None:
 
 
 def _read_requests(channel: Connection, requests: SimpleQueue[Any]) -> None:
-    """First the worker, then matches and who is excluded from them; None when the other side has gone."""
+    """First the worker, then what is to be played, and None for each turn that may begin; _GONE at last."""
     try:
         while True:
             requests.put(channel.recv())
     except (EOFError, OSError):
-        requests.put(None)
+        requests.put(_GONE)
         time.sleep(_GRACE_S)
         os._exit(1)

@@ -2,4 +2,6 @@
 
 From the match down: starting, isolated_players, pipes, protocol. From the tournament's process down: sandbox,
 supervisor, fork_server, and in them processes and limits.
+
+Harm is found by apart, with freezer and newcomers.
 """

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple, get_args
 
 from catch_arena.config import Control, require_choice
-from catch_arena.errors import ConfigError, NoContest
+from catch_arena.errors import ConfigError, NoContest, Stalled
 from catch_arena.policy import Limits
 from catch_arena.text import in_short, one_line
 from catch_arena.tournament.entrants import Entrant, Inspection
@@ -55,6 +55,8 @@ class IsolatedPlayers:
         }
         """What each takes longer than who is late, in words that every match repeats: reports count by them."""
         self._pipes: dict[int, AgentPipes] = {}
+        self.doubts: list[str] = []
+        """Faults that somebody else may have caused: a process that was killed, a full disk."""
 
     def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
         """Begin a match; all that comes before the first view counts as init."""
@@ -152,7 +154,7 @@ class IsolatedPlayers:
             events = poll.poll(math.ceil(1000.0 * patience))
             before, now = now, time.monotonic()
             if now - before > patience + _STALL_S:
-                raise NoContest(f"this process stood still for {now - before - patience:.1f} s")
+                raise Stalled(f"this process stood still for {now - before - patience:.1f} s")
             for file, _ in events:
                 seat = seat_of[file]
                 pipes = self._pipes[seat]
@@ -168,9 +170,19 @@ class IsolatedPlayers:
                     late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._granted[doing]}")
                     replies[seat] = _Reply({}, seconds, late)
         for seat, reply in replies.items():
-            if reply.fault is not None and not reply.fault.reason:
-                ended = f"{doing}: {self._sandbox.how_it_ended(self._entrants[seat])}"
-                replies[seat] = reply._replace(fault=Fault(reply.fault.code, ended))
+            if reply.fault is None:
+                continue
+            name, reason = self._entrants[seat].name, reply.fault.reason
+            if not reason:
+                how, signalled = self._sandbox.how_it_ended(self._entrants[seat])
+                reason = f"{doing}: {how}"
+                replies[seat] = reply._replace(fault=Fault(reply.fault.code, reason))
+                if signalled:
+                    self.doubts.append(f"{name}: {reason}")
+            elif reply.fault.code == "FORFEIT_TIMEOUT" and self._sandbox.holds_stopped():
+                self.doubts.append(f"{name}: {reason}, and a process was stopped")
+            elif self._sandbox.is_full():
+                self.doubts.append(f"{name}: {reason}, and the disk of the agents' folders is full")
         return replies
 
 

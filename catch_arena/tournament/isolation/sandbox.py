@@ -7,6 +7,7 @@ import json
 import os
 import select
 import shutil
+import signal
 import socket
 import subprocess
 from collections.abc import Sequence
@@ -16,8 +17,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
 
-from catch_arena.descendants import start
+from catch_arena.descendants import family, start, state
 from catch_arena.errors import NoContest
+from catch_arena.files import is_full, room
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
@@ -30,8 +32,9 @@ _SUPERVISOR_S: Final = 30.0
 """How long the supervisor may take over anything that is asked of it."""
 _SERVER_S: Final = 1.0
 """How long a fork server may take to say how its agent's process has ended."""
+_GONE: Final = "the supervisor of the agents' processes has ended"
 _MESSAGE: Final = 100
-_PASSED_ON: Final = ("PATH", "LANG", "LC_ALL", "TZ")
+_PASSED_ON: Final = ("PATH", "LANG", "LC_ALL", "TZ", "TMPDIR")
 _SETTINGS: Final = {
     "PYTHONDONTWRITEBYTECODE": "1",  # nothing is left beside an agent's file
     "PYTHONHASHSEED": "0",  # equal seeds, equal play
@@ -49,14 +52,17 @@ class _Supervisor:
     def __init__(self) -> None:
         self._control, theirs = socket.socketpair()
         with theirs:
-            self._process = start(
-                _SUPERVISOR,
-                theirs.fileno(),
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                cwd="/",
-                env={name: os.environ[name] for name in _PASSED_ON if name in os.environ} | _SETTINGS,
-            )
+            try:
+                self._process = start(
+                    _SUPERVISOR,
+                    theirs.fileno(),
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                    cwd="/",
+                    env={name: os.environ[name] for name in _PASSED_ON if name in os.environ} | _SETTINGS,
+                )
+            except OSError as error:
+                raise NoContest(f"the supervisor of the agents' processes cannot be started: {error}") from None
         self._control.settimeout(_SUPERVISOR_S)
         try:
             self.folder = Path(self._heard()["folder"])
@@ -64,16 +70,27 @@ class _Supervisor:
             self._end()
             raise
 
+    @property
+    def pid(self) -> int:
+        """The process's id."""
+        return self._process.pid
+
     def ask(self, files: Sequence[int] = (), **request: Any) -> dict[str, Any]:
         """Its answer. Raises: NoContest where there is none."""
+        self._require_not_stopped()
         with suppress(OSError):  # what is wrong shows when it is heard
             protocol.send(self._control, files, **request)
         return self._heard()
 
     def require_alive(self) -> None:
-        """Raises: NoContest where it has ended, and all agents with it."""
+        """Raises: NoContest where it has ended, and all agents with it, or was stopped."""
         if select.select([self._control], [], [], 0.0)[0]:  # it says nothing that it was not asked
-            raise NoContest("the supervisor of the agents' processes has ended")
+            raise NoContest(_GONE)
+        self._require_not_stopped()
+
+    def _require_not_stopped(self) -> None:
+        if state(self.pid) == "T":
+            raise NoContest("the supervisor of the agents' processes was stopped")
 
     def close(self) -> None:
         """Let it end everything, and itself."""
@@ -82,6 +99,7 @@ class _Supervisor:
 
     def _end(self) -> None:
         self._control.close()
+        self._process.send_signal(signal.SIGCONT)  # an agent may have stopped it
         try:
             self._process.wait(_SUPERVISOR_S)
         except subprocess.TimeoutExpired:
@@ -94,7 +112,7 @@ class _Supervisor:
         except OSError as error:
             raise NoContest(f"the supervisor of the agents' processes does not answer: {error}") from None
         if received is None:
-            raise NoContest("the supervisor of the agents' processes has ended")
+            raise NoContest(_GONE)
         return received[0]
 
 
@@ -152,7 +170,7 @@ class Sandbox:
         try:
             folder.mkdir()
         except OSError as error:
-            raise NoContest(f"{folder}: cannot be made: {error.strerror}") from None
+            raise NoContest(f"{folder}: cannot be made: {error.strerror}: {room(folder.parent)}") from None
         server = self._servers.get(_key(entrant))
         if server is not None:
             try:
@@ -175,12 +193,41 @@ class Sandbox:
             server.channel.close()
             self._supervisor.ask(end=server.pid)
 
-    def how_it_ended(self, entrant: Entrant) -> str:
-        """Why an agent's answers have ended, in words; where the supervisor has ended, that is no agent's fault."""
+    def how_it_ended(self, entrant: Entrant) -> tuple[str, bool]:
+        """Why an agent's answers have ended, in words; where the supervisor has ended, that is no agent's fault.
+
+        Returns:
+            these words, and whether a signal may have ended its process, which anybody may have sent.
+        """
+        self.require_alive()
+        code = self._servers[_key(entrant)].exit_code()
+        if code is None:
+            return "its process has ended, or closed its answers", True
+        return how_it_ended(code), code < 0 and code != -signal.SIGXCPU
+
+    def require_alive(self) -> None:
+        """Raises: NoContest where what keeps the agents has ended or was stopped."""
         if self._supervisor is not None:
             self._supervisor.require_alive()
-        code = self._servers[_key(entrant)].exit_code()
-        return "its process has ended, or closed its answers" if code is None else how_it_ended(code)
+
+    def has_stopped(self) -> bool:
+        """Whether what keeps the agents was stopped."""
+        return self._supervisor is not None and state(self._supervisor.pid) == "T"
+
+    def holds_stopped(self) -> bool:
+        """Whether anybody has stopped a process of an agent."""
+        return self._supervisor is not None and "T" in map(state, family(self._supervisor.pid))
+
+    def is_full(self) -> bool:
+        """Whether the disk is full that agents' folders are on."""
+        return self._supervisor is not None and is_full(self._supervisor.folder)
+
+    @property
+    def pid(self) -> int:
+        """That of the process that all its agents descend from, which is started where it does not run."""
+        if self._supervisor is None:
+            self._supervisor = _Supervisor()
+        return self._supervisor.pid
 
     def clear(self) -> None:
         """End what a match has left, but for the fork servers that serve the next one."""

@@ -3,6 +3,7 @@
 import random
 from collections import Counter
 from concurrent.futures import Future
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -15,8 +16,10 @@ from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import play_plan, run
+from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.match import MatchResult, PlayedMatch, blocks_of, ranks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
+from catch_arena.tournament.players import Fault
 from catch_arena.tournament.store import Store, Tournament
 
 SEATS = 3
@@ -44,11 +47,14 @@ class Field:
 class Shuffled:
     """Ends its blocks in any order, loses some, and may be broken off; `wait` stands for the one of `block_queue`."""
 
+    patience = 0
+
     def __init__(self, field, lookahead, seed, breaks_after=None):
         self.field, self.lookahead, self.random, self.breaks_after = field, lookahead, random.Random(seed), breaks_after
         self.begun = {}
         self.lost = Counter()
         self.played = 0
+        self.worker = Worker(CONFIG, field.entrants)
 
     def submit(self, block, out):
         future = Future()
@@ -201,7 +207,19 @@ def test_a_streak_is_of_forfeits_of_any_kind_and_ends_with_a_match_that_was_play
     streaks = ForfeitStreaks(most)
     assert streaks.add(played([kinds[code] for code in codes])) is out
     (block, *_) = blocks_of(round_robin(2, 2, 1, seed=0))
-    assert streaks.excluded_from(block) == ({0: f"it had forfeited {most} matches in a row"} if out else {})
+    expected = Fault("FORFEIT_OUT", f"it had forfeited {most} matches in a row")
+    assert streaks.excluded_from(block) == ({0: expected} if out else {})
+
+
+@pytest.mark.parametrize(("blocks", "out"), [((0, 0), False), ((0, 5), True)])
+def test_harm_done_in_two_blocks_excludes_whatever_the_number(blocks, out):
+    (block, *_) = blocks_of(round_robin(2, 2, 1, seed=0))
+    streaks = ForfeitStreaks(0)
+    for number in blocks:
+        found = [replace(one, match=replace(one.match, block=number)) for one in played(["FORFEIT_SABOTAGE"])]
+        streaks.add(found)
+        streaks.add(played([None]))
+    assert streaks.excluded_from(block) == ({0: Fault("FORFEIT_OUT", "it had done harm in 2 blocks")} if out else {})
 
 
 def test_less_than_no_forfeit_is_refused():

@@ -314,26 +314,32 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
     assert played(SHORT, entrants, sandbox).forfeits == (None, None)
 
 
-def test_a_match_that_could_not_be_held_is_played_again(sandbox, monkeypatch):
-    monkeypatch.setattr("catch_arena.tournament.isolation.starting._PAUSES_S", (0.0, 0.0, 0.0))
-    entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
+def test_a_match_that_could_not_be_held_is_played_again_one_agent_at_a_time(sandbox):
+    entrants = enter([alone("nearest"), alone("contested")], inspector(sandbox))
     whole = play_entrants(SHORT, 7, entrants, sandbox)
     ended = []
 
     def end_the_supervisor_once(env):
-        if env.world().step == 10 and len(ended) < 1:
-            ended.append(sandbox._supervisor._process.pid)
+        if env.world().step == 10 and not ended:
+            ended.append(sandbox.pid)
             os.kill(ended[0], signal.SIGKILL)
 
     assert play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_supervisor_once) == whole
     assert ended
 
-    def end_the_supervisor(env):
-        if env.world().step == 10:
-            os.kill(sandbox._supervisor._process.pid, signal.SIGKILL)
 
-    with pytest.raises(NoContest):
-        play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_supervisor)
+def test_where_harm_is_done_while_no_agent_runs_none_is_blamed(sandbox, monkeypatch):
+    monkeypatch.setattr("catch_arena.tournament.isolation.starting._PAUSES_S", (0.0, 0.0, 0.0))
+    entrants = enter([alone("nearest"), alone("contested")], inspector(sandbox))
+    before = family(os.getpid())
+
+    def end_the_newcomers(env):
+        if env.world().step == 10:
+            for pid in family(os.getpid()) - before:
+                os.kill(pid, signal.SIGKILL)
+
+    with pytest.raises(NoContest, match="was ended, or made to run, while no agent ran"):
+        play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_newcomers)
 
 
 def test_a_line_gives_every_float32_back():
