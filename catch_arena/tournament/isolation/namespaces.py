@@ -25,6 +25,7 @@ PLAY: Final = TEMPORARY / "match"
 """Where it works."""
 _NOBODY: Final = 65534
 _PROBE_S: Final = 20.0
+_SETTINGS: Final = Path("/proc/sys")
 _OPTIONS: Final = (
     *("--unshare-user", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"),
     *("--uid", f"{_NOBODY}", "--gid", f"{_NOBODY}", "--hostname", "arena"),
@@ -111,6 +112,6 @@ def _hints(said: Sequence[str]) -> list[str]:
 
 def _setting(name: str) -> str | None:
     try:
-        return Path("/proc/sys", name).read_text().strip()
+        return (_SETTINGS / name).read_text().strip()
     except OSError:
         return None

@@ -49,15 +49,9 @@ def test_other_entrants_folders_are_not_seen_from_above(folder):
 
 
 def test_what_the_tournament_writes_and_is_given_is_not_seen(folder):
-    bots = folder("a.py", "weights.npz", "exam.toml", "out/results.sqlite", "data/x", "data/out/replays/m.replay")
-    hidden = [f"{bots}/exam.toml", f"{bots}/out", f"{bots}/not_there"]
-    assert seen(bots, visible_files(f"{bots}/a.py", (), hidden)) == {"a.py", "weights.npz", "data"}
-    assert seen(bots, visible_files(f"{bots}/a.py", (), [f"{bots}/data/out"])) == {
-        "a.py",
-        "weights.npz",
-        "exam.toml",
-        "out",
-    }
+    bots = folder("a.py", "weights.npz", "exam.toml", "out/results.sqlite", "deep/out/replays/m.replay")
+    hidden = [f"{bots}/exam.toml", f"{bots}/out", f"{bots}/deep/out", f"{bots}/not_there"]
+    assert seen(bots, visible_files(f"{bots}/a.py", (), hidden)) == {"a.py", "weights.npz"}
 
 
 def test_in_a_folder_that_results_are_written_to_it_sees_only_what_has_its_name(folder):
@@ -109,13 +103,13 @@ def test_a_program_in_a_folder_bin_sees_its_libraries(folder):
 
 
 def test_a_module_sees_its_package_without_the_files_of_other_entrants(folder, monkeypatch):
-    bots = folder("team/__init__.py", "team/ann.py", "team/bob.py", "team/common.py", "other.py", "alone.py")
+    bots = folder("team/__init__.py", "team/ann.py", "team/bob.py", "other.py", "alone.py", "alone.npz", "notes.txt")
     monkeypatch.syspath_prepend(bots)
     specs = ["team.ann:Agent", "team.bob:Agent", "alone:Agent"]
     files = visible_files(specs[0], specs)
     assert seen(bots, files) == {"team"}
     assert files.masked == {bots / "team/bob.py"}
-    assert seen(bots, visible_files(specs[2], specs)) == {"alone.py"}
+    assert seen(bots, visible_files(specs[2], specs)) == {"alone.py", "alone.npz"}
     assert "team" not in sys.modules
 
 
