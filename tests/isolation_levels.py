@@ -10,7 +10,7 @@ NAMESPACES = LEVELS[:-1]
 """For tests of that level alone."""
 
 COMPILERS = [name for name in ("cc", "gcc", "clang") if shutil.which(name)][:1]
-RUNTIMES = [name for name in ("node", "java") if shutil.which(name)]
+RUNTIMES = [name for name, program in (("node", "node"), ("java", "javac")) if shutil.which(program)]
 
 NOT_TESTED = [f"isolation in namespaces was not tested: {_MISSING}"] if _MISSING else []
 if absent := [*([] if COMPILERS else ["C"]), *(name for name in ("node", "java") if name not in RUNTIMES)]:
