@@ -1,5 +1,5 @@
 """Agents in processes of their own, with limits; docs/isolation.md says what that protects against, and what not.
 
-From the match down: starting, isolated_players, pipes, protocol. From the tournament's process down: sandbox, supervisor,
-servers, fork_server. Of namespaces: levels, namespaces, visible_files. Of limits: limits, processes, group_watch.
+From the match down: starting, isolated_players, pipes, protocol. From the tournament's process down: sandbox,
+supervisor, servers, fork_server. Namespaces: levels, namespaces, visible_files. Limits: limits, processes, group_watch.
 """
