@@ -58,9 +58,10 @@ def check_agent(
         typer.echo(folded(line, "note: ", " " * 6), err=True)
     wrong = 0
     allowed = limits_or_trust(limits, isolation, [agent], trusted=False)
-    say_level(allowed)
     with Sandbox(allowed) as sandbox:
-        for finding in check_fitness(agent, arenas, seed, sandbox):
+        for number, finding in enumerate(check_fitness(agent, arenas, seed, sandbox)):
+            if number == 0:  # it could be entered
+                say_level(allowed)
             wrong += finding.level == "error"
             typer.echo(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
     if wrong:

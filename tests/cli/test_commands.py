@@ -96,7 +96,8 @@ def test_one_that_is_trusted_and_one_that_is_isolated_play_the_same_tournament(c
         ("b", ["--limit", "step_ms=50"], "step_ms is 100.0 there, and 50 here"),
     ):
         refused = catch_arena(*words, "--out", out, "--resume", *how)
-        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
+        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 2)
+        assert refused.stderr.startswith(f"{level_line(LEVELS[0])}\ncatch-arena: ")
         assert message in refused.stderr
 
 
