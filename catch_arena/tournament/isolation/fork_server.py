@@ -42,7 +42,10 @@ def main() -> None:
     for standard in (0, 1, 2):
         os.dup2(null, standard)
     os.close(null)
-    serve(channel, namespaced=True)
+    try:
+        serve(channel, namespaced=True)
+    finally:
+        os._exit(0)  # what is wrong with us is nothing for an agent's log
 
 
 def serve(channel: socket.socket, *, namespaced: bool = False) -> None:
