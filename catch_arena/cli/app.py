@@ -5,6 +5,8 @@ What is heavy (the engine, the renderer) is imported by the commands that need i
 
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
@@ -17,7 +19,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.scenarios import scenario
 from catch_arena.text import printable_lines
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.limits import AgentLimits, Level
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
@@ -85,6 +87,14 @@ Limits = Annotated[
         metavar="KEY=VALUE",
         help="Change a limit of isolated agents, as in step_ms=200 or memory_mib=2048 (docs/isolation.md); may be "
         "repeated.",
+    ),
+]
+Isolation = Annotated[
+    Level | None,
+    typer.Option(
+        "--isolation",
+        help="How agents are held apart (docs/isolation.md); where that cannot be, nothing is played.",
+        show_default="the best that works here",
     ),
 ]
 Trusted = Annotated[
@@ -178,24 +188,50 @@ def seed_told(secret: Secret) -> str:
     return f"seed: {secret.digits}{guessed}"
 
 
-def agent_limits(changes: list[str] | None) -> AgentLimits:
-    """The usual limits with the changes of --limit.
+def limits_or_trust(
+    changes: list[str] | None,
+    level: Level | None,
+    agents: Sequence[str],
+    *hidden: Path | None,
+    trusted: bool,
+) -> AgentLimits | None:
+    """What isolated agents may take and see; None with --trusted.
+
+    Args:
+        changes: of --limit.
+        level: of --isolation.
+        agents: all that are to play, as on the command line.
+        hidden: what none of them may see: the command's other files.
+        trusted: of --trusted.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an argument that cannot be, and a level that this machine cannot hold.
+        AgentError: for a spec that names no agent.
     """
-    return AgentLimits.of(**dict(_pairs("--limit", changes)))
+    from catch_arena.tournament.entrants import resolve_spec
+    from catch_arena.tournament.isolation.levels import level_here
+
+    if trusted:
+        if changes:
+            raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {changes[0]}")
+        if level is not None:
+            raise ConfigError(f"--isolation must be left out with --trusted, which isolates nothing: got {level}")
+        return None
+    limits = AgentLimits.of(**dict(_pairs("--limit", changes)))
+    specs = tuple(resolve_spec(agent) for agent in agents)
+    if level is not None:
+        level_here(level)
+    places = tuple(str(path.expanduser().resolve()) for path in hidden if path is not None)
+    return replace(limits, level=level, entrants=specs, hidden=places)
 
 
-def limits_or_trust(changes: list[str] | None, *, trusted: bool) -> AgentLimits | None:
-    """What isolated agents may take; None with --trusted.
+def say_level(limits: AgentLimits | None) -> None:
+    """Say in one line how agents are held apart, where any is."""
+    from catch_arena.tournament.entrants import is_shipped
+    from catch_arena.tournament.isolation.levels import level_here, level_line
 
-    Raises:
-        ConfigError: for an argument that cannot be.
-    """
-    if trusted and changes:
-        raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {changes[0]}")
-    return None if trusted else agent_limits(changes)
+    if limits is not None and not all(map(is_shipped, limits.entrants)):
+        say(level_line(level_here(limits.level)), err=True)
 
 
 def enter_agents(
@@ -222,6 +258,7 @@ def enter_agents(
             players = enter(specs, look)
         else:
             players = enter(specs, lambda spec: look(spec) if is_shipped(spec) else looks.inspect(spec, look))
+    say_level(limits)
     for player in players:
         if player.fault is not None:
             say(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)

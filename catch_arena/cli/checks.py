@@ -7,12 +7,14 @@ import typer
 
 from catch_arena.cli.app import (
     MAX_FORFEITS,
+    Isolation,
     Limits,
     Settings,
     Trusted,
     arena,
     limits_or_trust,
     main,
+    say_level,
 )
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import folded, say
@@ -39,6 +41,7 @@ def check_agent(
     ] = None,
     seed: Annotated[int, typer.Option(help="The arena's.")] = 0,
     limits: Limits = None,
+    isolation: Isolation = None,
     trusted: Trusted = False,
     settings: Settings = None,
 ) -> None:
@@ -51,12 +54,14 @@ def check_agent(
     from catch_arena.tournament.isolation.starting import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
-    allowed = limits_or_trust(limits, trusted=trusted)
+    allowed = limits_or_trust(limits, isolation, [agent], trusted=trusted)
     for line in missing_protections() if allowed is not None else ():
         say(folded(line, "note: ", " " * 6), err=True)
     wrong = 0
     with sandbox_for(allowed) as sandbox:
-        for finding in check_fitness(agent, arenas, seed, sandbox):
+        for number, finding in enumerate(check_fitness(agent, arenas, seed, sandbox)):
+            if number == 0:  # it could be entered
+                say_level(allowed)
             wrong += finding.level == "error"
             say(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
     if wrong:
@@ -77,6 +82,7 @@ def grade(
     ] = None,
     force: Force = False,
     limits: Limits = None,
+    isolation: Isolation = None,
     trusted: Trusted = False,
     max_forfeits: Annotated[
         int,
@@ -100,9 +106,12 @@ def grade(
     for path in (junit, json, seeds):
         if path is not None:
             output_file(path, force=force)
-    with sandbox_for(limits_or_trust(limits, trusted=trusted)) as sandbox:
+    everybody = [agent, *(opponent for test in exercise.tests for opponent in test.opponents)]
+    allowed = limits_or_trust(limits, isolation, everybody, spec, exercise.seed_file, junit, json, trusted=trusted)
+    with sandbox_for(allowed) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
+        say_level(allowed)
         grades = []
         for test in exercise.tests:
             opponents = enter(test.opponents, look)

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from catch_arena.cli.app import (
     MAX_FORFEITS,
+    Isolation,
     Limits,
     MaxForfeits,
     Scenario,
@@ -19,6 +20,7 @@ from catch_arena.cli.app import (
     enter_agents,
     limits_or_trust,
     main,
+    say_level,
     secret_of,
     seed_told,
 )
@@ -54,6 +56,7 @@ def compare(
     jobs: Jobs = None,
     trusted: Trusted = False,
     limits: Limits = None,
+    isolation: Isolation = None,
     max_forfeits: MaxForfeits = MAX_FORFEITS,
     settings: Settings = None,
 ) -> None:
@@ -72,8 +75,9 @@ def compare(
     test = Sprt(
         share_of_elo(elo0) if share0 is None else share0, share_of_elo(elo1) if share1 is None else share1, alpha, beta
     )
-    allowed = limits_or_trust(limits, trusted=trusted)
-    entrants = enter_agents([*agents, *(against or ())], allowed)
+    everybody = [*agents, *(against or ())]
+    allowed = limits_or_trust(limits, isolation, everybody, trusted=trusted)
+    entrants = enter_agents(everybody, allowed)
     first, second = entrants[:2]
     low, high = test.bounds
     console = Console(stderr=True)
@@ -129,6 +133,7 @@ def audit(
     jobs: Jobs = None,
     trusted: Trusted = False,
     limits: Limits = None,
+    isolation: Isolation = None,
     out: Annotated[Path, typer.Option(help="The folder for audit.json, of which the report tells.")] = Path(
         "out/tournament"
     ),
@@ -146,7 +151,8 @@ def audit(
     from catch_arena.tournament.audit import audit as ask
 
     config, secret = arena(scenario, settings), secret_of(seed)
-    allowed = limits_or_trust(limits, trusted=trusted)
+    allowed = limits_or_trust(limits, isolation, [agent], trusted=trusted)
+    say_level(allowed)
     output_file(out / FILE, force=force)
     with progress_bar("playing") as show:
         found = ask(config, agent, matches=matches, seed=secret, jobs=jobs_or_all(jobs), limits=allowed, progress=show)

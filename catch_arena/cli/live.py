@@ -8,6 +8,7 @@ import typer
 from catch_arena.cli.app import (
     Agents,
     ArenaSeed,
+    Isolation,
     Limits,
     Scenario,
     Settings,
@@ -58,6 +59,7 @@ def play(
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: Limits = None,
+    isolation: Isolation = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
@@ -71,7 +73,7 @@ def play(
     if not 0 <= seat < config.hunters:
         raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario}, got {seat}")
     rivals = [*(against or ()), *(agents or ())] or list(_RIVALS)
-    allowed = limits_or_trust(limits, trusted=trusted)
+    allowed = limits_or_trust(limits, isolation, rivals, trusted=trusted)
     _show(rivals, allowed, scenario, config, seat, seed, record, size, force=force)
 
 
@@ -83,13 +85,14 @@ def watch(
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: Limits = None,
+    isolation: Isolation = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
     settings: Settings = None,
 ) -> None:
     """Watch agents play, live; fewer than the scenario has seats for sit in several."""
-    allowed = limits_or_trust(limits, trusted=trusted)
+    allowed = limits_or_trust(limits, isolation, agents, trusted=trusted)
     _show(agents, allowed, scenario, arena(scenario, settings), None, seed, record, size, force=force)
 
 

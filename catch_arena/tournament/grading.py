@@ -86,6 +86,8 @@ class Spec:
     tests: tuple[Test, ...]
     secret: Secret
     """From which the seeds of all matches follow."""
+    seed_file: Path | None = None
+    """Where its seed was read from, if not from itself."""
 
     def matches(self, test: Test) -> tuple[Match, ...]:
         """Those of one of the tests, with the student, 0, in each seat in turn."""
@@ -155,7 +157,7 @@ def read_spec(path: Path) -> Spec:
             raise ConfigError("test must be given at least once, as [[test]], got none")
     except CatchArenaError as error:
         raise ConfigError(f"{path}: {error}") from None
-    return Spec(title, tests, secret)
+    return Spec(title, tests, secret, path.parent / table["seed_file"] if "seed_file" in table else None)
 
 
 def grade_agent(
