@@ -10,9 +10,10 @@ import shutil
 import signal
 import socket
 import subprocess
+import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
@@ -22,8 +23,10 @@ from catch_arena.errors import NoContest
 from catch_arena.files import is_full, room
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.processes import how_it_ended
+from catch_arena.tournament.isolation.levels import level_here
+from catch_arena.tournament.isolation.limits import AgentLimits, Level
+from catch_arena.tournament.isolation.namespaces import PLAY
+from catch_arena.tournament.isolation.processes import close_to_others, how_it_ended
 
 _MOST_SERVERS: Final = 16
 """Entrants whose fork servers wait for their next match; each holds its agent's modules in memory."""
@@ -34,6 +37,7 @@ _SERVER_S: Final = 1.0
 """How long a fork server may take to say how its agent's process has ended."""
 _GONE: Final = "the supervisor of the agents' processes has ended"
 _MESSAGE: Final = 100
+_PART: Final = 65536
 _PASSED_ON: Final = ("PATH", "LANG", "LC_ALL", "TZ", "TMPDIR")
 _SETTINGS: Final = {
     "PYTHONDONTWRITEBYTECODE": "1",  # nothing is left beside an agent's file
@@ -50,6 +54,7 @@ class _Supervisor:
     """The process that all agents of a sandbox descend from (supervisor.py)."""
 
     def __init__(self) -> None:
+        close_to_others()  # the match is in this process's memory
         self._control, theirs = socket.socketpair()
         with theirs:
             try:
@@ -116,34 +121,80 @@ class _Supervisor:
         return received[0]
 
 
-@dataclass(slots=True)
 class _ForkServer:
-    pid: int
-    channel: socket.socket
-    busy: bool = True
-    """Whether it has yet to say how the process that it forked has ended."""
+    """One entrant's.
+
+    Args:
+        pid: its process.
+        channel: our end of its socket.
+        errors: where bubblewrap says why it fails.
+    """
+
+    def __init__(self, pid: int, channel: socket.socket, errors: int) -> None:
+        self.pid = pid
+        self.channel = channel
+        self.busy = True
+        """Whether it has yet to say how the process that it forked has ended."""
+        self.began = False
+        """Whether it has been ready for its agent."""
+        self._errors = errors
+        self._unread = b""
 
     def exit_code(self) -> int | None:
         """That process's, less than 0 for a signal; None where the fork server does not say."""
         try:
-            # one short message, without files: the fork server may run a stranger's code
-            code = os.waitstatus_to_exitcode(json.loads(self.channel.recv(_MESSAGE))["ended"])
+            message = self._next()
+            if not self.began:  # it has run none of its agent's code yet
+                self.began = message == {"ready": True}
+                message = self._next()
+            code = os.waitstatus_to_exitcode(message["ended"])
         except (OSError, ValueError, TypeError, KeyError, OverflowError):
             return None
         self.busy = False
         return code
+
+    def why_it_did_not_begin(self) -> str:
+        """What bubblewrap has said."""
+        try:
+            said = os.read(self._errors, _PART).decode(errors="replace").strip().splitlines()
+        except BlockingIOError:
+            said = []
+        return said[-1] if said else "it was ended"
+
+    def close(self) -> None:
+        """Let it go."""
+        self.channel.close()
+        os.close(self._errors)
+
+    def _next(self) -> Any:
+        """A short message, without files: it may come from a stranger's code."""
+        while b"\n" not in self._unread:
+            part = self.channel.recv(_MESSAGE)
+            if not part or len(self._unread) > _MESSAGE:
+                raise ConnectionError
+            self._unread += part
+        line, _, self._unread = self._unread.partition(b"\n")
+        return json.loads(line)
 
 
 class Sandbox:
     """Where the isolated agents of one tournament process live; it holds one match at a time.
 
     They descend from one process of ours, the supervisor, which is started when it is first needed, and which ends them
-    all when this process ends, however that ends. Use it as a context manager, or `close` it. Whatever it raises is a
-    NoContest.
+    all when this process ends, however that ends. Use it as a context manager, or `close` it. Whatever its methods
+    raise is a NoContest.
+
+    Args:
+        limits: each agent's.
+
+    Raises:
+        ConfigError: for a level that this machine cannot hold.
     """
 
     def __init__(self, limits: AgentLimits | None = None) -> None:
         self.limits = limits or AgentLimits()
+        if self.limits.level is not None:
+            level_here(self.limits.level)
         self._supervisor: _Supervisor | None = None
         self._servers: dict[tuple[str, str], _ForkServer] = {}
 
@@ -153,10 +204,15 @@ class Sandbox:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
 
+    @property
+    def level(self) -> Level:
+        """How its agents are held apart."""
+        return level_here(self.limits.level)
+
     def close(self) -> None:
         """End all agents, and remove what they wrote; the next match would start anew."""
         for server in self._servers.values():
-            server.channel.close()
+            server.close()
         self._servers.clear()
         if self._supervisor is not None:
             self._supervisor.close()
@@ -166,11 +222,7 @@ class Sandbox:
         """Give an entrant a process for this match; `files` are its ends of AgentPipes: in, out and log."""
         if self._supervisor is None:
             self._supervisor = _Supervisor()
-        folder = self._supervisor.folder / f"seat_{seat}"
-        try:
-            folder.mkdir()
-        except OSError as error:
-            raise NoContest(f"{folder}: cannot be made: {error.strerror}: {room(folder.parent)}") from None
+        folder = PLAY if self.level == "namespaces" else self._folder(self._supervisor, seat)
         server = self._servers.get(_key(entrant))
         if server is not None:
             try:
@@ -181,7 +233,8 @@ class Sandbox:
         if server is None:
             server = self._start_server(self._supervisor, entrant.spec)
             with suppress(OSError):  # whether it has ended already, its pipes will show
-                protocol.send(server.channel, files, play=str(folder))
+                whom = {"serve": entrant.spec, "limits": self.limits.numbers()}
+                protocol.send(server.channel, files, play=str(folder), **whom)
         server.busy = True
         self._servers.pop(_key(entrant), None)
         self._servers[_key(entrant)] = server  # the last one: those that have waited longest are ended first
@@ -190,20 +243,25 @@ class Sandbox:
         """End an agent and all that it started, its fork server too."""
         server = self._servers.pop(_key(entrant), None)
         if server is not None and self._supervisor is not None:
-            server.channel.close()
+            server.close()
             self._supervisor.ask(end=server.pid)
 
     def how_it_ended(self, entrant: Entrant) -> tuple[str, bool]:
-        """Why an agent's answers have ended, in words; where the supervisor has ended, that is no agent's fault.
+        """Why an agent's answers have ended, in words; where that is no agent's fault, it is raised.
 
         Returns:
             these words, and whether a signal may have ended its process, which anybody may have sent.
         """
+        server = self._servers[_key(entrant)]
+        code = server.exit_code()
         self.require_alive()
-        code = self._servers[_key(entrant)].exit_code()
-        if code is None:
-            return "its process has ended, or closed its answers", True
-        return how_it_ended(code), code < 0 and code != -signal.SIGXCPU
+        if code is not None:
+            return how_it_ended(code), code < 0 and code != -signal.SIGXCPU
+        if self._supervisor is not None and (excess := self._supervisor.ask(excess=server.pid)["excess"]):
+            return str(excess), False
+        if not server.began and self.level == "namespaces":
+            raise NoContest(f"an agent's namespaces could not be made: {server.why_it_did_not_begin()}")
+        return "its process has ended, or closed its answers", True
 
     def require_alive(self) -> None:
         """Raises: NoContest where what keeps the agents has ended or was stopped."""
@@ -240,18 +298,37 @@ class Sandbox:
                 unclear = server.busy and server.exit_code() is None
                 if unclear or len(self._servers) > _MOST_SERVERS:
                     del self._servers[key]
-                    server.channel.close()
+                    server.close()
                     self._supervisor.ask(end=server.pid)
         except BaseException:
             self.close()
             raise
 
+    @staticmethod
+    def _folder(supervisor: _Supervisor, seat: int) -> Path:
+        """To work in, for one match."""
+        try:
+            return Path(tempfile.mkdtemp(prefix=f"seat_{seat}_", dir=supervisor.folder))
+        except OSError as error:
+            why = f"{error.strerror}: {room(supervisor.folder)}"
+            raise NoContest(f"{supervisor.folder}: no folder can be made there: {why}") from None
+
     def _start_server(self, supervisor: _Supervisor, spec: str) -> _ForkServer:
         ours, theirs = socket.socketpair()
         ours.settimeout(_SERVER_S)
-        with theirs:
-            pid = supervisor.ask([theirs.fileno()], serve=spec, limits=asdict(self.limits))["pid"]
-        return _ForkServer(pid, ours)
+        errors, tells = os.pipe()
+        os.set_blocking(errors, False)
+        try:
+            with theirs:
+                asked = {"serve": spec, "limits": asdict(replace(self.limits, level=self.level))}
+                answer = supervisor.ask([theirs.fileno(), tells], **asked)
+        finally:
+            os.close(tells)
+        server = _ForkServer(answer["pid"], ours, errors)
+        if answer["pid"] is None:
+            server.close()
+            raise NoContest(f"an agent's fork server cannot be started: {answer['error']}")
+        return server
 
 
 def _key(entrant: Entrant) -> tuple[str, str]:
