@@ -4,7 +4,7 @@ to have done harm.
 
 from typing import Final
 
-from catch_arena.errors import NoContest, WorkerLost
+from catch_arena.errors import StoreError, WorkerLost
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch
 from catch_arena.tournament.isolation.apart import Sabotage
@@ -76,7 +76,9 @@ class Trials:
             except KeyboardInterrupt:
                 self._suspicions.break_off()
                 raise
-            except NoContest:
+            except StoreError:  # the disk may be full by the doing of whoever has its turn
+                raise
+            except Exception:
                 self._suspicions.end_turns()
                 raise
             else:

@@ -24,15 +24,16 @@ class Freezer:
         self._still: set[int] = set()
         """Those of them who live, and stand still."""
         self._newest = 0
-        """The newest process of the system when they were looked for: who is not older was started since."""
+        """The newest process of the system when all stood still the last time: who is newer was started since."""
 
     def freeze(self) -> bool:
         """Return when nobody runs any more; false where some do not obey."""
         patience = time.monotonic() + _FREEZE_S
         obeyed: set[int] = set()
         while True:
-            self._look()
+            newest = self._look()
             if obeyed >= self._found:
+                self._newest = newest
                 return True
             for pid in self._found - obeyed:
                 send(pid, signal.SIGSTOP)
@@ -57,15 +58,20 @@ class Freezer:
         for pid in self._found:
             send(pid, signal.SIGCONT)
 
-    def _look(self) -> None:
-        """Find those who have come since the last time: looking at all processes takes longer than most moves."""
+    def _look(self) -> int:
+        """Find those who have come since all stood still: looking at all takes longer than most moves. A child
+        may have an id and not be seen yet; but its parent stands still only after that.
+
+        Returns:
+            the newest process of the system.
+        """
         newest, before = _newest_process(), self._newest
         if before == 0 or newest < before:
             self._found = {self._root, *family(self._root)}
         for pid in range(before + 1, newest + 1) if before else ():
             if parent_of(pid) in self._found:
                 self._found.add(pid)
-        self._newest = newest
+        return newest
 
     def _stopped(self) -> set[int] | None:
         """Those who stand still; None while somebody runs: who is not stopped has ended, or waits for its disk."""
