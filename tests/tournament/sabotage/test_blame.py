@@ -19,7 +19,18 @@ from catch_arena.tournament.store import Store
 
 HONEST = ("nearest", "contested", "first")
 """Shipped ones, as files: they would be trusted under their names."""
-QUICK = ("--scenario", "duel", "--set", "time_limit_s=3", "--limit", "init_s=60", "--limit", "step_ms=20000")
+QUICK = (
+    "--scenario",
+    "duel",
+    "--set",
+    "time_limit_s=3",
+    "--limit",
+    "init_s=60",
+    "--limit",
+    "step_ms=20000",
+    "--isolation",
+    "processes",
+)
 """Patient, since a busy machine must not make anybody late."""
 SABOTAGE = "FORFEIT_SABOTAGE"
 
