@@ -1,0 +1,246 @@
+"""All attacks, and what each level of isolation makes of them; docs/attacks.md shows the same."""
+
+from typing import Final
+
+from tournament.attacks import channels, files, processes, resources, seeds
+from tournament.attacks.harness import Attack
+from tournament.attacks.world import Outcome
+
+LEVELS: Final = ("processes", "namespaces")
+STOPPED: Final = "stopped"
+NOT_STOPPED: Final = "not stopped"
+BY_LUCK: Final = "not stopped, where it has luck"
+BY_SOME_KERNELS: Final = "not stopped by all kernels"
+AS_ROOT: Final = "stopped, but not where the tournament runs as root"
+IMPATIENT: Final = {"step_ms": 1500, "bank_s": 0.5}
+"""For agents that somebody stops, and that are late then."""
+
+
+def leaked(outcome: Outcome) -> bool:
+    """The attacker knows a secret."""
+    return any(secret in outcome.said for secret in outcome.secrets)
+
+
+def done(outcome: Outcome) -> bool:
+    """The attacker did what it tried, and says so."""
+    return "found " in outcome.said
+
+
+def beaten(outcome: Outcome) -> bool:
+    """The rival forfeited, or the tournament did not end as it should."""
+    return outcome.broken
+
+
+def changed(outcome: Outcome) -> bool:
+    """Files are not what they were."""
+    return bool(outcome.changes)
+
+
+def remembered(outcome: Outcome) -> bool:
+    """A match knew what the one before had kept."""
+    return "found carried" in outcome.said
+
+
+def framed(outcome: Outcome) -> bool:
+    """The rival's log has what it did not print."""
+    return "I am a cheat" in outcome.rival_said
+
+
+def owned(outcome: Outcome) -> bool:
+    """The store has a table of the attacker's."""
+    return b"CREATE TABLE mine" in (outcome.world.out / "tournament.sqlite").read_bytes()
+
+
+def reached_the_world(outcome: Outcome) -> bool:
+    """A message came through."""
+    return outcome.received == b"hello, world"
+
+
+def outlived(outcome: Outcome) -> bool:
+    """A process of the first match lived while the second was played."""
+    return outcome.most > 1
+
+
+def obeyed(outcome: Outcome) -> bool:
+    """The terminal was sent what it obeys, or markup was read as markup."""
+    return "\x1b" in outcome.printed or "\x1b" in outcome.said or not outcome.said
+
+
+def heard_by_locks(outcome: Outcome) -> bool:
+    """The first 32 bits of the secret came through."""
+    return f"found bits {outcome.world.secret[7:15]}" in outcome.said
+
+
+def attack(run, succeeded, by_processes, by_namespaces, **options) -> Attack:
+    """A row of the table."""
+    return Attack(run=run, succeeded=succeeded, processes=by_processes, namespaces=by_namespaces, **options)
+
+
+def probe(run, succeeded, by_processes, by_namespaces) -> Attack:
+    """One that only looks: one agent tries them all."""
+    return attack(run, succeeded, by_processes, by_namespaces, together=True)
+
+
+SECRET_SEED: Final = ("--seed", "12345678901234567890")
+
+ATTACKS: Final = (
+    # the match's seed, and what follows from it
+    probe(seeds.works_out_the_matchs_seed_from_its_own, leaked, STOPPED, STOPPED),
+    probe(seeds.reads_the_seeds_in_the_store, leaked, NOT_STOPPED, STOPPED),
+    attack(
+        seeds.reads_the_seed_in_the_tournaments_command_line,
+        leaked,
+        NOT_STOPPED,
+        STOPPED,
+        words=SECRET_SEED,
+        alone=True,
+    ),
+    probe(files.reads_the_replay_of_a_match_with_the_same_targets, done, STOPPED, STOPPED),
+    # the rival's process
+    attack(processes.writes_into_the_rivals_answers_through_proc, beaten, STOPPED, STOPPED, limits=IMPATIENT),
+    attack(processes.takes_the_rivals_descriptors_by_pidfd, beaten, NOT_STOPPED, STOPPED, limits=IMPATIENT),
+    attack(processes.writes_into_the_rivals_log_through_proc, framed, NOT_STOPPED, STOPPED),
+    probe(processes.reads_the_rivals_memory_through_proc, leaked, NOT_STOPPED, STOPPED),
+    probe(processes.reads_the_rivals_memory_by_process_vm_readv, leaked, NOT_STOPPED, STOPPED),
+    probe(processes.takes_hold_of_the_rival_by_ptrace, done, NOT_STOPPED, STOPPED),
+    attack(processes.kills_the_rival, beaten, NOT_STOPPED, STOPPED),
+    attack(processes.stops_the_rival, beaten, NOT_STOPPED, STOPPED, limits=IMPATIENT),
+    attack(processes.takes_all_cpu_time_from_the_rival_by_prlimit, beaten, NOT_STOPPED, STOPPED),
+    probe(processes.makes_the_rival_slow_by_its_priority, done, NOT_STOPPED, STOPPED),
+    probe(processes.takes_a_priority_above_all_others, done, AS_ROOT, STOPPED),
+    # the tournament's processes
+    probe(processes.reads_the_tournaments_memory, leaked, NOT_STOPPED, STOPPED),
+    probe(processes.reads_the_tournaments_environment, leaked, NOT_STOPPED, STOPPED),
+    attack(processes.kills_its_fork_server, beaten, STOPPED, STOPPED, limits=IMPATIENT),
+    attack(processes.stops_its_fork_server, beaten, STOPPED, STOPPED, limits=IMPATIENT),
+    attack(
+        processes.lies_about_how_it_ended,
+        beaten,
+        STOPPED,
+        STOPPED,
+        at_import=processes.changes_what_its_fork_server_says,
+    ),
+    attack(processes.kills_the_supervisor, beaten, STOPPED, STOPPED),
+    attack(processes.stops_the_supervisor, beaten, STOPPED, STOPPED),
+    attack(processes.kills_the_tournament, beaten, NOT_STOPPED, STOPPED),
+    attack(processes.stops_itself, beaten, STOPPED, STOPPED, limits=IMPATIENT),
+    attack(
+        processes.leaves_a_grandchild_that_lives_on_into_the_next_match,
+        outlived,
+        STOPPED,
+        STOPPED,
+        counted=b"98765.4321",
+    ),
+    attack(processes.passes_descriptors_to_the_tournament, beaten, STOPPED, STOPPED),
+    attack(channels.finds_descriptors_that_are_not_its_own, done, STOPPED, STOPPED),
+    # privileges
+    probe(processes.gains_privileges_by_a_program_that_is_setuid, done, STOPPED, STOPPED),
+    probe(processes.has_capabilities, done, AS_ROOT, STOPPED),
+    probe(processes.makes_a_user_namespace_of_its_own, done, NOT_STOPPED, STOPPED),
+    probe(resources.raises_its_own_limits, done, AS_ROOT, STOPPED),
+    probe(files.makes_a_device, done, AS_ROOT, STOPPED),
+    probe(files.opens_a_disk_of_this_machine, done, AS_ROOT, STOPPED),
+    probe(files.finds_a_control_group_that_it_may_change, done, AS_ROOT, STOPPED),
+    # files of others
+    probe(files.reads_the_rivals_files, leaked, NOT_STOPPED, STOPPED),
+    attack(
+        files.reads_the_files_of_a_rival_that_lies_in_the_same_folder,
+        leaked,
+        NOT_STOPPED,
+        STOPPED,
+        file="rival/attacker.py",
+    ),
+    attack(files.changes_the_rivals_source, changed, NOT_STOPPED, STOPPED),
+    probe(files.reads_the_rivals_working_folder, leaked, NOT_STOPPED, STOPPED),
+    attack(files.changes_what_the_rival_has_written, beaten, NOT_STOPPED, STOPPED),
+    probe(files.finds_the_rivals_working_folder_through_proc, leaked, NOT_STOPPED, STOPPED),
+    probe(files.reads_a_file_in_the_users_home, leaked, NOT_STOPPED, STOPPED),
+    probe(files.lists_the_users_home, done, NOT_STOPPED, STOPPED),
+    probe(files.finds_a_way_out_through_proc, leaked, NOT_STOPPED, STOPPED),
+    probe(files.finds_the_tournaments_folders_through_its_descriptors, done, NOT_STOPPED, STOPPED),
+    attack(files.writes_into_the_store, owned, NOT_STOPPED, STOPPED),
+    attack(files.changes_a_replay, changed, NOT_STOPPED, STOPPED, rounds=2),
+    attack(files.reads_the_rivals_log, leaked, NOT_STOPPED, STOPPED, rounds=2),
+    attack(files.writes_a_module_that_python_imports_at_every_start, changed, NOT_STOPPED, STOPPED),
+    probe(files.opens_a_module_of_the_package_for_writing, done, NOT_STOPPED, STOPPED),
+    attack(files.changes_its_own_source_between_matches, changed, NOT_STOPPED, STOPPED),
+    attack(files.removes_its_own_source_while_it_plays, beaten, STOPPED, STOPPED),
+    # its own folder, which the tournament clears up
+    attack(files.links_from_its_folder_to_somebody_elses, changed, STOPPED, STOPPED),
+    attack(
+        files.swaps_a_folder_and_a_link_while_they_are_cleared_up,
+        changed,
+        BY_LUCK,
+        STOPPED,
+        at_import=files.swaps_for_ever,
+    ),
+    attack(files.puts_a_link_in_the_place_of_its_folder, beaten, STOPPED, STOPPED),
+    attack(files.takes_the_folder_of_the_next_seat, beaten, STOPPED, STOPPED, at_import=files.takes_all_seats),
+    attack(files.removes_the_folder_that_all_work_in, beaten, NOT_STOPPED, STOPPED),
+    attack(files.digs_folders_too_deep_to_be_removed, beaten, STOPPED, STOPPED),
+    attack(files.forbids_its_own_folder, beaten, STOPPED, STOPPED),
+    attack(files.makes_its_folder_immutable, beaten, AS_ROOT, STOPPED),
+    attack(files.leaves_a_pipe_and_a_socket_in_its_folder, beaten, STOPPED, STOPPED),
+    # the machine's resources
+    probe(files.writes_a_file_of_100_gb_with_holes, done, STOPPED, STOPPED),
+    probe(files.writes_many_files, done, NOT_STOPPED, STOPPED),
+    attack(resources.forks_600_processes, done, NOT_STOPPED, STOPPED),
+    attack(resources.starts_10_000_threads, done, NOT_STOPPED, STOPPED),
+    attack(resources.takes_memory_in_many_processes, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
+    attack(resources.takes_memory_by_files_in_memory, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
+    # what it says
+    attack(resources.prints_for_ever_while_it_plays, beaten, STOPPED, STOPPED),
+    attack(resources.answers_without_a_newline_for_ever, beaten, STOPPED, STOPPED),
+    attack(resources.answers_10_mb, beaten, STOPPED, STOPPED),
+    attack(resources.answers_with_brackets_in_brackets, beaten, STOPPED, STOPPED),
+    attack(resources.raises_an_exception_that_is_no_text, beaten, STOPPED, STOPPED),
+    attack(resources.prints_what_a_terminal_obeys, obeyed, STOPPED, STOPPED),
+    # the network, and agents in league
+    attack(channels.sends_something_out_by_network, reached_the_world, NOT_STOPPED, STOPPED),
+    probe(channels.finds_an_interface_of_the_network, done, NOT_STOPPED, STOPPED),
+    *(
+        attack(hears, leaked, NOT_STOPPED, STOPPED, accomplice=sends)
+        for hears, sends in (
+            (channels.hears_an_accomplice_by_tcp, channels.sends_the_secret_by_tcp),
+            (channels.hears_an_accomplice_by_an_abstract_socket, channels.sends_the_secret_by_an_abstract_socket),
+            (
+                channels.hears_an_accomplice_by_a_socket_among_the_temporary_files,
+                channels.sends_the_secret_by_a_socket_among_the_temporary_files,
+            ),
+            (channels.hears_an_accomplice_by_shared_memory, channels.sends_the_secret_by_shared_memory),
+            (channels.hears_an_accomplice_by_a_temporary_file, channels.sends_the_secret_by_a_temporary_file),
+            (
+                channels.hears_an_accomplice_by_system_v_shared_memory,
+                channels.sends_the_secret_by_system_v_shared_memory,
+            ),
+        )
+    ),
+    attack(
+        channels.hears_an_accomplice_by_locks_on_files_that_all_may_read,
+        heard_by_locks,
+        NOT_STOPPED,
+        NOT_STOPPED,
+        accomplice=channels.sends_the_secret_by_locks_on_files_that_all_may_read,
+    ),
+    # from one match to the next
+    probe(channels.remembers_a_match_by_a_temporary_file, remembered, NOT_STOPPED, STOPPED),
+    probe(channels.remembers_a_match_by_a_file_in_its_home, remembered, STOPPED, STOPPED),
+    attack(channels.remembers_a_match_by_a_file_beside_its_source, remembered, NOT_STOPPED, STOPPED),
+    probe(channels.remembers_a_match_by_shared_memory, remembered, NOT_STOPPED, STOPPED),
+    probe(channels.remembers_a_match_by_system_v_shared_memory, remembered, NOT_STOPPED, STOPPED),
+    attack(
+        channels.remembers_a_match_by_memory_that_its_fork_server_shares,
+        remembered,
+        NOT_STOPPED,
+        STOPPED,
+        at_import=channels.maps_memory_to_share,
+    ),
+    attack(
+        channels.remembers_a_match_by_a_thread_of_its_fork_server,
+        remembered,
+        NOT_STOPPED,
+        STOPPED,
+        at_import=channels.starts_a_thread_that_listens,
+    ),
+    probe(channels.remembers_a_match_by_a_key_that_the_kernel_keeps, remembered, BY_SOME_KERNELS, STOPPED),
+)
