@@ -3,6 +3,9 @@
 From the import on, it runs a stranger's code: its parent, the supervisor, does not rely on it. A command has a fork
 server too, which only starts it. In the fork, `speak_for` speaks the protocol for a Python class; a command speaks it
 itself.
+
+In namespaces of its own it is their first process: whatever loses its parent there is its child, and when it ends, all
+end.
 """
 
 import fcntl
@@ -12,7 +15,8 @@ import signal
 import socket
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import suppress
 from io import BufferedReader, BufferedWriter
 from pathlib import Path
 from typing import Final
@@ -21,22 +25,42 @@ from catch_arena.errors import AgentError, reason
 from catch_arena.policy import Limits, Policy, View
 from catch_arena.tournament.entrants import agent_class, command_of, create_policy, source_of
 from catch_arena.tournament.isolation import protocol
+from catch_arena.tournament.isolation.folders import empty
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.processes import confine, die_with, limit_cpu
+from catch_arena.tournament.isolation.namespaces import WRITABLE
+from catch_arena.tournament.isolation.processes import adopt_orphans, confine, die_with, limit_cpu
 
 _INTO, _OUT = 3, 4
 """The descriptors that a Python agent's process reads lines from and answers to; what it prints goes to its log."""
 _FIRST_FREE: Final = 10
 
 
-def serve(channel: socket.socket, spec: str, limits: AgentLimits) -> None:
+def main() -> None:
+    """Serve in namespaces of its own, on the socket that is the standard input."""
+    channel = socket.socket(fileno=os.dup(0))
+    null = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):
+        os.dup2(null, standard)
+    os.close(null)
+    serve(channel, namespaced=True)
+
+
+def serve(channel: socket.socket, *, namespaced: bool = False) -> None:
     """Play matches, one after the other, until the other side goes.
 
-    Each request brings three open files: for the lines that the agent reads, for its answers, and for its log.
+    Each request brings three open files: for the lines that the agent reads, for its answers, and for its log. The
+    first one also says which agent, and its limits; it is answered when all is ready for strangers.
     """
-    confine(limits)
+    adopt_orphans()
+    received = protocol.receive(channel)
+    if received is None:
+        return
+    spec, limits = received[0]["serve"], AgentLimits(**received[0]["limits"])
+    confine(limits, namespaced=namespaced)
+    kept = [path for folder in WRITABLE for path in _folders_in(folder)] if namespaced else []
+    protocol.send(channel, ready=True)
     command, imported = command_of(spec), False
-    while (received := protocol.receive(channel)) is not None:
+    while received is not None:
         message, files = received
         into, out, log = files
         _work_in(Path(message["play"]), log)
@@ -59,8 +83,11 @@ def serve(channel: socket.socket, spec: str, limits: AgentLimits) -> None:
                 os._exit(1)
         for file in files:
             os.close(file)
-        _, status = os.waitpid(pid, 0)
+        status = _wait_for(pid)
+        if namespaced:
+            _leave_nothing(kept)
         protocol.send(channel, ended=status)
+        received = protocol.receive(channel)
 
 
 def speak_for(policy: Policy, lines: BufferedReader, answers: BufferedWriter) -> None:
@@ -89,8 +116,38 @@ def speak_for(policy: Policy, lines: BufferedReader, answers: BufferedWriter) ->
         _send_error(answers, f"{doing} raised {reason(error)}")
 
 
+def _wait_for(pid: int) -> int:
+    """How that process has ended; others that end meanwhile are buried."""
+    while True:
+        ended, status = os.waitpid(-1, 0)
+        if ended == pid:
+            return status
+
+
+def _leave_nothing(kept: Collection[Path]) -> None:
+    """End whatever else runs in these namespaces, and remove what was written there."""
+    if os.getpid() == 1:
+        with suppress(ProcessLookupError):
+            os.kill(-1, signal.SIGKILL)  # all but this one
+    with suppress(ChildProcessError):
+        while True:
+            os.waitpid(-1, 0)
+    os.chdir("/")
+    for folder in WRITABLE:
+        empty(folder, kept)
+
+
+def _folders_in(folder: Path) -> Iterator[Path]:
+    """The folders in a folder, and what is mounted there, as long as nobody has written to it."""
+    for entry in folder.iterdir():
+        yield entry
+        if not entry.is_symlink() and entry.is_dir() and not entry.is_mount():
+            yield from _folders_in(entry)
+
+
 def _work_in(folder: Path, log: int) -> None:
     """Work in that folder, and print to that log."""
+    folder.mkdir(mode=0o700, exist_ok=True)
     os.chdir(folder)
     os.environ["HOME"] = os.environ["TMPDIR"] = str(folder)
     for standard in (1, 2):

@@ -19,13 +19,17 @@ class AgentLimits:
     bank_s: float = 5.0
     """What a match allows over `step_ms`, in all its steps together."""
     memory_mib: int = 1024
-    """Private memory of each process; its addresses may span four times as much, for libraries."""
+    """Private memory of each process; its addresses may span four times as much, for libraries. All processes of an
+    agent together may hold twice as much.
+    """
+    processes: int = 256
+    """Processes and threads of an agent at a time, all together."""
     cpu_s: int = 300
     """CPU time of each process, in one match."""
     open_files: int = 64
     """At a time, in each process."""
     file_mib: int = 16
-    """The largest file that it may write."""
+    """The largest file that it may write; all its files together, in each of two folders, where it has namespaces."""
     log_kib: int = 64
     """What is kept of all that it prints in a match: the first half and the last."""
     answer_kib: int = 64

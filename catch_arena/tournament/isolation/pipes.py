@@ -1,6 +1,10 @@
-"""One isolated agent's pipes, from the tournament's side: lines to it, lines from it, and what it prints."""
+"""One isolated agent's lines, from the tournament's side: those to it, those from it, and what it prints.
+
+They go through sockets: a pipe could be opened anew, by any process of the same user, as a file of /proc.
+"""
 
 import os
+import socket
 from contextlib import suppress
 from typing import Final
 
@@ -34,14 +38,14 @@ class Log:
 
 
 class AgentPipes:
-    """Three pipes: lines to the agent, its answers, and what it prints. Our ends never wait."""
+    """Three ways: lines to the agent, its answers, and what it prints. Our ends never wait."""
 
     def __init__(self, limits: AgentLimits) -> None:
         self._longest = limits.answer_kib * _KIB
         self.log = Log(limits.log_kib * _KIB)
-        into, self._into = os.pipe()
-        self.answers, out = os.pipe()
-        self.printed, log = os.pipe()
+        into, self._into = _one_way()
+        self.answers, out = _one_way()
+        self.printed, log = _one_way()
         self._theirs: tuple[int, ...] = (into, out, log)
         self._ours = {self._into, self.answers, self.printed}
         for file in self._ours:
@@ -63,7 +67,7 @@ class AgentPipes:
             return os.write(self._into, line) == len(line)
         except BlockingIOError:
             return False
-        except BrokenPipeError:
+        except (BrokenPipeError, ConnectionResetError):
             return True
 
     def read(self) -> bytes | Fault | None:
@@ -113,6 +117,14 @@ class AgentPipes:
     def _close(self, file: int) -> None:
         os.close(file)
         self._ours.discard(file)
+
+
+def _one_way() -> tuple[int, int]:
+    """A socket's end to read from, and one to write to."""
+    reader, writer = socket.socketpair()
+    reader.shutdown(socket.SHUT_WR)
+    writer.shutdown(socket.SHUT_RD)
+    return reader.detach(), writer.detach()
 
 
 def _shown(content: bytes) -> str:

@@ -2,10 +2,12 @@
 
 import ctypes
 import os
+import re
 import resource
 import signal
 import sys
 from contextlib import suppress
+from pathlib import Path
 from typing import Final
 
 from catch_arena.descendants import LINUX
@@ -13,10 +15,15 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 
 # <linux/prctl.h>
 _SET_PDEATHSIG: Final = 1
+_SET_DUMPABLE: Final = 4
 _SET_CHILD_SUBREAPER: Final = 36
 _SET_NO_NEW_PRIVS: Final = 38
 
 _MIB: Final = 1 << 20
+_COUNTED_BY_NAMESPACE: Final = (5, 14)
+"""Since this version of Linux a user's processes are counted apart in each user namespace."""
+_SPARE_TASKS: Final = 1024
+"""Where they are not: how many more processes and threads the machine may have before an agent can start no more."""
 _ADDRESSES: Final = 4
 """Addresses that a process may use for each byte of its private memory: libraries map much that they never touch."""
 
@@ -44,9 +51,25 @@ def die_with(parent: int) -> None:
         os._exit(1)
 
 
-def confine(limits: AgentLimits) -> None:
-    """Limits on memory, files and privileges, for this process and those that it starts."""
+def close_to_others() -> None:
+    """Keep other processes of the same user from this one's memory and open files, and from those of its forks; a
+    program that one of them becomes is open again. Root is not kept from anything.
+    """
+    _prctl(_SET_DUMPABLE, 0)
+
+
+def confine(limits: AgentLimits, *, namespaced: bool) -> None:
+    """Limits on memory, files, processes and privileges, for this process and those that it starts.
+
+    Args:
+        limits: an agent's.
+        namespaced: whether it is in a user namespace of its own.
+    """
+    with suppress(OSError):  # where the machine's memory ends, agents are ended first
+        Path("/proc/self/oom_score_adj").write_text("1000")
+    close_to_others()
     _prctl(_SET_NO_NEW_PRIVS, 1)
+    _limit(resource.RLIMIT_NPROC, _most_tasks(limits, namespaced=namespaced))  # root is not held by it
     _limit(resource.RLIMIT_DATA, limits.memory_mib * _MIB)
     _limit(resource.RLIMIT_AS, _ADDRESSES * limits.memory_mib * _MIB)
     _limit(resource.RLIMIT_NOFILE, limits.open_files)
@@ -57,6 +80,16 @@ def confine(limits: AgentLimits) -> None:
 def limit_cpu(seconds: int) -> None:
     """A limit on this process's CPU time, from its start."""
     _limit(resource.RLIMIT_CPU, seconds, spare=1)  # SIGXCPU comes before SIGKILL, and says why
+
+
+def _most_tasks(limits: AgentLimits, *, namespaced: bool) -> int:
+    """How many processes and threads the user may have for an agent to start one more."""
+    if not LINUX:
+        return resource.getrlimit(resource.RLIMIT_NPROC)[1]
+    if namespaced and tuple(map(int, re.findall(r"\d+", os.uname().release)[:2])) >= _COUNTED_BY_NAMESPACE:
+        return limits.processes
+    tasks = Path("/proc/loadavg").read_text().split()[3].partition("/")[2]
+    return int(tasks) + _SPARE_TASKS
 
 
 def how_it_ended(code: int) -> str:

@@ -9,9 +9,10 @@ import select
 import shutil
 import socket
 import subprocess
+import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
@@ -20,8 +21,10 @@ from catch_arena.descendants import start
 from catch_arena.errors import NoContest
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
+from catch_arena.tournament.isolation.levels import Level, level_here
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.processes import how_it_ended
+from catch_arena.tournament.isolation.namespaces import PLAY
+from catch_arena.tournament.isolation.processes import close_to_others, how_it_ended
 
 _MOST_SERVERS: Final = 16
 """Entrants whose fork servers wait for their next match; each holds its agent's modules in memory."""
@@ -31,6 +34,7 @@ _SUPERVISOR_S: Final = 30.0
 _SERVER_S: Final = 1.0
 """How long a fork server may take to say how its agent's process has ended."""
 _MESSAGE: Final = 100
+_PART: Final = 65536
 _PASSED_ON: Final = ("PATH", "LANG", "LC_ALL", "TZ")
 _SETTINGS: Final = {
     "PYTHONDONTWRITEBYTECODE": "1",  # nothing is left beside an agent's file
@@ -98,34 +102,90 @@ class _Supervisor:
         return received[0]
 
 
-@dataclass(slots=True)
 class _ForkServer:
-    pid: int
-    channel: socket.socket
-    busy: bool = True
-    """Whether it has yet to say how the process that it forked has ended."""
+    """One entrant's.
+
+    Args:
+        pid: its process.
+        channel: our end of its socket.
+        errors: where bubblewrap says why it fails.
+    """
+
+    def __init__(self, pid: int, channel: socket.socket, errors: int) -> None:
+        self.pid = pid
+        self.channel = channel
+        self.busy = True
+        """Whether it has yet to say how the process that it forked has ended."""
+        self.began = False
+        """Whether it has been ready for its agent."""
+        self._errors = errors
+        self._unread = b""
 
     def exit_code(self) -> int | None:
         """That process's, less than 0 for a signal; None where the fork server does not say."""
         try:
-            # one short message, without files: the fork server may run a stranger's code
-            code = os.waitstatus_to_exitcode(json.loads(self.channel.recv(_MESSAGE))["ended"])
+            message = self._next()
+            if not self.began:  # it has run none of its agent's code yet
+                self.began = message == {"ready": True}
+                message = self._next()
+            code = os.waitstatus_to_exitcode(message["ended"])
         except (OSError, ValueError, TypeError, KeyError, OverflowError):
             return None
         self.busy = False
         return code
+
+    def why_it_did_not_begin(self) -> str:
+        """What bubblewrap has said."""
+        try:
+            said = os.read(self._errors, _PART).decode(errors="replace").strip().splitlines()
+        except BlockingIOError:
+            said = []
+        return said[-1] if said else "it was ended"
+
+    def close(self) -> None:
+        """Let it go."""
+        self.channel.close()
+        os.close(self._errors)
+
+    def _next(self) -> Any:
+        """A short message, without files: it may come from a stranger's code."""
+        while b"\n" not in self._unread:
+            part = self.channel.recv(_MESSAGE)
+            if not part or len(self._unread) > _MESSAGE:
+                raise ConnectionError
+            self._unread += part
+        line, _, self._unread = self._unread.partition(b"\n")
+        return json.loads(line)
 
 
 class Sandbox:
     """Where the isolated agents of one tournament process live; it holds one match at a time.
 
     They descend from one process of ours, the supervisor, which is started when it is first needed, and which ends them
-    all when this process ends, however that ends. Use it as a context manager, or `close` it. Whatever it raises is a
-    NoContest.
+    all when this process ends, however that ends. Use it as a context manager, or `close` it. Whatever its methods
+    raise is a NoContest.
+
+    Args:
+        limits: each agent's.
+        level: how agents are held apart, at least; None for the best that works here.
+        entrants: the specs of all who play: in namespaces, no agent sees the files of another.
+        hidden: whole paths of files and folders that no agent sees there.
+
+    Raises:
+        ConfigError: for a level that this machine cannot hold.
     """
 
-    def __init__(self, limits: AgentLimits | None = None) -> None:
+    def __init__(
+        self,
+        limits: AgentLimits | None = None,
+        level: Level | None = None,
+        *,
+        entrants: Sequence[str] = (),
+        hidden: Sequence[str] = (),
+    ) -> None:
         self.limits = limits or AgentLimits()
+        self.level = level_here(level)
+        self._others = {"entrants": entrants, "hidden": hidden}
         self._supervisor: _Supervisor | None = None
         self._servers: dict[tuple[str, str], _ForkServer] = {}
 
@@ -138,7 +198,7 @@ class Sandbox:
     def close(self) -> None:
         """End all agents, and remove what they wrote; the next match would start anew."""
         for server in self._servers.values():
-            server.channel.close()
+            server.close()
         self._servers.clear()
         if self._supervisor is not None:
             self._supervisor.close()
@@ -147,12 +207,9 @@ class Sandbox:
     def start(self, entrant: Entrant, seat: int, files: Sequence[int]) -> None:
         """Give an entrant a process for this match; `files` are its ends of AgentPipes: in, out and log."""
         if self._supervisor is None:
+            close_to_others()  # the match is in this process's memory
             self._supervisor = _Supervisor()
-        folder = self._supervisor.folder / f"seat_{seat}"
-        try:
-            folder.mkdir()
-        except OSError as error:
-            raise NoContest(f"{folder}: cannot be made: {error.strerror}") from None
+        folder = PLAY if self.level == "namespaces" else self._folder(self._supervisor, seat)
         server = self._servers.get(_key(entrant))
         if server is not None:
             try:
@@ -163,7 +220,8 @@ class Sandbox:
         if server is None:
             server = self._start_server(self._supervisor, entrant.spec)
             with suppress(OSError):  # whether it has ended already, its pipes will show
-                protocol.send(server.channel, files, play=str(folder))
+                whom = {"serve": entrant.spec, "limits": asdict(self.limits)}
+                protocol.send(server.channel, files, play=str(folder), **whom)
         server.busy = True
         self._servers.pop(_key(entrant), None)
         self._servers[_key(entrant)] = server  # the last one: those that have waited longest are ended first
@@ -172,14 +230,19 @@ class Sandbox:
         """End an agent and all that it started, its fork server too."""
         server = self._servers.pop(_key(entrant), None)
         if server is not None and self._supervisor is not None:
-            server.channel.close()
+            server.close()
             self._supervisor.ask(end=server.pid)
 
     def how_it_ended(self, entrant: Entrant) -> str:
-        """Why an agent's answers have ended, in words; where the supervisor has ended, that is no agent's fault."""
+        """Why an agent's answers have ended, in words; where that is no agent's fault, it is raised."""
+        server = self._servers[_key(entrant)]
+        code = server.exit_code()
         if self._supervisor is not None:
             self._supervisor.require_alive()
-        code = self._servers[_key(entrant)].exit_code()
+            if code is None and (excess := self._supervisor.ask(excess=server.pid)["excess"]):
+                return str(excess)
+        if code is None and not server.began and self.level == "namespaces":
+            raise NoContest(f"an agent's namespaces could not be made: {server.why_it_did_not_begin()}")
         return "its process has ended, or closed its answers" if code is None else how_it_ended(code)
 
     def clear(self) -> None:
@@ -193,18 +256,36 @@ class Sandbox:
                 unclear = server.busy and server.exit_code() is None
                 if unclear or len(self._servers) > _MOST_SERVERS:
                     del self._servers[key]
-                    server.channel.close()
+                    server.close()
                     self._supervisor.ask(end=server.pid)
         except BaseException:
             self.close()
             raise
 
+    @staticmethod
+    def _folder(supervisor: _Supervisor, seat: int) -> Path:
+        """To work in, for one match."""
+        try:
+            return Path(tempfile.mkdtemp(prefix=f"seat_{seat}_", dir=supervisor.folder))
+        except OSError as error:
+            raise NoContest(f"{supervisor.folder}: no folder can be made there: {error.strerror}") from None
+
     def _start_server(self, supervisor: _Supervisor, spec: str) -> _ForkServer:
         ours, theirs = socket.socketpair()
         ours.settimeout(_SERVER_S)
-        with theirs:
-            pid = supervisor.ask([theirs.fileno()], serve=spec, limits=asdict(self.limits))["pid"]
-        return _ForkServer(pid, ours)
+        errors, tells = os.pipe()
+        os.set_blocking(errors, False)
+        try:
+            with theirs:
+                asked = {"serve": spec, "limits": asdict(self.limits), "level": self.level, **self._others}
+                answer = supervisor.ask([theirs.fileno(), tells], **asked)
+        finally:
+            os.close(tells)
+        server = _ForkServer(answer["pid"], ours, errors)
+        if answer["pid"] is None:
+            server.close()
+            raise NoContest(f"an agent's fork server cannot be started: {answer['error']}")
+        return server
 
 
 def _key(entrant: Entrant) -> tuple[str, str]:

@@ -1,15 +1,14 @@
 """The supervisor: the process that all isolated agents of one tournament process descend from, and that ends them.
 
-It runs no agent's code. It starts a fork server for each entrant (fork_server.py), becomes the parent of every process
-that loses its own, so that none escapes, and removes what agents wrote. It ends when its own parent does, however that
-ends.
+It runs no agent's code. It starts a fork server for each entrant (servers.py), becomes the parent of every process that
+loses its own, so that none escapes, ends agents that take too much, and removes what agents wrote. It ends when its own
+parent does, however that ends.
 
 `sandbox.Sandbox` starts it, with a socket as its standard input.
 """
 
 import os
 import select
-import shutil
 import signal
 import socket
 import tempfile
@@ -18,33 +17,40 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from catch_arena.descendants import LINUX, family, kill_all
-from catch_arena.tournament.isolation import fork_server
+from catch_arena.tournament.isolation.folders import empty
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.processes import adopt_orphans, die_with
+from catch_arena.tournament.isolation.processes import adopt_orphans, close_to_others
 from catch_arena.tournament.isolation.protocol import receive, send
+from catch_arena.tournament.isolation.servers import Server, fork_it, start_in_namespaces
 
-_POLL_S: Final = 1.0
-"""How often it looks whether its parent lives, where a copy of the socket keeps that from showing."""
+_POLL_S: Final = 0.2
+"""How often it looks at what agents take, and whether its parent lives, which a copy of the socket may keep from showing.
+"""
+
+_Servers = dict[int, Server]
+"""By their process."""
 
 
 def main() -> None:
     """Serve until the parent goes."""
     control, parent = socket.socket(fileno=0), os.getppid()
     adopt_orphans()
+    close_to_others()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # the dead need no burial
     signal.signal(signal.SIGTERM, _leave)
     folder = Path(tempfile.mkdtemp(prefix="catch-arena-agents-"))
-    servers: set[int] = set()
+    servers: _Servers = {}
     try:
         send(control, folder=str(folder))
-        while (request := _next_request(control, parent)) is not None:
+        while (request := _next_request(control, parent, servers)) is not None:
             message, files = request
             if "serve" in message:
-                pid = _start_server(control, files[0], message["serve"], message["limits"])
-                servers.add(pid)
-                send(control, pid=pid)
+                send(control, **_start(control, servers, message, files))
             elif "end" in message:
-                send(control, done=_end(servers, message["end"]))
+                ended = servers.pop(message["end"], None)
+                send(control, done=ended is None or ended.end())
+            elif "excess" in message:
+                send(control, excess=servers[message["excess"]].excess)
             else:
                 done = _sweep(servers)
                 _empty(folder)
@@ -52,8 +58,8 @@ def main() -> None:
     except (BrokenPipeError, ConnectionResetError):
         pass
     finally:
-        for pid in set(servers):
-            _end(servers, pid)
+        for server in servers.values():
+            server.end()
         kill_all(lambda: family(os.getpid()))
         _empty(folder)
         folder.rmdir()
@@ -65,63 +71,52 @@ def _leave(number: int, _: object) -> NoReturn:
     raise SystemExit
 
 
-def _next_request(control: socket.socket, parent: int) -> tuple[dict[str, Any], list[int]] | None:
+def _next_request(control: socket.socket, parent: int, servers: _Servers) -> tuple[dict[str, Any], list[int]] | None:
     while not select.select([control], [], [], _POLL_S)[0]:
         if os.getppid() != parent:
             return None
+        for server in servers.values():
+            server.look()
     return receive(control)
 
 
-def _start_server(control: socket.socket, channel: int, spec: str, limits: dict[str, Any]) -> int:
-    supervisor = os.getpid()
-    pid = os.fork()
-    if pid:
-        os.close(channel)
-        return pid
+def _start(control: socket.socket, servers: _Servers, message: dict[str, Any], files: list[int]) -> dict[str, Any]:
+    """Start a fork server; what is answered.
+
+    Args:
+        control: this process's socket.
+        servers: those that run.
+        message: who is to be served, and how.
+        files: its socket, and where bubblewrap says why it fails.
+    """
+    channel, errors = files
+    limits = AgentLimits(**message["limits"])
     try:
-        die_with(supervisor)
-        for usual in (signal.SIGCHLD, signal.SIGTERM):
-            signal.signal(usual, signal.SIG_DFL)
-        os.setsid()
-        control.detach()  # descriptor 0, which is replaced
-        null = os.open(os.devnull, os.O_RDWR)
-        for standard in (0, 1, 2):
-            os.dup2(null, standard)
-        os.close(null)
-        fork_server.serve(socket.socket(fileno=channel), spec, AgentLimits(**limits))
+        if message["level"] == "namespaces":
+            others = message["entrants"], message["hidden"]
+            server = start_in_namespaces(channel, errors, message["serve"], limits, *others)
+        else:
+            server = fork_it(channel, limits, (control.fileno(), errors))
+    except OSError as error:
+        return {"pid": None, "error": str(error)}
     finally:
-        os._exit(0)
+        for file in files:
+            os.close(file)
+    servers[server.pid] = server
+    return {"pid": server.pid}
 
 
-def _end(servers: set[int], pid: int) -> bool:
-    """End a fork server and all that descends from it."""
-    servers.discard(pid)
-    if LINUX:
-        return kill_all(lambda: family(os.getpid()) & {pid, *family(pid)})
-    _end_group(pid)
-    return True
-
-
-def _sweep(servers: set[int]) -> bool:
+def _sweep(servers: _Servers) -> bool:
     """End everything but the fork servers; where the system does not tell who descends from whom, these too."""
     if LINUX:
-        return kill_all(lambda: family(os.getpid()) - servers)
-    for pid in servers:
-        _end_group(pid)
+        spared = {pid for server in servers.values() for pid in server.pids}
+        return kill_all(lambda: family(os.getpid()) - spared)
+    for server in servers.values():
+        server.end_group()
     servers.clear()
     return True
 
 
-def _end_group(pid: int) -> None:
-    with suppress(ProcessLookupError, PermissionError):  # macOS says the latter of the dead
-        os.killpg(pid, signal.SIGKILL)
-
-
 def _empty(folder: Path) -> None:
-    """Remove all that is in a folder, whatever its permissions."""
-    for place, names, _ in os.walk(folder):
-        for name in names:
-            if not (inner := Path(place, name)).is_symlink():
-                inner.chmod(0o700)
-    for entry in list(folder.iterdir()):
-        shutil.rmtree(entry, ignore_errors=True)
+    with suppress(OSError):  # what root has made immutable, say: each match has a folder of its own
+        empty(folder)

@@ -1,0 +1,149 @@
+"""One entrant's fork server, from the supervisor's side: how it is started, watched and ended."""
+
+import fcntl
+import json
+import os
+import select
+import shutil
+import signal
+import socket
+import sys
+from collections.abc import Collection
+from contextlib import suppress
+from typing import BinaryIO, Final
+
+from catch_arena.descendants import LINUX, family, kill_all
+from catch_arena.tournament.isolation import fork_server
+from catch_arena.tournament.isolation.group_watch import exceeded
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.namespaces import PROGRAM, WRITABLE, bubblewrap_words
+from catch_arena.tournament.isolation.processes import die_with
+from catch_arena.tournament.isolation.visible_files import visible_files
+
+_START_S: Final = 5.0
+"""How long bubblewrap may take to say which process is the first in its namespaces."""
+_OPTIONS, _INFO = 3, 4
+_FIRST_FREE: Final = 10
+_PART: Final = 4096
+_MAIN: Final = f"import sys; sys.path[:] = sys.argv[1:]; from {fork_server.__name__} import main; main()"
+
+
+class Server:
+    """A fork server that runs.
+
+    Args:
+        pid: its process; where it has namespaces of its own, the one that made them.
+        limits: its agent's.
+        inner: the first process in these namespaces.
+    """
+
+    def __init__(self, pid: int, limits: AgentLimits, inner: int | None = None) -> None:
+        self.pid = pid
+        self.pids = {pid} if inner is None else {pid, inner}
+        """Those that live on from match to match."""
+        self.excess: str | None = None
+        """The limit for which it was ended, in words."""
+        self._limits = limits
+        self._inner = inner
+
+    def look(self) -> None:
+        """End it where all its processes together take too much."""
+        if self.excess is None:
+            root, in_memory = (self.pid, ()) if self._inner is None else (self._inner, WRITABLE)
+            self.excess = exceeded(root, self._limits, in_memory)
+            if self.excess is not None:
+                self.end()
+
+    def end(self) -> bool:
+        """End it and all that descends from it; false where some would not go."""
+        if self._inner is not None:
+            with suppress(ProcessLookupError):
+                os.kill(self._inner, signal.SIGKILL)  # all that is in its namespaces ends with it
+        if LINUX:
+            return kill_all(lambda: family(os.getpid()) & {self.pid, *family(self.pid)})
+        self.end_group()
+        return True
+
+    def end_group(self) -> None:
+        """End its group: all but those who left its session."""
+        with suppress(ProcessLookupError, PermissionError):  # macOS says the latter of the dead
+            os.killpg(self.pid, signal.SIGKILL)
+
+
+def fork_it(channel: int, limits: AgentLimits, ours: Collection[int]) -> Server:
+    """A fork server that is only a process.
+
+    Args:
+        channel: its socket.
+        limits: its agent's.
+        ours: the files of this process that it must not have.
+    """
+    supervisor = os.getpid()
+    pid = os.fork()
+    if pid:
+        return Server(pid, limits)
+    try:
+        die_with(supervisor)
+        for usual in (signal.SIGCHLD, signal.SIGTERM):
+            signal.signal(usual, signal.SIG_DFL)
+        os.setsid()
+        null = os.open(os.devnull, os.O_RDWR)
+        for standard in (0, 1, 2):
+            os.dup2(null, standard)
+        for file in (null, *ours):
+            if file > 2:
+                os.close(file)
+        fork_server.serve(socket.socket(fileno=channel))
+    finally:
+        os._exit(0)
+
+
+def start_in_namespaces(
+    channel: int, errors: int, spec: str, limits: AgentLimits, entrants: Collection[str], hidden: Collection[str]
+) -> Server:
+    """A fork server in namespaces of its own.
+
+    Args:
+        channel: its socket.
+        errors: where bubblewrap says why it fails.
+        spec: its agent's.
+        limits: its agent's.
+        entrants: as of `visible_files`.
+        hidden: as of `visible_files`.
+
+    Raises:
+        OSError: where bubblewrap cannot be started.
+    """
+    words = bubblewrap_words(visible_files(spec, entrants, hidden), limits.file_mib << 20)
+    program = [PROGRAM, "--args", f"{_OPTIONS}", "--info-fd", f"{_INFO}", "--", sys.executable, "-c", _MAIN, *sys.path]
+    options = os.memfd_create("options")
+    told, tells = os.pipe()
+    null = os.open(os.devnull, os.O_RDWR)
+    ends = [fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _FIRST_FREE) for file in (channel, null, errors, options, tells)]
+    try:
+        os.write(options, b"".join(os.fsencode(word) + b"\0" for word in words))
+        os.lseek(options, 0, os.SEEK_SET)
+        pid = os.posix_spawn(
+            shutil.which(PROGRAM) or PROGRAM,
+            program,
+            os.environ,
+            file_actions=[(os.POSIX_SPAWN_DUP2, end, number) for number, end in enumerate(ends)],
+            setsid=True,
+            setsigdef=[signal.SIGCHLD, signal.SIGTERM],
+        )
+    finally:
+        for file in (options, tells, null, *ends):
+            os.close(file)
+    with os.fdopen(told, "rb") as said:
+        return Server(pid, limits, _first_process(said))
+
+
+def _first_process(info: BinaryIO) -> int | None:
+    """Its id, as bubblewrap tells it; None where it fails."""
+    said = b""
+    while select.select([info], [], [], _START_S)[0] and (part := os.read(info.fileno(), _PART)):
+        said += part
+    try:
+        return int(json.loads(said)["child-pid"])
+    except ValueError:
+        return None
