@@ -5,6 +5,8 @@ What is heavy (the engine, the renderer) is imported by the commands that need i
 
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -15,7 +17,7 @@ from catch_arena.cli.terminal import fit_help, let_all_be_written
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.scenarios import scenario
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.limits import AgentLimits, Level
 
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant
@@ -78,6 +80,14 @@ Limits = Annotated[
         "repeated.",
     ),
 ]
+Isolation = Annotated[
+    Level | None,
+    typer.Option(
+        "--isolation",
+        help="How agents are held apart (docs/isolation.md); where that cannot be, nothing is played.",
+        show_default="the best that works here",
+    ),
+]
 Trusted = Annotated[
     bool,
     typer.Option("--trusted", help="Run all agents inside our own processes: quicker, and nothing limits them."),
@@ -133,24 +143,39 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
     return scenario(name, **overrides)
 
 
-def agent_limits(changes: list[str] | None) -> AgentLimits:
-    """The usual limits with the changes of --limit.
+def limits_or_trust(
+    changes: list[str] | None,
+    level: Level | None,
+    agents: Sequence[str],
+    *hidden: Path | None,
+    trusted: bool,
+) -> AgentLimits | None:
+    """What isolated agents may take and see; None with --trusted. Says how they are held apart, if any is.
+
+    Args:
+        changes: of --limit.
+        level: of --isolation.
+        agents: all that are to play, as on the command line.
+        hidden: what none of them may see: the command's other files.
+        trusted: of --trusted.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an argument that cannot be, and a level that this machine cannot hold.
+        AgentError: for a spec that names no agent.
     """
-    return AgentLimits.of(**dict(_pairs("--limit", changes)))
+    from catch_arena.tournament.entrants import is_shipped, resolve_spec
+    from catch_arena.tournament.isolation.levels import level_here, level_line
 
-
-def limits_or_trust(changes: list[str] | None, *, trusted: bool) -> AgentLimits | None:
-    """What isolated agents may take; None with --trusted.
-
-    Raises:
-        ConfigError: for an argument that cannot be.
-    """
-    if trusted and changes:
-        raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {changes[0]}")
-    return None if trusted else agent_limits(changes)
+    if trusted:
+        if given := [*(f"--limit {change}" for change in changes or ()), *([f"--isolation {level}"] if level else ())]:
+            raise ConfigError(f"{given[0]} must be left out with --trusted, which limits nothing")
+        return None
+    limits = AgentLimits.of(**dict(_pairs("--limit", changes)))
+    specs = tuple(resolve_spec(agent) for agent in agents)
+    if level is not None or not all(map(is_shipped, specs)):
+        typer.echo(level_line(level_here(level)), err=True)
+    places = tuple(str(path.expanduser().resolve()) for path in hidden if path is not None)
+    return replace(limits, level=level, entrants=specs, hidden=places)
 
 
 def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":

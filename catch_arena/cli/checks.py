@@ -7,11 +7,11 @@ import typer
 
 from catch_arena.cli.app import (
     MAX_FORFEITS,
+    Isolation,
     Limits,
     Seed,
     Settings,
     Trusted,
-    agent_limits,
     arena,
     limits_or_trust,
     main,
@@ -41,6 +41,7 @@ def check_agent(
     ] = None,
     seed: Seed = 0,
     limits: Limits = None,
+    isolation: Isolation = None,
     settings: Settings = None,
 ) -> None:
     """Let an agent play itself, isolated, and say what is wrong with it.
@@ -55,7 +56,7 @@ def check_agent(
     for line in missing_protections():
         typer.echo(folded(line, "note: ", " " * 6), err=True)
     wrong = 0
-    with Sandbox(agent_limits(limits)) as sandbox:
+    with Sandbox(limits_or_trust(limits, isolation, [agent], trusted=False)) as sandbox:
         for finding in check_fitness(agent, arenas, seed, sandbox):
             wrong += finding.level == "error"
             typer.echo(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
@@ -73,6 +74,7 @@ def grade(
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JSON.")] = None,
     force: Force = False,
     limits: Limits = None,
+    isolation: Isolation = None,
     trusted: Trusted = False,
     max_forfeits: Annotated[
         int,
@@ -96,7 +98,9 @@ def grade(
     for path in (junit, json):
         if path is not None:
             output_file(path, force=force)
-    with sandbox_for(limits_or_trust(limits, trusted=trusted)) as sandbox:
+    everybody = [agent, *(opponent for test in exercise.tests for opponent in test.opponents)]
+    allowed = limits_or_trust(limits, isolation, everybody, spec, junit, json, trusted=trusted)
+    with sandbox_for(allowed) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
         grades = []

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from catch_arena.cli.app import (
     MAX_FORFEITS,
+    Isolation,
     Limits,
     MaxForfeits,
     Scenario,
@@ -51,6 +52,7 @@ def compare(
     jobs: Jobs = None,
     trusted: Trusted = False,
     limits: Limits = None,
+    isolation: Isolation = None,
     max_forfeits: MaxForfeits = MAX_FORFEITS,
     settings: Settings = None,
 ) -> None:
@@ -69,8 +71,9 @@ def compare(
     test = Sprt(
         share_of_elo(elo0) if share0 is None else share0, share_of_elo(elo1) if share1 is None else share1, alpha, beta
     )
-    allowed = limits_or_trust(limits, trusted=trusted)
-    entrants = enter_agents([*agents, *(against or ())], allowed)
+    everybody = [*agents, *(against or ())]
+    allowed = limits_or_trust(limits, isolation, everybody, trusted=trusted)
+    entrants = enter_agents(everybody, allowed)
     first, second = entrants[:2]
     low, high = test.bounds
     console = Console(stderr=True)

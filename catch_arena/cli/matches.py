@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -13,6 +12,7 @@ from catch_arena import interrupts
 from catch_arena.cli.app import (
     MAX_FORFEITS,
     Agents,
+    Isolation,
     Limits,
     MaxForfeits,
     Scenario,
@@ -72,6 +72,7 @@ def tournament(
     ] = None,
     trusted: Trusted = False,
     limits: Limits = None,
+    isolation: Isolation = None,
     max_forfeits: MaxForfeits = MAX_FORFEITS,
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="The folder for its matches, standings and agents' logs.")
@@ -108,7 +109,7 @@ def tournament(
     from catch_arena.tournament.store import STORE, Store, Tournament
 
     config = arena(scenario, settings)
-    allowed = limits_or_trust(limits, trusted=trusted)
+    allowed = limits_or_trust(limits, isolation, agents, out, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
     players = enter_agents(agents, allowed)
     require_enough(len(players), config, scenario)
@@ -125,8 +126,8 @@ def tournament(
             raise OutputError(
                 f"{out / REPLAYS}: holds replays already: give --force to replace them, or another folder"
             )
-    terms = {"recorded": record, "trusted": trusted, "max_forfeits": max_forfeits}
-    terms |= {} if allowed is None else asdict(allowed)
+    terms: dict[str, int | float] = {"recorded": record, "trusted": trusted, "max_forfeits": max_forfeits}
+    terms |= {} if allowed is None else allowed.numbers()
     facts = Tournament(config, players, plays.parameters, terms)
     most = "at most " if isinstance(plays, UntilSeparated) else ""
 
@@ -241,6 +242,7 @@ def match(
     seed: Seed = 0,
     trusted: Trusted = False,
     limits: Limits = None,
+    isolation: Isolation = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="The replay to write.")] = Path("match.replay"),
     force: Force = False,
     settings: Settings = None,
@@ -250,7 +252,7 @@ def match(
     from catch_arena.tournament.plans.schedule import require_enough
 
     config = arena(scenario, settings)
-    allowed = limits_or_trust(limits, trusted=trusted)
+    allowed = limits_or_trust(limits, isolation, agents, output, trusted=trusted)
     players = enter_agents(agents, allowed)
     require_enough(len(players), config, scenario)
     if len(players) > config.hunters:

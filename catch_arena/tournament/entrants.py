@@ -190,6 +190,15 @@ def load_module(name: str) -> ModuleType:
     return _import(name)
 
 
+def resolve_spec(spec: str) -> str:
+    """An entrant's spec, from one as on the command line: from any folder it stands for the same.
+
+    Raises:
+        AgentError: where it names no agent.
+    """
+    return _resolve(spec).spec
+
+
 class _Resolved(NamedTuple):
     """What a spec stands for."""
 

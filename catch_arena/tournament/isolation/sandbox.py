@@ -12,7 +12,7 @@ import subprocess
 import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
@@ -21,8 +21,8 @@ from catch_arena.descendants import start
 from catch_arena.errors import NoContest
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.levels import Level, level_here
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.levels import level_here
+from catch_arena.tournament.isolation.limits import AgentLimits, Level
 from catch_arena.tournament.isolation.namespaces import PLAY
 from catch_arena.tournament.isolation.processes import close_to_others, how_it_ended
 
@@ -167,25 +167,15 @@ class Sandbox:
 
     Args:
         limits: each agent's.
-        level: how agents are held apart, at least; None for the best that works here.
-        entrants: the specs of all who play: in namespaces, no agent sees the files of another.
-        hidden: whole paths of files and folders that no agent sees there.
 
     Raises:
         ConfigError: for a level that this machine cannot hold.
     """
 
-    def __init__(
-        self,
-        limits: AgentLimits | None = None,
-        level: Level | None = None,
-        *,
-        entrants: Sequence[str] = (),
-        hidden: Sequence[str] = (),
-    ) -> None:
+    def __init__(self, limits: AgentLimits | None = None) -> None:
         self.limits = limits or AgentLimits()
-        self.level = level_here(level)
-        self._others = {"entrants": entrants, "hidden": hidden}
+        if self.limits.level is not None:
+            level_here(self.limits.level)
         self._supervisor: _Supervisor | None = None
         self._servers: dict[tuple[str, str], _ForkServer] = {}
 
@@ -194,6 +184,11 @@ class Sandbox:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
+
+    @property
+    def level(self) -> Level:
+        """How its agents are held apart."""
+        return level_here(self.limits.level)
 
     def close(self) -> None:
         """End all agents, and remove what they wrote; the next match would start anew."""
@@ -220,7 +215,7 @@ class Sandbox:
         if server is None:
             server = self._start_server(self._supervisor, entrant.spec)
             with suppress(OSError):  # whether it has ended already, its pipes will show
-                whom = {"serve": entrant.spec, "limits": asdict(self.limits)}
+                whom = {"serve": entrant.spec, "limits": self.limits.numbers()}
                 protocol.send(server.channel, files, play=str(folder), **whom)
         server.busy = True
         self._servers.pop(_key(entrant), None)
@@ -277,7 +272,7 @@ class Sandbox:
         os.set_blocking(errors, False)
         try:
             with theirs:
-                asked = {"serve": spec, "limits": asdict(self.limits), "level": self.level, **self._others}
+                asked = {"serve": spec, "limits": asdict(replace(self.limits, level=self.level))}
                 answer = supervisor.ask([theirs.fileno(), tells], **asked)
         finally:
             os.close(tells)

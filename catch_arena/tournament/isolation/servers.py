@@ -98,9 +98,7 @@ def fork_it(channel: int, limits: AgentLimits, ours: Collection[int]) -> Server:
         os._exit(0)
 
 
-def start_in_namespaces(
-    channel: int, errors: int, spec: str, limits: AgentLimits, entrants: Collection[str], hidden: Collection[str]
-) -> Server:
+def start_in_namespaces(channel: int, errors: int, spec: str, limits: AgentLimits) -> Server:
     """A fork server in namespaces of its own.
 
     Args:
@@ -108,13 +106,11 @@ def start_in_namespaces(
         errors: where bubblewrap says why it fails.
         spec: its agent's.
         limits: its agent's.
-        entrants: as of `visible_files`.
-        hidden: as of `visible_files`.
 
     Raises:
         OSError: where bubblewrap cannot be started.
     """
-    words = bubblewrap_words(visible_files(spec, entrants, hidden), limits.file_mib << 20)
+    words = bubblewrap_words(visible_files(spec, limits.entrants, limits.hidden), limits.file_mib << 20)
     program = [PROGRAM, "--args", f"{_OPTIONS}", "--info-fd", f"{_INFO}", "--", sys.executable, "-c", _MAIN, *sys.path]
     options = os.memfd_create("options")
     told, tells = os.pipe()

@@ -24,8 +24,7 @@ from catch_arena.tournament.isolation.protocol import receive, send
 from catch_arena.tournament.isolation.servers import Server, fork_it, start_in_namespaces
 
 _POLL_S: Final = 0.2
-"""How often it looks at what agents take, and whether its parent lives, which a copy of the socket may keep from showing.
-"""
+"""How often it looks at what agents take, and whether its parent lives, which a copy of the socket may hide."""
 
 _Servers = dict[int, Server]
 """By their process."""
@@ -92,9 +91,8 @@ def _start(control: socket.socket, servers: _Servers, message: dict[str, Any], f
     channel, errors = files
     limits = AgentLimits(**message["limits"])
     try:
-        if message["level"] == "namespaces":
-            others = message["entrants"], message["hidden"]
-            server = start_in_namespaces(channel, errors, message["serve"], limits, *others)
+        if limits.level == "namespaces":
+            server = start_in_namespaces(channel, errors, message["serve"], limits)
         else:
             server = fork_it(channel, limits, (control.fileno(), errors))
     except OSError as error:
