@@ -23,7 +23,9 @@ def sends_something_out_by_network(own):
 
 
 def finds_an_interface_of_the_network(own):
-    tell([name for _, name in socket.if_nameindex() if name != "lo"])
+    for _, name in socket.if_nameindex():
+        if name != "lo":
+            tell(name)
 
 
 def listens_for_an_accomplice(listener):
@@ -250,6 +252,27 @@ def starts_a_thread_that_listens():
                     heard = connection.recv(100)
 
     threading.Thread(target=listen, daemon=True).start()
+
+
+def works_on_between_its_matches(own):
+    """A thread of its fork server counts in memory that it shares with its forks: nobody's time is limited there."""
+    count = int.from_bytes(shared[:8], "little")
+    time.sleep(0.2)
+    if int.from_bytes(shared[:8], "little") > count:
+        tell("it works on")
+
+
+def counts_for_ever():
+    maps_memory_to_share()
+
+    def count():
+        number = 0
+        while True:
+            number += 1
+            shared[:8] = number.to_bytes(8, "little")
+            time.sleep(0.001)  # this machine is others' too
+
+    threading.Thread(target=count, daemon=True).start()
 
 
 def finds_descriptors_that_are_not_its_own(own):

@@ -22,9 +22,34 @@ def changes_the_rivals_source(own):
 
 
 def reads_the_files_of_a_rival_that_lies_in_the_same_folder(own):
-    for path in Path(__file__).parent.iterdir():
-        if path.name != Path(__file__).name and path.is_file():
-            tell(secrets_in(path.read_bytes()))
+    for path in Path(__file__).parent.glob("rival*"):
+        tell(secrets_in(path.read_bytes()))
+
+
+def reads_a_file_in_the_same_folder_whose_name_is_nobodys(own):
+    """It may be a rival's, or belong to all."""
+    tell(secrets_in(Path(__file__).with_name("notes_of_nobody.txt").read_bytes()))
+
+
+def follows_links_that_were_handed_in(own):
+    for place in ("data", "home/key"):
+        try:
+            tell(secrets_in((Path(__file__).parent / place).read_bytes()))
+        except OSError:
+            continue
+
+
+class Told(BaseException):
+    """Ends its process: a grade shows the log of who forfeits."""
+
+
+def reads_the_spec_that_it_is_graded_by(own):
+    for path in (Path(FACTS["spec"]), Path(FACTS["spec"]).with_name("hidden_seeds.txt")):
+        try:
+            tell(path.read_text())
+        except OSError:
+            continue
+    raise Told
 
 
 def reads_the_rivals_working_folder(own):

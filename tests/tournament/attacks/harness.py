@@ -23,7 +23,6 @@ from tournament.attacks import kit
 from tournament.attacks.world import Outcome, World
 
 import catch_arena
-from catch_arena.cli import matches
 from catch_arena.descendants import family, kill_all
 
 _PATIENCE_S: Final = 120.0
@@ -55,6 +54,10 @@ class Attack:
     """The attacker's, among the hand-ins; the rival's is rival/rival.py."""
     together: bool = False
     """Whether it only looks, so that one agent may try it and others, move by move."""
+    graded: bool = False
+    """Whether it plays by a spec, and not against the rival."""
+    links: Mapping[str, str] = field(default_factory=dict)
+    """In the attacker's folder: names, and where they lead to, from the folder of all."""
     alone: bool = False
     """Whether the command is started anew, so that its command line is its own."""
     counted: bytes = b""
@@ -108,12 +111,14 @@ class Host:
                 "token": secrets.token_hex(8),
                 "number": secrets.randbits(30) + 1,
                 "real home": str(Path.home()),
-                **{name: str(getattr(world, name)) for name in ("folder", "out", "rival", "home", "packages")},
+                **{name: str(getattr(world, name)) for name in ("folder", "out", "rival", "home", "packages", "spec")},
             }
             attacker = world.rival.parent / attack.file
             attacker.parent.mkdir(exist_ok=True)
             tried = [attack.run, *(one.run for one in also)]
             attacker.write_text(_source(tried, facts, attack.at_import))
+            for name, place in attack.links.items():
+                (attacker.parent / name).symlink_to(world.folder / place)
             if attack.accomplice is not None:
                 (world.rival / "rival.py").write_text(_source([attack.accomplice], facts))
             before = world.files()
@@ -131,7 +136,7 @@ class Host:
             left=left,
             most=most,
             received=received,
-            matches=2 * attack.rounds,
+            matches=0 if attack.graded else 2 * attack.rounds,
         )
         outcome.left += _clear_scratch(outcome.said)
         return outcome
@@ -176,16 +181,14 @@ def _source(
 
 
 def _words(attack: Attack, level: str, attacker: Path, world: World, moves: int) -> list[str]:
+    limits = [word for name, value in (_USUAL | attack.limits).items() for word in ("--limit", f"{name}={value}")]
+    if attack.graded:
+        return ["grade", str(attacker), "--spec", str(world.spec), "--isolation", level, *limits]
     return [
         *("tournament", str(attacker), str(world.rival / "rival.py"), "--scenario", "duel", "--jobs", "1"),
         *("--set", f"time_limit_s={moves / 10}", "--rounds", str(attack.rounds), "--record", "--out", str(world.out)),
-        *(("--isolation", level) if LEVELS_CAN_BE_CHOSEN else ()),
-        *(word for name, value in (_USUAL | attack.limits).items() for word in ("--limit", f"{name}={value}")),
-        *attack.words,
+        *("--isolation", level, *limits, *attack.words),
     ]
-
-
-LEVELS_CAN_BE_CHOSEN: Final = "isolation" in inspect.signature(matches.tournament).parameters
 
 
 def _command_line(pid: int) -> bytes:

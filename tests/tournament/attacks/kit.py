@@ -68,7 +68,7 @@ def secrets_in(content):
 
 def secret_of_mine():
     """What an accomplice has beside its source."""
-    return (Path(__file__).parent / "weights.txt").read_bytes()
+    return (Path(__file__).parent / "rival_weights.txt").read_bytes()
 
 
 def memory_of(pid):

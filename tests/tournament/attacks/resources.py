@@ -1,6 +1,7 @@
 """Attacks on the machine: processes, memory, output; each ends by itself before it does harm."""
 
 import _thread
+import ctypes
 import os
 import resource
 import signal
@@ -63,10 +64,42 @@ def takes_memory_in_many_processes(own):
 
 
 def takes_memory_by_files_in_memory(own):
-    """Which no limit of a process counts: 8 times 12 MiB, where 64 are allowed."""
-    for number in range(8):
+    """No limit of a process counts them: 24 times 12 MiB, where one may have 64."""
+    for number in range(24):
         os.write(os.memfd_create(f"{number}"), bytes(12 << 20))
-    tell("96 MiB")
+    time.sleep(1)
+    tell("288 MiB")
+
+
+def takes_memory_by_system_v_segments(own):
+    """Nor these: 10 times 30 MiB, which no process has mapped any more."""
+    libc = ctypes.CDLL(None)
+    libc.shmat.restype = ctypes.c_void_p
+    numbers = []
+    try:
+        for _ in range(10):
+            number = libc.shmget(0, 30 << 20, 0o1600)
+            if number < 0:
+                return
+            numbers.append(number)
+            place = libc.shmat(number, None, 0)
+            ctypes.memset(place, 1, 30 << 20)
+            libc.shmdt(ctypes.c_void_p(place))
+        time.sleep(1)
+        tell("300 MiB")
+    finally:
+        for number in numbers:
+            libc.shmctl(number, 0, None)
+
+
+def runs_away_by_forking_for_ever(own):
+    """Each process ends when its child has begun: whoever looks for it comes too late. After 8 s the last one ends."""
+    end = time.monotonic() + 8
+    if os.fork() == 0:
+        while time.monotonic() < end:
+            if os.fork():
+                os._exit(0)
+        os._exit(0)
 
 
 def raises_its_own_limits(own):

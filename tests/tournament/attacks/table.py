@@ -1,5 +1,7 @@
 """All attacks, and what each level of isolation makes of them; docs/attacks.md shows the same."""
 
+import os
+from pathlib import Path
 from typing import Final
 
 from tournament.attacks import channels, files, processes, resources, seeds
@@ -69,6 +71,11 @@ def obeyed(outcome: Outcome) -> bool:
 def heard_by_locks(outcome: Outcome) -> bool:
     """The first 32 bits of the secret came through."""
     return f"found bits {outcome.world.secret[7:15]}" in outcome.said
+
+
+def saw_all_of_the_home(outcome: Outcome) -> bool:
+    """Not only what leads to Python, which may be installed there."""
+    return f"found {len(os.listdir(Path.home()))} entries" in outcome.said
 
 
 def attack(run, succeeded, by_processes, by_namespaces, **options) -> Attack:
@@ -150,12 +157,27 @@ ATTACKS: Final = (
         STOPPED,
         file="rival/attacker.py",
     ),
+    attack(
+        files.reads_a_file_in_the_same_folder_whose_name_is_nobodys,
+        leaked,
+        NOT_STOPPED,
+        NOT_STOPPED,
+        file="rival/attacker.py",
+    ),
+    attack(
+        files.follows_links_that_were_handed_in,
+        leaked,
+        NOT_STOPPED,
+        STOPPED,
+        links={"data": "home/key", "home": "home"},
+    ),
+    attack(files.reads_the_spec_that_it_is_graded_by, leaked, NOT_STOPPED, STOPPED, graded=True, file="attacker.py"),
     attack(files.changes_the_rivals_source, changed, NOT_STOPPED, STOPPED),
     probe(files.reads_the_rivals_working_folder, leaked, NOT_STOPPED, STOPPED),
     attack(files.changes_what_the_rival_has_written, beaten, NOT_STOPPED, STOPPED),
     probe(files.finds_the_rivals_working_folder_through_proc, leaked, NOT_STOPPED, STOPPED),
     probe(files.reads_a_file_in_the_users_home, leaked, NOT_STOPPED, STOPPED),
-    probe(files.lists_the_users_home, done, NOT_STOPPED, STOPPED),
+    probe(files.lists_the_users_home, saw_all_of_the_home, NOT_STOPPED, STOPPED),
     probe(files.finds_a_way_out_through_proc, leaked, NOT_STOPPED, STOPPED),
     probe(files.finds_the_tournaments_folders_through_its_descriptors, done, NOT_STOPPED, STOPPED),
     attack(files.writes_into_the_store, owned, NOT_STOPPED, STOPPED),
@@ -188,6 +210,8 @@ ATTACKS: Final = (
     attack(resources.starts_10_000_threads, done, NOT_STOPPED, STOPPED),
     attack(resources.takes_memory_in_many_processes, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
     attack(resources.takes_memory_by_files_in_memory, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
+    attack(resources.takes_memory_by_system_v_segments, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
+    attack(resources.runs_away_by_forking_for_ever, beaten, STOPPED, STOPPED),
     # what it says
     attack(resources.prints_for_ever_while_it_plays, beaten, STOPPED, STOPPED),
     attack(resources.answers_without_a_newline_for_ever, beaten, STOPPED, STOPPED),
@@ -223,6 +247,7 @@ ATTACKS: Final = (
         accomplice=channels.sends_the_secret_by_locks_on_files_that_all_may_read,
     ),
     # from one match to the next
+    attack(channels.works_on_between_its_matches, done, NOT_STOPPED, STOPPED, at_import=channels.counts_for_ever),
     probe(channels.remembers_a_match_by_a_temporary_file, remembered, NOT_STOPPED, STOPPED),
     probe(channels.remembers_a_match_by_a_file_in_its_home, remembered, STOPPED, STOPPED),
     attack(channels.remembers_a_match_by_a_file_beside_its_source, remembered, NOT_STOPPED, STOPPED),

@@ -14,6 +14,16 @@ from catch_arena.tournament.store import Store
 _DIGEST_BYTES: Final = 16
 _SECRET_DIGITS: Final = 16
 """A seed of so many characters was not guessed."""
+_SPEC: Final = """
+title = "All that is asked"
+seed_file = "hidden_seeds.txt"
+
+[[test]]
+name = "plays"
+scenario = "duel"
+settings = {time_limit_s = 0.4}
+opponents = ["idle"]
+"""
 _RIVAL: Final = '''"""Plays for the nearest target, and knows a secret."""
 
 from pathlib import Path
@@ -21,7 +31,7 @@ from pathlib import Path
 
 class Agent:
     def reset(self, seed):
-        self.secret = (Path(__file__).parent / "weights.txt").read_text()
+        self.secret = (Path(__file__).parent / "rival_weights.txt").read_text()
         Path("notes.txt").write_text(self.secret)
         print("thinks of", self.secret, flush=True)
 
@@ -43,7 +53,10 @@ class World:
         for path in (self.rival, self.home, self.packages):
             path.mkdir(parents=True)
         (self.rival / "rival.py").write_text(_RIVAL)
-        (self.rival / "weights.txt").write_text(self.secret)
+        (self.rival / "rival_weights.txt").write_text(self.secret)
+        (self.rival / "notes_of_nobody.txt").write_text(self.secret)
+        self.spec.write_text(f"{_SPEC}# {self.secret}\n")
+        self.spec.with_name("hidden_seeds.txt").write_text("1234567890123456789\n")
         (self.home / "key").write_text(self.secret)
         (self.home / "key").chmod(0o600)
 
@@ -61,6 +74,11 @@ class World:
     def rival(self) -> Path:
         """Where the rival's files are."""
         return self.folder / "hand_ins" / "rival"
+
+    @property
+    def spec(self) -> Path:
+        """By which attackers are graded, where they are; it lies beside theirs."""
+        return self.folder / "hand_ins" / "exercise.toml"
 
     @property
     def home(self) -> Path:
@@ -129,8 +147,8 @@ class Outcome:
 
     @property
     def said(self) -> str:
-        """The attacker's log."""
-        log = self._log("attacker")
+        """The attacker's log; where it was graded, what the teacher is shown."""
+        log = self._log("attacker") if self.matches else self.printed
         return (
             "".join(re.findall(rf"^tries {self.tried}\n(.*?)(?=^tries |^== |\Z)", log, re.M | re.S))
             if self.tried
@@ -146,7 +164,8 @@ class Outcome:
     def broken(self) -> bool:
         """Whether the tournament did not end as it should have for everybody but the attacker."""
         rival = self.played.get("rival", ())
-        return self.code != 0 or len(rival) != self.matches or any(rival) or bool(self.left)
+        failed = self.code not in ({0} if self.matches else {0, 1})  # a grade may be bad
+        return failed or len(rival) != self.matches or any(rival) or bool(self.left)
 
     def __str__(self) -> str:
         """For whoever reads why a test failed."""
