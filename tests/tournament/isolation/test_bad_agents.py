@@ -1,14 +1,15 @@
 """Every way to fail is a real agent in bad/: it forfeits with its code, the others play on, and nothing is left."""
 
-import os
 import re
-import time
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from isolation_levels import LEVELS
 
 from catch_arena import Replay, scenario
+from catch_arena.descendants import family
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
@@ -26,9 +27,9 @@ IMPATIENT = {
 }
 
 
-@pytest.fixture(scope="module")
-def sandbox():
-    with Sandbox(PATIENT) as made:
+@pytest.fixture(scope="module", params=LEVELS)
+def sandbox(request):
+    with Sandbox(replace(PATIENT, level=request.param)) as made:
         yield made
 
 
@@ -45,23 +46,11 @@ def played(sandbox, name, *others, record=None):
         return play(config, 3, players, [one.name for one in entrants], record=record)
 
 
-def gone(pid):
-    patience = time.monotonic() + 60
-    while time.monotonic() < patience:
-        try:
-            os.kill(pid, 0)
-        except ProcessLookupError:
-            return True
-        time.sleep(0.02)
-    return False
-
-
 @pytest.mark.parametrize(
     ("name", "code", "step", "reason"),
     [
         ("crashes", "FORFEIT_CRASH", 5, "act raised ZeroDivisionError: integer division or modulo by zero"),
         ("exits", "FORFEIT_CRASH", 5, "act: its process exited with code 3"),
-        ("ends_its_fork_server", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
         ("closes_its_answers", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
         (
             "hangs",
@@ -87,7 +76,8 @@ def gone(pid):
     ],
 )
 def test_it_forfeits_with_its_code_comes_last_and_the_other_plays_on(sandbox, tmp_path, name, code, step, reason):
-    with Sandbox(IMPATIENT[name]) if name in IMPATIENT else nullcontext(sandbox) as within:
+    within_limits = replace(IMPATIENT.get(name, PATIENT), level=sandbox.level)
+    with Sandbox(within_limits) if name in IMPATIENT else nullcontext(sandbox) as within:
         result = played(within, name, record=tmp_path / "m.replay")
     assert result.forfeits == (code, None)
     assert result.details[0].step == step
@@ -101,6 +91,14 @@ def test_it_forfeits_with_its_code_comes_last_and_the_other_plays_on(sandbox, tm
     *_, last = replay.worlds()
     assert last.hunters[0].withdrawn
     assert last.hunters[1].score == result.scores[1] > 0
+
+
+def test_who_kills_its_fork_server_goes_with_it_unless_it_is_the_first_process_of_its_namespaces(sandbox):
+    result = played(sandbox, "ends_its_fork_server")
+    if sandbox.level == "namespaces":
+        assert result.forfeits == (None, None)
+    else:
+        assert str(result.details[0]) == "FORFEIT_CRASH in step 1: act: its process has ended, or closed its answers"
 
 
 def test_a_traceback_goes_to_the_agents_own_log(sandbox):
@@ -119,9 +117,10 @@ def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_noth
     assert re.search(r"\n\[\d+ bytes left out\]\n", result.logs[0])
 
 
-def test_what_it_takes_over_a_step_comes_out_of_its_bank():
+@pytest.mark.parametrize("level", LEVELS)
+def test_what_it_takes_over_a_step_comes_out_of_its_bank(level):
     """50 ms a step at least, of which 10 are allowed: a bank of 0.2 s lasts for 5 steps at most."""
-    limits = AgentLimits(init_s=60, step_ms=10, bank_s=0.2)
+    limits = AgentLimits(init_s=60, step_ms=10, bank_s=0.2, level=level)
     with Sandbox(limits) as sandbox:
         result = played(sandbox, "is_slow")
     assert result.forfeits[0] == "FORFEIT_TIMEOUT"
@@ -130,8 +129,9 @@ def test_what_it_takes_over_a_step_comes_out_of_its_bank():
     assert spent.total_s - spent.moves * limits.step_ms / 1000 > limits.bank_s  # and not before
 
 
-def test_cpu_time_is_limited_too():
-    with Sandbox(AgentLimits(init_s=60, step_ms=600_000, cpu_s=1)) as sandbox:
+@pytest.mark.parametrize("level", LEVELS)
+def test_cpu_time_is_limited_too(level):
+    with Sandbox(AgentLimits(init_s=60, step_ms=600_000, cpu_s=1, level=level)) as sandbox:
         result = played(sandbox, "hangs")
     assert result.forfeits == ("FORFEIT_CRASH", None)
     assert result.details[0].reason == "act: its process used up its CPU time (cpu_s)"
@@ -140,8 +140,9 @@ def test_cpu_time_is_limited_too():
 def test_a_child_that_would_outlive_its_parent_does_not(sandbox):
     result = played(sandbox, "leaves_a_child")
     assert result.forfeits == (None, None)
-    (pid,) = re.findall(r"child (\d+)", result.logs[0])
-    assert gone(int(pid))
+    assert re.match(r"child \d+", result.logs[0])
+    of_each = 2 if sandbox.level == "namespaces" else 1  # its fork server, and who made its namespaces
+    assert len(family(sandbox._supervisor._process.pid)) == of_each * len(sandbox._servers)
 
 
 def test_what_it_writes_goes_to_a_folder_of_its_own_that_is_removed(sandbox, tmp_path, monkeypatch):
@@ -150,7 +151,9 @@ def test_what_it_writes_goes_to_a_folder_of_its_own_that_is_removed(sandbox, tmp
     assert result.forfeits == (None, None)
     (folder,) = re.findall(r"folder (.*)", result.logs[0])
     assert not Path(folder).exists()
-    assert Path(folder).parent.exists()
+    if sandbox.level == "processes":
+        assert Path(folder).parent == sandbox._supervisor.folder
+        assert Path(folder).parent.exists()
     assert not list(tmp_path.iterdir())
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from isolation_levels import LEVELS
 
 import catch_arena.agents
 from catch_arena import scenario
@@ -30,9 +31,9 @@ HERE = Path(__file__).parent
 SHORT = scenario("duel", time_limit_s=10)
 
 
-@pytest.fixture(scope="module")
-def sandbox():
-    with Sandbox() as made:
+@pytest.fixture(scope="module", params=LEVELS)
+def sandbox(request):
+    with Sandbox(AgentLimits(level=request.param)) as made:
         yield made
 
 
@@ -62,7 +63,8 @@ def test_agents_that_come_with_the_package_need_no_process(sandbox):
     played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], inspector(sandbox)), sandbox)
     assert family(os.getpid()) == before
     played(SHORT, enter(["nearest", alone("idle")], inspector(sandbox)), sandbox)
-    assert len(family(os.getpid()) - before) == 2  # the supervisor and a fork server
+    of_a_server = 2 if sandbox.level == "namespaces" else 1  # itself, and who made its namespaces
+    assert len(family(os.getpid()) - before) == 1 + of_a_server  # the supervisor besides
 
 
 def test_an_entrant_is_the_same_however_it_was_looked_at(sandbox):
@@ -175,7 +177,7 @@ def test_all_are_asked_at_once(tmp_path):
         "        while len(list(HERE.glob(f'{self.step}-*'))) < 4: time.sleep(0.005)\n        return 0\n"
     )
     config = scenario("standard", time_limit_s=0.3)
-    with Sandbox(AgentLimits(step_ms=20_000)) as patient:
+    with Sandbox(AgentLimits(step_ms=20_000, level="processes")) as patient:  # where it may write beside itself
         result = played(config, enter([str(path)] * 4, inspector(patient)), patient)
     assert result.forfeits == (None,) * 4
     assert len(list(tmp_path.glob("3-*"))) == 4
@@ -211,7 +213,8 @@ def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox):
         signal.signal(signal.SIGALRM, former)
 
 
-def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
+@pytest.mark.parametrize("level", LEVELS)
+def test_nothing_outlives_a_tournament_that_is_killed(level, tmp_path):
     """Not even a grandchild in a session of its own, nor the folders."""
     agent = HERE / "bad" / "leaves_a_child.py"
     code = (
@@ -219,8 +222,9 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
         "from catch_arena.tournament.entrants import enter\n"
         "from catch_arena.tournament.isolation.starting import inspector, play_entrants, start_players\n"
         "from catch_arena.tournament.match import play\n"
+        "from catch_arena.tournament.isolation.limits import AgentLimits\n"
         "from catch_arena.tournament.isolation.sandbox import Sandbox\n"
-        "sandbox = Sandbox()\n"
+        f"sandbox = Sandbox(AgentLimits(level={level!r}))\n"
         f"entrants = enter([{str(agent)!r}, {alone('idle')!r}], inspector(sandbox))\n"
         "with start_players(entrants, sandbox) as players:\n"
         "    def tell(env):\n"
@@ -235,7 +239,8 @@ def test_nothing_outlives_a_tournament_that_is_killed(tmp_path):
     with process:
         _, child, folder = process.stdout.readline().split()
         folder, relatives = Path(folder), family(process.pid)
-        assert int(child) in relatives
+        if level == "processes":  # in namespaces it has another number
+            assert int(child) in relatives
         assert len(relatives) >= 6  # the supervisor, two fork servers, two agents, the child
         assert folder.is_dir()
         process.kill()
@@ -275,7 +280,7 @@ def test_a_child_outlives_its_match_only_where_that_is_said_and_only_in_a_sessio
         "        print(*(child.pid for child in children))\n"
         "    def act(self, view): return 0\n"
     )
-    with Sandbox() as sandbox:
+    with Sandbox(AgentLimits(level="processes")) as sandbox:
         entrants = enter([str(path), "idle"], inspector(sandbox))
         in_its_group, in_a_session = map(int, played(SHORT, entrants, sandbox).logs[0].split())
         outlived = lives(in_a_session)
@@ -289,7 +294,7 @@ def test_a_child_outlives_its_match_only_where_that_is_said_and_only_in_a_sessio
 @pytest.mark.usefixtures("way_to_end_processes")
 def test_both_ways_to_end_processes_hold_the_same_matches_and_leave_nothing():
     before = family(os.getpid())
-    with Sandbox() as sandbox:
+    with Sandbox(AgentLimits(level="processes")) as sandbox:
         entrants = enter([str(HERE / "bad" / "crashes.py"), "nearest"], inspector(sandbox))
         results = [played(SHORT, entrants, sandbox) for _ in range(2)]
         assert family(os.getpid()) > before

@@ -1,4 +1,4 @@
-"""Kills its parent."""
+"""Kills its parent, and plays on if that changes nothing."""
 
 import os
 import signal
@@ -7,8 +7,11 @@ import time
 
 class Agent:
     def reset(self, seed):
-        pass
+        self.tried = False
 
     def act(self, view):
-        os.kill(os.getppid(), signal.SIGKILL)
-        time.sleep(3600)
+        if not self.tried:
+            os.kill(os.getppid(), signal.SIGKILL)
+            time.sleep(1)
+            self.tried = True
+        return 0
