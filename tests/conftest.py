@@ -5,6 +5,7 @@ import signal
 
 import pytest
 from hypothesis import HealthCheck, settings
+from isolation_levels import NOT_TESTED
 from progress import Progress
 
 LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
@@ -38,7 +39,7 @@ def pytest_deselected(items: list[pytest.Item]) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """The steps that engine and oracle played alike, over all tests and processes."""
+    """The steps that engine and oracle played alike, over all tests and processes; and what could not be tested."""
     steps = sum(
         number
         for report in terminalreporter.getreports("passed")
@@ -47,3 +48,5 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     )
     if steps:
         terminalreporter.write_line(f"engine and oracle agree in every bit of {steps:,} steps")
+    for line in NOT_TESTED:
+        terminalreporter.write_line(line)

@@ -1,6 +1,17 @@
-"""The levels of isolation that this machine can hold: tests of isolation run at each of them."""
+"""What of isolation can be tested on this machine: its levels, and the runtimes that agents may be written for."""
+
+import shutil
 
 from catch_arena.tournament.isolation.namespaces import namespaces_missing
 
-MISSING = namespaces_missing()
-LEVELS = ["processes"] if MISSING else ["namespaces", "processes"]
+_MISSING = namespaces_missing()
+LEVELS = ["processes"] if _MISSING else ["namespaces", "processes"]
+NAMESPACES = LEVELS[:-1]
+"""For tests of that level alone."""
+
+COMPILERS = [name for name in ("cc", "gcc", "clang") if shutil.which(name)][:1]
+RUNTIMES = [name for name, program in (("node", "node"), ("java", "javac")) if shutil.which(program)]
+
+NOT_TESTED = [f"isolation in namespaces was not tested: {_MISSING}"] if _MISSING else []
+if absent := [*([] if COMPILERS else ["C"]), *(name for name in ("node", "java") if name not in RUNTIMES)]:
+    NOT_TESTED.append(f"agents were not tested in {', '.join(absent)}: not installed here")

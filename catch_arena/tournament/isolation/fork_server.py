@@ -149,7 +149,7 @@ def _work_in(folder: Path, log: int) -> None:
     """Work in that folder, and print to that log."""
     folder.mkdir(mode=0o700, exist_ok=True)
     os.chdir(folder)
-    os.environ["HOME"] = os.environ["TMPDIR"] = str(folder)
+    os.environ["HOME"] = os.environ["TMPDIR"] = os.environ["PWD"] = str(folder)
     for standard in (1, 2):
         os.dup2(log, standard)
 

@@ -25,6 +25,7 @@ PLAY: Final = TEMPORARY / "match"
 """Where it works."""
 _NOBODY: Final = 65534
 _PROBE_S: Final = 20.0
+_SETTINGS: Final = Path("/proc/sys")
 _OPTIONS: Final = (
     *("--unshare-user", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"),
     *("--uid", f"{_NOBODY}", "--gid", f"{_NOBODY}", "--hostname", "arena"),
@@ -52,8 +53,12 @@ def bubblewrap_words(files: VisibleFiles, writable_bytes: int) -> list[str]:
     size = ["--size", str(writable_bytes), "--tmpfs"]
     words = [*_OPTIONS, "--proc", "/proc", "--dev", "/dev", *size, str(SHARED), "--remount-ro", "/dev"]
     words += [*size, str(TEMPORARY)]
-    for path in sorted((*files.shown, *files.links)):  # folders come before what lies in them
-        if path in files.links:
+    paths = {*files.shown, *files.links}
+    read_only = {path.parent for path in paths if path.is_relative_to(TEMPORARY)}  # as it is elsewhere
+    for path in sorted(paths | read_only):  # folders come before what lies in them
+        if path in read_only - paths:
+            words += ["--tmpfs", str(path)]
+        elif path in files.links:
             words += ["--symlink", files.links[path], str(path)]
         else:
             words += ["--ro-bind-try", str(path), str(path)]
@@ -61,7 +66,8 @@ def bubblewrap_words(files: VisibleFiles, writable_bytes: int) -> list[str]:
         words += (
             ["--tmpfs", str(path), "--remount-ro", str(path)] if path.is_dir() else ["--ro-bind", os.devnull, str(path)]
         )
-    return [*words, "--remount-ro", "/", "--chdir", str(TEMPORARY)]
+    words += [word for path in sorted((read_only - paths) | {Path("/")}) for word in ("--remount-ro", str(path))]
+    return [*words, "--chdir", str(TEMPORARY)]
 
 
 def namespaces_missing() -> str | None:
@@ -106,6 +112,6 @@ def _hints(said: Sequence[str]) -> list[str]:
 
 def _setting(name: str) -> str | None:
     try:
-        return Path("/proc/sys", name).read_text().strip()
+        return (_SETTINGS / name).read_text().strip()
     except OSError:
         return None

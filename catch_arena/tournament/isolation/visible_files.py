@@ -73,14 +73,11 @@ def visible_files(spec: str, entrants: Iterable[str] = (), hidden: Iterable[str]
         files.add(path)
     own, secret = own_files(spec), {Path(path) for path in hidden}
     rivals = {path for other in entrants for path in own_files(other) if not _holds(path, own)}
-    if spec.startswith(COMMAND):
-        for path in _runtime_of(_words(spec)[0]):
-            files.add(path)
-    elif not spec.endswith(".py"):
-        for path in _package_folders(spec):
-            files.add(path)
+    command, module = spec.startswith(COMMAND), not spec.endswith(".py")
+    for path in _runtime_of(_words(spec)[0]) if command else _package_folders(spec) if module else ():
+        files.add(path)
     for path in own:
-        for entry in _entries(path, rivals, secret, alone=spec.endswith(".py")):
+        for entry in _entries(path, rivals, secret, alone=not command, shared=module and not command):
             if files.covers(entry):
                 continue
             try:
@@ -155,7 +152,9 @@ def _package_folders(spec: str) -> list[Path]:
     return [Path(found.origin)] if found.has_location and found.origin else []
 
 
-def _entries(path: Path, rivals: Collection[Path], secret: Collection[Path], *, alone: bool) -> Iterator[Path]:
+def _entries(
+    path: Path, rivals: Collection[Path], secret: Collection[Path], *, alone: bool, shared: bool
+) -> Iterator[Path]:
     """What an agent sees for this file or folder of its own: that, and what lies beside a file and is nobody else's.
 
     Args:
@@ -163,6 +162,7 @@ def _entries(path: Path, rivals: Collection[Path], secret: Collection[Path], *, 
         rivals: what belongs to others.
         secret: what nobody sees.
         alone: whether a .py file beside it is another agent: an agent in one file imports nothing from there.
+        shared: whether its folder holds much besides, so that only what has its name is its own.
     """
     yield path
     folder = path.parent
@@ -174,13 +174,13 @@ def _entries(path: Path, rivals: Collection[Path], secret: Collection[Path], *, 
         return
     others = {rival.stem for rival in rivals if rival.parent == folder}
     others |= {entry.stem for entry in entries if alone and entry.suffix == ".py" and entry != path}
-    private = _is_wide(folder) or _holds_any(secret, folder)
+    shared = shared or _is_wide(folder) or _holds_any(secret, folder)
     for entry in entries:
         if entry == path or (alone and entry.suffix == ".py"):
             continue
         owners = [stem for stem in (path.stem, *others) if _begins_with(entry.name, stem)]
         owner = max(owners, key=len, default=None)
-        nobodys = owner is None and not private and not entry.name.startswith(".") and entry.name != "__pycache__"
+        nobodys = owner is None and not shared and not entry.name.startswith(".") and entry.name != "__pycache__"
         if (nobodys or owner == path.stem) and not _holds(entry, (*rivals, *secret)):
             yield entry
 

@@ -1,0 +1,272 @@
+"""What agents find of others and of the machine: in namespaces nothing, and less than all of it elsewhere."""
+
+import json
+import os
+import shutil
+import socket
+import subprocess
+from pathlib import Path
+
+import pytest
+from isolation_levels import COMPILERS, LEVELS, NAMESPACES, RUNTIMES
+
+from catch_arena import scenario
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.starting import inspector, start_players
+from catch_arena.tournament.match import play
+
+HERE = Path(__file__).parent
+SHORT = scenario("duel", time_limit_s=1)
+FREE = {"init_s": 60, "step_ms": 60_000}
+ASKS = """
+import ctypes, json, os, resource, socket
+from pathlib import Path
+
+HERE = Path(__file__).parent
+
+def answer(question):
+    try:
+        return eval(question)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+
+class Agent:
+    def reset(self, seed):
+        questions = json.loads((HERE / f"{Path(__file__).stem}.json").read_text())
+        print(json.dumps([answer(one) for one in questions], default=str))
+
+    def act(self, view):
+        return 0
+"""
+
+
+@pytest.fixture(params=LEVELS)
+def sandbox(request):
+    with Sandbox(AgentLimits(level=request.param, **FREE)) as made:
+        yield made
+
+
+@pytest.fixture
+def ask(tmp_path):
+    """What an agent finds that looks for these, which are Python; its file is alone in a folder."""
+
+    def found(sandbox, *questions, matches=1):
+        folder = tmp_path / "its_folder"
+        folder.mkdir(exist_ok=True)
+        (folder / "asks.py").write_text(ASKS)
+        (folder / "asks.json").write_text(json.dumps(questions))
+        entrants = enter([str(folder / "asks.py"), "idle"], inspector(sandbox))
+        for _ in range(matches):
+            with start_players(entrants, sandbox) as players:
+                result = play(SHORT, 1, players, ["asks", "idle"])
+            assert result.forfeits == (None, None), result.details
+        return json.loads(result.logs[0])
+
+    return found
+
+
+def in_namespaces(sandbox):
+    return sandbox.level == "namespaces"
+
+
+def test_it_sees_its_own_processes_only(sandbox, ask):
+    numbers, parents = ask(sandbox, "[int(n) for n in os.listdir('/proc') if n.isdigit()]", "os.getppid()")
+    if in_namespaces(sandbox):
+        assert (len(numbers), parents) == (2, 1)
+    else:
+        assert os.getpid() in numbers
+
+
+def test_it_reaches_nobody_over_a_network(sandbox, ask):
+    with socket.create_server(("127.0.0.1", 0)) as tcp, socket.socket(socket.AF_UNIX) as named:
+        name = f"\0catch-arena-test-{os.getpid()}"
+        named.bind(name)
+        named.listen()
+        port = tcp.getsockname()[1]
+        reached = ask(
+            sandbox,
+            f"socket.create_connection(('127.0.0.1', {port})) and 'reached'",
+            f"socket.socket(socket.AF_UNIX).connect({name!r}) or 'reached'",
+            "[name for _, name in socket.if_nameindex()]",
+        )
+    if in_namespaces(sandbox):
+        assert "Connection refused" in reached[0]
+        assert "Connection refused" in reached[1]
+        assert reached[2] == ["lo"]
+    else:  # docs/isolation.md says so
+        assert reached[:2] == ["reached", "reached"]
+
+
+def test_its_files_can_be_read_and_in_namespaces_not_be_written(sandbox, ask, tmp_path):
+    (tmp_path / "exam.toml").write_text("secret")
+    own, write, above, system = ask(
+        sandbox,
+        "sorted(os.listdir(HERE))",
+        "(HERE / 'new').write_text('x')",
+        "(HERE.parent / 'exam.toml').read_text()",
+        "Path('/etc/passwd').exists()",
+    )
+    assert own == ["asks.json", "asks.py"]
+    if in_namespaces(sandbox):
+        assert "Read-only file system" in write
+        assert "No such file" in above
+        assert system is False
+        assert not (tmp_path / "its_folder" / "new").exists()
+    else:
+        assert (write, above, system) == (1, "secret", True)
+
+
+def test_its_environment_holds_nothing_of_ours(sandbox, ask, monkeypatch):
+    monkeypatch.setenv("SECRET", "1")
+    names, parents = ask(sandbox, "sorted(os.environ)", "'SECRET' in Path('/proc/1/environ').read_text()")
+    assert "SECRET" not in names
+    assert set(names) >= {"HOME", "PATH", "TMPDIR"}
+    if in_namespaces(sandbox) and os.getuid():
+        assert "Permission denied" in parents
+
+
+def test_it_has_no_privileges_and_cannot_be_traced(sandbox, ask):
+    dumpable, privileges, new_user, trace = ask(
+        sandbox,
+        "ctypes.CDLL(None).prctl(3, 0, 0, 0, 0)",  # PR_GET_DUMPABLE
+        "ctypes.CDLL(None).prctl(39, 0, 0, 0, 0)",  # PR_GET_NO_NEW_PRIVS
+        "ctypes.CDLL(None).unshare(0x10000000)",  # CLONE_NEWUSER
+        "ctypes.CDLL(None).ptrace(16, os.getppid(), 0, 0)",  # PTRACE_ATTACH
+    )
+    assert (dumpable, privileges) == (0, 1)
+    if in_namespaces(sandbox):
+        assert (new_user, trace) == (-1, -1)
+    elif os.getuid():  # root may do everything at the lower level
+        assert trace == -1
+
+
+def test_our_own_process_cannot_be_traced_either(sandbox, ask):
+    import ctypes
+
+    ask(sandbox, "1")
+    assert ctypes.CDLL(None).prctl(3, 0, 0, 0, 0) == 0
+
+
+def test_its_lines_cannot_be_opened_anew(sandbox, ask):
+    """So nobody else can either: what is written into /proc/<pid>/fd by a process of the same user goes nowhere."""
+    files = ("open('/proc/self/fd/3', 'rb')", "open('/proc/self/fd/4', 'wb')", "open('/proc/self/fd/1', 'wb')")
+    for answer in ask(sandbox, *files):
+        assert "No such device or address" in answer
+
+
+def test_a_commands_lines_cannot_be_opened_anew(sandbox, tmp_path):
+    program = tmp_path / "bot.sh"
+    program.write_text(
+        "read -r line; for file in 0 1 2; do (: 3<>/proc/$$/fd/$file) || echo $file is closed >&2; done\n"
+        'echo \'{"control":"target"}\'; read -r line; echo \'{"ready":true}\'\n'
+        "while read -r line; do echo '{\"action\":0}'; done\n"
+    )
+    entrants = enter([f"cmd:sh {program}", "idle"], inspector(sandbox))
+    with start_players(entrants, sandbox) as players:
+        result = play(SHORT, 1, players, ["bot", "idle"])
+    assert result.forfeits == (None, None)
+    for file in range(3):
+        assert f"{file} is closed" in result.logs[0]
+
+
+@pytest.mark.parametrize("level", NAMESPACES)
+def test_what_it_writes_is_bounded_and_gone_with_the_match(level, ask):
+    """In both of its folders, whatever it makes there; at the next match, nothing is found."""
+    with Sandbox(AgentLimits(level=level, file_mib=2, **FREE)) as sandbox:
+        before, *full, _ = ask(
+            sandbox,
+            "[[str(path) for path in Path(place).rglob('*')] for place in ('/tmp/match', '/dev/shm')]",
+            "[Path(f'/tmp/match/{n}').write_bytes(bytes(1 << 20)) for n in range(3)]",
+            "[Path(f'/dev/shm/{n}').write_bytes(bytes(1 << 20)) for n in range(3)]",
+            "(os.makedirs('/tmp/match/a/b'), os.chmod('/tmp/match/a', 0), Path('/tmp/x').touch())",
+            matches=2,
+        )
+    assert before == [[], []]
+    assert all("No space left on device" in one for one in full)
+
+
+@pytest.mark.parametrize("level", NAMESPACES)
+def test_nothing_but_its_two_folders_can_be_written(level, ask):
+    places = ["/", "/dev", "/usr", "/etc", "/proc", "/proc/sys/kernel", str(Path.home())]
+    with Sandbox(AgentLimits(level=level, **FREE)) as sandbox:
+        answers = ask(sandbox, *(f"Path({place!r}, 'new').touch()" for place in places))
+    for place, answer in zip(places, answers, strict=True):
+        assert isinstance(answer, str), place
+
+
+@pytest.mark.parametrize("level", NAMESPACES)
+def test_a_hand_in_that_vanishes_forfeits_and_the_other_plays_on(level, tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text("class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n")
+    with Sandbox(AgentLimits(level=level, **FREE)) as sandbox:
+        entrants = enter([str(path), "idle"], inspector(sandbox))
+        path.unlink()
+        with start_players(entrants, sandbox) as players:
+            result = play(SHORT, 1, players, ["mine", "idle"])
+    assert result.forfeits == ("FORFEIT_INIT", None)
+    assert "No such file or directory" in result.details[0].reason
+
+
+C = r"""
+#include <stdio.h>
+#include <string.h>
+int main(void) {
+    static char line[1 << 20];
+    while (fgets(line, sizeof line, stdin)) {
+        if (!strncmp(line, "{\"hello\"", 8)) puts("{\"control\":\"target\"}");
+        else if (!strncmp(line, "{\"reset\"", 8)) puts("{\"ready\":true}");
+        else puts(strstr(line, "\"mask\":[1, 1") ? "{\"action\":1}" : "{\"action\":0}");
+        fflush(stdout);
+    }
+}
+"""
+NODE = """
+require("readline").createInterface({ input: process.stdin }).on("line", (line) => {
+    const said = JSON.parse(line);
+    console.log(require("./lib").answer(said));
+});
+"""
+NODE_LIB = """
+exports.answer = (said) =>
+    JSON.stringify(said.hello ? { control: "target" } : said.reset ? { ready: true } : { action: said.mask[1] });
+"""
+JAVA = r"""
+import java.io.*;
+public class Bot {
+    public static void main(String[] words) throws IOException {
+        BufferedReader lines = new BufferedReader(new InputStreamReader(System.in));
+        for (String line; (line = lines.readLine()) != null;)
+            System.out.println(line.startsWith("{\"hello\"") ? "{\"control\":\"target\"}"
+                : line.startsWith("{\"reset\"") ? "{\"ready\":true}"
+                : line.contains("\"mask\":[1, 1") ? "{\"action\":1}" : "{\"action\":0}");
+    }
+}
+"""
+
+
+@pytest.mark.parametrize("runtime", ["sh", *COMPILERS, *RUNTIMES])
+def test_any_runtime_plays_as_pythons_nearest_does(sandbox, tmp_path, runtime):
+    if runtime in COMPILERS:
+        (tmp_path / "bot.c").write_text(C)
+        subprocess.run([runtime, "-o", tmp_path / "bot", tmp_path / "bot.c"], check=True)
+        command = f"cmd:{tmp_path}/bot"
+    elif runtime == "node":
+        (tmp_path / "bot.js").write_text(NODE)
+        (tmp_path / "lib.js").write_text(NODE_LIB)
+        command = f"cmd:node {tmp_path}/bot.js"
+    elif runtime == "java":
+        (tmp_path / "Bot.java").write_text(JAVA)
+        command = f"cmd:java -XX:+UseSerialGC {tmp_path}/Bot.java"
+    else:
+        shutil.copy(HERE / "nearest.sh", tmp_path / "bot.sh")
+        command = f"cmd:sh {tmp_path}/bot.sh"
+    config = scenario("duel", time_limit_s=10)
+    results = []
+    for spec in (command, "nearest"):
+        entrants = enter([spec, "idle"], inspector(sandbox))
+        with start_players(entrants, sandbox) as players:
+            results.append(play(config, 1, players, ["bot", "idle"]))
+    assert results[0] == results[1]
+    assert results[0].scores[0] > 0

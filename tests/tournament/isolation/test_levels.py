@@ -1,0 +1,78 @@
+"""Which level of isolation holds, and what is said where namespaces cannot be had."""
+
+import os
+import stat
+
+import pytest
+from isolation_levels import LEVELS
+
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.isolation import namespaces
+from catch_arena.tournament.isolation.levels import level_here
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.sandbox import Sandbox
+
+
+@pytest.fixture
+def bubblewrap(tmp_path, monkeypatch):
+    """Puts a program of that name before all others; or none at all."""
+
+    def install(script):
+        monkeypatch.setenv("PATH", str(tmp_path) if script is None else f"{tmp_path}:{os.environ['PATH']}")
+        if script is not None:
+            program = tmp_path / "bwrap"
+            program.write_text(f"#!/bin/sh\n{script}\n")
+            program.chmod(program.stat().st_mode | stat.S_IXUSR)
+
+    return install
+
+
+def test_the_best_level_holds_unless_another_one_is_asked_for():
+    assert level_here() == LEVELS[0]
+    for level in LEVELS:
+        assert level_here(level) == level
+
+
+@pytest.mark.parametrize(
+    ("script", "why"),
+    [
+        (None, "bubblewrap is not installed: apt-get install bubblewrap"),
+        ("echo bwrap: something is broken >&2; exit 1", "bwrap fails: bwrap: something is broken"),
+        ("exit 3", "bwrap fails: exit code 3"),
+        ("echo bwrap: Unknown option --disable-userns >&2; exit 1", "it must be version 0.8 or later"),
+        ("sleep 600", "bwrap does not end"),
+        ("kill -9 $$", "bwrap fails: "),
+    ],
+)
+def test_without_a_bubblewrap_that_works_the_level_is_refused_in_one_line(bubblewrap, monkeypatch, script, why):
+    bubblewrap(script)
+    monkeypatch.setattr(namespaces, "_PROBE_S", 1.0)
+    assert level_here() == "processes"
+    with pytest.raises(ConfigError) as refused:
+        Sandbox(AgentLimits(level="namespaces"))
+    assert str(refused.value).startswith("isolation namespaces cannot be held here: ")
+    assert why in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("setting", "value", "hint"),
+    [
+        ("kernel/unprivileged_userns_clone", "0", "sysctl kernel.unprivileged_userns_clone=1"),
+        ("user/max_user_namespaces", "0", "sysctl user.max_user_namespaces=10000"),
+        ("kernel/apparmor_restrict_unprivileged_userns", "1", "AppArmor must allow"),
+    ],
+)
+def test_a_kernel_without_user_namespaces_is_named(bubblewrap, tmp_path, monkeypatch, setting, value, hint):
+    path = tmp_path / "sys" / setting
+    path.parent.mkdir(parents=True)
+    path.write_text(f"{value}\n")
+    bubblewrap("echo bwrap: No permissions to create new namespace >&2; exit 1")
+    monkeypatch.setattr(namespaces, "_SETTINGS", tmp_path / "sys")
+    with pytest.raises(ConfigError, match=f"No permissions to create new namespace; {hint}"):
+        level_here("namespaces")
+
+
+def test_a_level_that_is_none_is_refused():
+    with pytest.raises(ConfigError, match="isolation must be one of namespaces, processes, got 'namespace'; did you"):
+        AgentLimits(level="namespace")
