@@ -8,7 +8,7 @@ import threading
 import time
 from pathlib import Path
 
-from tournament.attacks.kit import FACTS, ancestors, secrets_in, tell
+from tournament.attacks.kit import FACTS, ancestors, relatives, secrets_in, tell
 
 
 def reads_the_rivals_files(own):
@@ -40,16 +40,17 @@ def follows_links_that_were_handed_in(own):
 
 
 class Told(BaseException):
-    """Ends its process: a grade shows the log of who forfeits."""
+    """What it has found: a grade shows why an agent forfeited."""
 
 
 def reads_the_spec_that_it_is_graded_by(own):
+    found = []
     for path in (Path(FACTS["spec"]), Path(FACTS["spec"]).with_name("hidden_seeds.txt")):
         try:
-            tell(path.read_text())
+            found.append(path.read_text())
         except OSError:
             continue
-    raise Told
+    raise Told(found)
 
 
 def reads_the_rivals_working_folder(own):
@@ -63,9 +64,9 @@ def changes_what_the_rival_has_written(own):
 
 
 def finds_the_rivals_working_folder_through_proc(own):
-    for process in Path("/proc").glob("[0-9]*"):
+    for pid in relatives():
         try:
-            tell(secrets_in((process / "cwd" / "notes.txt").read_bytes()))
+            tell(secrets_in(Path(f"/proc/{pid}/cwd/notes.txt").read_bytes()))
         except OSError:
             continue
 
@@ -79,10 +80,10 @@ def lists_the_users_home(own):
 
 
 def finds_a_way_out_through_proc(own):
-    for process in Path("/proc").glob("[0-9]*"):
+    for pid in ["self", *relatives()]:
         for door in ("root", "cwd/..", "cwd/../.."):
             try:
-                tell(secrets_in(Path(f"{process}/{door}/{FACTS['home']}/key").read_bytes()))
+                tell(secrets_in(Path(f"/proc/{pid}/{door}/{FACTS['home']}/key").read_bytes()))
             except OSError:
                 continue
 

@@ -127,11 +127,10 @@ class Host:
             received = _received(outside)
         _clear_places(facts)
         after = world.files()
-        seeds = [word for before, word in zip(attack.words, attack.words[1:], strict=False) if before == "--seed"]
         outcome = Outcome(
             world=world,
             code=code,
-            secrets=[world.secret, self.secret, *seeds],
+            secrets=[world.secret, self.secret],
             changes=[path for path in before.keys() | after.keys() if before.get(path) != after.get(path)],
             left=left,
             most=most,
@@ -225,7 +224,7 @@ def _clear_places(facts: Mapping[str, Any]) -> None:
 def _clear_scratch(said: str) -> list[str]:
     """The folders that agents worked in and that are still there; they are removed."""
     left = []
-    for place in sorted(set(re.findall(r"^works in (/tmp/catch-arena-agents-\w+)/seat_\d$", said, re.MULTILINE))):
+    for place in sorted(set(re.findall(r"^works in (/tmp/catch-arena-agents-\w+)/", said, re.MULTILINE))):
         if Path(place).exists():
             left.append(place)
             subprocess.run(["chattr", "-R", "-i", place], check=False, capture_output=True)

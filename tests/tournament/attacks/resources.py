@@ -10,11 +10,11 @@ import time
 
 from tournament.attacks.kit import tell
 
-_PROCESSES = 600
+_PROCESSES = 300
 _THREADS = 10_000
 
 
-def forks_600_processes(own):
+def forks_300_processes(own):
     """A bomb that ends by itself: real ones do not."""
     children = []
     try:

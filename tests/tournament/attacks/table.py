@@ -93,6 +93,7 @@ SECRET_SEED: Final = ("--seed", "12345678901234567890")
 ATTACKS: Final = (
     # the match's seed, and what follows from it
     probe(seeds.works_out_the_matchs_seed_from_its_own, leaked, STOPPED, STOPPED),
+    attack(seeds.works_out_a_seed_that_was_short, leaked, NOT_STOPPED, NOT_STOPPED, words=("--seed", "7")),
     probe(seeds.reads_the_seeds_in_the_store, leaked, NOT_STOPPED, STOPPED),
     attack(
         seeds.reads_the_seed_in_the_tournaments_command_line,
@@ -106,7 +107,7 @@ ATTACKS: Final = (
     # the rival's process
     attack(processes.writes_into_the_rivals_answers_through_proc, beaten, STOPPED, STOPPED, limits=IMPATIENT),
     attack(processes.takes_the_rivals_descriptors_by_pidfd, beaten, NOT_STOPPED, STOPPED, limits=IMPATIENT),
-    attack(processes.writes_into_the_rivals_log_through_proc, framed, NOT_STOPPED, STOPPED),
+    attack(processes.writes_into_the_rivals_log_through_proc, framed, STOPPED, STOPPED),
     probe(processes.reads_the_rivals_memory_through_proc, leaked, NOT_STOPPED, STOPPED),
     probe(processes.reads_the_rivals_memory_by_process_vm_readv, leaked, NOT_STOPPED, STOPPED),
     probe(processes.takes_hold_of_the_rival_by_ptrace, done, NOT_STOPPED, STOPPED),
@@ -206,9 +207,9 @@ ATTACKS: Final = (
     # the machine's resources
     probe(files.writes_a_file_of_100_gb_with_holes, done, STOPPED, STOPPED),
     probe(files.writes_many_files, done, NOT_STOPPED, STOPPED),
-    attack(resources.forks_600_processes, done, NOT_STOPPED, STOPPED),
-    attack(resources.starts_10_000_threads, done, NOT_STOPPED, STOPPED),
-    attack(resources.takes_memory_in_many_processes, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
+    attack(resources.forks_300_processes, done, STOPPED, STOPPED),
+    attack(resources.starts_10_000_threads, done, STOPPED, STOPPED),
+    attack(resources.takes_memory_in_many_processes, done, STOPPED, STOPPED, limits={"memory_mib": 64}),
     attack(resources.takes_memory_by_files_in_memory, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
     attack(resources.takes_memory_by_system_v_segments, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
     attack(resources.runs_away_by_forking_for_ever, beaten, STOPPED, STOPPED),

@@ -1,6 +1,7 @@
 """The files of one attempt, and what came of it. What an attacker must find out or do is held here."""
 
 import hashlib
+import json
 import re
 import secrets
 from collections.abc import Mapping, Sequence
@@ -55,7 +56,7 @@ class World:
         (self.rival / "rival.py").write_text(_RIVAL)
         (self.rival / "rival_weights.txt").write_text(self.secret)
         (self.rival / "notes_of_nobody.txt").write_text(self.secret)
-        self.spec.write_text(f"{_SPEC}# {self.secret}\n")
+        self.spec.write_text(f"# {self.secret}\n{_SPEC}")
         self.spec.with_name("hidden_seeds.txt").write_text("1234567890123456789\n")
         (self.home / "key").write_text(self.secret)
         (self.home / "key").chmod(0o600)
@@ -125,13 +126,13 @@ class Outcome:
         out = self.world.out
         try:
             with Store.read(out) as store:
-                plan = store.tournament.plan
                 names = [entrant.name for entrant in store.tournament.entrants]
                 played = list(store.played())
         except StoreError:
             return
         self.secrets += [str(one.match.seed) for one in played]
-        self.secrets += [text for text in (str(plan.get("seed")),) if len(text) >= _SECRET_DIGITS]
+        seed = str(json.loads((out / "standings.json").read_text())["seed"]) if self.code == 0 else ""
+        self.secrets += [seed] if len(seed) >= _SECRET_DIGITS else []  # others can be guessed
         self.played = {name: [] for name in names}
         for one in played:
             for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
