@@ -5,6 +5,7 @@ The kernel bounds each process; the supervisor looks at all of one agent, some t
 
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Final
@@ -58,11 +59,16 @@ def _members(root: int) -> Iterator[int]:
     while waiting:
         pid = waiting.pop()
         yield pid
-        try:
-            for thread in Path(f"/proc/{pid}/task").iterdir():
-                waiting += map(int, (thread / "children").read_text().split())
-        except OSError:  # it has just ended
-            continue
+        waiting += children(pid)
+
+
+def children(pid: int) -> set[int]:
+    """Those of a process, as far as they can be seen while they come and go."""
+    found: set[int] = set()
+    with suppress(OSError):  # it has just ended, or the system does not say
+        for thread in Path(f"/proc/{pid}/task").iterdir():
+            found |= set(map(int, (thread / "children").read_text().split()))
+    return found
 
 
 @cache

@@ -8,6 +8,7 @@ import shutil
 import signal
 import socket
 import sys
+import time
 from collections.abc import Collection
 from contextlib import suppress
 from typing import BinaryIO, Final
@@ -22,6 +23,7 @@ from catch_arena.tournament.isolation.visible_files import visible_files
 
 _START_S: Final = 5.0
 """How long bubblewrap may take to say which process is the first in its namespaces."""
+_STOP_S: Final = 5.0
 _OPTIONS, _INFO = 3, 4
 _FIRST_FREE: Final = 10
 _PART: Final = 4096
@@ -60,7 +62,14 @@ class Server:
             with suppress(ProcessLookupError):
                 os.kill(self._inner, signal.SIGKILL)  # all that is in its namespaces ends with it
         if LINUX:
-            return kill_all(lambda: family(os.getpid()) & {self.pid, *family(self.pid)})
+            doomed: set[int] = set()
+            patience = time.monotonic() + _STOP_S
+            while (more := {self.pid, *family(self.pid)} - doomed) and time.monotonic() < patience:
+                for pid in more:  # what stands still starts no others meanwhile
+                    with suppress(ProcessLookupError):
+                        os.kill(pid, signal.SIGSTOP)
+                doomed |= more
+            return kill_all(lambda: family(os.getpid()) & doomed)
         self.end_group()
         return True
 

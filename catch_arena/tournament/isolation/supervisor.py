@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from catch_arena.descendants import LINUX, family, kill_all
+from catch_arena.tournament.isolation import group_watch
 from catch_arena.tournament.isolation.folders import empty
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.processes import adopt_orphans, close_to_others
@@ -76,7 +77,15 @@ def _next_request(control: socket.socket, parent: int, servers: _Servers) -> tup
             return None
         for server in servers.values():
             server.look()
+        _end_strays(servers)
     return receive(control)
+
+
+def _end_strays(servers: _Servers) -> None:
+    """End those whose fork server has ended without them: whose they are, nobody knows any more."""
+    for pid in group_watch.children(os.getpid()) - servers.keys():
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
 
 
 def _start(control: socket.socket, servers: _Servers, message: dict[str, Any], files: list[int]) -> dict[str, Any]:
