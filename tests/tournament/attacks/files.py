@@ -6,6 +6,7 @@ import sqlite3
 import stat
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from tournament.attacks.kit import FACTS, ancestors, relatives, secrets_in, tell
@@ -54,7 +55,7 @@ def reads_the_spec_that_it_is_graded_by(own):
 
 
 def reads_the_rivals_working_folder(own):
-    for path in Path.cwd().parent.glob("*/*"):
+    for path in Path.cwd().parent.glob("*/*.txt"):
         tell(secrets_in(path.read_bytes()))
 
 
@@ -255,5 +256,6 @@ def finds_a_control_group_that_it_may_change(own):
 
 def finds_the_tournaments_folders_through_its_descriptors(own):
     for pid in ancestors():
-        for file in Path(f"/proc/{pid}/fd").iterdir():
-            tell(os.readlink(file))
+        with suppress(OSError):
+            for file in Path(f"/proc/{pid}/fd").iterdir():
+                tell(os.readlink(file))

@@ -7,6 +7,7 @@ import resource
 import signal
 import socket
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from tournament.attacks.kit import ancestors, memory_of, secrets_in, siblings, tell
@@ -51,7 +52,7 @@ def takes_the_rivals_descriptors_by_pidfd(own):
 
 def searches_the_memory_of(pids):
     for pid in pids:
-        with open(f"/proc/{pid}/mem", "rb", buffering=0) as memory:
+        with suppress(OSError), open(f"/proc/{pid}/mem", "rb", buffering=0) as memory:
             for begin, end in memory_of(pid):
                 try:
                     memory.seek(begin)
@@ -97,7 +98,8 @@ def reads_the_tournaments_memory(own):
 
 def reads_the_tournaments_environment(own):
     for pid in [*ancestors(), *siblings()]:
-        tell(secrets_in(Path(f"/proc/{pid}/environ").read_bytes()))
+        with suppress(OSError):
+            tell(secrets_in(Path(f"/proc/{pid}/environ").read_bytes()))
 
 
 def kills_the_rival(own):
