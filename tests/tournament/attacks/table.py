@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from tournament.attacks import channels, files, processes, resources, seeds
-from tournament.attacks.harness import Attack
+from tournament.attacks.harness import SECRET_SEED, Attack
 from tournament.attacks.world import Outcome
 
 LEVELS: Final = ("processes", "namespaces")
@@ -88,8 +88,6 @@ def probe(run, succeeded, by_processes, by_namespaces) -> Attack:
     return attack(run, succeeded, by_processes, by_namespaces, together=True)
 
 
-SECRET_SEED: Final = ("--seed", "12345678901234567890")
-
 ATTACKS: Final = (
     # the match's seed, and what follows from it
     probe(seeds.works_out_the_matchs_seed_from_its_own, leaked, STOPPED, STOPPED),
@@ -100,7 +98,7 @@ ATTACKS: Final = (
         leaked,
         NOT_STOPPED,
         STOPPED,
-        words=SECRET_SEED,
+        words=("--seed", SECRET_SEED),
         alone=True,
     ),
     probe(files.reads_the_replay_of_a_match_with_the_same_targets, done, STOPPED, STOPPED),
