@@ -1,18 +1,21 @@
-"""Measure what isolation costs: standard matches of scripted agents in one process, and each in a process of its own.
+"""Measure what isolation costs: standard matches of scripted agents, trusted and isolated at each level, in turn.
 
-CPU time is that of all processes: this one, the supervisor and the agents. So it does not matter how busy the machine
-is. Reads /proc: for Linux.
+CPU time is that of all processes: this one, the supervisor and the agents. So it does not matter much how busy the
+machine is. The start of the agents' fork servers is told apart. Reads /proc: for Linux.
 """
 
 import argparse
 import os
 import platform
-import time
+from contextlib import ExitStack
 from pathlib import Path
+from statistics import median
+from typing import get_args
 
 from catch_arena import agents, scenario
 from catch_arena.descendants import family
 from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.isolation.limits import AgentLimits, Level
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import inspector, start_players
 from catch_arena.tournament.match import play
@@ -28,15 +31,12 @@ def cpu_seconds() -> float:
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
-def matches_per_cpu_second(entrants: tuple[Entrant, ...], sandbox: Sandbox | None, count: int) -> float:
-    """PlayedMatch one after the other, with different seeds; the first one is not counted."""
-    begin = 0.0
-    for seed in range(count + 1):
-        if seed == 1:
-            begin = cpu_seconds()
-        with start_players(entrants, sandbox) as players:
-            play(scenario("standard"), seed, players, AGENTS)
-    return count / (cpu_seconds() - begin)
+def one_match(entrants: tuple[Entrant, ...], sandbox: Sandbox | None, seed: int) -> float:
+    """The CPU seconds that a standard match took."""
+    begin = cpu_seconds()
+    with start_players(entrants, sandbox) as players:
+        play(scenario("standard"), seed, players, AGENTS)
+    return cpu_seconds() - begin
 
 
 def main() -> None:
@@ -47,15 +47,27 @@ def main() -> None:
     arguments = parser.parse_args()
     print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
     print(f"standard matches per CPU-second of {', '.join(AGENTS)}")
-    trusted = enter(AGENTS)
-    with Sandbox() as sandbox:
-        isolated = enter([str(Path(agents.__path__[0], f"{name}.py")) for name in AGENTS], inspector(sandbox))
+    specs = [str(Path(agents.__path__[0], f"{name}.py")) for name in AGENTS]
+    with ExitStack() as stack:
+        kinds: dict[str, tuple[tuple[Entrant, ...], Sandbox | None]] = {"trusted": (enter(AGENTS), None)}
+        one_match(*kinds["trusted"], 0)
+        for level in get_args(Level):
+            sandbox = stack.enter_context(Sandbox(AgentLimits(level=level)))
+            kinds[level] = enter(specs, inspector(sandbox)), sandbox
+            first = one_match(*kinds[level], 0)
+            print(f"{level}: the first match, with the start of four fork servers, took {first:.2f} CPU-seconds")
+        rates: dict[str, list[float]] = {kind: [] for kind in kinds}
         for _ in range(arguments.rounds):
-            begin = time.perf_counter()
-            apart = matches_per_cpu_second(isolated, sandbox, arguments.matches)
-            elapsed = (time.perf_counter() - begin) / (arguments.matches + 1)
-            together = matches_per_cpu_second(trusted, None, 5 * arguments.matches)
-            print(f"trusted {together:6.2f}   isolated {apart:6.2f} ({elapsed:.2f} s a match by the clock)")
+            spent = dict.fromkeys(kinds, 0.0)
+            for seed in range(1, arguments.matches + 1):  # in turn: what else the machine does hits all alike
+                for kind, players in kinds.items():
+                    spent[kind] += one_match(*players, seed)
+            for kind, seconds in spent.items():
+                rates[kind].append(arguments.matches / seconds)
+            print("   ".join(f"{kind} {rate[-1]:6.2f}" for kind, rate in rates.items()), flush=True)
+    print("   ".join(f"{kind} {median(rate):6.2f}" for kind, rate in rates.items()), "(medians)")
+    ratios = [one / other for one, other in zip(rates["namespaces"], rates["processes"], strict=True)]
+    print(f"namespaces / processes: {median(ratios):.3f} ({min(ratios):.3f} to {max(ratios):.3f})")
 
 
 if __name__ == "__main__":

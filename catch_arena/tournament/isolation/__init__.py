@@ -1,5 +1,5 @@
 """Agents in processes of their own, with limits; docs/isolation.md says what that protects against, and what not.
 
 From the match down: starting, isolated_players, pipes, protocol. From the tournament's process down: sandbox,
-supervisor, fork_server, and in them processes and limits.
+supervisor, servers, fork_server. Namespaces: levels, namespaces, visible_files. Limits: limits, processes, group_watch.
 """

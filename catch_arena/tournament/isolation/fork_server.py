@@ -92,28 +92,25 @@ def serve(channel: socket.socket, *, namespaced: bool = False) -> None:
 
 def speak_for(policy: Policy, lines: BufferedReader, answers: BufferedWriter) -> None:
     """Our side of the protocol for a Python class; what it raises is told in one line, and its traceback printed."""
-    limits: Limits | None = None
     doing = "init"
     try:
-        for line in lines:
-            message = json.loads(line)
-            if "view" in message and limits is not None:
-                doing = "act"
-                action = policy.act(View(protocol.float32(message["view"]), message["mask"], limits))
-                answer = b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action)
-            elif "reset" in message:
-                doing = "reset"
-                limits = Limits(**message["reset"]["limits"])
-                policy.reset(message["reset"]["seed"])
-                answer = protocol.line(ready=True)
-            else:
-                answer = protocol.line(control=getattr(policy, "control", "target"), source=source_of(policy))
-            answers.write(answer)
-            answers.flush()
+        lines.readline()  # hello
+        _send(answers, protocol.line(control=getattr(policy, "control", "target"), source=source_of(policy)))
+        if not (line := lines.readline()):
+            return
+        doing = "reset"
+        message = json.loads(line)["reset"]
+        limits = Limits(**message["limits"])
+        policy.reset(message["seed"])
+        _send(answers, protocol.line(ready=True))
+        doing = "act"
+        while (seen := protocol.read_record(lines)) is not None:
+            action = policy.act(View(*seen, limits))
+            _send(answers, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
     except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
         theirs = error.__traceback__ and error.__traceback__.tb_next  # without our own frame
         traceback.print_exception(type(error), error, theirs)
-        _send_error(answers, f"{doing} raised {reason(error)}")
+        _send(answers, protocol.line(error=f"{doing} raised {reason(error)}"))
 
 
 def _wait_for(pid: int) -> int:
@@ -200,9 +197,9 @@ def _keep_only(files: Sequence[int]) -> None:
 def _report(error: AgentError, answers: BufferedWriter) -> None:
     if error.__cause__ is not None:
         traceback.print_exception(error.__cause__)
-    _send_error(answers, str(error))
+    _send(answers, protocol.line(error=str(error)))
 
 
-def _send_error(answers: BufferedWriter, text: str) -> None:
-    answers.write(protocol.line(error=text))
+def _send(answers: BufferedWriter, line: bytes) -> None:
+    answers.write(line)
     answers.flush()

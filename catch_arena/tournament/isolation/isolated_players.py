@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple, get_args
 from catch_arena.config import Control, require_choice
 from catch_arena.errors import ConfigError, NoContest
 from catch_arena.policy import Limits
-from catch_arena.tournament.entrants import Entrant, Inspection
+from catch_arena.tournament.entrants import Entrant, Inspection, command_of
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.pipes import AgentPipes
 from catch_arena.tournament.isolation.sandbox import Sandbox
@@ -53,6 +53,11 @@ class IsolatedPlayers:
             "act": f"step_ms ({self._limits.step_ms:g} ms) and what was left of bank_s ({self._limits.bank_s:g} s)",
         }
         """What each takes longer than who is late, in words that every match repeats: reports count by them."""
+        self._written = {
+            seat: protocol.view_record if command_of(entrant.spec) is None else protocol.view_line
+            for seat, entrant in entrants.items()
+        }
+        """How views are written for each."""
         self._pipes: dict[int, AgentPipes] = {}
 
     def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
@@ -74,7 +79,7 @@ class IsolatedPlayers:
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
         """Ask these seats for their actions: all are shown their views before the first answer is read."""
         step_s, bank_s = self._limits.step_ms / 1000.0, self._bank_s
-        lines = {seat: protocol.view_line(*observation) for seat, observation in observations.items()}
+        lines = {seat: self._written[seat](*observation) for seat, observation in observations.items()}
         answers: dict[int, Answer] = {}
         for seat, reply in self._exchange(lines, {seat: step_s + bank_s[seat] for seat in lines}, "act").items():
             bank_s[seat] -= max(0.0, reply.seconds - step_s)

@@ -1,19 +1,24 @@
 """What a match and an isolated agent say to each other, in lines of JSON (docs/isolation.md), and how our own processes
 pass messages with open files.
+
+To Python agents, whose side is ours too, a view is not written as a line but as a record of bytes: it is as exact, and
+costs both sides a tenth.
 """
 
-import array
 import json
 import socket
 from collections.abc import Sequence
 from dataclasses import asdict
 from functools import cache
+from io import BufferedReader
+from struct import Struct
 from typing import Any, Final
 
 from catch_arena.policy import Limits
 
 VERSION: Final = 1
 HELLO: Final = b'{"hello":%d}\n' % VERSION
+_HEAD: Final = Struct("<HH")
 _MOST_FILES: Final = 4
 _PART: Final = 65536
 
@@ -38,14 +43,31 @@ def view_line(observation: Sequence[float], mask: Sequence[int]) -> bytes:
     return (_view_form(len(observation)) % (*observation, mask)).encode()
 
 
+def view_record(observation: Sequence[float], mask: Sequence[int]) -> bytes:
+    """The same for our own runner of Python agents: how many numbers and choices, the numbers, the choices."""
+    shape = len(observation), len(mask)
+    return _record_form(*shape).pack(*shape, *observation, *mask)
+
+
+def read_record(stream: BufferedReader) -> tuple[list[float], list[int]] | None:
+    """The next view of that form; None at the end."""
+    head = stream.read(_HEAD.size)
+    if len(head) < _HEAD.size:
+        return None
+    form = _record_form(*_HEAD.unpack(head))
+    _, _, *numbers = form.unpack(head + stream.read(form.size - _HEAD.size))
+    width = _HEAD.unpack(head)[0]
+    return numbers[:width], numbers[width:]
+
+
+@cache
+def _record_form(width: int, choices: int) -> Struct:
+    return Struct(f"{_HEAD.format}{width}f{choices}B")
+
+
 @cache
 def _view_form(width: int) -> str:
     return '{"view":[' + ",".join(["%.9g"] * width) + '],"mask":%s}\n'
-
-
-def float32(numbers: Sequence[float]) -> list[float]:
-    """Numbers as they were before they were written with nine digits."""
-    return array.array("f", numbers).tolist()
 
 
 def action_line(action: object) -> bytes:

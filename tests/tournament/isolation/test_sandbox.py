@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from dataclasses import fields
+from io import BufferedReader, BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -341,13 +342,17 @@ def test_a_match_that_could_not_be_held_is_played_again(sandbox, monkeypatch):
         play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_supervisor)
 
 
-def test_a_line_gives_every_float32_back():
+def test_a_line_and_a_record_give_every_float32_back():
     bits = np.random.default_rng(1).integers(0, 2**32, 20_000, dtype=np.uint32)
     floats = bits.view(np.float32)
     numbers = [float(number) for number in floats[np.isfinite(floats)]]
     said = json.loads(protocol.view_line(numbers, [1, 0]))
-    assert protocol.float32(said["view"]) == numbers
+    assert np.asarray(said["view"], dtype=np.float32).tolist() == numbers
     assert said["mask"] == [1, 0]
+    records = BufferedReader(BytesIO(protocol.view_record(numbers, [1, 0]) + protocol.view_record([0.5], [])))
+    assert protocol.read_record(records) == (numbers, [1, 0])
+    assert protocol.read_record(records) == ([0.5], [])
+    assert protocol.read_record(records) is None
 
 
 def test_a_log_keeps_both_ends():
