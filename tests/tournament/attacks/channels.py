@@ -10,11 +10,12 @@ import os
 import socket
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from tournament.attacks.kit import FACTS, secret_of_mine, secrets_in, tell
 
-_PATIENCE_S = 3.0
+_PATIENCE_S = 2.0
 
 
 def sends_something_out_by_network(own):
@@ -177,6 +178,7 @@ def remembers_a_match_by_a_file(path):
             content = path.read_bytes()
             path.unlink()
             return content
+        return b""
 
     remembers(recall, path.write_bytes)
 
@@ -208,7 +210,7 @@ def remembers_a_match_by_system_v_shared_memory(own):
 
 def remembers_a_match_by_memory_that_its_fork_server_shares(own):
     """Mapped when its module is imported, once for all its matches."""
-    remembers(lambda: shared[:14].strip(b"\0"), lambda content: shared.write(content))
+    remembers(lambda: shared[:14].strip(b"\0"), shared.write)
 
 
 def maps_memory_to_share():
@@ -256,20 +258,21 @@ def starts_a_thread_that_listens():
 
 def works_on_between_its_matches(own):
     """A thread of its fork server counts in memory that it shares with its forks: nobody's time is limited there."""
-    count = int.from_bytes(shared[:8], "little")
+    count = int.from_bytes(counted[:8], "little")
     time.sleep(0.2)
-    if int.from_bytes(shared[:8], "little") > count:
+    if int.from_bytes(counted[:8], "little") > count:
         tell("it works on")
 
 
 def counts_for_ever():
-    maps_memory_to_share()
+    global counted
+    counted = mmap.mmap(-1, 8)
 
     def count():
         number = 0
         while True:
             number += 1
-            shared[:8] = number.to_bytes(8, "little")
+            counted[:8] = number.to_bytes(8, "little")
             time.sleep(0.001)  # this machine is others' too
 
     threading.Thread(target=count, daemon=True).start()
@@ -280,4 +283,5 @@ def finds_descriptors_that_are_not_its_own(own):
     for name in os.listdir("/proc/self/fd"):
         if int(name) > 4 and os.path.exists(there := f"/proc/self/fd/{name}"):
             tell(f"{name}: {os.readlink(there)}")
-            os.write(int(name), b'{"error":"mine"}\n')
+            with suppress(OSError):
+                os.write(int(name), b'{"error":"mine"}\n')

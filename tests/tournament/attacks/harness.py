@@ -14,10 +14,9 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
-
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Self
 
 from tournament.attacks import kit
 from tournament.attacks.world import Outcome, World
@@ -25,7 +24,7 @@ from tournament.attacks.world import Outcome, World
 import catch_arena
 from catch_arena.descendants import family, kill_all
 
-SECRET_SEED: Final = "12345678901234567890"
+LONG_SEED: Final = "12345678901234567890"
 """One that nobody guesses."""
 _PATIENCE_S: Final = 120.0
 """How long a tournament may take that plays two matches of four steps."""
@@ -54,8 +53,8 @@ class Attack:
     rounds: int = 1
     file: str = "attacker/attacker.py"
     """The attacker's, among the hand-ins; the rival's is rival/rival.py."""
-    together: bool = False
-    """Whether it only looks, so that one agent may try it and others, move by move."""
+    together: str = ""
+    """Attacks with the same word here leave each other alone: one agent tries them all, move by move."""
     graded: bool = False
     """Whether it plays by a spec, and not against the rival."""
     links: Mapping[str, str] = field(default_factory=dict)
@@ -86,7 +85,7 @@ class Host:
         )
         assert self._process.stdout.readline() == "ready\n"
 
-    def __enter__(self) -> "Host":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -101,7 +100,7 @@ class Host:
             attack: what is tried.
             level: of isolation.
             folder: for all files, made here.
-            also: what is tried besides, by the same agent, in later moves; all options are those of `attack`.
+            also: what is tried besides, by the same agent, in later moves, under the options of `attack`.
         """
         world = World(folder)
         with socket.create_server(("127.0.0.1", 0)) as outside:
@@ -117,12 +116,14 @@ class Host:
             }
             attacker = world.rival.parent / attack.file
             attacker.parent.mkdir(exist_ok=True)
-            tried = [attack.run, *(one.run for one in also)]
-            attacker.write_text(_source(tried, facts, attack.at_import))
+            all_of_them = [attack, *also]
+            tried = [one.run for one in all_of_them]
+            attacker.write_text(_source(tried, facts, [one.at_import for one in all_of_them if one.at_import]))
             for name, place in attack.links.items():
                 (attacker.parent / name).symlink_to(world.folder / place)
             if attack.accomplice is not None:
-                (world.rival / "rival.py").write_text(_source([attack.accomplice], facts))
+                accomplices = [one.accomplice for one in all_of_them]
+                (world.rival / "rival.py").write_text(_source(accomplices, facts))
             before = world.files()
             code, most = self._run(_words(attack, level, attacker, world, moves=2 + len(tried)), world, attack)
             left = self._clear()
@@ -132,7 +133,7 @@ class Host:
         outcome = Outcome(
             world=world,
             code=code,
-            secrets=[world.secret, self.secret, *(word for word in attack.words if word == SECRET_SEED)],
+            secrets=[world.secret, self.secret, *(word for word in attack.words if word == LONG_SEED)],
             changes=[path for path in before.keys() | after.keys() if before.get(path) != after.get(path)],
             left=left,
             most=most,
@@ -166,17 +167,20 @@ class Host:
 
 
 def _source(
-    tried: Sequence[Callable[[Any], None]], facts: Mapping[str, Any], at_import: Callable[[], None] | None = None
+    tried: Sequence[Callable[[Any], None]], facts: Mapping[str, Any], at_import: Sequence[Callable[[], None]] = ()
 ) -> str:
     """The text of an agent's file: what all have, the attacks of these kinds, and which of them it tries."""
     modules = dict.fromkeys(inspect.getmodule(one) for one in tried)
     return "\n\n".join(
         [
             inspect.getsource(kit),
-            *(re.sub(r"^from tournament.* import .*\n", "", inspect.getsource(one), flags=re.M) for one in modules),
+            *(
+                re.sub(r"^from tournament.* import .*\n", "", inspect.getsource(one), flags=re.MULTILINE)
+                for one in modules
+            ),
             f"FACTS.update({dict(facts)!r})",
             f"ATTACKS += [{', '.join(one.__name__ for one in tried)}]",
-            f"{at_import.__name__}()\n" if at_import else "",
+            *(f"{one.__name__}()" for one in at_import),
         ]
     )
 
@@ -218,7 +222,7 @@ def _received(outside: socket.socket) -> bytes:
 
 def _clear_places(facts: Mapping[str, Any]) -> None:
     """Remove what attackers may have left where everybody may write."""
-    for place in ("/tmp", "/dev/shm", Path.home()):  # noqa: S108 - that is what they use
+    for place in ("/tmp", "/dev/shm", Path.home()):
         Path(place, facts["token"]).unlink(missing_ok=True)
     subprocess.run(["ipcrm", "-M", str(facts["number"])], check=False, capture_output=True)
 

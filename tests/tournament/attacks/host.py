@@ -44,8 +44,8 @@ def main():
                 if request["alone"]:
                     os.execv(sys.executable, [sys.executable, "-m", "catch_arena", *request["words"]])
                 command.main(request["words"])
-            except SystemExit as exit:
-                code = exit.code or 0
+            except SystemExit as ended:
+                code = ended.code or 0
             except BaseException:
                 traceback.print_exc()
             finally:

@@ -7,7 +7,6 @@ process that runs the tests.
 
 import os
 import re
-import time
 import traceback
 from pathlib import Path
 

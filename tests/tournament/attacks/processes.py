@@ -78,10 +78,10 @@ def reads_the_rivals_memory_by_process_vm_readv(own):
         for begin, end in memory_of(pid):
             content = ctypes.create_string_buffer(end - begin)
             here, there = Span(ctypes.addressof(content), end - begin), Span(begin, end - begin)
-            if libc.process_vm_readv(pid, ctypes.byref(here), 1, ctypes.byref(there), 1, 0) > 0:
-                if found := secrets_in(content):
-                    tell(found)
-                    return
+            read = libc.process_vm_readv(pid, ctypes.byref(here), 1, ctypes.byref(there), 1, 0)
+            if read > 0 and (found := secrets_in(content)):
+                tell(found)
+                return
 
 
 def takes_hold_of_the_rival_by_ptrace(own):

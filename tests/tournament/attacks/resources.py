@@ -149,4 +149,4 @@ def prints_what_a_terminal_obeys(own):
 
 
 def has_a_name_that_a_table_could_take_for_markup(own):
-    tell("nothing: its file's name is the attack")
+    """Its file's name is the attack."""

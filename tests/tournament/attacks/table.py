@@ -1,14 +1,15 @@
 """All attacks, and what each level of isolation makes of them; docs/attacks.md shows the same."""
 
 import os
+import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
 from tournament.attacks import channels, files, processes, resources, seeds
-from tournament.attacks.harness import SECRET_SEED, Attack
+from tournament.attacks.harness import LONG_SEED, Attack
 from tournament.attacks.world import Outcome
 
-LEVELS: Final = ("processes", "namespaces")
 STOPPED: Final = "stopped"
 NOT_STOPPED: Final = "not stopped"
 BY_LUCK: Final = "not stopped, where it has luck"
@@ -33,9 +34,13 @@ def beaten(outcome: Outcome) -> bool:
     return outcome.broken
 
 
-def changed(outcome: Outcome) -> bool:
-    """Files are not what they were."""
-    return bool(outcome.changes)
+def changed(name: str) -> Callable[[Outcome], bool]:
+    """A file of that name, or ending, is not what it was."""
+
+    def succeeded(outcome: Outcome) -> bool:
+        return any(path.name.endswith(name) for path in outcome.changes)
+
+    return succeeded
 
 
 def remembered(outcome: Outcome) -> bool:
@@ -64,8 +69,13 @@ def outlived(outcome: Outcome) -> bool:
 
 
 def obeyed(outcome: Outcome) -> bool:
-    """The terminal was sent what it obeys, or markup was read as markup."""
-    return "\x1b" in outcome.printed or "\x1b" in outcome.said or not outcome.said
+    """What is shown in a terminal holds what it obeys."""
+    return "\x1b" in outcome.printed or "\x1b" in outcome.said
+
+
+def read_as_markup(outcome: Outcome) -> bool:
+    """The attacker's name is not shown as it stands."""
+    return "[red]attacker" not in outcome.printed
 
 
 def heard_by_locks(outcome: Outcome) -> bool:
@@ -83,40 +93,40 @@ def attack(run, succeeded, by_processes, by_namespaces, **options) -> Attack:
     return Attack(run=run, succeeded=succeeded, processes=by_processes, namespaces=by_namespaces, **options)
 
 
-def probe(run, succeeded, by_processes, by_namespaces) -> Attack:
-    """One that only looks: one agent tries them all."""
-    return attack(run, succeeded, by_processes, by_namespaces, together=True)
+def quiet(run, succeeded, by_processes, by_namespaces) -> Attack:
+    """One that leaves the match as it is: one agent tries them all."""
+    return attack(run, succeeded, by_processes, by_namespaces, together="looks", rounds=2)
 
 
 ATTACKS: Final = (
     # the match's seed, and what follows from it
-    probe(seeds.works_out_the_matchs_seed_from_its_own, leaked, STOPPED, STOPPED),
+    quiet(seeds.works_out_the_matchs_seed_from_its_own, leaked, STOPPED, STOPPED),
     attack(seeds.works_out_a_seed_that_was_short, leaked, NOT_STOPPED, NOT_STOPPED, words=("--seed", "7")),
-    probe(seeds.reads_the_seeds_in_the_store, leaked, NOT_STOPPED, STOPPED),
+    quiet(seeds.reads_the_seeds_in_the_store, leaked, NOT_STOPPED, STOPPED),
     attack(
         seeds.reads_the_seed_in_the_tournaments_command_line,
         leaked,
         NOT_STOPPED,
         STOPPED,
-        words=("--seed", SECRET_SEED),
+        words=("--seed", LONG_SEED),
         alone=True,
     ),
-    probe(files.reads_the_replay_of_a_match_with_the_same_targets, done, STOPPED, STOPPED),
+    quiet(files.reads_the_replay_of_a_match_with_the_same_targets, done, STOPPED, STOPPED),
     # the rival's process
     attack(processes.writes_into_the_rivals_answers_through_proc, beaten, STOPPED, STOPPED, limits=IMPATIENT),
     attack(processes.takes_the_rivals_descriptors_by_pidfd, beaten, AS_ROOT, STOPPED, limits=IMPATIENT),
-    attack(processes.writes_into_the_rivals_log_through_proc, framed, STOPPED, STOPPED),
-    probe(processes.reads_the_rivals_memory_through_proc, leaked, AS_ROOT, STOPPED),
-    probe(processes.reads_the_rivals_memory_by_process_vm_readv, leaked, AS_ROOT, STOPPED),
-    probe(processes.takes_hold_of_the_rival_by_ptrace, done, AS_ROOT, STOPPED),
-    attack(processes.kills_the_rival, beaten, NOT_STOPPED, STOPPED),
-    attack(processes.stops_the_rival, beaten, NOT_STOPPED, STOPPED, limits=IMPATIENT),
-    attack(processes.takes_all_cpu_time_from_the_rival_by_prlimit, beaten, NOT_STOPPED, STOPPED),
-    probe(processes.makes_the_rival_slow_by_its_priority, done, NOT_STOPPED, STOPPED),
-    probe(processes.takes_a_priority_above_all_others, done, AS_ROOT, STOPPED),
+    quiet(processes.writes_into_the_rivals_log_through_proc, framed, STOPPED, STOPPED),
+    quiet(processes.reads_the_rivals_memory_through_proc, leaked, AS_ROOT, STOPPED),
+    quiet(processes.reads_the_rivals_memory_by_process_vm_readv, leaked, AS_ROOT, STOPPED),
+    quiet(processes.takes_hold_of_the_rival_by_ptrace, done, AS_ROOT, STOPPED),
+    attack(processes.kills_the_rival, beaten, STOPPED, STOPPED),
+    attack(processes.stops_the_rival, beaten, STOPPED, STOPPED, limits=IMPATIENT),
+    attack(processes.takes_all_cpu_time_from_the_rival_by_prlimit, beaten, STOPPED, STOPPED),
+    quiet(processes.makes_the_rival_slow_by_its_priority, done, NOT_STOPPED, STOPPED),
+    quiet(processes.takes_a_priority_above_all_others, done, AS_ROOT, STOPPED),
     # the tournament's processes
-    probe(processes.reads_the_tournaments_memory, leaked, AS_ROOT, STOPPED),
-    probe(processes.reads_the_tournaments_environment, leaked, AS_ROOT, STOPPED),
+    quiet(processes.reads_the_tournaments_memory, leaked, AS_ROOT, STOPPED),
+    quiet(processes.reads_the_tournaments_environment, leaked, AS_ROOT, STOPPED),
     attack(processes.kills_its_fork_server, beaten, STOPPED, STOPPED, limits=IMPATIENT),
     attack(processes.stops_its_fork_server, beaten, STOPPED, STOPPED, limits=IMPATIENT),
     attack(
@@ -138,17 +148,17 @@ ATTACKS: Final = (
         counted=b"98765.4321",
     ),
     attack(processes.passes_descriptors_to_the_tournament, beaten, STOPPED, STOPPED),
-    attack(channels.finds_descriptors_that_are_not_its_own, done, STOPPED, STOPPED),
+    quiet(channels.finds_descriptors_that_are_not_its_own, done, STOPPED, STOPPED),
     # privileges
-    probe(processes.gains_privileges_by_a_program_that_is_setuid, done, STOPPED, STOPPED),
-    probe(processes.has_capabilities, done, AS_ROOT, STOPPED),
-    probe(processes.makes_a_user_namespace_of_its_own, done, NOT_STOPPED, STOPPED),
-    probe(resources.raises_its_own_limits, done, AS_ROOT, STOPPED),
-    probe(files.makes_a_device, done, AS_ROOT, STOPPED),
-    probe(files.opens_a_disk_of_this_machine, done, AS_ROOT, STOPPED),
-    probe(files.finds_a_control_group_that_it_may_change, done, AS_ROOT, STOPPED),
+    quiet(processes.gains_privileges_by_a_program_that_is_setuid, done, STOPPED, STOPPED),
+    quiet(processes.has_capabilities, done, AS_ROOT, STOPPED),
+    quiet(processes.makes_a_user_namespace_of_its_own, done, BY_SOME_KERNELS, STOPPED),
+    quiet(resources.raises_its_own_limits, done, AS_ROOT, STOPPED),
+    quiet(files.makes_a_device, done, AS_ROOT, STOPPED),
+    quiet(files.opens_a_disk_of_this_machine, done, AS_ROOT, STOPPED),
+    quiet(files.finds_a_control_group_that_it_may_change, done, AS_ROOT, STOPPED),
     # files of others
-    probe(files.reads_the_rivals_files, leaked, NOT_STOPPED, STOPPED),
+    quiet(files.reads_the_rivals_files, leaked, NOT_STOPPED, STOPPED),
     attack(
         files.reads_the_files_of_a_rival_that_lies_in_the_same_folder,
         leaked,
@@ -171,45 +181,45 @@ ATTACKS: Final = (
         links={"data": "home/key", "home": "home"},
     ),
     attack(files.reads_the_spec_that_it_is_graded_by, leaked, NOT_STOPPED, STOPPED, graded=True, file="attacker.py"),
-    attack(files.changes_the_rivals_source, changed, NOT_STOPPED, STOPPED),
-    probe(files.reads_the_rivals_working_folder, leaked, NOT_STOPPED, STOPPED),
+    quiet(files.changes_the_rivals_source, changed("rival.py"), NOT_STOPPED, STOPPED),
+    quiet(files.reads_the_rivals_working_folder, leaked, NOT_STOPPED, STOPPED),
     attack(files.changes_what_the_rival_has_written, beaten, NOT_STOPPED, STOPPED),
-    probe(files.finds_the_rivals_working_folder_through_proc, leaked, AS_ROOT, STOPPED),
-    probe(files.reads_a_file_in_the_users_home, leaked, NOT_STOPPED, STOPPED),
-    probe(files.lists_the_users_home, saw_all_of_the_home, NOT_STOPPED, STOPPED),
-    probe(files.finds_a_way_out_through_proc, leaked, NOT_STOPPED, STOPPED),
-    probe(files.finds_the_tournaments_folders_through_its_descriptors, done, AS_ROOT, STOPPED),
-    attack(files.writes_into_the_store, owned, NOT_STOPPED, STOPPED),
-    attack(files.changes_a_replay, changed, NOT_STOPPED, STOPPED, rounds=2),
-    attack(files.reads_the_rivals_log, leaked, NOT_STOPPED, STOPPED, rounds=2),
-    attack(files.writes_a_module_that_python_imports_at_every_start, changed, NOT_STOPPED, STOPPED),
-    probe(files.opens_a_module_of_the_package_for_writing, done, NOT_STOPPED, STOPPED),
-    attack(files.changes_its_own_source_between_matches, changed, NOT_STOPPED, STOPPED),
+    quiet(files.finds_the_rivals_working_folder_through_proc, leaked, AS_ROOT, STOPPED),
+    quiet(files.reads_a_file_in_the_users_home, leaked, NOT_STOPPED, STOPPED),
+    quiet(files.lists_the_users_home, saw_all_of_the_home, NOT_STOPPED, STOPPED),
+    quiet(files.finds_a_way_out_through_proc, leaked, NOT_STOPPED, STOPPED),
+    quiet(files.finds_the_tournaments_folders_through_its_descriptors, done, AS_ROOT, STOPPED),
+    quiet(files.writes_into_the_store, owned, NOT_STOPPED, STOPPED),
+    quiet(files.changes_a_replay, changed(".replay"), NOT_STOPPED, STOPPED),
+    quiet(files.reads_the_rivals_log, leaked, NOT_STOPPED, STOPPED),
+    quiet(files.writes_a_module_that_python_imports_at_every_start, changed("sitecustomize.py"), NOT_STOPPED, STOPPED),
+    quiet(files.opens_a_module_of_the_package_for_writing, done, NOT_STOPPED, STOPPED),
+    quiet(files.changes_its_own_source_between_matches, changed("attacker.py"), NOT_STOPPED, STOPPED),
     attack(files.removes_its_own_source_while_it_plays, beaten, STOPPED, STOPPED),
     # its own folder, which the tournament clears up
-    attack(files.links_from_its_folder_to_somebody_elses, changed, STOPPED, STOPPED),
+    quiet(files.links_from_its_folder_to_somebody_elses, changed("key"), STOPPED, STOPPED),
     attack(
         files.swaps_a_folder_and_a_link_while_they_are_cleared_up,
-        changed,
+        changed("key"),
         BY_LUCK,
         STOPPED,
         at_import=files.swaps_for_ever,
     ),
     attack(files.puts_a_link_in_the_place_of_its_folder, beaten, STOPPED, STOPPED),
     attack(files.takes_the_folder_of_the_next_seat, beaten, STOPPED, STOPPED, at_import=files.takes_all_seats),
-    attack(files.removes_the_folder_that_all_work_in, beaten, NOT_STOPPED, STOPPED),
+    attack(files.removes_the_folder_that_all_work_in, beaten, STOPPED, STOPPED),
     attack(files.digs_folders_too_deep_to_be_removed, beaten, STOPPED, STOPPED),
     attack(files.forbids_its_own_folder, beaten, STOPPED, STOPPED),
     attack(files.makes_its_folder_immutable, beaten, AS_ROOT, STOPPED),
     attack(files.leaves_a_pipe_and_a_socket_in_its_folder, beaten, STOPPED, STOPPED),
     # the machine's resources
-    probe(files.writes_a_file_of_100_gb_with_holes, done, STOPPED, STOPPED),
-    probe(files.writes_many_files, done, NOT_STOPPED, STOPPED),
+    quiet(files.writes_a_file_of_100_gb_with_holes, done, STOPPED, STOPPED),
+    quiet(files.writes_many_files, done, NOT_STOPPED, STOPPED),
     attack(resources.forks_300_processes, done, STOPPED, STOPPED),
     attack(resources.starts_10_000_threads, done, STOPPED, STOPPED),
     attack(resources.takes_memory_in_many_processes, done, STOPPED, STOPPED, limits={"memory_mib": 64}),
-    attack(resources.takes_memory_by_files_in_memory, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
-    attack(resources.takes_memory_by_system_v_segments, done, NOT_STOPPED, STOPPED, limits={"memory_mib": 64}),
+    attack(resources.takes_memory_by_files_in_memory, done, NOT_STOPPED, NOT_STOPPED, limits={"memory_mib": 64}),
+    attack(resources.takes_memory_by_system_v_segments, done, NOT_STOPPED, NOT_STOPPED, limits={"memory_mib": 64}),
     attack(resources.runs_away_by_forking_for_ever, beaten, STOPPED, STOPPED),
     # what it says
     attack(resources.prints_for_ever_while_it_plays, beaten, STOPPED, STOPPED),
@@ -218,11 +228,18 @@ ATTACKS: Final = (
     attack(resources.answers_with_brackets_in_brackets, beaten, STOPPED, STOPPED),
     attack(resources.raises_an_exception_that_is_no_text, beaten, STOPPED, STOPPED),
     attack(resources.prints_what_a_terminal_obeys, obeyed, STOPPED, STOPPED),
+    attack(
+        resources.has_a_name_that_a_table_could_take_for_markup,
+        read_as_markup,
+        STOPPED,
+        STOPPED,
+        file="attacker/[red]attacker.py",
+    ),
     # the network, and agents in league
-    attack(channels.sends_something_out_by_network, reached_the_world, NOT_STOPPED, STOPPED),
-    probe(channels.finds_an_interface_of_the_network, done, NOT_STOPPED, STOPPED),
+    quiet(channels.sends_something_out_by_network, reached_the_world, NOT_STOPPED, STOPPED),
+    quiet(channels.finds_an_interface_of_the_network, done, NOT_STOPPED, STOPPED),
     *(
-        attack(hears, leaked, NOT_STOPPED, STOPPED, accomplice=sends)
+        attack(hears, leaked, NOT_STOPPED, STOPPED, accomplice=sends, together="talks")
         for hears, sends in (
             (channels.hears_an_accomplice_by_tcp, channels.sends_the_secret_by_tcp),
             (channels.hears_an_accomplice_by_an_abstract_socket, channels.sends_the_secret_by_an_abstract_socket),
@@ -244,27 +261,66 @@ ATTACKS: Final = (
         NOT_STOPPED,
         NOT_STOPPED,
         accomplice=channels.sends_the_secret_by_locks_on_files_that_all_may_read,
+        together="talks",
     ),
     # from one match to the next
-    attack(channels.works_on_between_its_matches, done, NOT_STOPPED, STOPPED, at_import=channels.counts_for_ever),
-    probe(channels.remembers_a_match_by_a_temporary_file, remembered, NOT_STOPPED, STOPPED),
-    probe(channels.remembers_a_match_by_a_file_in_its_home, remembered, STOPPED, STOPPED),
-    attack(channels.remembers_a_match_by_a_file_beside_its_source, remembered, NOT_STOPPED, STOPPED),
-    probe(channels.remembers_a_match_by_shared_memory, remembered, NOT_STOPPED, STOPPED),
-    probe(channels.remembers_a_match_by_system_v_shared_memory, remembered, NOT_STOPPED, STOPPED),
+    attack(
+        channels.works_on_between_its_matches,
+        done,
+        NOT_STOPPED,
+        NOT_STOPPED,
+        at_import=channels.counts_for_ever,
+        together="server",
+    ),
+    quiet(channels.remembers_a_match_by_a_temporary_file, remembered, NOT_STOPPED, STOPPED),
+    quiet(channels.remembers_a_match_by_a_file_in_its_home, remembered, STOPPED, STOPPED),
+    quiet(channels.remembers_a_match_by_a_file_beside_its_source, remembered, NOT_STOPPED, STOPPED),
+    quiet(channels.remembers_a_match_by_shared_memory, remembered, NOT_STOPPED, STOPPED),
+    quiet(channels.remembers_a_match_by_system_v_shared_memory, remembered, NOT_STOPPED, NOT_STOPPED),
     attack(
         channels.remembers_a_match_by_memory_that_its_fork_server_shares,
         remembered,
         NOT_STOPPED,
-        STOPPED,
+        NOT_STOPPED,
         at_import=channels.maps_memory_to_share,
+        together="server",
     ),
     attack(
         channels.remembers_a_match_by_a_thread_of_its_fork_server,
         remembered,
         NOT_STOPPED,
-        STOPPED,
+        NOT_STOPPED,
         at_import=channels.starts_a_thread_that_listens,
+        together="server",
     ),
-    probe(channels.remembers_a_match_by_a_key_that_the_kernel_keeps, remembered, BY_SOME_KERNELS, STOPPED),
+    quiet(channels.remembers_a_match_by_a_key_that_the_kernel_keeps, remembered, BY_SOME_KERNELS, BY_SOME_KERNELS),
 )
+
+_SPELLED: Final = {
+    "rivals": "rival's",
+    "matchs": "match's",
+    "tournaments": "tournament's",
+    "users": "user's",
+    "nobodys": "nobody's",
+    "elses": "else's",
+    "system v": "System V",
+    "tcp": "TCP",
+    "python": "Python",
+    "proc": "/proc",
+    "pidfd": "pidfd_getfd",
+    "100 gb": "100 GB",
+    "10 mb": "10 MB",
+    "10 000": "10,000",
+}
+"""How words are spelled that a function's name cannot hold."""
+
+
+def rows() -> list[str]:
+    """As docs/attacks.md has them."""
+    lines = []
+    for one in ATTACKS:
+        name = one.name
+        for word, spelled in _SPELLED.items():
+            name = re.sub(rf"\b{word}\b", spelled, name)
+        lines.append(f"| {name} | {one.processes} | {one.namespaces} |")
+    return lines

@@ -150,11 +150,10 @@ class Outcome:
     def said(self) -> str:
         """The attacker's log; where it was graded, what the teacher is shown."""
         log = self._log("attacker") if self.matches else self.printed
-        return (
-            "".join(re.findall(rf"^tries {self.tried}\n(.*?)(?=^tries |^== |\Z)", log, re.M | re.S))
-            if self.tried
-            else log
-        )
+        if not self.tried:
+            return log
+        parts = re.findall(rf"^tries {self.tried}\n(.*?)(?=^tries |^== |\Z)", log, re.MULTILINE | re.DOTALL)
+        return "".join(parts)
 
     @property
     def rival_said(self) -> str:
