@@ -170,14 +170,11 @@ def _source(
     tried: Sequence[Callable[[Any], None]], facts: Mapping[str, Any], at_import: Sequence[Callable[[], None]] = ()
 ) -> str:
     """The text of an agent's file: what all have, the attacks of these kinds, and which of them it tries."""
-    modules = dict.fromkeys(inspect.getmodule(one) for one in tried)
+    texts = dict.fromkeys(inspect.getsource(inspect.getmodule(one)) for one in tried)
     return "\n\n".join(
         [
             inspect.getsource(kit),
-            *(
-                re.sub(r"^from tournament.* import .*\n", "", inspect.getsource(one), flags=re.MULTILINE)
-                for one in modules
-            ),
+            *(re.sub(r"^from tournament.* import .*\n", "", text, flags=re.MULTILINE) for text in texts),
             f"FACTS.update({dict(facts)!r})",
             f"ATTACKS += [{', '.join(one.__name__ for one in tried)}]",
             *(f"{one.__name__}()" for one in at_import),
