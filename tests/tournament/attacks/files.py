@@ -40,6 +40,16 @@ def follows_links_that_were_handed_in(own):
             continue
 
 
+def names_a_file_that_is_not_its_own_as_its_source(own):
+    """The tournament reads what an agent of `package.module:Class` says that it comes from, for its digest."""
+
+
+def says_that_its_source_is_its_memory():
+    from catch_arena.tournament.isolation import fork_server
+
+    fork_server.source_of = lambda policy: "/proc/self/mem"  # a file that cannot be read from its beginning
+
+
 class Told(BaseException):
     """What it has found: a grade shows why an agent forfeited."""
 

@@ -53,6 +53,8 @@ class Attack:
     rounds: int = 1
     file: str = "attacker/attacker.py"
     """The attacker's, among the hand-ins; the rival's is rival/rival.py."""
+    spec: str = ""
+    """How the attacker is named on the command line; else by its file."""
     together: str = ""
     """Attacks with the same word here leave each other alone: one agent tries them all, move by move."""
     graded: bool = False
@@ -184,10 +186,11 @@ def _source(
 
 def _words(attack: Attack, level: str, attacker: Path, world: World, moves: int) -> list[str]:
     limits = [word for name, value in (_USUAL | attack.limits).items() for word in ("--limit", f"{name}={value}")]
+    named = attack.spec or str(attacker)
     if attack.graded:
-        return ["grade", str(attacker), "--spec", str(world.spec), "--isolation", level, *limits]
+        return ["grade", named, "--spec", str(world.spec), "--isolation", level, *limits]
     return [
-        *("tournament", str(attacker), str(world.rival / "rival.py"), "--scenario", "duel", "--jobs", "1"),
+        *("tournament", named, str(world.rival / "rival.py"), "--scenario", "duel", "--jobs", "1"),
         *("--set", f"time_limit_s={moves / 10}", "--rounds", str(attack.rounds), "--record", "--out", str(world.out)),
         *("--isolation", level, *limits, *attack.words),
     ]
