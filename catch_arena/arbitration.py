@@ -23,7 +23,7 @@ def arbitrate(
     hunters: Sequence[tuple[float, float]],
     targets: Mapping[str, tuple[float, float]],
     requests: Sequence[tuple[int, object]],
-    reach_m: float = 0.3,
+    reach_m: float | Sequence[float] = 0.3,
     policy: ArbitrationPolicy = "nearest",
     seed: int = 0,
     step: int = 0,
@@ -39,7 +39,7 @@ def arbitrate(
         hunters: (x, y) [m] by seat.
         targets: name -> (x, y) [m] of those alive, numbered from 1 in their order for the lots of R5.5.
         requests: (seat, name) in any order, where any object may stand for the name.
-        reach_m: a target is within reach strictly below this distance (R5.3).
+        reach_m: a target is within reach strictly below this distance (R5.3), for all or by seat (R2.7).
         policy: "nearest", "first_come" or "capstone" (R5.9).
         seed: a whole number in [0, 2^64), from which the lots are drawn.
         step: a whole number from 0, from which they are drawn too.
@@ -68,8 +68,7 @@ def arbitrate(
         raise ConfigError(
             f"caught must name targets that are no longer alive, got {both[0]!r}, which stands in targets"
         )
-    if isinstance(reach_m, bool) or not isinstance(reach_m, int | float) or not 0 < reach_m <= _FARTHEST_M:
-        raise ConfigError(f"reach_m must be a positive number, got {reach_m!r}")
+    reaches_um = _checked_reaches(reach_m, seats)
     require_choice("policy", policy, get_args(ArbitrationPolicy))
     if isinstance(step, bool) or not isinstance(step, int) or not 0 <= step < 2**53:
         raise ConfigError(f"step must be a whole number from 0, got {step!r}")
@@ -78,6 +77,7 @@ def arbitrate(
     for row, request in zip(table, requests, strict=True):
         seat, name = _checked_request(request, seats)
         row[arbiter.REQUEST_SEAT] = seat
+        row[arbiter.REQUEST_REACH] = reaches_um[seat]
         row[arbiter.REQUEST_INACTIVE] = seat in out
         row[arbiter.REQUEST_DISTANCE] = -1
         row[arbiter.REQUEST_TARGET] = target_asked_for(name, numbers, gone)
@@ -86,13 +86,11 @@ def arbitrate(
             row[arbiter.REQUEST_NUMBER] = numbers[name]
             row[arbiter.REQUEST_DISTANCE] = arbiter.distance_um(target_x - x, target_y - y)
             row[arbiter.REQUEST_KILL_REFUSED] = name in refused
-    reach_um = max(1, math.floor(1e6 * reach_m + 0.5))
     arbiter.judge(
         table,
         arbiter.POLICIES[policy],
         np.uint64(checked_seed(seed)),
         step,
-        reach_um,
         bool(match_over),
         bool(kill_service_up),
     )
@@ -121,6 +119,19 @@ def rulings_of(table: arbiter.RequestTable, names: Sequence[object], step: int) 
         )
         for row, name in zip(table.tolist(), names, strict=True)
     ]
+
+
+def _checked_reaches(reach_m: Any, seats: int) -> list[int]:
+    """Each seat's reach in whole micrometres (R5.3)."""
+    by_seat = isinstance(reach_m, Sequence) and not isinstance(reach_m, str)
+    if by_seat and len(reach_m) != seats:
+        raise ConfigError(f"reach_m must be one number, or one for each of {seats} hunters, got {reach_m!r}")
+    found = []
+    for seat, reach in enumerate(reach_m if by_seat else [reach_m] * seats):
+        if isinstance(reach, bool) or not isinstance(reach, int | float) or not 0 < reach <= _FARTHEST_M:
+            raise ConfigError(f"reach_m{f'[{seat}]' if by_seat else ''} must be a positive number, got {reach!r}")
+        found.append(max(1, math.floor(1e6 * reach + 0.5)))
+    return found
 
 
 def _checked_place(field: str, place: Any) -> tuple[float, float]:

@@ -14,8 +14,10 @@ Control = Literal["target", "velocity", "full"]
 """How a hunter is driven: R4.1, R4.4."""
 ArbitrationPolicy = Literal["nearest", "first_come", "capstone"]
 """R5.9: who wins a contest."""
-TargetMotion = Literal["still"]
+TargetMotion = Literal["still", "wander", "flee"]
 """R3.7: what targets do between their spawn and their catch."""
+Dropouts = Literal["leave", "fixed"]
+"""R1.7: whether who drops out leaves the agents."""
 
 TURTLESIM_SIDE_M: Final = 11.088889122009277
 """R2.1: float32(499) / float32(45), the side of turtlesim's arena [m]."""
@@ -98,14 +100,14 @@ class ArenaConfig:
     """R2.6: (x, y, theta) by seat; None draws the fair circle."""
     start_radius_m: float | None = None
     """R2.6: the radius of that circle; None is 0.3 of the side."""
-    max_speed_mps: float = 2.0
-    """R2.5: v_max."""
-    max_turn_rate_radps: float = 4.0
-    """R2.5: w_max."""
+    max_speed_mps: float | tuple[float, ...] = 2.0
+    """R2.5, R2.7: v_max, for all hunters or for each seat."""
+    max_turn_rate_radps: float | tuple[float, ...] = 4.0
+    """R2.5, R2.7: w_max, for all hunters or for each seat."""
     reverse: bool = False
     """R2.5: whether hunters may drive backwards, down to -v_max."""
-    reach_m: float = 0.3
-    """R5.3: a target is within reach strictly below this distance."""
+    reach_m: float | tuple[float, ...] = 0.3
+    """R5.3, R2.7: a target is within reach strictly below this distance, for all hunters or for each seat."""
     policy: ArbitrationPolicy = "nearest"
     """R5.9: how contests are decided."""
     spawn_frequency_hz: float = 1.0
@@ -117,13 +119,27 @@ class ArenaConfig:
     target_budget: int | None = None
     """R1.5: the episode terminates when this many have been spawned and caught; None is without end."""
     target_motion: TargetMotion = "still"
-    """R3.7."""
+    """R3.7: targets stand still, wander (R3.9) or flee (R3.10)."""
+    target_speed_mps: float = 1.0
+    """R3.8: how fast a target drives; one that flees drives at half of it while nobody is near."""
+    target_turn_rate_radps: float = 3.0
+    """R3.8: how fast it turns at most."""
+    wander_period_ms: int = 1000
+    """R3.9: how long it keeps a turn rate that was drawn."""
+    alarm_m: float = 2.0
+    """R3.10: a hunter is a threat strictly below this distance."""
     name_prefix: str = "target_turtle_"
     """R3.4: a target's name is this and its number."""
     observed_targets: int | None = None
     """R7.1: K, how many of the nearest targets a hunter sees; None is min(8, max_targets)."""
     observed_hunters: int | None = None
     """R7.1: how many of the nearest rivals it sees; None is min(hunters - 1, 7)."""
+    view_radius_m: float | None = None
+    """R7.5: how far a hunter sees; None is everywhere."""
+    view_angle_deg: float = 360.0
+    """R7.5: how wide the cone is that it sees, about its heading."""
+    view_noise_m: float = 0.0
+    """R7.6: the standard deviation of the error in each place that it sees."""
     mask_in_observation: bool = False
     """R7.2: under target control, give Dict(observation, action_mask) instead of the bare vector."""
     control_period_ms: int = 100
@@ -132,6 +148,10 @@ class ArenaConfig:
     """R1.5: the episode is truncated at the first step boundary at or past this."""
     max_cycles: int | None = None
     """PettingZoo's way to say it: that many steps, whatever time_limit_s says."""
+    dropout_rate: float = 0.0
+    """R1.7: the probability that a hunter drops out, in each step."""
+    dropouts: Dropouts = "leave"
+    """R1.7: who drops out leaves the agents, or stays among them and does nothing."""
     gains: Gains = field(default_factory=Gains)
     rewards: RewardWeights = field(default_factory=RewardWeights)
     faults: FaultRates = field(default_factory=FaultRates)
@@ -139,14 +159,15 @@ class ArenaConfig:
     def __post_init__(self) -> None:
         _require_integer("hunters", self.hunters, 1, MAX_HUNTERS)
         _require_number("side_m", self.side_m, at_least=2.0, at_most=5000.0)
-        _require_number("max_speed_mps", self.max_speed_mps, above=0.0, at_most=1000.0)
-        _require_number("max_turn_rate_radps", self.max_turn_rate_radps, above=0.0, at_most=1000.0)
-        _require_number("reach_m", self.reach_m, above=0.0, at_most=10_000.0)
+        self._check_handicap("max_speed_mps", at_most=1000.0)
+        self._check_handicap("max_turn_rate_radps", at_most=1000.0)
+        self._check_handicap("reach_m", at_most=10_000.0)
         _require_number("spawn_frequency_hz", self.spawn_frequency_hz, at_least=-1e6, at_most=1e6)
         _require_integer("max_targets", self.max_targets, 1, MAX_TARGETS)
         _require_integer("initial_targets", self.initial_targets, 0, self.max_targets, "max_targets")
         _require_integer("control_period_ms", self.control_period_ms, 16, 10**9)
         _require_number("time_limit_s", self.time_limit_s, above=0.0, at_most=1e9)
+        _require_number("dropout_rate", self.dropout_rate, at_least=0.0, at_most=1.0)
         if self.start_radius_m is not None:
             _require_number("start_radius_m", self.start_radius_m, at_least=0.0, at_most=self.side_m / 2)
         if self.target_budget is not None:
@@ -161,17 +182,46 @@ class ArenaConfig:
             if not isinstance(getattr(self, name), bool):
                 raise ConfigError(f"{name} must be true or false, got {getattr(self, name)!r}")
         require_choice("policy", self.policy, get_args(ArbitrationPolicy))
-        if self.target_motion != "still":
-            raise ConfigError(
-                f"target_motion must be 'still' (R3.7's moving targets are not here yet), got {self.target_motion!r}"
-            )
+        require_choice("dropouts", self.dropouts, get_args(Dropouts))
         if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200:
             raise ConfigError(f"name_prefix must be a string of at most 200 characters, got {self.name_prefix!r}")
         for name, kind in (("gains", Gains), ("rewards", RewardWeights), ("faults", FaultRates)):
             if not isinstance(getattr(self, name), kind):
                 raise ConfigError(f"{name} must be {kind.__name__}(...) or a mapping, got {getattr(self, name)!r}")
+        self._check_target_motion()
+        self._check_view()
         self._check_control()
         self._check_poses()
+
+    def _check_handicap(self, name: str, at_most: float) -> None:
+        value = getattr(self, name)
+        if not isinstance(value, tuple | list):
+            _require_number(name, value, above=0.0, at_most=at_most)
+            return
+        if len(value) != self.hunters:
+            raise ConfigError(f"{name} must be one number, or one for each of {self.hunters} hunters, got {value!r}")
+        for seat, number in enumerate(value):
+            _require_number(f"{name}[{seat}]", number, above=0.0, at_most=at_most)
+        object.__setattr__(self, name, tuple(value))
+
+    def _check_target_motion(self) -> None:
+        require_choice("target_motion", self.target_motion, get_args(TargetMotion))
+        _require_number("target_speed_mps", self.target_speed_mps, above=0.0, at_most=1000.0)
+        _require_number("target_turn_rate_radps", self.target_turn_rate_radps, above=0.0, at_most=1000.0)
+        _require_integer("wander_period_ms", self.wander_period_ms, 1, 10**9)
+        _require_number("alarm_m", self.alarm_m, at_least=0.0, at_most=10_000.0)
+
+    def _check_view(self) -> None:
+        if self.view_radius_m is not None:
+            _require_number("view_radius_m", self.view_radius_m, above=0.0, at_most=10_000.0)
+        _require_number("view_angle_deg", self.view_angle_deg, above=0.0, at_most=360.0)
+        _require_number("view_noise_m", self.view_noise_m, at_least=0.0, at_most=1000.0)
+        if self.policy == "capstone":
+            # R9.1: its agents go for the first of all alive targets, and have to see it
+            for name, whole in (("view_radius_m", None), ("view_angle_deg", 360)):
+                value = getattr(self, name)
+                if value != whole:
+                    raise ConfigError(f"{name} must be {whole} under the policy 'capstone', got {value!r}")
 
     def _check_control(self) -> None:
         if isinstance(self.control, str):
@@ -216,9 +266,52 @@ class ArenaConfig:
         return min(self.hunters - 1, 7) if self.observed_hunters is None else self.observed_hunters
 
     @property
+    def max_speeds(self) -> tuple[float, ...]:
+        """R2.7: each seat's v_max [m/s]."""
+        return self._by_seat(self.max_speed_mps)
+
+    @property
+    def max_turn_rates(self) -> tuple[float, ...]:
+        """R2.7: each seat's w_max [rad/s]."""
+        return self._by_seat(self.max_turn_rate_radps)
+
+    @property
+    def reaches(self) -> tuple[float, ...]:
+        """R2.7: each seat's reach [m]."""
+        return self._by_seat(self.reach_m)
+
+    @property
+    def reaches_um(self) -> tuple[int, ...]:
+        """R5.3: each seat's reach in whole micrometres."""
+        return tuple(max(1, _micrometres(reach)) for reach in self.reaches)
+
+    @property
     def reach_um(self) -> int:
-        """R5.3: reach in whole micrometres."""
-        return max(1, math.floor(1e6 * self.reach_m + 0.5))
+        """The longest reach in whole micrometres."""
+        return max(self.reaches_um)
+
+    def _by_seat(self, value: float | tuple[float, ...]) -> tuple[float, ...]:
+        return value if isinstance(value, tuple) else (value,) * self.hunters
+
+    @property
+    def targets_move(self) -> bool:
+        """R3.8: whether targets have velocities, and R7.4's columns."""
+        return self.target_motion != "still"
+
+    @property
+    def alarm_um(self) -> int:
+        """R3.10: the distance of alarm in whole micrometres."""
+        return _micrometres(self.alarm_m)
+
+    @property
+    def partial_view(self) -> bool:
+        """R7.5: whether there is anything that a hunter does not see."""
+        return self.view_radius_m is not None or self.view_angle_deg < 360.0
+
+    @property
+    def view_radius_um(self) -> int | None:
+        """R7.5: how far a hunter sees, in whole micrometres; None is everywhere."""
+        return None if self.view_radius_m is None else _micrometres(self.view_radius_m)
 
     @property
     def spawn_period_ms(self) -> int:
@@ -284,6 +377,10 @@ class ArenaConfig:
         """16 hexadecimal digits that stand for these settings."""
         text = json.dumps(self.to_dict(), sort_keys=True, separators=(",", ":"))
         return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
+
+
+def _micrometres(metres: float) -> int:
+    return math.floor(1e6 * metres + 0.5)
 
 
 def _require_integer(name: str, value: object, low: int, high: int, high_is: str = "") -> None:

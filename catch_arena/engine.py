@@ -23,12 +23,12 @@ from catch_arena.core.compiler import quick_typing
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import RECORD_COLUMNS
 from catch_arena.core.jit import INTERPRETED
-from catch_arena.core.math import wrap
+from catch_arena.core.math import PI, sincos, wrap
 from catch_arena.core.memory import DTYPES, Sections, lay_out, zeros
 from catch_arena.core.random import advance_seeds, derive_row_seeds
 from catch_arena.core.ranking import selection_network
 from catch_arena.core.rewards import PART_NAMES
-from catch_arena.core.state import LANES, Settings, block_rows, target_order_rows
+from catch_arena.core.state import LANES, MOTIONS, SeatLimits, Settings, block_rows, slot_rows, target_order_rows
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.errors import ConfigError
@@ -38,10 +38,7 @@ from catch_arena.threads import Threads
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, TargetState, World
 
-_AT_REST: Final = (rows.SPEED, rows.TURN_RATE, rows.DISTANCE_INTEGRAL, rows.BEARING_INTEGRAL, rows.ACTIVE)
-"""The rows of a hunter that are zero while nothing drives it."""
 _HUNTER_DIGEST: Final = [row // LANES for row in rows.HUNTER_DIGEST]
-_TARGET_DIGEST: Final = [row // LANES for row in rows.TARGET_DIGEST]
 _HUNTERS_A_PART: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
@@ -50,6 +47,8 @@ _NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
 _network: Final = cache(selection_network)
 """For engines that copy it."""
+_SEES_ALL_ROUND: Final = -2.0
+"""Below every cosine."""
 _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
@@ -57,6 +56,7 @@ _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
     """The scalars of a config, as the core reads them."""
     high = config.side_m - _SPAWN_WALL_M
+    motion = MOTIONS[config.target_motion]
     return Settings(
         hunters=config.hunters,
         slots=config.max_targets,
@@ -66,10 +66,6 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
         progress_wanted=int(progress_wanted or config.rewards.progress != 0.0),
         target_budget=math.inf if config.target_budget is None else float(config.target_budget),
         side=float(config.side_m),
-        reach_um=float(config.reach_um),
-        max_speed=float(config.max_speed_mps),
-        min_speed=-float(config.max_speed_mps) if config.reverse else 0.0,
-        max_turn_rate=float(config.max_turn_rate_radps),
         kp_v=float(config.gains.kp_v),
         ki_v=float(config.gains.ki_v),
         kp_w=float(config.gains.kp_w),
@@ -83,6 +79,19 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
         spawn_last=math.nextafter(high, 0.0),
         start_radius=0.3 * config.side_m if config.start_radius_m is None else float(config.start_radius_m),
         initial_targets=config.initial_targets,
+        slot_size=slot_rows(motion) * LANES,
+        target_motion=motion,
+        target_speed=float(config.target_speed_mps),
+        target_turn_rate=float(config.target_turn_rate_radps),
+        wander_period=float(config.wander_period_ms),
+        alarm_um=float(config.alarm_um),
+        partial_view=int(config.partial_view),
+        view_radius_um=math.inf if config.view_radius_um is None else float(config.view_radius_um),
+        view_cosine=_SEES_ALL_ROUND
+        if config.view_angle_deg == 360.0
+        else sincos(config.view_angle_deg * PI / 360.0)[1],
+        view_noise=float(config.view_noise_m),
+        dropout_rate=float(config.dropout_rate),
         kill_down_rate=float(config.faults.kill_down),
         kill_refused_rate=float(config.faults.kill_refused),
         spawn_down_rate=float(config.faults.spawn_down),
@@ -93,6 +102,22 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
         rejected_request_weight=float(config.rewards.rejected_request),
         progress_weight=float(config.rewards.progress),
         time_weight=float(config.rewards.time),
+    )
+
+
+def limits_of(config: ArenaConfig) -> NDArray[np.float64]:
+    """R2.5, R2.7: the limits of every seat, as the core reads them: (H, 4)."""
+    limits = zip(config.max_speeds, config.max_turn_rates, config.reaches_um, strict=True)
+    return np.array(
+        [
+            SeatLimits(
+                max_speed=float(speed),
+                min_speed=-float(speed) if config.reverse else 0.0,
+                max_turn_rate=float(turn_rate),
+                reach_um=float(reach_um),
+            )
+            for speed, turn_rate, reach_um in limits
+        ]
     )
 
 
@@ -124,7 +149,8 @@ class Engine:
         self.infos_wanted = infos_wanted
         self.auto_reset = auto_reset
         hunters, seen = config.hunters, config.targets_seen
-        blocks, block = -(-num_arenas // LANES), block_rows(hunters, config.max_targets, seen)
+        slot = slot_rows(MOTIONS[config.target_motion])
+        blocks, block = -(-num_arenas // LANES), block_rows(hunters, config.max_targets, slot, seen)
         self._shares = blocks * LANES * hunters // _HUNTERS_A_PART
         self.threads = Threads(max(1, min(num_threads, self._shares)))
         with_infos = num_arenas if infos_wanted else 0
@@ -135,6 +161,7 @@ class Engine:
                 settings=np.array(settings_of(config, progress_wanted=infos_wanted), dtype=np.float64),
                 start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
                 controls=np.array([CONTROLS[control] for control in config.controls]),
+                limits=limits_of(config),
                 target_network=_network(config.max_targets, seen),
                 # one rank more than is seen: a tie at the edge of the view has to be noticed
                 rival_network=_network(hunters, min(hunters, config.hunters_seen + 1)),
@@ -180,11 +207,14 @@ class Engine:
         )
         first = rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS
         spare = num_arenas - (blocks - 1) * LANES
+        moving = MOTIONS[config.target_motion] != rows.STILL
+        digest = rows.MOVING_TARGET_DIGEST if moving else rows.TARGET_DIGEST
+        self._target_digest = [row // LANES for row in digest]
         self._hunters[-1, :, rows.WITHDRAWN // LANES, spare:] = 1.0  # in lanes that are no arenas nobody does anything
-        self._targets = self._fields[:, first : first + config.max_targets * rows.SLOT_ROWS].reshape(
-            blocks, config.max_targets, rows.SLOT_ROWS, LANES
+        self._targets = self._fields[:, first : first + config.max_targets * slot].reshape(
+            blocks, config.max_targets, slot, LANES
         )
-        self._target_orders = self._fields[:, first + config.max_targets * rows.SLOT_ROWS :].reshape(
+        self._target_orders = self._fields[:, first + config.max_targets * slot :].reshape(
             blocks, hunters, target_order_rows(seen), LANES
         )
 
@@ -255,7 +285,7 @@ class Engine:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
         me = self._hunters[arena // LANES, seat, :, arena % LANES]
         me[rows.WITHDRAWN // LANES] = 1.0
-        for row in _AT_REST:
+        for row in rows.AT_REST:
             me[row // LANES] = 0.0
         self.observe(arena)
 
@@ -275,7 +305,7 @@ class Engine:
             me = self._hunters[block, seat, :, lane]
             # 0.0 is added so that no zero has a sign
             me[[row // LANES for row in (rows.X, rows.Y, rows.THETA)]] = x + 0.0, y + 0.0, wrap(theta + 0.0)
-            for row in (*_AT_REST, rows.AT_WALL):
+            for row in (*rows.AT_REST, rows.AT_WALL):
                 me[row // LANES] = 0.0
         self._targets[block, :, :, lane] = 0.0
         self._fields[block, rows.ALIVE // LANES, lane] = 0.0
@@ -313,6 +343,15 @@ class Engine:
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
         """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
         return self._hunters[arena // LANES, :, :, arena % LANES]
+
+    def is_withdrawn(self, arena: int, seat: int) -> bool:
+        """R1.6, R1.7: whether a hunter takes no further part."""
+        return bool(self._hunters[arena // LANES, seat, rows.WITHDRAWN // LANES, arena % LANES])
+
+    def active(self) -> NDArray[np.bool_]:
+        """R1.6, R1.7: who takes part: (B, H)."""
+        withdrawn = self._hunters[:, :, rows.WITHDRAWN // LANES]
+        return np.equal(withdrawn.transpose(0, 2, 1).reshape(-1, self.config.hunters)[: self.num_arenas], 0.0)
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: the verdicts of the last step with their evidence, by seat."""
@@ -354,8 +393,20 @@ class Engine:
                 for name, me in zip(self.config.hunter_names, self.hunter_rows(arena).tolist(), strict=True)
             ),
             targets=tuple(
-                TargetState(self.config.target_name(int(number)), int(number), x, y, theta, int(appeared))
-                for number, x, y, theta, appeared in self._targets[block, :alive, _TARGET_DIGEST, lane].T.tolist()
+                TargetState(
+                    name=self.config.target_name(int(number)),
+                    number=int(number),
+                    x=x,
+                    y=y,
+                    theta=theta,
+                    spawned_ms=int(appeared),
+                    linear_velocity=motion[0] if motion else 0.0,
+                    angular_velocity=motion[1] if motion else 0.0,
+                    at_wall=bool(motion and motion[2]),
+                )
+                for number, x, y, theta, appeared, *motion in self._targets[
+                    block, :alive, self._target_digest, lane
+                ].T.tolist()
             ),
             rulings=self.rulings(arena),
             spawned=int(own[rows.SPAWNED // LANES]),
@@ -388,7 +439,7 @@ class Engine:
             (
                 own[: rows.ARENA_DIGEST_ROWS],
                 self._hunters[block, :, _HUNTER_DIGEST, lane].T.reshape(-1),
-                self._targets[block, :alive, _TARGET_DIGEST, lane].T.reshape(-1),
+                self._targets[block, :alive, self._target_digest, lane].T.reshape(-1),
             )
         )
 

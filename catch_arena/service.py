@@ -153,10 +153,10 @@ class ArenaService:
 
     def _commands(self, cmd_vel: Mapping[str, Twist]) -> NDArray[np.float32]:
         """Twists as fractions of the limits, (1, H, 2)."""
-        limits = self._config.max_speed_mps, self._config.max_turn_rate_radps
         commands = np.zeros((1, self._config.hunters, 2), dtype=np.float32)
         for hunter, twist in cmd_vel.items():
             seat = self._seat(hunter)
+            limits = self._config.max_speeds[seat], self._config.max_turn_rates[seat]
             for place, (field, limit) in enumerate(zip(Twist._fields, limits, strict=True)):
                 velocity = twist[place]
                 if not -1e300 < velocity < 1e300:

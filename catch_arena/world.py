@@ -34,7 +34,7 @@ class HunterState:
 
 @dataclass(frozen=True, slots=True)
 class TargetState:
-    """One alive target; metres, and radians in [0, 2 pi) as drawn at its spawn (R3.2)."""
+    """One alive target; theta is in [0, 2 pi), as drawn (R3.2), where targets move in [-pi, pi); metres and radians."""
 
     name: str
     number: int
@@ -44,6 +44,10 @@ class TargetState:
     theta: float
     spawned_ms: int
     """When it appeared [ms since reset]."""
+    linear_velocity: float = 0.0
+    angular_velocity: float = 0.0
+    at_wall: bool = False
+    """R2.3, R3.9: it was clamped to the arena during the last step."""
 
 
 @dataclass(frozen=True, slots=True)

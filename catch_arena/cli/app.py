@@ -150,7 +150,7 @@ def limits_or_trust(
     *hidden: Path | None,
     trusted: bool,
 ) -> AgentLimits | None:
-    """What isolated agents may take and see; None with --trusted. Says how they are held apart, if any is.
+    """What isolated agents may take and see; None with --trusted.
 
     Args:
         changes: of --limit.
@@ -163,19 +163,30 @@ def limits_or_trust(
         ConfigError: for an argument that cannot be, and a level that this machine cannot hold.
         AgentError: for a spec that names no agent.
     """
-    from catch_arena.tournament.entrants import is_shipped, resolve_spec
-    from catch_arena.tournament.isolation.levels import level_here, level_line
+    from catch_arena.tournament.entrants import resolve_spec
+    from catch_arena.tournament.isolation.levels import level_here
 
     if trusted:
-        if given := [*(f"--limit {change}" for change in changes or ()), *([f"--isolation {level}"] if level else ())]:
-            raise ConfigError(f"{given[0]} must be left out with --trusted, which limits nothing")
+        if changes:
+            raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {changes[0]}")
+        if level is not None:
+            raise ConfigError(f"--isolation must be left out with --trusted, which isolates nothing: got {level}")
         return None
     limits = AgentLimits.of(**dict(_pairs("--limit", changes)))
     specs = tuple(resolve_spec(agent) for agent in agents)
-    if level is not None or not all(map(is_shipped, specs)):
-        typer.echo(level_line(level_here(level)), err=True)
+    if level is not None:
+        level_here(level)
     places = tuple(str(path.expanduser().resolve()) for path in hidden if path is not None)
     return replace(limits, level=level, entrants=specs, hidden=places)
+
+
+def say_level(limits: AgentLimits | None) -> None:
+    """Say in one line how agents are held apart, where any is."""
+    from catch_arena.tournament.entrants import is_shipped
+    from catch_arena.tournament.isolation.levels import level_here, level_line
+
+    if limits is not None and not all(map(is_shipped, limits.entrants)):
+        typer.echo(level_line(level_here(limits.level)), err=True)
 
 
 def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
@@ -191,6 +202,7 @@ def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Ent
 
     with sandbox_for(limits) as sandbox:
         players = enter(specs, inspector(sandbox))
+    say_level(limits)
     for player in players:
         if player.fault is not None:
             typer.echo(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)

@@ -15,6 +15,7 @@ from catch_arena.cli.app import (
     arena,
     limits_or_trust,
     main,
+    say_level,
 )
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import folded
@@ -56,8 +57,11 @@ def check_agent(
     for line in missing_protections():
         typer.echo(folded(line, "note: ", " " * 6), err=True)
     wrong = 0
-    with Sandbox(limits_or_trust(limits, isolation, [agent], trusted=False)) as sandbox:
-        for finding in check_fitness(agent, arenas, seed, sandbox):
+    allowed = limits_or_trust(limits, isolation, [agent], trusted=False)
+    with Sandbox(allowed) as sandbox:
+        for number, finding in enumerate(check_fitness(agent, arenas, seed, sandbox)):
+            if number == 0:  # it could be entered
+                say_level(allowed)
             wrong += finding.level == "error"
             typer.echo(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
     if wrong:
@@ -99,10 +103,11 @@ def grade(
         if path is not None:
             output_file(path, force=force)
     everybody = [agent, *(opponent for test in exercise.tests for opponent in test.opponents)]
-    allowed = limits_or_trust(limits, isolation, everybody, spec, junit, json, trusted=trusted)
+    allowed = limits_or_trust(limits, isolation, everybody, spec, exercise.seed_file, junit, json, trusted=trusted)
     with sandbox_for(allowed) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
+        say_level(allowed)
         grades = []
         for test in exercise.tests:
             opponents = enter(test.opponents, look)

@@ -24,9 +24,10 @@ REQUEST_NUMBER: Final = 2  # its spawn number, for the lot
 REQUEST_DISTANCE: Final = 3  # [micrometres]; -1 where reach was not tested (an output there)
 REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn
 REQUEST_KILL_REFUSED: Final = 5  # flag: the simulator would refuse this kill
-REQUEST_VERDICT: Final = 6  # output
-REQUEST_WINNER: Final = 7  # output: seat, -1 for none
-REQUEST_COLUMNS: Final = 8
+REQUEST_REACH: Final = 6  # [micrometres]: of the hunter that asks
+REQUEST_VERDICT: Final = 7  # output
+REQUEST_WINNER: Final = 8  # output: seat, -1 for none
+REQUEST_COLUMNS: Final = 9
 
 NO_SUCH_RANK: Final = -2
 NEVER_SPAWNED: Final = -3
@@ -139,9 +140,7 @@ def is_preferred(
 
 
 @entry
-def judge(
-    requests: RequestTable, policy: int, seed: np.uint64, step: int, reach_um: int, over: bool, service_up: bool
-) -> None:
+def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
     """R5.1 to R5.7: writes the verdict and the winner of every request of one step."""
     for i in range(len(requests)):
         duplicate = False
@@ -154,7 +153,7 @@ def judge(
             verdict = eligibility(
                 requests[i, REQUEST_TARGET],
                 requests[i, REQUEST_DISTANCE],
-                reach_um,
+                requests[i, REQUEST_REACH],
                 inactive,
                 duplicate,
                 over,

@@ -10,6 +10,7 @@ from catch_arena.core.arbiter import (
     REQUEST_INACTIVE,
     REQUEST_KILL_REFUSED,
     REQUEST_NUMBER,
+    REQUEST_REACH,
     REQUEST_SEAT,
     REQUEST_TARGET,
     REQUEST_VERDICT,
@@ -37,7 +38,6 @@ from catch_arena.core.state import (
     SCORE,
     SEED_HIGH,
     SEED_LOW,
-    SLOT_SIZE,
     STEP,
     TALLIES,
     TARGET_X,
@@ -48,6 +48,7 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
+    limits_of,
     seat_of,
     span,
 )
@@ -104,19 +105,23 @@ def collect_requests(block: Block, s: Settings, lane: int, requests: RequestTabl
 
 
 @inlined
-def fill_requests(block: Block, s: Settings, lane: int, targets: Block, requests: RequestTable) -> None:
+def fill_requests(
+    block: Block, s: Settings, lane: int, targets: Block, limits: NDArray[np.float64], requests: RequestTable
+) -> None:
     """What the arbiter has to know of each request, from S_t; its seat and its slot, or a code for none, are there."""
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step = block[STEP + lane]
     for i in range(len(requests)):
-        me = seat_of(block, requests[i, REQUEST_SEAT])
+        seat = requests[i, REQUEST_SEAT]
+        me = seat_of(block, seat)
         slot = requests[i, REQUEST_TARGET]
         requests[i, REQUEST_NUMBER] = 0
         requests[i, REQUEST_DISTANCE] = -1
+        requests[i, REQUEST_REACH] = int(limits_of(limits, seat).reach_um)
         requests[i, REQUEST_INACTIVE] = int(me[WITHDRAWN + lane])
         requests[i, REQUEST_KILL_REFUSED] = 0
         if slot >= 0:
-            at = slot * SLOT_SIZE + lane
+            at = slot * s.slot_size + lane
             number = targets[NUMBER + at]
             requests[i, REQUEST_NUMBER] = int(number)
             requests[i, REQUEST_DISTANCE] = int(
@@ -131,7 +136,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step = block[STEP + lane]
     service_up = not kill_service_down(seed, step, s.kill_down_rate)
-    judge(requests, s.policy, seed, int(step), int(s.reach_um), block[ENDED + lane] != RUNNING, service_up)
+    judge(requests, s.policy, seed, int(step), block[ENDED + lane] != RUNNING, service_up)
     for i in range(len(requests) - 1, -1, -1):  # backwards: the first of a hunter's is written last
         me = seat_of(block, requests[i, REQUEST_SEAT])
         me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
@@ -150,7 +155,15 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
 
 
 @inlined
-def commit(block: Block, s: Settings, lane: int, targets: Block, requests: RequestTable, scratch: Scratch) -> None:
+def commit(
+    block: Block,
+    s: Settings,
+    lane: int,
+    targets: Block,
+    limits: NDArray[np.float64],
+    requests: RequestTable,
+    scratch: Scratch,
+) -> None:
     """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8)."""
     for i in range(len(requests)):
         seat_of(block, requests[i, REQUEST_SEAT])[SCORE + lane] += (
@@ -163,16 +176,24 @@ def commit(block: Block, s: Settings, lane: int, targets: Block, requests: Reque
             granted = requests[i, REQUEST_VERDICT] == _GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0
             caught = caught or (granted and requests[i, REQUEST_TARGET] == slot)
         if caught:
-            remove_target(block, targets, lane, slot)
+            remove_target(block, targets, lane, slot, s)
             removed += 1
     if removed > 0 and s.progress_wanted:
         for seat in range(s.hunters):
-            renew_progress_reference(block, seat_of(block, seat), targets, lane, progress_reference_of(scratch, seat))
+            reference = progress_reference_of(scratch, seat)
+            renew_progress_reference(block, seat_of(block, seat), targets, lane, s, limits_of(limits, seat), reference)
 
 
 @inlined
 def resolve_requests(
-    block: Block, s: Settings, width: Width, lanes: int, targets: Block, named: RequestTable, scratch: Scratch
+    block: Block,
+    s: Settings,
+    width: Width,
+    lanes: int,
+    targets: Block,
+    limits: NDArray[np.float64],
+    named: RequestTable,
+    scratch: Scratch,
 ) -> None:
     """R1.4's phases 3 and 4 in every lane in which somebody asks for a target.
 
@@ -182,6 +203,7 @@ def resolve_requests(
         width: how many lanes a group has.
         lanes: how many lanes are arenas.
         targets: the slots of the block.
+        limits: see `memory.Sections`.
         named: requests that take the place of what the hunters ask for, in a block of one arena: their seats and
             slots, or the codes of `arbiter`; or none.
         scratch: see `workspace.Scratch`.
@@ -194,9 +216,9 @@ def resolve_requests(
         requests = named
         if len(named) == 0:
             requests = scratch.requests[: collect_requests(block, s, lane, scratch.requests)]
-        fill_requests(block, s, lane, targets, requests)
+        fill_requests(block, s, lane, targets, limits, requests)
         judge_requests(block, s, lane, requests)
-        commit(block, s, lane, targets, requests, scratch)
+        commit(block, s, lane, targets, limits, requests, scratch)
 
 
 @phase

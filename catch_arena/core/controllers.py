@@ -20,15 +20,16 @@ from catch_arena.core.state import (
     REQUESTED_SLOT,
     SEEN,
     SINE,
-    SLOT_SIZE,
     SPEED,
     TARGET_X,
     TARGET_Y,
     TURN_RATE,
     WITHDRAWN,
+    SeatLimits,
     Settings,
     X,
     Y,
+    limits_of,
     seat_of,
     slot_at_rank,
     span,
@@ -64,6 +65,7 @@ def choose(
     targets: Block,
     ranks: NDArray[np.int64],
     lanes: int,
+    s: Settings,
     goals: Block,
 ) -> None:
     """R4.1: the slots that belong to the ranks chosen, NO_TARGET for hold and NO_SUCH_RANK for a rank without a target;
@@ -76,7 +78,7 @@ def choose(
         there = int(me[SEEN + lane])
         seen = (rank > 0) & (rank <= there)
         slot = select(seen, slot_at_rank(order, select(seen, rank - 1, 0), lane), 0)
-        place = np.uint64(slot) * np.uint64(SLOT_SIZE) + np.uint64(lane)
+        place = np.uint64(slot) * np.uint64(s.slot_size) + np.uint64(lane)
         unseen = select(rank > there, float(NO_SUCH_RANK), float(NO_TARGET))
         me[REQUESTED_SLOT + lane] = select(seen, float(slot), unseen)
         goals[lane] = targets[np.uint64(TARGET_X) + place]
@@ -85,7 +87,7 @@ def choose(
 
 
 @phase
-def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings) -> None:
+def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: SeatLimits) -> None:
     """R4.1, R4.2, R4.3: the hosted controllers; a target out of reach is driven to, but not yet requested."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -101,8 +103,8 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings) -> None:
             select(fresh, 0.0, me[DISTANCE_INTEGRAL + lane]),
             s.kp_v,
             s.ki_v,
-            s.min_speed,
-            s.max_speed,
+            limits.min_speed,
+            limits.max_speed,
             s.period_s,
         )
         turn_rate, bearing_integral = pi_step(
@@ -110,8 +112,8 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings) -> None:
             select(fresh, 0.0, me[BEARING_INTEGRAL + lane]),
             s.kp_w,
             s.ki_w,
-            -s.max_turn_rate,
-            s.max_turn_rate,
+            -limits.max_turn_rate,
+            limits.max_turn_rate,
             s.period_s,
         )
         me[SPEED + lane] = select(holds, 0.0, speed)
@@ -119,22 +121,21 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings) -> None:
         me[DISTANCE_INTEGRAL + lane] = select(holds, 0.0, distance_integral)
         me[BEARING_INTEGRAL + lane] = select(holds, 0.0, bearing_integral)
         me[ACTIVE + lane] = number
-        near = within_reach(micrometres(distance), s.reach_um)
+        near = within_reach(micrometres(distance), limits.reach_um)
         wanted = me[REQUESTED_SLOT + lane]
         me[REQUESTED_SLOT + lane] = select(near | (wanted < 0.0), wanted, float(NO_TARGET))
 
 
 @phase
-def request_nearest(me: Block, order: Block, targets: Block, lanes: int, s: Settings) -> None:
+def request_nearest(me: Block, order: Block, targets: Block, lanes: int, s: Settings, limits: SeatLimits) -> None:
     """R4.4: under velocity control the nearest target is requested whenever it is within reach."""
     for lane in range(lanes):
         me[REQUESTED_SLOT + lane] = NO_TARGET
         if me[SEEN + lane] > 0.0:
             slot = slot_at_rank(order, 0, lane)
-            at = slot * SLOT_SIZE + lane
-            if within_reach(
-                distance_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]), s.reach_um
-            ):
+            at = slot * s.slot_size + lane
+            um = distance_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
+            if within_reach(um, limits.reach_um):
                 me[REQUESTED_SLOT + lane] = slot
 
 
@@ -147,18 +148,18 @@ def mark_active(me: Block, goals: Block, width: Width) -> None:
 
 
 @phase
-def drive_by_command(me: Block, commands: NDArray[np.float32], width: Width, lanes: int, s: Settings) -> None:
+def drive_by_command(me: Block, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits) -> None:
     """R2.5, R4.4: velocities as fractions of the limits; a request for a rank without a target makes the hunter hold
     (R5.2).
     """
     for lane in range(lanes):
-        me[SPEED + lane] = np.float64(commands[lane, 0]) * s.max_speed
-        me[TURN_RATE + lane] = np.float64(commands[lane, 1]) * s.max_turn_rate
+        me[SPEED + lane] = np.float64(commands[lane, 0]) * limits.max_speed
+        me[TURN_RATE + lane] = np.float64(commands[lane, 1]) * limits.max_turn_rate
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         holds = (me[REQUESTED_SLOT + lane] == float(NO_SUCH_RANK)) | (me[WITHDRAWN + lane] > 0.0)
-        speed = clamp(me[SPEED + lane], s.min_speed, s.max_speed)
-        turn_rate = clamp(me[TURN_RATE + lane], -s.max_turn_rate, s.max_turn_rate)
+        speed = clamp(me[SPEED + lane], limits.min_speed, limits.max_speed)
+        turn_rate = clamp(me[TURN_RATE + lane], -limits.max_turn_rate, limits.max_turn_rate)
         me[SPEED + lane] = select(holds, 0.0, speed)
         me[TURN_RATE + lane] = select(holds, 0.0, turn_rate)
 
@@ -170,6 +171,7 @@ def apply_actions(
     width: Width,
     lanes: int,
     controls: NDArray[np.int64],
+    limits: NDArray[np.float64],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
     scratch: Scratch,
@@ -179,15 +181,16 @@ def apply_actions(
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         order = target_order_of(block, seat, s)
+        own = limits_of(limits, seat)
         if controls[seat] == TARGET_CONTROL:
-            choose(me, order, targets, choices[:, seat], lanes, scratch.rows)
-            drive_to_goal(me, scratch.rows, width, s)
+            choose(me, order, targets, choices[:, seat], lanes, s, scratch.rows)
+            drive_to_goal(me, scratch.rows, width, s, own)
         elif controls[seat] == VELOCITY_CONTROL:
-            request_nearest(me, order, targets, lanes, s)
-            drive_by_command(me, commands[:, seat], width, lanes, s)
+            request_nearest(me, order, targets, lanes, s, own)
+            drive_by_command(me, commands[:, seat], width, lanes, own)
         else:
-            choose(me, order, targets, choices[:, seat], lanes, scratch.rows)
+            choose(me, order, targets, choices[:, seat], lanes, s, scratch.rows)
             mark_active(me, scratch.rows, width)
-            drive_by_command(me, commands[:, seat], width, lanes, s)
+            drive_by_command(me, commands[:, seat], width, lanes, own)
         if s.progress_wanted:
-            set_progress_reference(me, order, targets, lanes, progress_reference_of(scratch, seat))
+            set_progress_reference(me, order, targets, lanes, s, progress_reference_of(scratch, seat))

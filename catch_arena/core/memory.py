@@ -38,6 +38,8 @@ class Sections(NamedTuple):
     """(H, 3), or (0, 3) for the fair circle (R2.6)."""
     controls: Annotated[NDArray[np.int64], 1]
     """(H,): see `controllers`."""
+    limits: Annotated[NDArray[np.float64], 2]
+    """(H, 4): `SeatLimits`, in the order of its fields."""
     target_network: Annotated[NDArray[np.int64], 2]
     """(comparators, 2): see `ranking.selection_network`."""
     rival_network: Annotated[NDArray[np.int64], 2]

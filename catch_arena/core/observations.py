@@ -5,26 +5,30 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, phase
+from catch_arena.core.jit import Block, inlined, phase, rare, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
+from catch_arena.core.random import draw, seed_of
 from catch_arena.core.ranking import pack_order, rank_rivals, rank_targets, resolve_ties, rival_at
 from catch_arena.core.state import (
     ABSENT,
     ACTIVE,
-    ALIVE,
     APPEARED,
     BEARING_INTEGRAL,
+    BODY,
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
     NUMBER,
     RANKS_PER_WORD,
     SCORE,
+    SEED_HIGH,
+    SEED_LOW,
     SEEN,
     SINE,
-    SLOT_SIZE,
     SPEED,
+    STEP,
+    STILL,
     TARGET_X,
     TARGET_Y,
     THETA,
@@ -33,6 +37,9 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
+    body_of,
+    limits_of,
+    most_alive,
     seat_of,
     slot_at_rank,
     slot_in_word,
@@ -51,8 +58,9 @@ from catch_arena.core.vectors import (
     single,
     stream_eight,
 )
+from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
 from catch_arena.core.workspace import FEATURE_STRIDE, Scratch, rival_order_of
-from catch_arena.layout import RivalFeatures, SelfFeatures, TargetFeatures
+from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures
 
 Masks = NDArray[np.int8]
 """(lanes, H, K + 1)."""
@@ -60,6 +68,7 @@ Numbers = NDArray[np.float32]
 
 SELF_WIDTH: Final = len(SelfFeatures._fields)
 TARGET_WIDTH: Final = len(TargetFeatures._fields)
+MOVING_TARGET_WIDTH: Final = len(MovingTargetFeatures._fields)
 RIVAL_WIDTH: Final = len(RivalFeatures._fields)
 
 _MANY: Final = 4
@@ -73,7 +82,7 @@ def update_heading(me: Block, width: Width) -> None:
     """The heading's sine and cosine, which the observation and the next step's controller read.
 
     Args:
-        me: the rows of one seat; SINE and COSINE are written.
+        me: the rows of one body; SINE and COSINE are written.
         width: how many lanes a group has.
     """
     for first in range(0, span(width), len(width)):
@@ -84,32 +93,7 @@ def update_heading(me: Block, width: Width) -> None:
 
 
 @phase
-def count_seen(arena: Block, me: Block, s: Settings, width: Width) -> None:
-    """R7.1: how many targets a seat sees, nearest first: those have a rank.
-
-    Args:
-        arena: the block, for its row ALIVE.
-        me: the rows of one seat; SEEN is written.
-        s: the settings.
-        width: how many lanes a group has.
-    """
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        alive = arena[ALIVE + lane]
-        me[SEEN + lane] = select(alive < s.targets_seen, alive, float(s.targets_seen))
-
-
-@phase
-def most_alive(arena: Block, lanes: int) -> int:
-    """How many targets are alive in the lane that has most; `lanes`, how many lanes are arenas."""
-    most = 0.0
-    for lane in range(lanes):
-        most = arena[ALIVE + lane] if arena[ALIVE + lane] > most else most
-    return int(most)
-
-
-@phase
-def compute_ages(arena: Block, targets: Block, width: Width, slots: int, ages: Numbers) -> None:
+def compute_ages(arena: Block, targets: Block, width: Width, slots: int, s: Settings, ages: Numbers) -> None:
     """R7.1: how long each target has been there.
 
     Args:
@@ -117,12 +101,13 @@ def compute_ages(arena: Block, targets: Block, width: Width, slots: int, ages: N
         targets: the slots of the block.
         width: how many lanes a group has.
         slots: how many slots are in use in any lane.
+        s: the settings.
         ages: the result [s], (slots * LANES,).
     """
     for slot in range(slots):
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
-            appeared = targets[slot * SLOT_SIZE + APPEARED + lane]
+            appeared = targets[slot * s.slot_size + APPEARED + lane]
             ages[slot * LANES + lane] = single((arena[TIME + lane] - appeared) / 1000.0)
 
 
@@ -142,11 +127,25 @@ def compute_time_left(arena: Block, s: Settings, width: Width, time_left: Block)
         time_left[lane] = select(remaining > 0.0, remaining / 1000.0, 0.0)
 
 
+@rule
+def target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> TargetFeatures:
+    """R7.1: what a seat sees of the target at `at`, which is that old [s]."""
+    sine, cosine = me[SINE + lane], me[COSINE + lane]
+    dx, dy = targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]
+    return TargetFeatures(
+        forward=cosine * dx + sine * dy,
+        left=cosine * dy - sine * dx,
+        present=1.0,
+        age=age,
+        active=select(targets[NUMBER + at] == me[ACTIVE + lane], 1.0, 0.0),
+    )
+
+
 @phase
 def compute_target_features(
-    me: Block, targets: Block, ages: Numbers, first: int, width: Width, slots: int, features: Numbers
+    me: Block, targets: Block, ages: Numbers, first: int, width: Width, slots: int, s: Settings, features: Numbers
 ) -> None:
-    """R7.1: every target as one seat sees it, in the lanes of one group.
+    """R7.1: every target as one seat sees it, in the lanes of one group, where targets are still.
 
     Args:
         me: the rows of the seat.
@@ -155,23 +154,90 @@ def compute_target_features(
         first: the first lane of the group.
         width: how many lanes the group has.
         slots: how many slots are in use in any lane.
+        s: the settings.
         features: the result, the columns of `layout.TargetFeatures`: those of slot s in the group's lane l from
             features[(s * len(width) + l) * FEATURE_STRIDE] on.
     """
     lane = group(first, width)
-    x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
-    active = me[ACTIVE + lane]
     for slot in range(slots):
-        at = slot * SLOT_SIZE + lane
-        dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
-        seen = TargetFeatures(
-            forward=cosine * dx + sine * dy,
-            left=cosine * dy - sine * dx,
-            present=1.0,
-            age=ages[slot * LANES + lane],
-            active=select(targets[NUMBER + at] == active, 1.0, 0.0),
+        seen = target_at(me, targets, slot * s.slot_size + lane, lane, ages[slot * LANES + lane])
+        put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
+
+
+@phase
+def compute_moving_target_features(
+    me: Block, targets: Block, ages: Numbers, first: int, width: Width, slots: int, s: Settings, features: Numbers
+) -> None:
+    """R7.4: the same where targets move, with the columns of `layout.MovingTargetFeatures`."""
+    lane = group(first, width)
+    sine, cosine = me[SINE + lane], me[COSINE + lane]
+    for slot in range(slots):
+        at = slot * s.slot_size + lane
+        target_sine, target_cosine = targets[BODY + SINE + at], targets[BODY + COSINE + at]
+        still = target_at(me, targets, at, lane, ages[slot * LANES + lane])
+        seen = MovingTargetFeatures(
+            forward=still.forward,
+            left=still.left,
+            present=still.present,
+            age=still.age,
+            active=still.active,
+            heading_cos=target_cosine * cosine + target_sine * sine,
+            heading_sin=target_sine * cosine - target_cosine * sine,
+            linear_velocity=targets[BODY + SPEED + at],
         )
         put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
+
+
+@rare
+def blur_targets(
+    block: Block, seat: int, targets: Block, order: Block, first: int, width: Width, s: Settings, features: Numbers
+) -> None:
+    """R7.6: the targets that one seat sees are seen some way from where they are, in the lanes of one group.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        targets: the slots of the block.
+        order: slots by rank, packed: see `state.slot_at_rank`.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        s: the settings.
+        features: as of `compute_target_features`; forward and left are written anew.
+    """
+    me = seat_of(block, seat)
+    for lane in range(first, first + len(width)):
+        key = blur_key_at(block, seat, TARGET_KIND, lane)
+        for rank in range(int(me[SEEN + lane])):
+            slot = slot_at_rank(order, rank, lane)
+            seen = target_at(me, targets, slot * s.slot_size + lane, lane, 0.0)
+            at = (slot * len(width) + lane - first) * FEATURE_STRIDE
+            number = np.uint64(targets[slot * s.slot_size + NUMBER + lane])
+            write_blurred(draw(key, number), seen.forward, seen.left, s, features, at)
+
+
+@rare
+def blur_rivals(
+    block: Block, seat: int, order: Block, first: int, width: Width, s: Settings, features: Numbers
+) -> None:
+    """R7.6: and the rivals.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        order: seats by rank, packed: see `state.slot_at_rank`.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        s: the settings.
+        features: as of `compute_rival_features`; forward and left are written anew.
+    """
+    for lane in range(first, first + len(width)):
+        key = blur_key_at(block, seat, RIVAL_KIND, lane)
+        for rank in range(s.hunters_seen):
+            other = slot_at_rank(order, rank, lane)
+            if other != ABSENT:
+                seen = rival_at(block, seat, other, lane)
+                at = (other * len(width) + lane - first) * FEATURE_STRIDE
+                write_blurred(draw(key, np.uint64(other)), seen.forward, seen.left, s, features, at)
 
 
 @phase
@@ -191,6 +257,19 @@ def compute_rival_features(block: Block, seat: int, first: int, width: Width, s:
         if other != seat:
             seen = rival_at(block, seat, other, group(first, width))
             put_rows(features, other * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
+
+
+@rule
+def blur_key_at(block: Block, seat: int, kind: np.uint64, lane: int) -> np.uint64:
+    """R7.6: `visibility.blur_key` of what a seat sees of one kind in one lane."""
+    return blur_key(seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), block[STEP + lane], seat, kind)
+
+
+@phase
+def write_blurred(key: np.uint64, forward: float, left: float, s: Settings, out: Numbers, at: int) -> None:
+    """R7.6: where one thing is seen that is so far ahead and to the left [m]: two columns from out[at] on."""
+    out[at] = np.float32(forward + blur(key, 0, s.view_noise))
+    out[at + 1] = np.float32(left + blur(key, 1, s.view_noise))
 
 
 @phase
@@ -270,7 +349,9 @@ def write_ranked(
 
 
 @phase
-def write_rivals(block: Block, seat: int, order: Block, ranks: int, lane: int, out: Numbers, at: int) -> None:
+def write_rivals(
+    block: Block, seat: int, order: Block, ranks: int, lane: int, s: Settings, out: Numbers, at: int
+) -> None:
     """R7.1: the rivals of one lane, each looked at when its rank is written: for a few of very many, of whom it would
     take longer to compute all features.
 
@@ -280,6 +361,7 @@ def write_rivals(block: Block, seat: int, order: Block, ranks: int, lane: int, o
         order: seats by rank, packed: see `state.slot_at_rank`.
         ranks: how many ranks are seen.
         lane: the lane.
+        s: the settings.
         out: observations, flat.
         at: where in `out` the columns of rank 1 begin.
     """
@@ -289,13 +371,18 @@ def write_rivals(block: Block, seat: int, order: Block, ranks: int, lane: int, o
             for column in range(RIVAL_WIDTH):
                 out[at + column] = 0.0
         else:
-            put_rows(out, at, FEATURE_STRIDE, rival_at(block, seat, other, lane))
+            seen = rival_at(block, seat, other, lane)
+            put_rows(out, at, FEATURE_STRIDE, seen)
+            if s.view_noise > 0.0:
+                key = draw(blur_key_at(block, seat, RIVAL_KIND, lane), np.uint64(other))
+                write_blurred(key, seen.forward, seen.left, s, out, at)
         at += RIVAL_WIDTH
 
 
 @phase
 def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
-    """R7.2: hold and the ranks that have a target. They change rarely, and then for all seats of an arena.
+    """R7.2: hold and the ranks that have a target. They change rarely, and where all see everything for all seats of an
+    arena.
 
     Args:
         block: the block.
@@ -305,11 +392,15 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
     """
     ranks = s.targets_seen
     for lane in range(lanes):
-        there = int(seat_of(block, 0)[SEEN + lane])
-        if masks[lane, 0, there] == 0 or (there < ranks and masks[lane, 0, there + 1] == 1):
-            for seat in range(s.hunters):
+        seat = 0
+        while seat < s.hunters:
+            there = int(seat_of(block, seat)[SEEN + lane])
+            if masks[lane, seat, there] == 0 or (there < ranks and masks[lane, seat, there + 1] == 1):
                 for rank in range(ranks + 1):
                     masks[lane, seat, rank] = 1 if rank <= there else 0
+            elif not s.partial_view:
+                break
+            seat += 1
 
 
 @phase
@@ -350,9 +441,10 @@ def write(
     """
     targets = targets_of(block, s)
     time_left = scratch.rows[:LANES]
-    compute_ages(block, targets, width, slots, scratch.ages)
+    compute_ages(block, targets, width, slots, s, scratch.ages)
     compute_time_left(block, s, width, time_left)
-    rivals_at = SELF_WIDTH + s.targets_seen * TARGET_WIDTH
+    target_width = TARGET_WIDTH if s.target_motion == STILL else MOVING_TARGET_WIDTH
+    rivals_at = SELF_WIDTH + s.targets_seen * target_width
     columns = rivals_at + s.hunters_seen * RIVAL_WIDTH
     few_of_many = s.hunters > _MANY * s.hunters_seen
     stride = s.hunters * columns
@@ -369,9 +461,17 @@ def write(
                 rival_order_of(scratch, seat),
             )
             write_self(me, time_left, first, width, to, begin + seat * columns, stride)
-            compute_target_features(me, targets, scratch.ages, first, width, slots, scratch.target_features)
+            ages, features = scratch.ages, scratch.target_features
+            if s.target_motion == STILL:
+                compute_target_features(me, targets, ages, first, width, slots, s, features)
+            else:
+                compute_moving_target_features(me, targets, ages, first, width, slots, s, features)
             if not few_of_many:
                 compute_rival_features(block, seat, first, width, s, scratch.rival_features)
+            if s.view_noise > 0.0:
+                blur_targets(block, seat, targets, targets_seen, first, width, s, features)
+                if not few_of_many:
+                    blur_rivals(block, seat, rivals_seen, first, width, s, scratch.rival_features)
             for lane in range(first, first + len(width)):
                 at = begin + (lane - first) * stride + seat * columns
                 write_ranked(
@@ -381,12 +481,12 @@ def write(
                     lane,
                     scratch.target_features,
                     width,
-                    TARGET_WIDTH,
+                    target_width,
                     to,
                     at + SELF_WIDTH,
                 )
                 if few_of_many:
-                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, to, at + rivals_at)
+                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, s, to, at + rivals_at)
                 else:
                     write_ranked(
                         rivals_seen,
@@ -419,13 +519,16 @@ def observe(
     slots = most_alive(block, lanes)
     for seat in range(s.hunters):
         update_heading(seat_of(block, seat), width)
+    if s.target_motion != STILL:
+        for slot in range(slots):
+            update_heading(body_of(targets, slot, s), width)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        count_seen(block, me, s, width)
-        rank_targets(block, me, targets, width, slots, sections.target_network, scratch.keys)
+        reach_um = limits_of(sections.limits, seat).reach_um
+        rank_targets(block, me, targets, width, slots, sections.target_network, s, reach_um, scratch.keys)
         pack_order(scratch.keys, slots, s.targets_seen, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
-            rank_rivals(block, seat, width, sections.rival_network, s, scratch.keys)
+            rank_rivals(block, seat, width, sections.rival_network, s, reach_um, scratch.keys)
             resolve_ties(block, seat, width, lanes, s, scratch.keys)
             pack_order(scratch.keys, s.hunters, s.hunters_seen, width, rival_order_of(scratch, seat))
     write(block, s, width, lanes, slots, scratch, sections.observations.reshape(-1), first)

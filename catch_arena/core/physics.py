@@ -10,12 +10,15 @@ from catch_arena.core.state import (
     LANES,
     SINE,
     SPEED,
+    STILL,
     THETA,
     TIME,
     TURN_RATE,
     Settings,
     X,
     Y,
+    body_of,
+    most_alive,
     seat_of,
     span,
 )
@@ -74,7 +77,7 @@ def ticks_until(time_ms: float) -> float:
 
 @phase
 def move_body(me: Block, width: Width, side: float, fewest: int, most: int, ticks: Block) -> None:
-    """R2.2, R2.3: all ticks of one seat in a step: from `fewest` on not every lane has them, from `most` on none."""
+    """R2.2, R2.3: all ticks of one body in a step: from `fewest` on not every lane has them, from `most` on none."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
@@ -112,28 +115,40 @@ def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -
             me[TURN_RATE + lane] = select(stale[lane] > 0.0, 0.0, me[TURN_RATE + lane])
 
 
+@phase
+def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
+    """How many ticks there are in the lane that has fewest, and in the lane that has most."""
+    fewest, most = 1e18, 0.0
+    for lane in range(lanes):
+        fewest = min(fewest, ticks[lane])
+        most = max(most, ticks[lane])
+    return int(fewest), int(most)
+
+
 @inlined
-def move(block: Block, s: Settings, width: Width, lanes: int, scratch: Block) -> None:
-    """R1.3: all ticks in (t, t + period], one after the other; `scratch` has two rows.
+def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, scratch: Block) -> None:
+    """R1.3: all ticks in (t, t + period], one after the other; `scratch` has three rows.
 
     R2.4's watchdog stops a hunter at the first tick more than a second after its command: from there on it has no ticks
-    that move it.
+    that move it. Targets have no watchdog (R3.8).
     """
-    ticks, stale = scratch[:LANES], scratch[LANES : 2 * LANES]
+    due, fresh, stale = scratch[:LANES], scratch[LANES : 2 * LANES], scratch[2 * LANES : 3 * LANES]
     any_stale = False
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         before = ticks_until(block[TIME + lane])
-        due = ticks_until(block[TIME + lane] + s.period) - before
-        fresh = ticks_until(block[TIME + lane] + WATCHDOG_MS) - before
-        ticks[lane] = select(fresh < due, fresh, due)
-        stale[lane] = select(fresh < due, 1.0, 0.0)
-        any_stale = any_stale | any_of(fresh < due)
-    most, fewest = 0.0, 1e18
-    for each in range(lanes):
-        most = max(most, ticks[each])
-        fewest = min(fewest, ticks[each])
+        ticks = ticks_until(block[TIME + lane] + s.period) - before
+        until_stale = ticks_until(block[TIME + lane] + WATCHDOG_MS) - before
+        due[lane] = ticks
+        fresh[lane] = select(until_stale < ticks, until_stale, ticks)
+        stale[lane] = select(until_stale < ticks, 1.0, 0.0)
+        any_stale = any_stale | any_of(until_stale < ticks)
+    fewest, most = fewest_and_most(fresh, lanes)
     for seat in range(s.hunters):
-        move_body(seat_of(block, seat), width, s.side, int(fewest), int(most), ticks)
+        move_body(seat_of(block, seat), width, s.side, fewest, most, fresh)
     if any_stale:
         drop_stale_commands(block, s, width, stale)
+    if s.target_motion != STILL:
+        fewest, most = fewest_and_most(due, lanes)
+        for slot in range(most_alive(block, lanes)):
+            move_body(body_of(targets, slot, s), width, s.side, fewest, most, due)

@@ -26,6 +26,10 @@ SPAWN_DOWN: Final = np.uint64(7)
 SPAWN_REFUSED: Final = np.uint64(8)
 NEXT_EPISODE: Final = np.uint64(9)
 BATCH_ROW: Final = np.uint64(10)
+WANDERING: Final = np.uint64(11)
+THREAT: Final = np.uint64(12)
+VIEW_NOISE: Final = np.uint64(13)
+DROPOUT: Final = np.uint64(14)
 
 
 @rule
@@ -94,6 +98,24 @@ def spawn_service_down(seed: np.uint64, firing: float, rate: float) -> bool:
 def spawn_refused(seed: np.uint64, number: float, rate: float) -> bool:
     """R8.3: whether the simulator refuses a spawn number."""
     return rate > 0.0 and fraction(draw(stream(seed, SPAWN_REFUSED), np.uint64(number))) < rate
+
+
+@rule
+def wander_draw(seed: np.uint64, number: float, period: float) -> float:
+    """R3.9: how a wandering target turns in one of its periods, as a fraction of its greatest turn rate, in [-1, 1)."""
+    return 2.0 * fraction(draw(draw(stream(seed, WANDERING), np.uint64(number)), np.uint64(period))) - 1.0
+
+
+@rule
+def threat_lot(seed: np.uint64, step: float, number: float, seat: int) -> np.uint64:
+    """R3.10: of several hunters equally near to a target the one with the lowest is its threat."""
+    return draw(draw(draw(stream(seed, THREAT), np.uint64(step)), np.uint64(number)), np.uint64(seat))
+
+
+@rule
+def drops_out(seed: np.uint64, step: float, seat: int, rate: float) -> bool:
+    """R1.7: whether a hunter drops out in a step."""
+    return rate > 0.0 and fraction(draw(draw(stream(seed, DROPOUT), np.uint64(step)), np.uint64(seat))) < rate
 
 
 @rule

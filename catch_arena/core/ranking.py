@@ -16,8 +16,8 @@ from catch_arena.core.state import (
     RANK_BITS,
     RANKS_PER_WORD,
     SCORE,
+    SEEN,
     SINE,
-    SLOT_SIZE,
     SPEED,
     TARGET_X,
     TARGET_Y,
@@ -29,6 +29,7 @@ from catch_arena.core.state import (
     span,
 )
 from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
+from catch_arena.core.visibility import is_seen
 from catch_arena.layout import RivalFeatures
 
 Keys = NDArray[np.int32]
@@ -169,6 +170,55 @@ def pack_order(keys: Keys, there: int, ranks: int, width: Width, packed: Block) 
 
 
 @phase
+def hide_targets(me: Block, targets: Block, width: Width, slots: int, s: Settings, reach_um: float, keys: Keys) -> None:
+    """R7.5: what a hunter does not see has no rank.
+
+    Args:
+        me: the rows of its seat; SEEN is written: how many have a rank.
+        targets: the slots of the block.
+        width: how many lanes a group has.
+        slots: how many slots are in use in any lane.
+        s: the settings.
+        reach_um: the seat's own [micrometres].
+        keys: by slot, rows of LANES.
+    """
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
+        seen = 0.0
+        for slot in range(slots):
+            at = slot * s.slot_size + lane
+            key = keys[slot * LANES + lane]
+            there = key < FAR
+            there = there & is_seen(targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y, sine, cosine, reach_um, s)
+            keys[slot * LANES + lane] = select(there, key, FAR)
+            seen = seen + select(there, 1.0, 0.0)
+        me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
+
+
+@phase
+def hide_rivals(block: Block, seat: int, width: Width, s: Settings, reach_um: float, keys: Keys) -> None:
+    """R7.5: nor has a rival.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        width: how many lanes a group has.
+        s: the settings.
+        reach_um: the seat's own [micrometres].
+        keys: by seat, rows of LANES.
+    """
+    me = seat_of(block, seat)
+    for other in range(s.hunters):
+        rival = seat_of(block, other)
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
+            there = is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], reach_um, s)
+            keys[other * LANES + lane] = select(there, keys[other * LANES + lane], FAR)
+
+
+@phase
 def rank_targets(
     arena: Block,
     me: Block,
@@ -176,17 +226,21 @@ def rank_targets(
     width: Width,
     slots: int,
     network: NDArray[np.int64],
+    s: Settings,
+    reach_um: float,
     keys: Keys,
 ) -> None:
-    """R7.1: the alive targets by distance, then by spawn number; slots are in spawning order.
+    """R7.1, R7.5: the alive targets by distance, then by spawn number; slots are in spawning order.
 
     Args:
         arena: the block, for its row ALIVE.
-        me: the rows of the seat that sees them.
+        me: the rows of the seat that sees them; SEEN is written: how many have a rank.
         targets: the slots of the block.
         width: how many lanes a group has.
         slots: how many slots are in use in any lane.
         network: (comparators, 2): see `selection_network`.
+        s: the settings.
+        reach_um: the seat's own [micrometres].
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
     for first in range(0, span(width), len(width)):
@@ -194,16 +248,22 @@ def rank_targets(
         x, y = me[X + lane], me[Y + lane]
         alive = truncate(arena[ALIVE + lane])
         for slot in range(slots):
-            at = slot * SLOT_SIZE + lane
+            at = slot * s.slot_size + lane
             keys[slot * LANES + lane] = select(
                 alive > slot, key_of(targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y, slot), FAR
             )
+        seen = arena[ALIVE + lane]
+        me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
+    if s.partial_view:
+        hide_targets(me, targets, width, slots, s, reach_um, keys)
     sort_keys(keys, network, width, slots)
 
 
 @phase
-def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64], s: Settings, keys: Keys) -> None:
-    """R7.1, R1.6: the other hunters by distance; `resolve_ties` puts right those who are equally far.
+def rank_rivals(
+    block: Block, seat: int, width: Width, network: NDArray[np.int64], s: Settings, reach_um: float, keys: Keys
+) -> None:
+    """R7.1, R7.5, R1.6: the other hunters by distance; `resolve_ties` puts right those who are equally far.
 
     Args:
         block: the block.
@@ -211,6 +271,7 @@ def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64
         width: how many lanes a group has.
         network: (comparators, 2): see `selection_network`.
         s: the settings.
+        reach_um: the seat's own [micrometres].
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
     me = seat_of(block, seat)
@@ -221,13 +282,15 @@ def rank_rivals(block: Block, seat: int, width: Width, network: NDArray[np.int64
             key = key_of(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane], other)
             unseen = (rival[WITHDRAWN + lane] > 0.0) | (other == seat)
             keys[other * LANES + lane] = select(unseen, FAR, key)
+    if s.partial_view:
+        hide_rivals(block, seat, width, s, reach_um, keys)
     sort_keys(keys, network, width, s.hunters)
 
 
 @rule
-def precedes(a: RivalFeatures, b: RivalFeatures) -> bool:
-    """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; never by
-    seat.
+def precedes(a: RivalFeatures, b: RivalFeatures, lower_seat: bool) -> bool:
+    """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; the seat tells
+    apart those who look alike in everything, which shows where the view has noise.
     """
     if a.left != b.left:
         return a.left > b.left
@@ -239,7 +302,9 @@ def precedes(a: RivalFeatures, b: RivalFeatures) -> bool:
         return a.heading_sin > b.heading_sin
     if a.linear_velocity != b.linear_velocity:
         return a.linear_velocity > b.linear_velocity
-    return a.score_difference > b.score_difference
+    if a.score_difference != b.score_difference:
+        return a.score_difference > b.score_difference
+    return lower_seat
 
 
 @rare
@@ -271,7 +336,9 @@ def sort_ties(block: Block, seat: int, lane: int, count: int, keys: Keys) -> Non
         at = last
         while at > 0:
             before = keys[(at - 1) * LANES + lane]
-            if not equally_far(before, key) or not precedes(seen, rival_at(block, seat, item_of(before), lane)):
+            if not equally_far(before, key):
+                break
+            if not precedes(seen, rival_at(block, seat, item_of(before), lane), item_of(key) < item_of(before)):
                 break
             keys[at * LANES + lane] = before
             at -= 1

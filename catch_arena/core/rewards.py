@@ -9,14 +9,16 @@ from catch_arena.core.jit import Block, phase, rare
 from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
     ALIVE,
+    COSINE,
     LANES,
     RETURN,
     SEEN,
-    SLOT_SIZE,
+    SINE,
     TARGET_X,
     TARGET_Y,
     VERDICT,
     WITHDRAWN,
+    SeatLimits,
     Settings,
     X,
     Y,
@@ -25,6 +27,7 @@ from catch_arena.core.state import (
     span,
 )
 from catch_arena.core.vectors import Width, group, select, sqrt
+from catch_arena.core.visibility import is_seen
 from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
@@ -41,11 +44,11 @@ Parts = NDArray[np.float64]
 
 
 @phase
-def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, reference: Block) -> None:
-    """R6.2's progress: the nearest target of S_t, from where the hunter stands."""
+def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, s: Settings, reference: Block) -> None:
+    """R6.2's progress: the nearest target that is seen on S_t, from where the hunter stands."""
     for lane in range(lanes):
         there = me[SEEN + lane] > 0.0
-        at = select(there, slot_at_rank(order, 0, lane), 0) * SLOT_SIZE + lane
+        at = select(there, slot_at_rank(order, 0, lane), 0) * s.slot_size + lane
         dx = targets[TARGET_X + at] - me[X + lane]
         dy = targets[TARGET_Y + at] - me[Y + lane]
         reference[lane] = targets[TARGET_X + at]
@@ -54,18 +57,21 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
 
 
 @rare
-def renew_progress_reference(arena: Block, me: Block, targets: Block, lane: int, reference: Block) -> None:
+def renew_progress_reference(
+    arena: Block, me: Block, targets: Block, lane: int, s: Settings, limits: SeatLimits, reference: Block
+) -> None:
     """The same in one lane where targets have just left: among those that are alive after the commit."""
     reference[2 * LANES + lane] = -1.0
     nearest = FAR
     for slot in range(int(arena[ALIVE + lane])):
-        dx = targets[TARGET_X + slot * SLOT_SIZE + lane] - me[X + lane]
-        dy = targets[TARGET_Y + slot * SLOT_SIZE + lane] - me[Y + lane]
+        at = slot * s.slot_size + lane
+        dx = targets[TARGET_X + at] - me[X + lane]
+        dy = targets[TARGET_Y + at] - me[Y + lane]
         key = key_of(dx, dy, slot)
-        if key < nearest:
+        if key < nearest and is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], limits.reach_um, s):
             nearest = key
-            reference[lane] = targets[TARGET_X + slot * SLOT_SIZE + lane]
-            reference[LANES + lane] = targets[TARGET_Y + slot * SLOT_SIZE + lane]
+            reference[lane] = targets[TARGET_X + at]
+            reference[LANES + lane] = targets[TARGET_Y + at]
             reference[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
 
 

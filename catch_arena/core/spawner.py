@@ -3,7 +3,7 @@
 import numpy as np
 
 from catch_arena.core.jit import Block, entry, phase, rare, rule
-from catch_arena.core.math import TAU
+from catch_arena.core.math import TAU, wrap
 from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
 from catch_arena.core.state import (
@@ -18,9 +18,9 @@ from catch_arena.core.state import (
     SEED_LOW,
     SKIPPED_DOWN,
     SKIPPED_FULL,
-    SLOT_SIZE,
     SPAWNED,
     SPAWNS_REFUSED,
+    STILL,
     THETA,
     TIME,
     Settings,
@@ -42,25 +42,27 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
 
 
 @phase
-def add_target(arena: Block, targets: Block, lane: int, x: float, y: float, theta: float, time_ms: float) -> None:
-    """R3.4, R8.2: a target of the latest number at the end of the alive list."""
-    slot = int(arena[ALIVE + lane]) * SLOT_SIZE + lane
+def add_target(
+    arena: Block, targets: Block, lane: int, s: Settings, x: float, y: float, theta: float, time_ms: float
+) -> None:
+    """R3.4, R3.8, R8.2: a target of the latest number at the end of the alive list, at rest."""
+    slot = int(arena[ALIVE + lane]) * s.slot_size + lane
     targets[slot + NUMBER] = arena[NUMBERS + lane]
     targets[slot + APPEARED] = time_ms
     targets[slot + BODY + X] = x
     targets[slot + BODY + Y] = y
-    targets[slot + BODY + THETA] = theta
+    targets[slot + BODY + THETA] = theta if s.target_motion == STILL else wrap(theta)
     arena[ALIVE + lane] += 1.0
     arena[SPAWNED + lane] += 1.0
 
 
 @rare
-def remove_target(arena: Block, targets: Block, lane: int, slot: int) -> None:
+def remove_target(arena: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
     """R8.2: one target leaves the alive list; those behind it move up, so that the order stays."""
     last = int(arena[ALIVE + lane]) - 1
-    for at in range(slot * SLOT_SIZE + lane, last * SLOT_SIZE, LANES):
-        targets[at] = targets[at + SLOT_SIZE]
-    for at in range(last * SLOT_SIZE + lane, (last + 1) * SLOT_SIZE, LANES):
+    for at in range(slot * s.slot_size + lane, last * s.slot_size, LANES):
+        targets[at] = targets[at + s.slot_size]
+    for at in range(last * s.slot_size + lane, (last + 1) * s.slot_size, LANES):
         targets[at] = 0.0
     arena[ALIVE + lane] = last
 
@@ -70,7 +72,7 @@ def spawn_next(arena: Block, targets: Block, lane: int, seed: np.uint64, s: Sett
     """R3.3: the place of the next number, taken."""
     arena[NUMBERS + lane] += 1.0
     x, y, theta = spawn_pose(seed, arena[NUMBERS + lane], s.spawn_low, s.spawn_high, s.spawn_last)
-    add_target(arena, targets, lane, x, y, theta, time_ms)
+    add_target(arena, targets, lane, s, x, y, theta, time_ms)
 
 
 @phase
@@ -94,8 +96,8 @@ def fire(arena: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) 
 def spawn_through(arena: Block, targets: Block, lanes: int, s: Settings) -> None:
     """R1.4's phase 5, its spawning half: all firings in (t, t + period].
 
-    Still targets (R3.7) and hunters do not touch each other, so that these firings may follow the step's ticks;
-    moving targets will have to be moved here, between the firings.
+    Targets and hunters do not touch each other, and a target that appears stands still until the next step (R3.8), so
+    that these firings may follow the step's ticks.
     """
     for lane in range(lanes):
         while (arena[FIRINGS + lane] + 1.0) * s.spawn_period <= arena[TIME + lane] + s.period:
@@ -115,7 +117,7 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
     if block[ALIVE + lane] >= s.slots:
         return 0
     block[NUMBERS + lane] += 1.0
-    add_target(block, targets_of(block, s), lane, x, y, theta, block[TIME + lane])
+    add_target(block, targets_of(block, s), lane, s, x, y, theta, block[TIME + lane])
     return int(block[NUMBERS + lane])
 
 
@@ -127,8 +129,8 @@ def kill(memory: Bytes, arena: int, number: int) -> bool:
     block, lane = sections.blocks[arena // LANES], arena % LANES
     targets = targets_of(block, s)
     for slot in range(int(block[ALIVE + lane])):
-        if targets[slot * SLOT_SIZE + NUMBER + lane] == number:
-            remove_target(block, targets, lane, slot)
+        if targets[slot * s.slot_size + NUMBER + lane] == number:
+            remove_target(block, targets, lane, slot, s)
             block[SPAWNED + lane] -= 1.0
             return True
     return False

@@ -1,14 +1,17 @@
 """The arena memory: everything that an arena is, as rows of float64 in blocks of LANES arenas.
 
 A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it
-is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then SLOT_ROWS for
+is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then a few for
 each slot, then the targets in the order in which each seat sees them. Integers are exact in float64; a seed needs two
 of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
 from typing import Final, NamedTuple
 
-from catch_arena.core.jit import Block, inlined, rule
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.core.jit import Block, inlined, phase, rule
 from catch_arena.core.vectors import Width, bits_of
 from catch_arena.verdicts import Verdict
 
@@ -40,7 +43,7 @@ SEED_HIGH: Final = 10 * LANES  # the seed's upper 32 bits
 SEED_LOW: Final = 11 * LANES  # and its lower 32
 ARENA_ROWS: Final = 12
 
-# body rows: of a hunter or a target; in those of still targets only the first three are there
+# body rows: of a hunter or a target; of still targets only the first three are there
 X: Final = 0 * LANES  # [m]
 Y: Final = 1 * LANES  # [m]
 THETA: Final = 2 * LANES  # [rad]: of hunters in [-pi, pi), of still targets as drawn, in [0, 2 pi)
@@ -50,6 +53,7 @@ TURN_RATE: Final = 4 * LANES  # [rad/s]
 AT_WALL: Final = 5 * LANES  # R2.3's flag
 SINE: Final = 6 * LANES  # of theta
 COSINE: Final = 7 * LANES
+BODY_ROWS: Final = 8
 
 # hunter rows: a body's, and these
 DISTANCE_INTEGRAL: Final = 8 * LANES  # [m s]
@@ -82,19 +86,31 @@ HUNTER_DIGEST: Final = (
     WITHDRAWN,
 )
 """What stands of a hunter in the digest, in this order (A.8)."""
+AT_REST: Final = (SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE)
+"""The rows of a hunter that are zero while nothing drives it."""
 EVIDENCE: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE_UM, WINNER)
 """The answer to a request (R5.6)."""
 
-# slot rows: two, and a body's
+# slot rows: two, and a body's; where targets move, these and two more
 NUMBER: Final = 0 * LANES  # the target's spawn number
 APPEARED: Final = 1 * LANES  # [ms] since reset
 BODY: Final = 2 * LANES  # the first row of the target's body
-SLOT_ROWS: Final = 2 + STILL_BODY_ROWS
-SLOT_SIZE: Final = SLOT_ROWS * LANES
+WANDER: Final = (2 + BODY_ROWS) * LANES  # R3.9's draw, as a fraction of the greatest turn rate
+WANDER_ENDS: Final = (3 + BODY_ROWS) * LANES  # [ms] since reset: when the next one is drawn
+STILL_SLOT_ROWS: Final = 2 + STILL_BODY_ROWS
+MOVING_SLOT_ROWS: Final = 4 + BODY_ROWS
 TARGET_X: Final = BODY + X
 TARGET_Y: Final = BODY + Y
 TARGET_DIGEST: Final = (NUMBER, TARGET_X, TARGET_Y, BODY + THETA, APPEARED)
 """What stands of a target in the digest, in this order (A.8)."""
+MOVING_TARGET_DIGEST: Final = (*TARGET_DIGEST, BODY + SPEED, BODY + TURN_RATE, BODY + AT_WALL)
+"""And of one that moves."""
+
+STILL: Final = 0
+WANDERING: Final = 1
+FLEEING: Final = 2
+MOTIONS: Final = {"still": STILL, "wander": WANDERING, "flee": FLEEING}
+"""R3.8."""
 
 NO_TARGET: Final = -1
 
@@ -114,10 +130,6 @@ class Settings(NamedTuple):
     progress_wanted: int
     target_budget: float
     side: float
-    reach_um: float
-    max_speed: float
-    min_speed: float
-    max_turn_rate: float
     kp_v: float
     ki_v: float
     kp_w: float
@@ -131,6 +143,17 @@ class Settings(NamedTuple):
     spawn_last: float
     start_radius: float
     initial_targets: int
+    slot_size: int
+    target_motion: int
+    target_speed: float
+    target_turn_rate: float
+    wander_period: float
+    alarm_um: float
+    partial_view: int
+    view_radius_um: float
+    view_cosine: float
+    view_noise: float
+    dropout_rate: float
     kill_down_rate: float
     kill_refused_rate: float
     spawn_down_rate: float
@@ -141,6 +164,15 @@ class Settings(NamedTuple):
     rejected_request_weight: float
     progress_weight: float
     time_weight: float
+
+
+class SeatLimits(NamedTuple):
+    """R2.5, R2.7, R5.3: what one hunter can."""
+
+    max_speed: float
+    min_speed: float
+    max_turn_rate: float
+    reach_um: float
 
 
 RANKS_PER_WORD: Final = 8
@@ -157,16 +189,44 @@ def target_order_rows(targets_seen: int) -> int:
 
 
 @rule
-def block_rows(hunters: int, slots: int, targets_seen: int) -> int:
+def slot_rows(motion: int) -> int:
+    """How many rows a slot has."""
+    return STILL_SLOT_ROWS if motion == STILL else MOVING_SLOT_ROWS
+
+
+@rule
+def block_rows(hunters: int, slots: int, rows_of_slot: int, targets_seen: int) -> int:
     """How many rows a block has."""
-    return ARENA_ROWS + hunters * HUNTER_ROWS + slots * SLOT_ROWS + hunters * target_order_rows(targets_seen)
+    return ARENA_ROWS + hunters * HUNTER_ROWS + slots * rows_of_slot + hunters * target_order_rows(targets_seen)
+
+
+@inlined
+def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
+    """What one hunter can, from the section of all."""
+    return SeatLimits(limits[seat, 0], limits[seat, 1], limits[seat, 2], limits[seat, 3])
 
 
 @inlined
 def targets_of(block: Block, s: Settings) -> Block:
-    """The target slots of a block: slot n begins at n * SLOT_SIZE."""
+    """The target slots of a block: slot n begins at n * s.slot_size."""
     first = (ARENA_ROWS + s.hunters * HUNTER_ROWS) * LANES
-    return block[first : first + s.slots * SLOT_SIZE]
+    return block[first : first + s.slots * s.slot_size]
+
+
+@phase
+def most_alive(arena: Block, lanes: int) -> int:
+    """How many targets are alive in the lane that has most; `lanes`, how many lanes are arenas."""
+    most = 0.0
+    for lane in range(lanes):
+        most = arena[ALIVE + lane] if arena[ALIVE + lane] > most else most
+    return int(most)
+
+
+@inlined
+def body_of(targets: Block, slot: int, s: Settings) -> Block:
+    """The body of the target in one slot, where targets move."""
+    first = slot * s.slot_size + BODY
+    return targets[first : first + BODY_ROWS * LANES]
 
 
 @inlined
@@ -180,7 +240,7 @@ def seat_of(block: Block, seat: int) -> Block:
 def target_order_of(block: Block, seat: int, s: Settings) -> Block:
     """The targets in the order in which one seat sees them: see `slot_at_rank`."""
     rows = target_order_rows(s.targets_seen)
-    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + s.slots * SLOT_ROWS + seat * rows) * LANES
+    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + seat * rows) * LANES + s.slots * s.slot_size
     return block[first : first + rows * LANES]
 
 

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from catch_arena.core.arbiter import RequestTable
 from catch_arena.core.catching import resolve_requests, write_evidence
 from catch_arena.core.controllers import apply_actions
+from catch_arena.core.dropouts import drop_out
 from catch_arena.core.episodes import (
     begin,
     begin_again,
@@ -21,7 +22,8 @@ from catch_arena.core.observations import observe
 from catch_arena.core.physics import move
 from catch_arena.core.rewards import reward
 from catch_arena.core.spawner import spawn_through
-from catch_arena.core.state import LANES, Settings, targets_of
+from catch_arena.core.state import LANES, STILL, Settings, targets_of
+from catch_arena.core.targets import command_targets
 from catch_arena.core.vectors import Width
 from catch_arena.core.workspace import Scratch, scratch_of
 
@@ -46,9 +48,14 @@ def play(
     had_ended = some_ended(block, lanes)
     if had_ended:
         take_snapshot(block, scratch.snapshot)
-    apply_actions(block, s, width, lanes, sections.controls, choices[first:last], commands[first:last], scratch)
-    resolve_requests(block, s, width, lanes, targets, named, scratch)
-    move(block, s, width, lanes, scratch.rows)
+    if s.dropout_rate > 0.0:
+        drop_out(block, s, lanes)
+    controls, limits = sections.controls, sections.limits
+    apply_actions(block, s, width, lanes, controls, limits, choices[first:last], commands[first:last], scratch)
+    if s.target_motion != STILL:
+        command_targets(block, s, width, lanes, targets, scratch.rows)
+    resolve_requests(block, s, width, lanes, targets, limits, named, scratch)
+    move(block, s, width, lanes, targets, scratch.rows)
     spawn_through(block, targets, lanes, s)
     end_test(block, s, width)
     reward(block, s, width, lanes, scratch, rewards, parts)

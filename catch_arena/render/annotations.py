@@ -227,7 +227,7 @@ def _text_shapes(
     taken = [
         _TextBox(x, y, 0.32 * len(str(seat)) * number_size, 0.45 * number_size) for seat, (x, y) in enumerate(numbers)
     ]
-    reach = info.config.reach_m * viewport.scale
+    reach = max(info.config.reaches) * viewport.scale
     length = viewport.hunter_length
     briefly = length < 26 or sum(annotation.kind == "refused" for annotation in annotations) > MOST_REASONS
     shapes: list[Shape] = []

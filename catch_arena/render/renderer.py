@@ -259,7 +259,7 @@ class ArenaPainter:
 
     def _led_to(self, last: World, world: World) -> bool:
         """Nobody can have driven further."""
-        furthest = self._renderer.info.config.max_speed_mps * (world.time_ms - last.time_ms + 16) / 1000.0 + 1e-6
+        furthest = max(self._renderer.info.config.max_speeds) * (world.time_ms - last.time_ms + 16) / 1000.0 + 1e-6
         return all(
             abs(now.x - then.x) <= furthest and abs(now.y - then.y) <= furthest
             for then, now in zip(last.hunters, world.hunters, strict=True)

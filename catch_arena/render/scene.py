@@ -60,9 +60,8 @@ def arena_shapes(
     shapes: list[Shape] = []
     for target in targets:
         shapes += _target(viewport, target, time_ms)
-    reach = info.config.reach_m * viewport.scale
     for seat, hunter in enumerate(hunters):
-        shapes += _hunter(viewport, hunter, poses[seat], info.color(seat), reach)
+        shapes += _hunter(viewport, hunter, poses[seat], info.color(seat), info.config.reaches[seat] * viewport.scale)
     return shapes + annotation_shapes(viewport, info, poses, annotations, time_ms)
 
 

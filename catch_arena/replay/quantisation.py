@@ -151,10 +151,10 @@ def _commanded(config: ArenaConfig, commands: NDArray[np.float32]) -> list[Matri
     """R2.5: the velocities that each seat's commands ask for, with a row of zeros before the first: (steps + 1, 2);
     None under target control.
     """
-    high = np.array([config.max_speed_mps, config.max_turn_rate_radps], dtype=np.float64)
-    low = -high if config.reverse else high * [0.0, -1.0]
     found: list[Matrix | None] = [None] * config.hunters
     for seat in driven_seats(config):
+        high = np.array([config.max_speeds[seat], config.max_turn_rates[seat]], dtype=np.float64)
+        low = -high if config.reverse else high * [0.0, -1.0]
         asked = np.clip(commands[:, seat].astype(np.float64) * high, low, high)
         found[seat] = np.vstack((np.zeros((1, 2), dtype=np.int64), rounded(asked, 1e6)))
     return found

@@ -82,6 +82,8 @@ class Spec:
 
     title: str
     tests: tuple[Test, ...]
+    seed_file: Path | None = None
+    """Where its seeds were read from, if not from itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +143,7 @@ def read_spec(path: Path) -> Spec:
             raise ConfigError("test must be given at least once, as [[test]], got none")
     except CatchArenaError as error:
         raise ConfigError(f"{path}: {error}") from None
-    return Spec(title, tests)
+    return Spec(title, tests, path.parent / table["seed_file"] if "seed_file" in table else None)
 
 
 def grade_agent(

@@ -35,9 +35,10 @@ class Step:
     @classmethod
     def drawn(cls, config: ArenaConfig, random: Random) -> "Step":
         """All of it on a few points, a third of the reach apart."""
+        reach = max(config.reaches)
 
         def point() -> tuple[float, float]:
-            return random.randrange(4) * config.reach_m / 3.0, random.randrange(4) * config.reach_m / 3.0
+            return random.randrange(4) * reach / 3.0, random.randrange(4) * reach / 3.0
 
         targets = {f"target_turtle_{number + 1}": point() for number in range(_TARGETS)}
         names = [*targets, "nobody"]
@@ -55,7 +56,7 @@ class Step:
             hunters=self.hunters,
             targets=self.targets,
             requests=self.requests,
-            reach_m=self.config.reach_m,
+            reach_m=max(self.config.reaches),
             policy=self.config.policy,
             seed=self.seed,
         )

@@ -10,11 +10,13 @@ import time
 from pathlib import Path
 
 import pytest
+from isolation_levels import LEVELS
 from typer.testing import CliRunner
 
 from catch_arena.cli import arena, main
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import agent_class
+from catch_arena.tournament.isolation.levels import level_line
 
 ROOT = Path(__file__).parents[2]
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
@@ -94,7 +96,8 @@ def test_one_that_is_trusted_and_one_that_is_isolated_play_the_same_tournament(c
         ("b", ["--limit", "step_ms=50"], "step_ms is 100.0 there, and 50 here"),
     ):
         refused = catch_arena(*words, "--out", out, "--resume", *how)
-        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
+        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 2)
+        assert refused.stderr.startswith(f"{level_line(LEVELS[0])}\ncatch-arena: ")
         assert message in refused.stderr
 
 
@@ -102,7 +105,7 @@ def test_a_match_says_who_forfeited_and_what_they_printed(catch_arena):
     result = catch_arena("match", str(BAD / "crashes.py"), "nearest", *QUICK)
     assert result.exit_code == 0, result.output
     assert "crashes: FORFEIT_CRASH in step 5: act raised ZeroDivisionError" in result.stdout
-    assert result.stderr.startswith("crashes printed:\nTraceback")
+    assert result.stderr.startswith(f"{level_line(LEVELS[0])}\ncrashes printed:\nTraceback")
 
 
 def test_a_match_that_cannot_be_held_is_told_in_one_line_with_what_is_kept(catch_arena, tmp_path):
@@ -337,7 +340,7 @@ def test_an_agent_that_was_changed_does_not_continue_a_tournament(catch_arena, t
     assert "the digest of agent mine is" in catch_arena(*words).stderr
 
 
-@pytest.mark.parametrize("how", [["--trusted"], ["--limit", "step_ms=1000000"]])
+@pytest.mark.parametrize("how", [["--trusted"], ["--limit", "step_ms=1000000", "--isolation", "processes"]])
 def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
     hang = tmp_path / "hang.py"
     hang.write_text(
@@ -357,8 +360,9 @@ def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
     finally:
         process.kill()
     assert process.returncode == 130
+    said = "" if how == ["--trusted"] else f"{level_line('processes')}\n"
     assert errors == (
-        "catch-arena: interrupted: 0 of 2 matches are kept in o; the same command with --resume goes on\n"
+        f"{said}catch-arena: interrupted: 0 of 2 matches are kept in o; the same command with --resume goes on\n"
     )
     assert [path.name for path in (tmp_path / "o").iterdir()] == ["tournament.sqlite"]
 
@@ -379,7 +383,7 @@ def test_names_of_any_script_play_and_are_written_whatever_the_terminal_can_show
     done = subprocess.run(
         words, cwd=tmp_path, env={**environment, **settings}, capture_output=True, encoding="utf-8", check=False
     )
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, f"{level_line(LEVELS[0])}\n")
     assert re.search(rf"2 *\|? *{re.escape(shown)} ", done.stdout), done.stdout
     assert "act raised ValueError: zu spät" in (tmp_path / "größe" / "logs" / "jäger_亀.log").read_text(
         encoding="utf-8"

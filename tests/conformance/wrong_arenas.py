@@ -174,7 +174,7 @@ class CreditsOneHunterOnly(OracleArena):
 class MeasuresInMillimetres(OracleArena):
     def __init__(self, settings: Any) -> None:
         super().__init__(settings)
-        self.reach_um = math.ceil(self.reach_um / 1000) * 1000 + 1
+        self.reaches_um = [math.ceil(reach / 1000) * 1000 + 1 for reach in self.reaches_um]
 
 
 WRONG: Sequence[tuple[type[OracleArena], str, str]] = (

@@ -11,6 +11,7 @@ import catch_arena
 from catch_arena.errors import ActionError, CatchArenaError, ConfigError, EpisodeError
 
 NAN = float("nan")
+INFINITY = float("inf")
 
 BAD_CONFIGS = [
     ({"reach_m": -0.3}, "reach_m must be above 0 and at most 10000, got -0.3"),
@@ -29,7 +30,31 @@ BAD_CONFIGS = [
     ({"control": "telepathy"}, "control must be one of target, velocity, full, got 'telepathy'"),
     ({"control": ("target",)}, "control must have one word for each of 4 hunters, got 1"),
     ({"policy": "nearst"}, "did you mean nearest?"),
-    ({"target_motion": "flee"}, "target_motion must be 'still'"),
+    ({"target_motion": "run"}, "target_motion must be one of still, wander, flee, got 'run'"),
+    ({"target_speed_mps": INFINITY}, "target_speed_mps must be a finite number above 0, got inf"),
+    ({"target_speed_mps": 0.0}, "target_speed_mps must be above 0 and at most 1000, got 0.0"),
+    ({"target_turn_rate_radps": -3.0}, "target_turn_rate_radps must be above 0 and at most 1000, got -3.0"),
+    ({"wander_period_ms": 0}, "wander_period_ms must be a whole number from 1 to 1000000000, got 0"),
+    ({"wander_period_ms": 1000.0}, "wander_period_ms must be a whole number from 1 to 1000000000, got 1000.0"),
+    ({"alarm_m": -0.1}, "alarm_m must be at least 0 and at most 10000, got -0.1"),
+    ({"max_speed_mps": INFINITY}, "max_speed_mps must be a finite number above 0, got inf"),
+    ({"max_speed_mps": (2.0, 1.0)}, "max_speed_mps must be one number, or one for each of 4 hunters, got (2.0, 1.0)"),
+    ({"max_speed_mps": [2, 1]}, "max_speed_mps must be one number, or one for each of 4 hunters, got (2, 1)"),
+    ({"max_speed_mps": ()}, "max_speed_mps must be one number, or one for each of 4 hunters, got ()"),
+    ({"max_turn_rate_radps": (4.0, 4.0, INFINITY, 4.0)}, "max_turn_rate_radps[2] must be a finite number above 0, got"),
+    ({"reach_m": (0.3, 0.3, 0.3, 0.0)}, "reach_m[3] must be above 0 and at most 10000, got 0.0"),
+    ({"reach_m": (0.3, 0.3, "0.3", 0.3)}, "reach_m[2] must be a finite number above 0, got '0.3'"),
+    ({"view_radius_m": 0}, "view_radius_m must be above 0 and at most 10000, got 0"),
+    ({"view_radius_m": NAN}, "view_radius_m must be a finite number above 0, got nan"),
+    ({"view_angle_deg": 400}, "view_angle_deg must be above 0 and at most 360, got 400"),
+    ({"view_angle_deg": 0}, "view_angle_deg must be above 0 and at most 360, got 0"),
+    ({"view_angle_deg": None}, "view_angle_deg must be a finite number above 0, got None"),
+    ({"view_noise_m": -1e-9}, "view_noise_m must be at least 0 and at most 1000, got -1e-09"),
+    ({"policy": "capstone", "view_radius_m": 3.0}, "view_radius_m must be None under the policy 'capstone', got 3.0"),
+    ({"policy": "capstone", "view_angle_deg": 90}, "view_angle_deg must be 360 under the policy 'capstone', got 90"),
+    ({"dropout_rate": 1.01}, "dropout_rate must be at least 0 and at most 1, got 1.01"),
+    ({"dropout_rate": NAN}, "dropout_rate must be a finite number at least 0, got nan"),
+    ({"dropouts": "stay"}, "dropouts must be one of leave, fixed, got 'stay'"),
     ({"side_m": 1.0}, "side_m must be at least 2"),
     ({"hunter_poses": ((1.0, 1.0, 0.0),)}, "hunter_poses must be 4 poses"),
     ({"hunter_poses": ((1.0, 99.0, 0.0),) * 4}, "hunter_poses[0].y must be at least 0 and at most 11.0889, got 99.0"),

@@ -12,7 +12,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from oracle.arithmetic import (
+    DROPOUT,
     DT,
+    ERROR,
     KILL_DOWN,
     KILL_REFUSED,
     LOT,
@@ -22,7 +24,9 @@ from oracle.arithmetic import (
     SPAWN_REFUSED,
     START_TURN,
     TAU,
+    THREAT,
     TICKET,
+    WANDER,
     atan2,
     clamp,
     draw,
@@ -70,6 +74,11 @@ def reach_in_micrometres(reach_m: float) -> int:
     return max(1, math.floor(1000000.0 * reach_m + 0.5))
 
 
+def by_seat(value: float | Sequence[float], count: int) -> list[float]:
+    """R2.7: a number for all hunters, or one for each seat."""
+    return [value] * count if isinstance(value, int | float) else list(value)
+
+
 def nearness(x: float, y: float, x_other: float, y_other: float) -> int:
     """A.7, geometry: near, by which what is seen is ordered."""
     dx = x_other - x
@@ -78,21 +87,28 @@ def nearness(x: float, y: float, x_other: float, y_other: float) -> int:
     return (int(bits) + 32) // 64
 
 
-class Hunter:
-    """One hunter: its pose, its commands, its controller's memory and its score."""
+class Turtle:
+    """What chapter 2 moves: a pose, a command, and whether the last step met a wall."""
 
-    def __init__(self, seat: int, x: float, y: float, theta: float) -> None:
-        self.seat = seat
+    def __init__(self, x: float, y: float, theta: float) -> None:
         self.x = x
         self.y = y
         self.theta = theta
         self.v = 0.0
         self.w = 0.0
+        self.at_wall = False
+
+
+class Hunter(Turtle):
+    """One hunter: besides, its controller's memory and its score."""
+
+    def __init__(self, seat: int, x: float, y: float, theta: float) -> None:
+        super().__init__(x, y, theta)
+        self.seat = seat
         self.distance_integral = 0.0
         self.bearing_integral = 0.0
         self.active = 0
         self.score = 0
-        self.at_wall = False
         self.withdrawn = False
 
     def stand_still(self) -> None:
@@ -102,14 +118,12 @@ class Hunter:
         self.active = 0
 
 
-class Target:
+class Target(Turtle):
     """One alive target."""
 
     def __init__(self, number: int, x: float, y: float, theta: float, appeared: int) -> None:
+        super().__init__(x, y, theta)
         self.number = number
-        self.x = x
-        self.y = y
-        self.theta = theta
         self.appeared = appeared
 
 
@@ -163,7 +177,7 @@ def judge(
     hunters: Sequence[tuple[float, float]],
     targets: Mapping[str, tuple[float, float]],
     requests: Sequence[tuple[int, object]],
-    reach_m: float = 0.3,
+    reach_m: float | Sequence[float] = 0.3,
     policy: str = "nearest",
     seed: int = 0,
     step: int = 0,
@@ -177,7 +191,7 @@ def judge(
     names = list(targets)
     number_of = {name: place for place, name in enumerate(names, start=1)}
     caught, inactive = set(caught), set(inactive)
-    reach_um = reach_in_micrometres(reach_m)
+    reaches_um = [reach_in_micrometres(reach) for reach in by_seat(reach_m, len(hunters))]
     judged: list[Request] = []
     seen: set[int] = set()
     for seat, name in requests:
@@ -207,7 +221,7 @@ def judge(
         else:
             request.number = number_of[name]
             request.distance_um = micrometres(distance(*hunters[seat], *targets[name]))
-            if not request.distance_um < reach_um:
+            if not request.distance_um < reaches_um[seat]:
                 request.verdict = OUT_OF_REACH
     refused = [number_of[name] for name in kill_refused if name in number_of]
     decide_contests(judged, refused, policy, seed, step)
@@ -237,10 +251,11 @@ class OracleArena:
             self.limit = max(1, math.floor(1000.0 * settings["time_limit_s"] + 0.5))
         frequency = settings["spawn_frequency_hz"]
         self.spawn_period = max(1, math.floor(1000 / frequency + 0.5)) if frequency > 0 else 5000
-        self.reach_um = reach_in_micrometres(settings["reach_m"])
-        self.v_max: float = settings["max_speed_mps"]
-        self.v_low: float = -self.v_max if settings["reverse"] else 0.0
-        self.w_max: float = settings["max_turn_rate_radps"]
+        self.reaches_um = [reach_in_micrometres(reach) for reach in by_seat(settings["reach_m"], count)]
+        self.v_max = by_seat(settings["max_speed_mps"], count)
+        self.v_low = [-v_max if settings["reverse"] else 0.0 for v_max in self.v_max]
+        self.w_max = by_seat(settings["max_turn_rate_radps"], count)
+        self.targets_move: bool = settings["target_motion"] != "still"
         self.policy: str = settings["policy"]
         self.budget: int | None = settings["target_budget"]
 
@@ -301,7 +316,10 @@ class OracleArena:
         x = last if x > last else x
         y = low + f_y * (high - low)
         y = last if y > last else y
-        self.alive.append(Target(number, x, y, TAU * f_theta, when))
+        theta = TAU * f_theta
+        if self.targets_move:
+            theta = wrap(theta)
+        self.alive.append(Target(number, x, y, theta, when))
         self.spawned += 1
 
     def withdraw(self, seat: int) -> None:
@@ -328,12 +346,16 @@ class OracleArena:
         """R1.4's seven phases."""
         if self.terminated or self.truncated:
             raise RuntimeError("the episode has ended")
+        self._drop_out()
         requests = [self._intake(hunter, action) for hunter, action in zip(self.hunters, actions, strict=True)]
+        if self.targets_move:
+            for target in self.alive:
+                self._choose(target)
         self._judge(requests)
         self._commit(requests)
-        goals = [self._nearest_target(hunter) for hunter in self.hunters]
+        goals = [self._goal(hunter) for hunter in self.hunters]
         before = [
-            distance(hunter.x, hunter.y, goal.x, goal.y) if goal is not None else 0.0
+            distance(hunter.x, hunter.y, *goal) if goal is not None else 0.0
             for hunter, goal in zip(self.hunters, goals, strict=True)
         ]
         self._move()
@@ -344,6 +366,13 @@ class OracleArena:
         self.terminated = done
         self.truncated = not done and self.time >= self.limit
         self._reward(requests, goals, before)
+
+    def _drop_out(self) -> None:
+        """R1.7: before phase 1."""
+        stream = draw(key(self.seed, DROPOUT), self.steps)
+        for hunter in self.hunters:
+            if not hunter.withdrawn and fraction(draw(stream, hunter.seat)) < self.settings["dropout_rate"]:
+                self.withdraw(hunter.seat)
 
     def _intake(self, hunter: Hunter, action: Action) -> Request | None:
         """Phases 1 and 2: the hunter's command for this step; its request, if it makes one."""
@@ -376,19 +405,21 @@ class OracleArena:
             assert command is not None
             hunter.stand_still()
             hunter.active = wanted.number if wanted is not None and control == "full" else 0
-            hunter.v = clamp(to_float32(command[0]) * self.v_max, self.v_low, self.v_max)
-            hunter.w = clamp(to_float32(command[1]) * self.w_max, -self.w_max, self.w_max)
+            v_max, w_max = self.v_max[hunter.seat], self.w_max[hunter.seat]
+            hunter.v = clamp(to_float32(command[0]) * v_max, self.v_low[hunter.seat], v_max)
+            hunter.w = clamp(to_float32(command[1]) * w_max, -w_max, w_max)
         if wanted is None or (control == "target" and not self._in_reach(hunter, wanted)):
             return None
         return Request(hunter.seat, wanted.number)
 
     def _in_reach(self, hunter: Hunter, target: Target) -> bool:
-        return micrometres(distance(hunter.x, hunter.y, target.x, target.y)) < self.reach_um
+        return micrometres(distance(hunter.x, hunter.y, target.x, target.y)) < self.reaches_um[hunter.seat]
 
     def _steer(self, hunter: Hunter, target: Target) -> None:
         """R4.3: the hosted controller."""
         gains = self.settings["gains"]
         seconds = self.period / 1000.0
+        v_low, v_max, w_max = self.v_low[hunter.seat], self.v_max[hunter.seat], self.w_max[hunter.seat]
         if target.number != hunter.active:
             hunter.distance_integral = hunter.bearing_integral = 0.0
         hunter.active = target.number
@@ -398,15 +429,73 @@ class OracleArena:
 
         grown = hunter.distance_integral + d * seconds
         v = gains["kp_v"] * d + gains["ki_v"] * grown
-        if not ((v > self.v_max and d > 0) or (v < self.v_low and d < 0)):
+        if not ((v > v_max and d > 0) or (v < v_low and d < 0)):
             hunter.distance_integral = grown
-        hunter.v = clamp(v, self.v_low, self.v_max)
+        hunter.v = clamp(v, v_low, v_max)
 
         grown = hunter.bearing_integral + e * seconds
         w = gains["kp_w"] * e + gains["ki_w"] * grown
-        if not ((w > self.w_max and e > 0) or (w < -self.w_max and e < 0)):
+        if not ((w > w_max and e > 0) or (w < -w_max and e < 0)):
             hunter.bearing_integral = grown
-        hunter.w = clamp(w, -self.w_max, self.w_max)
+        hunter.w = clamp(w, -w_max, w_max)
+
+    def _choose(self, target: Target) -> None:
+        """R3.8: phase 2 of a moving target."""
+        speed: float = self.settings["target_speed_mps"]
+        if self.settings["target_motion"] == "wander":
+            self._wander(target, speed)
+            return
+        threat = self._threat(target)
+        if threat is None:
+            self._wander(target, speed / 2.0)
+        else:
+            self._flee(target, threat)
+
+    def _wander(self, target: Target, speed: float) -> None:
+        """R3.9."""
+        if target.at_wall:
+            target.w = self._turn_towards(target, self.side / 2.0 - target.x, self.side / 2.0 - target.y)
+        else:
+            periods = (self.time - target.appeared) // self.settings["wander_period_ms"]
+            f = fraction(draw(draw(key(self.seed, WANDER), target.number), periods))
+            target.w = (2.0 * f - 1.0) * self.settings["target_turn_rate_radps"]
+        target.v = speed
+
+    def _threat(self, target: Target) -> Hunter | None:
+        """R3.10: the hunter that the target flees from, if there is one."""
+        lots = draw(draw(key(self.seed, THREAT), self.steps), target.number)
+        found = [
+            (micrometres(distance(target.x, target.y, hunter.x, hunter.y)), draw(lots, hunter.seat), hunter.seat)
+            for hunter in self.hunters
+            if not hunter.withdrawn
+        ]
+        if not found:
+            return None
+        um, _, seat = min(found)
+        return self.hunters[seat] if um < micrometres(self.settings["alarm_m"]) else None
+
+    def _flee(self, target: Target, threat: Hunter) -> None:
+        """R3.10: away from the threat, and off the walls."""
+        d = distance(target.x, target.y, threat.x, threat.y)
+        if d > 0:
+            away_x = (target.x - threat.x) / d
+            away_y = (target.y - threat.y) / d
+        else:
+            away_y, away_x = sincos(target.theta)
+        push_x, push_y = self._push(target.x), self._push(target.y)
+        target.w = self._turn_towards(target, away_x + 2.0 * push_x, away_y + 2.0 * push_y)
+        target.v = self.settings["target_speed_mps"]
+
+    def _push(self, c: float) -> float:
+        """A.7: how deep in the wall's metre a coordinate lies, with the sign of the way out."""
+        return 1.0 - c if c < 1.0 else ((self.side - 1.0) - c if c > self.side - 1.0 else 0.0)
+
+    def _turn_towards(self, target: Target, px: float, py: float) -> float:
+        """A.7's steer: the turn rate towards a direction in the world frame."""
+        sine, cosine = sincos(target.theta)
+        e = wrap(atan2(cosine * py - sine * px, cosine * px + sine * py))
+        w_max = self.settings["target_turn_rate_radps"]
+        return clamp(6.0 * e, -w_max, w_max)
 
     def _judge(self, requests: Sequence[Request | None]) -> None:
         """Phase 3: R5.2's tests, for the requests that a step can hold."""
@@ -428,7 +517,7 @@ class OracleArena:
             else:
                 target = by_number[request.number]
                 request.distance_um = micrometres(distance(hunter.x, hunter.y, target.x, target.y))
-                if not request.distance_um < self.reach_um:
+                if not request.distance_um < self.reaches_um[request.seat]:
                     request.verdict = OUT_OF_REACH
         decide_contests(made, self._unkillable(), self.policy, self.seed, self.steps)
 
@@ -464,21 +553,25 @@ class OracleArena:
             self._drive(hunter, len(fresh))
             if len(fresh) < len(ticks):
                 hunter.v = hunter.w = 0.0
+        if self.targets_move:
+            for target in self.alive:
+                target.at_wall = False
+                self._drive(target, len(ticks))
 
-    def _drive(self, hunter: Hunter, ticks: int) -> None:
-        stride = hunter.v * DT
-        turn = hunter.w * DT
-        sine, cosine = sincos(hunter.theta)
+    def _drive(self, turtle: Turtle, ticks: int) -> None:
+        stride = turtle.v * DT
+        turn = turtle.w * DT
+        sine, cosine = sincos(turtle.theta)
         turn_sine, turn_cosine = sincos(turn)
         for _ in range(ticks):
             sine, cosine = sine * turn_cosine + cosine * turn_sine, cosine * turn_cosine - sine * turn_sine
-            x = hunter.x + cosine * stride
-            y = hunter.y + sine * stride
-            hunter.x = clamp(x, 0.0, self.side)
-            hunter.y = clamp(y, 0.0, self.side)
-            if hunter.x != x or hunter.y != y:
-                hunter.at_wall = True
-        hunter.theta = wrap(hunter.theta + turn * ticks)
+            x = turtle.x + cosine * stride
+            y = turtle.y + sine * stride
+            turtle.x = clamp(x, 0.0, self.side)
+            turtle.y = clamp(y, 0.0, self.side)
+            if turtle.x != x or turtle.y != y:
+                turtle.at_wall = True
+        turtle.theta = wrap(turtle.theta + turn * ticks)
 
     def _spawn(self) -> None:
         """Phase 5, spawning: the timer's firings in (t, t + period]."""
@@ -500,12 +593,16 @@ class OracleArena:
                 else:
                     self._appear(self.used, firing * self.spawn_period)
 
-    def _nearest_target(self, hunter: Hunter) -> Target | None:
+    def _goal(self, hunter: Hunter) -> tuple[float, float] | None:
+        """R6.2: where the nearest seen target stood on S_t."""
         ranked = self._ranked_targets(hunter)
-        return ranked[0] if ranked else None
+        return (ranked[0].x, ranked[0].y) if ranked else None
 
     def _reward(
-        self, requests: Sequence[Request | None], goals: Sequence[Target | None], before: Sequence[float]
+        self,
+        requests: Sequence[Request | None],
+        goals: Sequence[tuple[float, float] | None],
+        before: Sequence[float],
     ) -> None:
         """Phase 7: R6.2."""
         weights = self.settings["rewards"]
@@ -515,7 +612,7 @@ class OracleArena:
         for hunter, verdict, goal, was in zip(self.hunters, verdicts, goals, before, strict=True):
             progress = 0.0
             if goal is not None:
-                progress = was - distance(hunter.x, hunter.y, goal.x, goal.y)
+                progress = was - distance(hunter.x, hunter.y, *goal)
             own = catches[hunter.seat]
             parts = (
                 own,
@@ -535,10 +632,25 @@ class OracleArena:
 
     # ---- what is seen ----
 
+    def _sees(self, hunter: Hunter, other: Turtle) -> bool:
+        """R7.5: within reach, or within the radius and the cone."""
+        d = distance(hunter.x, hunter.y, other.x, other.y)
+        um = micrometres(d)
+        if um < self.reaches_um[hunter.seat]:
+            return True
+        radius, angle = self.settings["view_radius_m"], self.settings["view_angle_deg"]
+        if radius is not None and not um < micrometres(radius):
+            return False
+        if angle == 360:
+            return True
+        _, edge = sincos(angle * PI / 360.0)
+        forward, _ = in_own_frame(hunter, other.x, other.y)
+        return forward >= d * edge
+
     def _ranked_targets(self, hunter: Hunter) -> list[Target]:
-        """R7.1's order: near, then spawn number."""
+        """R7.1's order of the seen targets: near, then spawn number."""
         return sorted(
-            self.alive,
+            (target for target in self.alive if self._sees(hunter, target)),
             key=lambda target: (
                 nearness(hunter.x, hunter.y, target.x, target.y),
                 target.number,
@@ -582,29 +694,44 @@ class OracleArena:
         for target in targets:
             forward, left = in_own_frame(hunter, target.x, target.y)
             active = 1.0 if target.number == hunter.active else 0.0
-            numbers += [forward, left, 1.0, (self.time - target.appeared) / 1000.0, active]
-        numbers += [0.0] * (5 * (self.targets_seen - len(targets)))
+            numbers += self._blurred(forward, left, hunter.seat, 0, target.number)
+            numbers += [1.0, (self.time - target.appeared) / 1000.0, active]
+            if self.targets_move:
+                numbers += [*relative_heading(hunter, target), target.v]
+        columns = 8 if self.targets_move else 5
+        numbers += [0.0] * (columns * (self.targets_seen - len(targets)))
         rivals = sorted(self._rivals(hunter))[: self.hunters_seen]
-        for _, minus_left, *others in rivals:
+        for _, minus_left, *others, seat in rivals:
             forward, relative_cosine, relative_sine, velocity, difference = (-number for number in others)
-            numbers += [forward, -minus_left, 1.0, relative_cosine, relative_sine, velocity, difference]
+            numbers += self._blurred(forward, -minus_left, hunter.seat, 1, int(seat))
+            numbers += [1.0, relative_cosine, relative_sine, velocity, difference]
         numbers += [0.0] * (7 * (self.hunters_seen - len(rivals)))
         return numbers
 
+    def _blurred(self, forward: float, left: float, observer: int, kind: int, who: int) -> list[float]:
+        """R7.6: forward and left as the observer has them."""
+        if self.settings["view_noise_m"] == 0:
+            return [forward, left]
+        return [forward + self._noise(observer, kind, who, 0), left + self._noise(observer, kind, who, 1)]
+
+    def _noise(self, observer: int, kind: int, who: int, axis: int) -> float:
+        k = draw(draw(draw(draw(draw(key(self.seed, ERROR), self.steps), observer), kind), who), axis)
+        f_0, f_1, f_2, f_3 = (fraction(draw(k, i)) for i in range(4))
+        s: float = self.settings["view_noise_m"]
+        return s * 1.7320508075688772 * (f_0 + f_1 + f_2 + f_3 - 2.0)
+
     def _rivals(self, hunter: Hunter) -> list[tuple[float, ...]]:
-        """For each rival a tuple that sorts as R7.1 says: near, then its numbers negated, left first."""
-        sine, cosine = sincos(hunter.theta)
+        """For each seen rival a tuple that sorts as R7.1 says: near, its numbers negated, left first, and its seat."""
         rows = []
         for rival in self.hunters:
-            if rival is hunter or rival.withdrawn:
+            if rival is hunter or rival.withdrawn or not self._sees(hunter, rival):
                 continue
             forward, left = in_own_frame(hunter, rival.x, rival.y)
             near = nearness(hunter.x, hunter.y, rival.x, rival.y)
-            its_sine, its_cosine = sincos(rival.theta)
-            relative_cosine = its_cosine * cosine + its_sine * sine
-            relative_sine = its_sine * cosine - its_cosine * sine
+            relative_cosine, relative_sine = relative_heading(hunter, rival)
             difference = float(rival.score - hunter.score)
-            rows.append((near, -left, -forward, -relative_cosine, -relative_sine, -rival.v, -difference))
+            row = (near, -left, -forward, -relative_cosine, -relative_sine, -rival.v, -difference, rival.seat)
+            rows.append(row)
         return rows
 
     # ---- digest ----
@@ -637,6 +764,8 @@ class OracleArena:
             ]
         for target in self.alive:
             numbers += [target.number, target.x, target.y, target.theta, target.appeared]
+            if self.targets_move:
+                numbers += [target.v, target.w, target.at_wall]
         return [float(number) for number in numbers]
 
     def number_names(self) -> list[str]:
@@ -645,8 +774,9 @@ class OracleArena:
         own = ("x", "y", "theta", "v", "w", "I_d", "I_e", "active", "score", "at_wall", "withdrawn")
         for hunter in self.hunters:
             names += [f"hunter_{hunter.seat}.{name}" for name in own]
+        moving = ("v", "w", "at_wall") if self.targets_move else ()
         for target in self.alive:
-            names += [f"target {target.number}.{name}" for name in ("number", "x", "y", "theta", "appeared")]
+            names += [f"target {target.number}.{name}" for name in ("number", "x", "y", "theta", "appeared", *moving)]
         return names
 
     def digest(self) -> bytes:
@@ -661,3 +791,10 @@ def in_own_frame(hunter: Hunter, x: float, y: float) -> tuple[float, float]:
     dx = x - hunter.x
     dy = y - hunter.y
     return cosine * dx + sine * dy, cosine * dy - sine * dx
+
+
+def relative_heading(hunter: Hunter, other: Turtle) -> tuple[float, float]:
+    """A.7, observation: cosine and sine of another's heading relative to the hunter's."""
+    sine, cosine = sincos(hunter.theta)
+    its_sine, its_cosine = sincos(other.theta)
+    return its_cosine * cosine + its_sine * sine, its_sine * cosine - its_cosine * sine

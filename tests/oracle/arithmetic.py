@@ -135,6 +135,10 @@ SPAWN_DOWN: Final = 7
 SPAWN_REFUSED: Final = 8
 NEXT_SEED: Final = 9
 ROW_SEED: Final = 10
+WANDER: Final = 11
+THREAT: Final = 12
+ERROR: Final = 13
+DROPOUT: Final = 14
 
 
 def mix(z: int) -> int:

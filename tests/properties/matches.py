@@ -73,6 +73,26 @@ def some_config(source: Random) -> ArenaConfig:
     }
     if chance() < 0.3:
         settings["hunter_poses"] = tuple(some_pose(source, side) for _ in range(hunters))
+    if chance() < 0.3:  # R2.7
+        for name in ("max_speed_mps", "max_turn_rate_radps", "reach_m"):
+            settings[name] = tuple(settings[name] * pick([0.5, 1.0, 1.0]) for _ in range(hunters))
+    if chance() < 0.5:
+        settings |= {
+            "target_motion": pick(["wander", "flee", "flee"]),
+            "target_speed_mps": pick([0.2, 1.0, 1.0, 5.0, 1000.0]),
+            "target_turn_rate_radps": pick([0.1, 3.0, 3.0, 30.0, 1000.0]),
+            "wander_period_ms": pick([1, 16, 100, 333, 1000, 10**9]),
+            "alarm_m": pick([0.0, 2.0, 0.3 * side, 2.0 * side]),
+        }
+    if settings["policy"] != "capstone" and chance() < 0.4:
+        settings |= {
+            "view_radius_m": pick([None, 1e-7, 0.3 * side, 0.5 * side, 1.5 * side]),
+            "view_angle_deg": pick([360.0, 360.0, 1e-3, 90.0, 180.0, 270.0, source.uniform(1, 359)]),
+        }
+    if chance() < 0.2:
+        settings["view_noise_m"] = pick([1e-9, 0.1, 3.0])
+    if chance() < 0.2:
+        settings["dropout_rate"] = pick([0.01, 0.2, 1.0])
     return ArenaConfig().replace(**settings)
 
 

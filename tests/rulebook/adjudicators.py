@@ -34,13 +34,16 @@ class HunterNumbers(NamedTuple):
 
 
 class TargetNumbers(NamedTuple):
-    """A.8's numbers of one alive target."""
+    """A.8's numbers of one alive target; the last three are there where targets move."""
 
     number: float
     x: float
     y: float
     theta: float
     appeared: float
+    v: float = 0.0
+    w: float = 0.0
+    at_wall: float = 0.0
 
 
 class Evidence(NamedTuple):
@@ -103,7 +106,8 @@ class Adjudicator:
     @property
     def targets(self) -> list[TargetNumbers]:
         numbers = self.numbers()[8 + 11 * self.config.hunters :]
-        return [TargetNumbers(*numbers[at : at + 5]) for at in range(0, len(numbers), 5)]
+        width = 8 if self.config.targets_move else 5
+        return [TargetNumbers(*numbers[at : at + width]) for at in range(0, len(numbers), width)]
 
     @property
     def alive(self) -> list[int]:

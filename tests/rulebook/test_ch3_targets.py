@@ -173,13 +173,18 @@ def test_r3_6_a_spawn_that_the_simulator_refuses_uses_up_its_number(arena: Arena
 
 
 @pytest.mark.rule("R3.7")
-def test_r3_7_moving_targets_are_refused() -> None:
-    """Only still ones exist in this version."""
-    for motion in ("wander", "flee", "", None):
-        with pytest.raises(ConfigError, match="target_motion"):
+def test_r3_7_targets_know_three_motions() -> None:
+    """No other word is taken."""
+    assert [ArenaConfig(target_motion=motion).targets_move for motion in ("still", "wander", "flee")] == [
+        False,
+        True,
+        True,
+    ]
+    for motion in ("run", "", None):
+        with pytest.raises(ConfigError, match="target_motion must be one of still, wander, flee"):
             ArenaConfig(target_motion=motion)  # type: ignore[arg-type]
     with pytest.raises(ConfigError, match="target_motion"):
-        ArenaConfig().replace(target_motion="flee")
+        ArenaConfig().replace(target_motion="Flee")
 
 
 @pytest.mark.rule("R3.7")

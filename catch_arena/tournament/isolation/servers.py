@@ -58,20 +58,21 @@ class Server:
 
     def end(self) -> bool:
         """End it and all that descends from it; false where some would not go."""
-        if self._inner is not None:
-            with suppress(ProcessLookupError):
-                os.kill(self._inner, signal.SIGKILL)  # all that is in its namespaces ends with it
-        if LINUX:
-            doomed: set[int] = set()
-            patience = time.monotonic() + _STOP_S
-            while (more := {self.pid, *family(self.pid)} - doomed) and time.monotonic() < patience:
-                for pid in more:  # what stands still starts no others meanwhile
-                    with suppress(ProcessLookupError):
-                        os.kill(pid, signal.SIGSTOP)
-                doomed |= more
-            return kill_all(lambda: family(os.getpid()) & doomed)
-        self.end_group()
-        return True
+        if not LINUX:
+            self.end_group()
+            return True
+        doomed: set[int] = set()
+        patience = time.monotonic() + _STOP_S
+        while (more := self._family() - doomed) and time.monotonic() < patience:
+            for pid in more:  # what stands still starts no others; with the first process all in its namespaces end
+                with suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL if pid == self._inner else signal.SIGSTOP)
+            doomed |= more
+        return kill_all(lambda: family(os.getpid()) & doomed)
+
+    def _family(self) -> set[int]:
+        """Itself and its descendants, but none that has got its number since it ended."""
+        return family(os.getpid()) & {self.pid, *family(self.pid)}
 
     def end_group(self) -> None:
         """End its group: all but those who left its session."""
@@ -136,6 +137,9 @@ def start_in_namespaces(channel: int, errors: int, spec: str, limits: AgentLimit
             setsid=True,
             setsigdef=[signal.SIGCHLD, signal.SIGTERM],
         )
+    except OSError:
+        os.close(told)
+        raise
     finally:
         for file in (options, tells, null, *ends):
             os.close(file)

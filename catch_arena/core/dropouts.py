@@ -1,0 +1,32 @@
+"""Rulebook R1.7: hunters that drop out by chance."""
+
+from catch_arena.core.jit import Block, rare
+from catch_arena.core.random import drops_out, seed_of
+from catch_arena.core.state import (
+    AT_REST,
+    SEED_HIGH,
+    SEED_LOW,
+    STEP,
+    WITHDRAWN,
+    Settings,
+    seat_of,
+)
+
+
+@rare
+def withdraw(me: Block, lane: int) -> None:
+    """R1.6: a hunter stands still from now on, and the others do not see it; `me` has the rows of its seat."""
+    me[WITHDRAWN + lane] = 1.0
+    for row in AT_REST:
+        me[row + lane] = 0.0
+
+
+@rare
+def drop_out(block: Block, s: Settings, lanes: int) -> None:
+    """R1.7: before everything else, whoever drops out in this step is withdrawn."""
+    for lane in range(lanes):
+        seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+        for seat in range(s.hunters):
+            me = seat_of(block, seat)
+            if me[WITHDRAWN + lane] == 0.0 and drops_out(seed, block[STEP + lane], seat, s.dropout_rate):
+                withdraw(me, lane)

@@ -1,0 +1,174 @@
+"""Rulebook R3.8 to R3.10: what a target that moves decides in phase 2. All of it reads S_t only.
+
+Blocks of LANES arenas; metres, radians, seconds.
+"""
+
+from typing import Final
+
+from catch_arena.core.arbiter import distance_um
+from catch_arena.core.jit import Block, inlined, phase, rare, rule
+from catch_arena.core.math import atan2, below_pi, clamp
+from catch_arena.core.random import seed_of, threat_lot, wander_draw
+from catch_arena.core.state import (
+    ALIVE,
+    APPEARED,
+    AT_WALL,
+    BODY,
+    COSINE,
+    FLEEING,
+    LANES,
+    NUMBER,
+    SEED_HIGH,
+    SEED_LOW,
+    SINE,
+    SPEED,
+    STEP,
+    TARGET_X,
+    TARGET_Y,
+    TIME,
+    TURN_RATE,
+    WANDER,
+    WANDER_ENDS,
+    WITHDRAWN,
+    Settings,
+    X,
+    Y,
+    most_alive,
+    seat_of,
+    span,
+)
+from catch_arena.core.vectors import Width, any_of, floor, group, select, sqrt
+
+STEERING_GAIN: Final = 6.0
+"""R3.9, R3.10: turn rate for each radian of bearing error [1/s]."""
+_NOBODY: Final = 1e300
+"""How far a threat is that is none [micrometres]."""
+
+
+@rule
+def push(place: float, side: float) -> float:
+    """R3.10: how strongly a wall nearer than a metre pushes back [m]: up or right where that is positive."""
+    return select(place < 1.0, 1.0 - place, select(place > side - 1.0, (side - 1.0) - place, 0.0))
+
+
+@rule
+def steered(east: float, north: float, sine: float, cosine: float, most: float) -> float:
+    """R3.9, R3.10: the turn rate towards a direction, within [-most, most] [rad/s]; the error is R4.2's."""
+    error = below_pi(atan2(cosine * north - sine * east, cosine * east + sine * north))
+    return clamp(STEERING_GAIN * error, -most, most)
+
+
+@rare
+def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) -> None:
+    """R3.9: the draw of the period that a target is in, where its last one has ended; it is kept until it ends."""
+    period = floor((block[TIME + lane] - targets[APPEARED + at]) / s.wander_period)
+    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+    targets[WANDER + at] = wander_draw(seed, targets[NUMBER + at], period)
+    targets[WANDER_ENDS + at] = targets[APPEARED + at] + (period + 1.0) * s.wander_period
+
+
+@phase
+def keep_wandering(block: Block, targets: Block, width: Width, slot: int, s: Settings) -> None:
+    """R3.9: the targets in one slot have the draws of the periods that they are in."""
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        ended = targets[slot * s.slot_size + WANDER_ENDS + lane] <= block[TIME + lane]
+        if any_of(ended & (block[ALIVE + lane] > slot)):
+            for each in range(first, first + len(width)):
+                at = slot * s.slot_size + each
+                if targets[WANDER_ENDS + at] <= block[TIME + each] and block[ALIVE + each] > slot:
+                    renew_wander(block, targets, each, at, s)
+
+
+@rare
+def threat_by_lot(block: Block, targets: Block, lane: int, at: int, s: Settings, threats: Block) -> None:
+    """R3.10: the threat of one target where several hunters are equally near; `threats` as of `find_threats`."""
+    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+    chosen = -1
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        dx, dy = targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]
+        if me[WITHDRAWN + lane] > 0.0 or distance_um(dx, dy) != threats[lane]:
+            continue
+        step, number = block[STEP + lane], targets[NUMBER + at]
+        if chosen < 0 or threat_lot(seed, step, number, seat) < threat_lot(seed, step, number, chosen):
+            chosen = seat
+            threats[LANES + lane] = dx
+            threats[2 * LANES + lane] = dy
+
+
+@phase
+def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Settings, threats: Block) -> None:
+    """R3.10: the nearest hunter of one target.
+
+    Args:
+        block: the block.
+        targets: its slots.
+        width: how many lanes a group has.
+        slot: which target.
+        s: the settings.
+        threats: the result, three rows: how far it is [micrometres], and where the target is from it, east and north
+            [m].
+    """
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        x, y = targets[slot * s.slot_size + TARGET_X + lane], targets[slot * s.slot_size + TARGET_Y + lane]
+        nearest, east, north = 0.0 * x + _NOBODY, 0.0 * x, 0.0 * x
+        tied = nearest < 0.0
+        for seat in range(s.hunters):
+            me = seat_of(block, seat)
+            dx, dy = x - me[X + lane], y - me[Y + lane]
+            um = select(me[WITHDRAWN + lane] > 0.0, _NOBODY, distance_um(dx, dy))
+            nearer = um < nearest
+            tied = (tied | (um == nearest)) & (um >= nearest)
+            east = select(nearer, dx, east)
+            north = select(nearer, dy, north)
+            nearest = select(nearer, um, nearest)
+        threats[lane] = nearest
+        threats[LANES + lane] = east
+        threats[2 * LANES + lane] = north
+        if any_of(tied & (nearest < s.alarm_um) & (block[ALIVE + lane] > slot)):
+            for each in range(first, first + len(width)):
+                threat_by_lot(block, targets, each, slot * s.slot_size + each, s, threats)
+
+
+@phase
+def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, threats: Block) -> None:
+    """R3.9, R3.10: the command of the targets in one slot: away from a threat, else to the centre where a wall held
+    them, else on in an arc.
+    """
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        at = slot * s.slot_size + lane
+        x, y = targets[TARGET_X + at], targets[TARGET_Y + at]
+        sine, cosine = targets[BODY + SINE + at], targets[BODY + COSINE + at]
+        held = targets[BODY + AT_WALL + at] > 0.0
+        east, north = s.side / 2.0 - x, s.side / 2.0 - y
+        speed = s.target_speed
+        steers = held
+        if s.target_motion == FLEEING:
+            threatened = threats[lane] < s.alarm_um
+            dx, dy = threats[LANES + lane], threats[2 * LANES + lane]
+            distance = sqrt(dx * dx + dy * dy)
+            apart = distance > 0.0
+            away = select(apart, distance, 1.0)
+            east = select(threatened, select(apart, dx / away, cosine) + 2.0 * push(x, s.side), east)
+            north = select(threatened, select(apart, dy / away, sine) + 2.0 * push(y, s.side), north)
+            speed = select(threatened, s.target_speed, s.target_speed / 2.0)
+            steers = steers | threatened
+        alive = block[ALIVE + lane] > slot
+        turn_rate = targets[WANDER + at] * s.target_turn_rate
+        if any_of(steers & alive):
+            turn_rate = select(steers, steered(east, north, sine, cosine, s.target_turn_rate), turn_rate)
+        targets[BODY + SPEED + at] = select(alive, speed, 0.0)
+        targets[BODY + TURN_RATE + at] = select(alive, turn_rate, 0.0)
+
+
+@inlined
+def command_targets(block: Block, s: Settings, width: Width, lanes: int, targets: Block, scratch: Block) -> None:
+    """R3.8: what every target that moves does in this step; `scratch` has three rows."""
+    for slot in range(most_alive(block, lanes)):
+        keep_wandering(block, targets, width, slot, s)
+        if s.target_motion == FLEEING:
+            find_threats(block, targets, width, slot, s, scratch)
+        steer(block, targets, width, slot, s, scratch)

@@ -1,0 +1,117 @@
+"""The command line says how agents are held apart, refuses what cannot be held, and hides its own files from agents."""
+
+from pathlib import Path
+
+import pytest
+from isolation_levels import LEVELS, NAMESPACES
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.tournament.isolation.levels import level_line
+
+QUICK = ["--scenario", "duel", "--set", "time_limit_s=1"]
+AGENT = """
+from pathlib import Path
+
+HERE = Path(__file__).parent
+
+
+class Agent:
+    def reset(self, seed):
+        print(sorted(path.name for path in HERE.iterdir()))
+
+    def act(self, view):
+        return 0
+"""
+SPEC = """
+seed_file = "seeds.txt"
+
+[[test]]
+name = "plays"
+scenario = "duel"
+settings = { time_limit_s = 1 }
+opponents = ["idle"]
+"""
+
+
+@pytest.fixture
+def catch_arena(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(AGENT)
+
+    def call(*words: str):
+        return CliRunner().invoke(main, list(words))
+
+    return call
+
+
+def commands(*agents):
+    return [
+        ["match", *agents, *QUICK],
+        ["tournament", *agents, *QUICK, "--jobs", "1"],
+        ["compare", *agents, *QUICK, "--jobs", "1", "--max-blocks", "2"],
+    ]
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_each_command_says_in_one_line_which_level_holds(catch_arena, number):
+    for level in LEVELS:
+        asked = [] if level == LEVELS[0] else ["--isolation", level]
+        result = catch_arena(*commands("mine.py", "idle")[number], *asked, "--force" if number == 0 else "--seed=1")
+        assert result.exit_code in {0, 1, 3}, result.output
+        assert result.stderr.splitlines()[0] == level_line(level)
+        assert result.stderr.count("isolation:") == 1
+        if number == 1:
+            break  # its folder holds the first one
+
+
+def test_check_agent_and_grade_say_it_too(catch_arena, tmp_path):
+    (tmp_path / "exam.toml").write_text(SPEC)
+    (tmp_path / "seeds.txt").write_text("1")
+    for words in (["check-agent", "mine.py", *QUICK], ["grade", "mine.py", "--spec", "exam.toml"]):
+        assert level_line(LEVELS[0]) in catch_arena(*words).stderr.splitlines()
+
+
+def test_nothing_is_said_where_all_are_trusted(catch_arena):
+    assert "isolation" not in catch_arena("match", "mine.py", "idle", *QUICK, "--trusted").stderr
+    assert "isolation" not in catch_arena("match", "nearest", "idle", *QUICK, "--force").stderr
+
+
+def test_a_level_that_cannot_be_held_is_refused_before_anything_is_written(catch_arena, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    for words in commands("nearest", "idle"):
+        refused = catch_arena(*words, "--isolation", "namespaces")
+        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
+        assert refused.stderr.startswith("catch-arena: isolation namespaces cannot be held here: bubblewrap is not in")
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.py"]
+    assert catch_arena("match", "mine.py", "idle", *QUICK).stderr.startswith(level_line("processes"))
+
+
+def test_trust_and_isolation_exclude_each_other(catch_arena):
+    refused = catch_arena("match", "nearest", "idle", "--trusted", "--isolation", "processes")
+    assert refused.stderr == (
+        "catch-arena: --isolation must be left out with --trusted, which isolates nothing: got processes\n"
+    )
+
+
+@pytest.mark.parametrize("level", NAMESPACES)
+def test_no_agent_sees_what_the_command_writes_or_is_given(catch_arena, tmp_path, level):
+    (tmp_path / "theirs.py").write_text(AGENT)
+    (tmp_path / "weights.npz").touch()
+    catch_arena("tournament", "mine.py", "theirs.py", *QUICK, "--jobs", "1", "--record", "--isolation", level)
+    logs = [path.read_text() for path in Path("out/tournament/logs").rglob("*") if path.is_file()]
+    assert any("['mine.py', 'weights.npz']" in log for log in logs)
+    assert any("['theirs.py', 'weights.npz']" in log for log in logs)
+    assert not any("['mine.py', 'out" in log for log in logs)
+
+
+@pytest.mark.parametrize("level", NAMESPACES)
+def test_no_agent_sees_the_spec_that_it_is_graded_by_nor_its_seeds(catch_arena, tmp_path, level):
+    (tmp_path / "exam.toml").write_text(SPEC)
+    (tmp_path / "seeds.txt").write_text("1")
+    (tmp_path / "mine.py").write_text(
+        AGENT.replace("return 0", "raise ValueError([path.name for path in HERE.iterdir()])")
+    )
+    graded = catch_arena("grade", "mine.py", "--spec", "exam.toml", "--isolation", level)
+    assert "ValueError: ['mine.py']" in graded.stdout
+    assert Path("exam.toml").exists()
