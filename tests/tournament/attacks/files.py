@@ -105,7 +105,7 @@ def writes_into_the_store(own):
 
 
 def reads_the_replay_of_a_match_with_the_same_targets(own):
-    """In a block's second match, that of its first: all targets appear alike."""
+    """In a block's second match, that of its first: all targets appear alike. Only one block is played."""
     for path in Path(FACTS["out"], "replays").glob("*.replay"):
         tell(f"replay of {len(path.read_bytes())} bytes")
 

@@ -111,7 +111,7 @@ ATTACKS: Final = (
         words=("--seed", LONG_SEED),
         alone=True,
     ),
-    quiet(files.reads_the_replay_of_a_match_with_the_same_targets, done, STOPPED, STOPPED),
+    attack(files.reads_the_replay_of_a_match_with_the_same_targets, done, STOPPED, STOPPED),
     # the rival's process
     attack(processes.writes_into_the_rivals_answers_through_proc, beaten, STOPPED, STOPPED, limits=IMPATIENT),
     attack(processes.takes_the_rivals_descriptors_by_pidfd, beaten, AS_ROOT, STOPPED, limits=IMPATIENT),
