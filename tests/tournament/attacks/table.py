@@ -53,9 +53,9 @@ def framed(outcome: Outcome) -> bool:
     return "I am a cheat" in outcome.rival_said
 
 
-def owned(outcome: Outcome) -> bool:
-    """The store has a table of the attacker's."""
-    return b"CREATE TABLE mine" in (outcome.world.out / "tournament.sqlite").read_bytes()
+def spoiled(outcome: Outcome) -> bool:
+    """The store has a table of the attacker's, or the tournament failed for it."""
+    return outcome.broken or b"CREATE TABLE mine" in (outcome.world.out / "tournament.sqlite").read_bytes()
 
 
 def reached_the_world(outcome: Outcome) -> bool:
@@ -198,7 +198,7 @@ ATTACKS: Final = (
     quiet(files.lists_the_users_home, saw_all_of_the_home, NOT_STOPPED, STOPPED),
     quiet(files.finds_a_way_out_through_proc, leaked, NOT_STOPPED, STOPPED),
     quiet(files.finds_the_tournaments_folders_through_its_descriptors, done, AS_ROOT, STOPPED),
-    quiet(files.writes_into_the_store, owned, NOT_STOPPED, STOPPED),
+    attack(files.writes_into_the_store, spoiled, NOT_STOPPED, STOPPED),
     quiet(files.changes_a_replay, changed(".replay"), NOT_STOPPED, STOPPED),
     quiet(files.reads_the_rivals_log, leaked, NOT_STOPPED, STOPPED),
     quiet(files.writes_a_module_that_python_imports_at_every_start, changed("sitecustomize.py"), NOT_STOPPED, STOPPED),
