@@ -1,6 +1,7 @@
 """Attacks on the seed of a match, from which all its targets follow."""
 
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 from tournament.attacks.kit import FACTS, ancestors, tell
@@ -24,7 +25,7 @@ def works_out_a_seed_that_was_short(own):
 
 
 def reads_the_seeds_in_the_store(own):
-    with sqlite3.connect(f"file:{FACTS['out']}/tournament.sqlite?mode=ro", uri=True) as store:
+    with closing(sqlite3.connect(f"file:{FACTS['out']}/tournament.sqlite?mode=ro", uri=True)) as store:
         for (table,) in store.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall():
             for row in store.execute(f"SELECT * FROM {table}").fetchall():
                 tell([value % 2**64 if isinstance(value, int) else value for value in row])
