@@ -1,0 +1,58 @@
+"""Every attack of the table is tried by a real agent, at both levels of isolation."""
+
+import dataclasses
+import os
+from pathlib import Path
+
+import pytest
+from isolation_levels import LEVELS
+from tournament.attacks.harness import Host
+from tournament.attacks.table import AS_ROOT, ATTACKS, BY_LUCK, BY_SOME_KERNELS, NOT_STOPPED, STOPPED, rows
+
+from catch_arena.descendants import LINUX
+
+pytestmark = pytest.mark.skipif(not LINUX, reason="attackers look around as they can on Linux")
+PAGE = Path(__file__).parents[3] / "docs" / "attacks.md"
+
+
+@pytest.fixture(scope="module")
+def host():
+    with Host() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def outcome_of(host, tmp_path_factory):
+    """What came of an attack; those that are tried together are tried once."""
+    found = {}
+
+    def outcome(attack, level):
+        folder = tmp_path_factory.mktemp(level) / "world"
+        if not attack.together:
+            return host.attempt(attack, level, folder)
+        if (attack.together, level) not in found:
+            first, *others = [one for one in ATTACKS if one.together == attack.together]
+            found[attack.together, level] = host.attempt(first, level, folder, also=others)
+        return dataclasses.replace(found[attack.together, level], tried=attack.run.__name__)
+
+    return outcome
+
+
+@pytest.mark.parametrize("attack", ATTACKS, ids=lambda attack: attack.name)
+@pytest.mark.parametrize("level", LEVELS)
+def test_it_is_stopped_where_the_table_says_so_and_nowhere_else(outcome_of, level, attack):
+    outcome = outcome_of(attack, level)
+    expected = getattr(attack, level)
+    succeeded = attack.succeeded(outcome)
+    if expected == STOPPED or (expected == AS_ROOT and os.geteuid() != 0):
+        assert not succeeded, outcome
+        assert not outcome.broken, outcome
+    elif expected == NOT_STOPPED:
+        assert succeeded, outcome
+    else:
+        assert expected in {AS_ROOT, BY_LUCK, BY_SOME_KERNELS}
+
+
+def test_the_page_has_the_table():
+    _, _, *shown = [line for line in PAGE.read_text().splitlines() if line.startswith("|")]
+    assert shown == rows()
