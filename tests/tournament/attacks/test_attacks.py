@@ -11,7 +11,10 @@ from tournament.attacks.table import AS_ROOT, ATTACKS, BY_LUCK, BY_SOME_KERNELS,
 
 from catch_arena.descendants import LINUX
 
-pytestmark = pytest.mark.skipif(not LINUX, reason="attackers look around as they can on Linux")
+pytestmark = [
+    pytest.mark.hostile,
+    pytest.mark.skipif(not LINUX, reason="attackers look around as they can on Linux"),
+]
 PAGE = Path(__file__).parents[3] / "docs" / "attacks.md"
 
 

@@ -17,6 +17,7 @@ from catch_arena.descendants import family
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.store import Store
 
+pytestmark = pytest.mark.hostile
 HONEST = ("nearest", "contested", "first")
 """Shipped ones, as files: they would be trusted under their names."""
 QUICK = (
