@@ -1,5 +1,7 @@
 """What the shipped agents decide, on views made by hand."""
 
+import runpy
+from collections import Counter
 from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
@@ -7,6 +9,7 @@ from typing import Any
 import pytest
 
 from catch_arena import parallel_env, scenario
+from catch_arena.agents import intercept
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.policy import Limits, Policy, View
 from catch_arena.tournament.entrants import enter, shipped
@@ -143,3 +146,15 @@ def test_every_agent_plays_a_whole_match_in_its_own_control():
     assert scores["idle"] == 0
     assert scores["patrol"] > scores["random"]
     assert result.steps == 200
+
+
+def test_who_leads_a_fleeing_target_beats_who_follows_it(monkeypatch):
+    """The same agent, but for where it aims; seats are taken in turn."""
+    leads, follows = (runpy.run_path(intercept.__file__) for _ in range(2))
+    monkeypatch.setitem(follows["meeting_point"].__globals__, "LONGEST_LEAD_S", 0.0)
+    config, scores = scenario("evasive", hunters=2, time_limit_s=30), Counter[str]()
+    for seed in range(20):
+        seated = [("leads", leads), ("follows", follows)][:: 1 if seed % 2 else -1]
+        result = play(config, seed, [module["Agent"]() for _, module in seated], [name for name, _ in seated])
+        scores.update({name: score for (name, _), score in zip(seated, result.scores, strict=True)})
+    assert scores["leads"] > 1.1 * scores["follows"]
