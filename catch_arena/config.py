@@ -295,7 +295,7 @@ class ArenaConfig:
 
     @property
     def targets_move(self) -> bool:
-        """R3.8: whether targets have velocities."""
+        """R3.8: whether targets have velocities, and R7.4's columns."""
         return self.target_motion != "still"
 
     @property

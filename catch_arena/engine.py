@@ -344,6 +344,15 @@ class Engine:
         """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
         return self._hunters[arena // LANES, :, :, arena % LANES]
 
+    def is_withdrawn(self, arena: int, seat: int) -> bool:
+        """R1.6, R1.7: whether a hunter takes no further part."""
+        return bool(self._hunters[arena // LANES, seat, rows.WITHDRAWN // LANES, arena % LANES])
+
+    def active(self) -> NDArray[np.bool_]:
+        """R1.6, R1.7: who takes part: (B, H)."""
+        withdrawn = self._hunters[:, :, rows.WITHDRAWN // LANES]
+        return np.equal(withdrawn.transpose(0, 2, 1).reshape(-1, self.config.hunters)[: self.num_arenas], 0.0)
+
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: the verdicts of the last step with their evidence, by seat."""
         found = []

@@ -165,6 +165,8 @@ STATE_HUNTER_COLUMNS: Final = (
 """What R7.3's global view says of each hunter, by seat."""
 STATE_TARGET_COLUMNS: Final = ("present", "x", "y", "age")
 """What it says of each target, in spawning order, up to max_targets."""
+STATE_MOVING_TARGET_COLUMNS: Final = (*STATE_TARGET_COLUMNS, "heading_cos", "heading_sin", "linear_velocity")
+"""And of each where targets move."""
 
 
 @lru_cache(maxsize=16)
@@ -172,12 +174,17 @@ def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R7.3: the columns of the global view, in the world frame."""
     own = {column.name: column for column in columns(config)}
     duration = config.max_steps * config.control_period_ms / 1000.0
-    extra = {
-        "withdrawn": Column("withdrawn", "flag", 0.0, 1.0, "1 where the hunter takes no further part"),
+    of_target = {
         "present": Column("present", "flag", 0.0, 1.0, "1 where this place has a target"),
+        "x": own["x"],
+        "y": own["y"],
         "age": Column("age", "s", 0.0, duration, "since it appeared"),
+        "heading_cos": own["heading_cos"],
+        "heading_sin": own["heading_sin"],
+        "linear_velocity": own["linear_velocity"]._replace(low=0.0, high=config.target_speed_mps),
     }
-    table = {**own, **extra}
+    withdrawn = Column("withdrawn", "flag", 0.0, 1.0, "1 where the hunter takes no further part")
+    table = {**own, "withdrawn": withdrawn}
     return (
         table["time_left"],
         *(
@@ -186,8 +193,8 @@ def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
             for name in STATE_HUNTER_COLUMNS
         ),
         *(
-            table[name]._replace(name=f"target_{place}.{name}")
+            of_target[name]._replace(name=f"target_{place}.{name}")
             for place in range(1, config.max_targets + 1)
-            for name in STATE_TARGET_COLUMNS
+            for name in (STATE_MOVING_TARGET_COLUMNS if config.targets_move else STATE_TARGET_COLUMNS)
         ),
     )

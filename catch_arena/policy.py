@@ -8,10 +8,11 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
+from catch_arena.layout import MOVING_TARGET_COLUMNS, RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
 
 _OWN = len(SELF_COLUMNS)
-_TARGET = len(TARGET_COLUMNS)
+_STILL_TARGET = len(TARGET_COLUMNS)
+_MOVING_TARGET = len(MOVING_TARGET_COLUMNS)
 _RIVAL = len(RIVAL_COLUMNS)
 
 
@@ -41,6 +42,20 @@ class Limits:
     """How many rivals are in view at most (R7.1)."""
     control: Control
     """How this hunter is driven: "target", "velocity" or "full" (R4.1, R4.4)."""
+    targets_move: bool = False
+    """Whether targets wander or flee (R3.7)."""
+    target_speed_mps: float = 0.0
+    """The greatest speed of a target [m/s]; 0 where they stand still (R3.8)."""
+    target_turn_rate_radps: float = 0.0
+    """The greatest turn rate of a target [rad/s]; 0 where they stand still (R3.8)."""
+    alarm_m: float = 0.0
+    """A target flees from a hunter nearer than this [m]; 0 where none flees (R3.10)."""
+    view_radius_m: float | None = None
+    """How far this hunter sees [m]; None is everywhere (R7.5)."""
+    view_angle_deg: float = 360.0
+    """How wide the cone is that it sees, about its heading [degrees] (R7.5)."""
+    view_noise_m: float = 0.0
+    """The standard deviation of the error in each place that it sees [m] (R7.6)."""
 
     @classmethod
     def of(cls, config: ArenaConfig, seat: int = 0) -> "Limits":
@@ -57,6 +72,13 @@ class Limits:
             targets_seen=config.targets_seen,
             hunters_seen=config.hunters_seen,
             control=config.controls[seat],
+            targets_move=config.targets_move,
+            target_speed_mps=config.target_speed_mps if config.targets_move else 0.0,
+            target_turn_rate_radps=config.target_turn_rate_radps if config.targets_move else 0.0,
+            alarm_m=config.alarm_m if config.target_motion == "flee" else 0.0,
+            view_radius_m=config.view_radius_m,
+            view_angle_deg=config.view_angle_deg,
+            view_noise_m=config.view_noise_m,
         )
 
 
@@ -73,6 +95,11 @@ class SeenTarget(NamedTuple):
     """Since it appeared [s]."""
     active: bool
     """Whether it is the hunter's active target."""
+    heading_cos: float = 1.0
+    """Of its heading relative to one's own; 1 and 0 where targets stand still."""
+    heading_sin: float = 0.0
+    linear_velocity: float = 0.0
+    """Along its own heading [m/s]; 0 where targets stand still."""
 
     @property
     def distance(self) -> float:
@@ -83,6 +110,11 @@ class SeenTarget(NamedTuple):
     def bearing(self) -> float:
         """The turn that would face it, to the left [rad] in [-pi, pi]."""
         return math.atan2(self.left, self.forward)
+
+    @property
+    def heading(self) -> float:
+        """Its heading relative to one's own [rad] in [-pi, pi]."""
+        return math.atan2(self.heading_sin, self.heading_cos)
 
 
 class SeenHunter(NamedTuple):
@@ -114,6 +146,10 @@ class SeenHunter(NamedTuple):
     def distance_to(self, target: SeenTarget) -> float:
         """Between this rival and a target [m]."""
         return math.hypot(target.forward - self.forward, target.left - self.left)
+
+
+def _target_columns(limits: Limits) -> int:
+    return _MOVING_TARGET if limits.targets_move else _STILL_TARGET
 
 
 class View:
@@ -153,20 +189,20 @@ class View:
     def targets(self) -> tuple[SeenTarget, ...]:
         """The targets in view, nearest first."""
         seen = []
-        values, at = self.observation, _OWN
+        values, at, columns = self.observation, _OWN, _target_columns(self.limits)
         for rank in range(1, self.limits.targets_seen + 1):
-            forward, left, present, age, active = values[at : at + _TARGET]
+            forward, left, present, age, active, *motion = values[at : at + columns]
             if not present:
                 break
-            seen.append(SeenTarget(rank, forward, left, age, active > 0))
-            at += _TARGET
+            seen.append(SeenTarget(rank, forward, left, age, active > 0, *motion))
+            at += columns
         return tuple(seen)
 
     @cached_property
     def rivals(self) -> tuple[SeenHunter, ...]:
         """The rivals in view, nearest first."""
         seen = []
-        values, at = self.observation, _OWN + _TARGET * self.limits.targets_seen
+        values, at = self.observation, _OWN + _target_columns(self.limits) * self.limits.targets_seen
         for rank in range(1, self.limits.hunters_seen + 1):
             forward, left, present, cosine, sine, velocity, difference = values[at : at + _RIVAL]
             if not present:

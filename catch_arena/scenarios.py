@@ -21,6 +21,12 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
         "faulty": _STANDARD.replace(
             faults=FaultRates(kill_down=0.1, kill_refused=0.1, spawn_down=0.1, spawn_refused=0.1)
         ),
+        "wander": _STANDARD.replace(target_motion="wander"),
+        "evasive": _STANDARD.replace(target_motion="flee", target_speed_mps=1.5),
+        "fog": _STANDARD.replace(view_radius_m=2.5),
+        "blinkers": _STANDARD.replace(view_angle_deg=100.0),
+        "unequal": _STANDARD.replace(max_speed_mps=(2.6, 2.2, 1.8, 1.4), reach_m=(0.2, 0.3, 0.4, 0.5)),
+        "dropout": _STANDARD.replace(dropout_rate=0.002),
         "capstone": _STANDARD.replace(  # R9.1
             hunters=1,
             policy="capstone",

@@ -22,7 +22,7 @@ from catch_arena.tournament.match import PlayedMatch, play
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.standings import standings
 
-AGENTS = ("first", "nearest", "contested", "contested_by_time", "patrol")
+AGENTS = ("first", "nearest", "contested", "contested_by_time", "patrol", "intercept")
 
 
 @dataclass
@@ -72,7 +72,7 @@ def measure(name: str, agents: list[str], rounds: int, seed: int) -> None:
             seating = [players[place] for place in match.seating]
             policies = [entrants[place].create() for place in seating]
             names = [entrants[place].name for place in seating]
-            result = play(config, match.seed, policies, names, places=match.seating, watch=contests.watch)
+            result = play(config, match.seed, policies, names, indices=match.seating, watch=contests.watch)
             played.append(PlayedMatch(replace(match, seating=tuple(seating)), result))
             show(len(played), len(plan))
     share = 100 / max(1, contests.catches)

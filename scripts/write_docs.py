@@ -7,7 +7,7 @@ import re
 from itertools import pairwise
 from pathlib import Path
 
-from catch_arena.layout import Column, columns, state_columns
+from catch_arena.layout import SELF_COLUMNS, Column, columns, state_columns
 from catch_arena.policy import Limits
 from catch_arena.scenarios import scenario
 
@@ -15,7 +15,7 @@ DOCS = Path(__file__).parent.parent / "docs"
 
 HEAD = """# What a hunter sees
 
-Made from `catch_arena/layout.py` by `make docs`; do not edit. The clauses are R7.1 to R7.3.
+Made from `catch_arena/layout.py` by `make docs`; do not edit. The clauses are R7.1 to R7.6.
 
 An observation is one float32 vector. `catch_arena.View(observation, mask, limits)` gives it names. Numbers are SI
 units in the hunter's own frame (forward, left), except its own
@@ -27,15 +27,23 @@ and of `rival_2` and `rival_3` repeat those of the first.
 """
 
 
+MOVING = """Each target has three columns more there (R7.4), and so it has in the global view; of `target_1`:
+"""
+
+PARTIAL = """A scenario may limit what hunters see to a radius and a cone (R7.5), and blur it (R7.6). The columns stay:
+what is not seen has no rank, and `forward` and `left` have wider bounds where they are blurred. `view.limits` says
+what holds.
+"""
+
 STATE = """`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then
 `max_targets` places for targets in spawning order.
 """
 
 
-def table(rows: tuple[Column, ...], *, skip_repeats: tuple[str, ...]) -> str:
-    """The columns as a Markdown table."""
+def table(rows: tuple[Column, ...], *, skip_repeats: tuple[str, ...], first: int = 0) -> str:
+    """The columns as a Markdown table; `first` is the first one's index."""
     lines = ["| index | name | unit | low | high | meaning |", "|---:|---|---|---:|---:|---|"]
-    for index, row in enumerate(rows):
+    for index, row in enumerate(rows, start=first):
         if not row.name.startswith(skip_repeats):
             lines.append(f"| {index} | {row.name} | {row.unit} | {row.low:.5g} | {row.high:.5g} | {row.meaning} |")
     return "\n".join(lines)
@@ -46,10 +54,17 @@ def observation_page() -> str:
     config = scenario("standard")
     others = tuple(f"{what}_{i}." for what in ("target", "rival") for i in range(2, 10))
     seats = (*(f"hunter_{i}." for i in range(1, 10)), *(f"target_{i}." for i in range(2, 17)), "target_1")
+    moving = columns(scenario("standard", target_motion="wander"))
+    of_moving_target = tuple(column for column in moving if column.name.startswith("target_1."))
     return "\n".join(
         (
             HEAD,
             table(columns(config), skip_repeats=others),
+            "\n## Where targets move\n",
+            MOVING,
+            table(of_moving_target, skip_repeats=(), first=len(SELF_COLUMNS)),
+            "\n## What is not seen\n",
+            PARTIAL.rstrip(),
             "\n## The global view\n",
             STATE,
             table(state_columns(config), skip_repeats=tuple(s for s in seats if s != "target_1")),

@@ -29,7 +29,7 @@ def scenarios() -> None:
             name,
             str(config.hunters),
             f"{config.side_m:.1f}",
-            f"{config.max_speed_mps:.1f}",
+            "-".join(f"{speed:.1f}" for speed in sorted({min(config.max_speeds), max(config.max_speeds)})),
             str(config.initial_targets),
             str(config.max_targets),
             f"{1000 / config.spawn_period_ms:g}",

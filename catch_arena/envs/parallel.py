@@ -28,6 +28,7 @@ from catch_arena.envs.spaces import (
     state_space,
 )
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
+from catch_arena.layout import state_columns
 from catch_arena.replay import Replay, checked_text
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.verdicts import REASONS, Verdict
@@ -67,7 +68,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     - `action_mask`: R7.2's mask (not under velocity control);
     - `verdict`, `reason`, `target`, `distance_um`, `winner`: the answer to the agent's catch request in this step,
       all None without one;
-    - `reward_parts`: R6.2's parts, unweighted.
+    - `reward_parts`: R6.2's parts, unweighted;
+    - `active`, where hunters drop out and stay (`dropouts="fixed"`): whether it has not (R1.7).
+
+    With `dropouts="leave"` a hunter that drops out is terminated in that step, and no longer among `agents`.
 
     Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
     """
@@ -100,6 +104,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._commands = np.zeros((1, config.hunters, 2), dtype=np.float32)
         self._seed: int | None = None
         self._over = True
+        self._dropouts_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
+        self._dropouts_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
         self._withdrawn: set[str] = set()
         self._record_as: tuple[tuple[str, ...], str] | None = None
         self._replay: Replay | None = None
@@ -206,11 +212,15 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if len(agents) < len(self.possible_agents):
             rewards = {agent: rewards[agent] for agent in agents}
         observations, infos = self._observations_and_infos()
+        if self._dropouts_leave:
+            self._withdrawn.update(agent for agent, seat in self._seats.items() if engine.is_withdrawn(0, seat))
+        if self._withdrawn:
+            for agent in self._withdrawn & terminations.keys():
+                terminations[agent], truncations[agent] = True, False
         if ended:
             self._over = True
             self.agents = []
         elif self._withdrawn:
-            terminations.update((agent, True) for agent in self._withdrawn if agent in terminations)
             self.agents = [agent for agent in agents if agent not in self._withdrawn]
             self._over = not self.agents
         if self.render_mode == "human":
@@ -398,7 +408,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Observations and infos by agent, both from one copy of what the engine tells."""
         outputs, agents, seen = self._engine.outputs.copy(), self.agents, self._seen
         infos = LazyInfos(dict.fromkeys(agents))
-        infos.make = lambda: self._infos(agents, outputs)
+        active = None
+        if self._dropouts_stay:
+            active = [not self._engine.is_withdrawn(0, seat) for seat in range(self.config.hunters)]
+        infos.make = lambda: self._infos(agents, outputs, active)
         if not self.config.mask_in_observation:
             return {agent: outputs[seen[agent]] for agent in agents}, infos
         masks = self._masks_in(outputs).copy()
@@ -414,8 +427,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         shape = self._engine.masks.shape[1:]
         return outputs[self._masks].view(np.int8)[: math.prod(shape)].reshape(shape)
 
-    def _infos(self, agents: Sequence[str], outputs: NDArray[np.float32]) -> dict[str, dict[str, Any]]:
-        """The infos of a step by agent, from what the engine put out."""
+    def _infos(
+        self, agents: Sequence[str], outputs: NDArray[np.float32], active: Sequence[bool] | None
+    ) -> dict[str, dict[str, Any]]:
+        """The infos of a step by agent, from what the engine put out; `active` by seat, where that is told."""
         infos = {}
         masks = self._masks_in(outputs)
         hunters = self.config.hunters
@@ -426,6 +441,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             number, verdict, distance, winner = answers[seat]
             infos[agent] = info = _NO_ANSWER.copy()
             info["reward_parts"] = _named_parts(*shares[seat][1:])
+            if active is not None:
+                info["active"] = active[seat]
             if self._controls[seat] == "target":
                 info["action_mask"] = masks[seat]
             elif self._controls[seat] == "full":
@@ -462,5 +479,7 @@ def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
         numbers += [hunter.linear_velocity, hunter.angular_velocity, hunter.score, hunter.withdrawn]
     for target in world.targets:
         numbers += [1.0, target.x, target.y, (world.time_ms - target.spawned_ms) / 1000.0]
-    numbers += [0.0] * (4 * (config.max_targets - len(world.targets)))
+        if config.targets_move:
+            numbers += [np.cos(target.theta), np.sin(target.theta), target.linear_velocity]
+    numbers += [0.0] * (len(state_columns(config)) - len(numbers))
     return np.array(numbers, dtype=np.float32)

@@ -56,6 +56,7 @@ class VectorArena:
     `infos` holds, always the same arrays:
 
     - `action_mask`: (B, H, K + 1) int8, read only: R7.2's mask of ranks; absent under velocity control;
+    - `active`, where hunters drop out: (B, H) bool, who has not (R1.7); all play on as under `dropouts="fixed"`;
     - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step, and for these `final_obs`
       (B, H, D) float32, the last observations, and `episode`, a dict with `length` [steps], `return` (rewards
       summed), `score`, `rank` (1 is best, equal scores share it), `contests_won` and `contests_lost`, all (B, H), and
@@ -108,6 +109,7 @@ class VectorArena:
             self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
         except MemoryError as error:
             raise ConfigError(f"num_envs must fit into this machine's memory, got {num_envs}: {error}") from None
+        self._active = np.ones(shape if self.config.dropout_rate > 0.0 else (0, 0), dtype=np.bool_)
         self._infos = self._make_infos()
 
     def _make_infos(self) -> dict[str, Any]:
@@ -115,6 +117,8 @@ class VectorArena:
         if set(self.config.controls) != {"velocity"}:
             infos["action_mask"] = engine.masks.view()
             infos["action_mask"].flags.writeable = False  # the engine writes only what has changed
+        if self.config.dropout_rate > 0.0:
+            infos["active"] = self._active
         if engine.auto_reset:
             records = engine.records
             tallies = records[:, :, episodes.FINAL_TALLIES :]
@@ -267,6 +271,8 @@ class VectorArena:
         raise ActionError(f"{what} must be {requirement}, got {value} in arena {arena} for hunter_{seat}")
 
     def _handed_out(self, results: T) -> T:
+        if self._active.size:
+            np.copyto(self._active, self._engine.active())
         return cast(T, _copied(results)) if self._copy else results
 
     def _rows(self, arenas: ArrayLike | None) -> NDArray[np.int64]:

@@ -188,6 +188,10 @@ def play(
                 if verdict is Verdict.LOST_CONTEST:
                     winners.add(info["winner"])
         won.update(winners)
+        if 0 < len(env.agents) < len(playing):  # R1.7: some have dropped out
+            for seat in [seat for seat in playing if agents[seat] not in env.agents]:
+                del playing[seat]
+                players.drop(seat)
         if watch is not None:
             watch(env)
     logs = players.logs()

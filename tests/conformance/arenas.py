@@ -47,7 +47,7 @@ class AdjudicatorUnderTest:
         for seat in range(config.hunters):
             v, w = drive.get(seat, (0.0, 0.0))
             rank = self.rank(seat, ranks[seat]) if seat in ranks else 0
-            actions.append(((v / config.max_speed_mps, w / config.max_turn_rate_radps), rank))
+            actions.append(((v / config.max_speeds[seat], w / config.max_turn_rates[seat]), rank))
         try:
             self.match.step(*actions)
         except RuntimeError:  # some adjudicators refuse to step after the end

@@ -1,0 +1,52 @@
+"""Drives itself to where a target will be: leads those that move."""
+
+import math
+from typing import Final
+
+from catch_arena.agents.contested_by_time import arrival_s
+from catch_arena.agents.patrol import drive, middle_of_own_ground
+from catch_arena.policy import SeenTarget, View
+
+LOOKS: Final = 3
+"""How often the time to a target and its place by then are found from one another."""
+LONGEST_LEAD_S: Final = 1.5
+"""Nobody knows where a target turns to after that."""
+
+
+class Agent:
+    """Under velocity control what is within reach is requested for it (R4.4)."""
+
+    control = "velocity"
+
+    def reset(self, seed: int) -> None:
+        """Nothing to forget."""
+
+    def act(self, view: View) -> tuple[float, float]:
+        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        best = min(view.targets, key=lambda target: cost_s(target, view), default=None)
+        if best is None:
+            forward, left = middle_of_own_ground(view)
+            return drive(forward, left, view)
+        return drive(*meeting_point(best, view), view)
+
+
+def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:
+    """Where the hunter can meet a target that drives straight on: (forward, left) [m]."""
+    forward, left = target.forward, target.left
+    for _ in range(LOOKS):
+        lead_s = min(LONGEST_LEAD_S, arrival_s(forward, left, view.limits))
+        forward = target.forward + target.linear_velocity * target.heading_cos * lead_s
+        left = target.left + target.linear_velocity * target.heading_sin * lead_s
+    return forward, left
+
+
+def cost_s(target: SeenTarget, view: View) -> float:
+    """How soon the hunter meets a target [s], and how much later than the first rival."""
+    forward, left = meeting_point(target, view)
+    mine = arrival_s(forward, left, view.limits)
+    rivals = [
+        math.hypot(forward - rival.forward, left - rival.left) / view.limits.max_speed_mps
+        for rival in view.rivals
+        if rival.linear_velocity
+    ]
+    return mine + 2.0 * max(0.0, mine - min(rivals, default=math.inf))

@@ -1,0 +1,109 @@
+"""R1.7 at every door: hunters that drop out leave, or stay and do nothing."""
+
+import numpy as np
+import pytest
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
+
+import catch_arena
+from catch_arena.verdicts import Verdict
+
+RATE = 0.02
+
+
+def played(env, seed):
+    """(agents before, observations, terminations, truncations, infos) of each step of one episode."""
+    observations, infos = env.reset(seed=seed)
+    while env.agents:
+        agents = list(env.agents)
+        actions = {agent: int(infos[agent]["action_mask"][1]) for agent in agents}
+        observations, _, terminations, truncations, infos = env.step(actions)
+        yield agents, observations, terminations, truncations, infos
+
+
+@pytest.mark.rule("R1.7")
+def test_r1_7_who_drops_out_is_terminated_in_that_step_and_leaves():
+    """With a last observation, and never truncated too; the state says that it is withdrawn."""
+    left = 0
+    for seed in range(6):
+        env = catch_arena.parallel_env(dropout_rate=RATE, max_cycles=40)
+        for agents, observations, terminations, truncations, _infos in played(env, seed):
+            assert set(observations) == set(terminations) == set(agents)
+            withdrawn = {hunter.name for hunter in env.world().hunters if hunter.withdrawn}
+            assert {agent for agent in agents if terminations[agent]} == withdrawn & set(agents)
+            assert not any(terminations[agent] and truncations[agent] for agent in agents)
+            left += sum(terminations.values())
+            if env.agents:
+                assert set(env.agents) == set(agents) - withdrawn
+    assert left > 6
+
+
+@pytest.mark.rule("R1.7")
+def test_r1_7_who_drops_out_and_stays_is_refused_and_told_apart_by_active():
+    """It goes on to act, to see and to have a mask; nobody is terminated."""
+    refused = 0
+    env = catch_arena.parallel_env(dropout_rate=RATE, dropouts="fixed", max_cycles=60, control="full")
+    observations, infos = env.reset(seed=3)
+    assert all(info["active"] for info in infos.values())
+    while env.agents:
+        actions = {agent: {"cmd_vel": np.ones(2, np.float32), "catch": 1} for agent in env.agents}
+        actions = {
+            agent: action if infos[agent]["action_mask"]["catch"][1] else action | {"catch": 0}
+            for agent, action in actions.items()
+        }
+        observations, _, terminations, _, infos = env.step(actions)
+        assert list(observations) == env.possible_agents
+        assert not any(terminations.values())
+        for hunter in env.world().hunters:
+            assert infos[hunter.name]["active"] is not hunter.withdrawn
+            if hunter.withdrawn and actions[hunter.name]["catch"]:
+                assert infos[hunter.name]["verdict"] is Verdict.HUNTER_INACTIVE
+                refused += 1
+    assert refused > 20
+
+
+@pytest.mark.rule("R1.7")
+@pytest.mark.parametrize("dropouts", ["leave", "fixed"])
+def test_r1_7_both_ways_play_the_same_arena(dropouts):
+    """The door differs, not the game: the batch of arrays has the same states, and says who is active."""
+    config = catch_arena.scenario("standard", dropout_rate=RATE, dropouts=dropouts, max_cycles=30)
+    env, batch = catch_arena.parallel_env(config), catch_arena.VectorArena(config, 3, auto_reset=False)
+    env.reset(seed=11)
+    _, batch_infos = batch.reset(seed=[5, 11, 7])
+    assert batch_infos["active"].all()
+    while env.agents:
+        env_actions = dict.fromkeys(env.agents, 1)
+        _, _, _, _, batch_infos = batch.step(np.ones((3, 4), dtype=np.int64))
+        env.step(env_actions)
+        # who has left gives no action, and a withdrawn hunter's is refused: the same
+        assert env.digest() == batch.digest(1)
+        assert batch_infos["active"][1].tolist() == [not hunter.withdrawn for hunter in env.world().hunters]
+
+
+@pytest.mark.rule("R1.7")
+def test_r1_7_a_batch_without_dropouts_says_nothing_of_them():
+    assert "active" not in catch_arena.VectorArena("standard", 2).reset(seed=1)[1]
+    assert "active" not in next(iter(catch_arena.parallel_env().reset(seed=1)[1].values()))
+
+
+@pytest.mark.parametrize("dropouts", ["leave", "fixed"])
+def test_dropouts_pass_pettingzoos_tests(dropouts):
+    """API, AEC and seeds, warnings being errors."""
+    settings = {"dropout_rate": 0.05, "dropouts": dropouts, "max_cycles": 40}
+    parallel_api_test(catch_arena.parallel_env(**settings), num_cycles=100)
+    parallel_seed_test(lambda: catch_arena.parallel_env(**settings), num_cycles=20)
+    api_test(catch_arena.env(**settings), num_cycles=100)
+
+
+@pytest.mark.rule("R1.7")
+def test_r1_7_a_match_of_dropouts_has_no_forfeits():
+    """Score and rank stay; who has left is not asked any more."""
+    from catch_arena.agents.nearest import Agent
+    from catch_arena.tournament.match import play
+
+    config = catch_arena.scenario("standard", dropout_rate=RATE, max_cycles=60)
+    for seed in range(4):
+        result = play(config, seed, [Agent() for _ in range(4)], list("abcd"))
+        assert result.forfeits == (None,) * 4
+        assert min(result.ranks) == 1
+        best = max(result.scores)
+        assert all((rank == 1) == (score == best) for rank, score in zip(result.ranks, result.scores, strict=True))

@@ -1,0 +1,332 @@
+"""R7.4 to R7.6 on the oracle: what a hunter sees, and that what it does not see leaves no trace."""
+
+import math
+from random import Random
+
+import pytest
+from oracle.arena import GRANTED, LOST_CONTEST, MALFORMED, OracleArena, micrometres
+from oracle.arithmetic import ERROR, draw, fraction, key, to_float32
+from oracle.quiet import drive, quiet, rest
+
+OWN, TARGET, MOVING_TARGET, RIVAL = 10, 5, 8, 7
+"""How many numbers of an observation are about what."""
+
+
+def seen_numbers(arena: OracleArena, seat: int = 0) -> int:
+    """How many targets the hunter has a rank for."""
+    mask = arena.masks()[seat]
+    assert mask is not None
+    return sum(mask) - 1
+
+
+def seen_rivals(arena: OracleArena, seat: int = 0) -> int:
+    """How many rivals stand in the observation of a hunter of an arena with still targets."""
+    rivals = arena.observations()[seat][OWN + TARGET * arena.targets_seen :]
+    return int(sum(rivals[2::RIVAL]))
+
+
+@pytest.mark.rule("R7.4")
+def test_r7_4_a_moving_target_has_a_heading_and_a_velocity() -> None:
+    """Relative to the observer, as the C library has them; ranks without a target are zero."""
+    arena = quiet(hunters=2, target_motion="wander", initial_targets=3, max_targets=5, target_speed_mps=0.8)
+    for _ in range(20):
+        drive(arena, (0.3, 1.0), (0.5, -0.7))
+    for hunter, numbers in zip(arena.hunters, arena.observations(), strict=True):
+        assert len(numbers) == OWN + 5 * MOVING_TARGET + RIVAL
+        rows = [numbers[OWN + MOVING_TARGET * rank :][:MOVING_TARGET] for rank in range(5)]
+        assert rows[3:] == [[0.0] * MOVING_TARGET] * 2
+        for forward, left, present, _, _, cosine, sine, velocity in rows[:3]:
+            (target,) = (
+                one
+                for one in arena.alive
+                if math.isclose(
+                    math.dist((one.x, one.y), (hunter.x, hunter.y)), math.hypot(forward, left), rel_tol=1e-6
+                )
+            )
+            turn = target.theta - hunter.theta
+            assert (cosine, sine) == pytest.approx((math.cos(turn), math.sin(turn)), abs=1e-6)
+            assert (present, velocity) == (1.0, to_float32(0.8))
+
+
+@pytest.mark.rule("R7.4")
+def test_r7_4_a_new_target_has_no_velocity_yet() -> None:
+    """At reset; in the next observation it has."""
+    arena = quiet(target_motion="flee", initial_targets=1, alarm_m=0.0)
+    for velocity in (0.0, 0.5, 0.5):
+        assert arena.observations()[0][OWN + 7] == velocity
+        rest(arena)
+
+
+@pytest.mark.rule("R7.4")
+def test_r7_4_still_targets_keep_their_columns() -> None:
+    """Five each."""
+    arena = quiet(hunters=3, initial_targets=2, view_radius_m=3.0, view_noise_m=0.1)
+    assert {len(numbers) for numbers in arena.observations()} == {OWN + 8 * TARGET + 2 * RIVAL}
+
+
+@pytest.mark.rule("R7.5")
+@pytest.mark.parametrize(("away", "seen"), [(2.499999, 1), (2.4999994, 1), (2.4999996, 0), (2.5, 0), (2.500001, 0)])
+def test_r7_5_the_radius_is_measured_in_whole_micrometres(away: float, seen: int) -> None:
+    """Targets and rivals strictly within it are seen, all round."""
+    for theta in (0.0, 2.0, -3.0):
+        arena = quiet(hunters=2, view_radius_m=2.5)
+        arena.place([(3.0, 5.0, theta), (3.0 + away, 5.0, 0.0)], [(3.0 + away, 5.0)])
+        assert seen_numbers(arena) == seen
+        assert seen_rivals(arena) == seen
+
+
+@pytest.mark.rule("R7.5")
+@pytest.mark.parametrize("angle", [10.0, 90.0, 120.0, 180.0, 240.0, 359.0])
+def test_r7_5_the_cone_opens_evenly_to_both_sides(angle: float) -> None:
+    """What is a millionth of a radian within its edge is seen, and what is as much beyond is not."""
+    for side in (1.0, -1.0):
+        for beyond, seen in ((-1e-6, 1), (1e-6, 0)):
+            heading = 0.7
+            towards = heading + side * (math.radians(angle / 2) + beyond)
+            x, y = 5.0 + 2.0 * math.cos(towards), 5.0 + 2.0 * math.sin(towards)
+            arena = quiet(hunters=2, view_angle_deg=angle)
+            arena.place([(5.0, 5.0, heading), (x, y, 0.0)], [(x, y)])
+            assert seen_numbers(arena) == seen
+            assert seen_rivals(arena) == seen
+
+
+@pytest.mark.rule("R7.5")
+def test_r7_5_within_reach_everything_is_seen() -> None:
+    """Behind one's back, and beyond the radius: by one's own reach, which is not everybody's."""
+    arena = quiet(hunters=2, view_angle_deg=60.0, view_radius_m=0.1, reach_m=(0.5, 0.3))
+    for away, far_reaching, usual in ((0.299999, 1, 1), (0.3, 1, 0), (0.499999, 1, 0), (0.5, 0, 0)):
+        arena.place([(5.0, 5.0, 0.0), (5.0 - 2 * away, 5.0, 0.0)], [(5.0 - away, 5.0)])
+        arena.hunters[1].x = 5.0 - 2 * away
+        assert seen_numbers(arena, 0) == far_reaching
+        arena.hunters[1].theta = math.pi
+        assert seen_numbers(arena, 1) == usual
+
+
+@pytest.mark.rule("R7.5")
+def test_r7_5_only_what_is_seen_has_a_rank() -> None:
+    """The nearer target is out of sight: rank 1 is the farther, and rank 2 has none."""
+    arena = quiet(control="target", view_angle_deg=90.0)
+    arena.place([(5.0, 5.0, 0.0)], [(4.0, 5.0), (7.0, 5.0)])
+    assert arena.masks() == [[1, 1, 0, 0, 0, 0, 0, 0, 0]]
+    arena.step([1])
+    assert arena.hunters[0].active == arena.alive[1].number
+    assert arena.hunters[0].x > 5.0
+    arena.step([2])
+    assert arena.rulings == [(MALFORMED, None, None, None)]
+    assert arena.hunters[0].v == 0.0
+
+
+@pytest.mark.rule("R7.5")
+def test_r7_5_room_is_for_what_is_seen() -> None:
+    """Two places for targets and one for rivals, and nearer ones behind one's back."""
+    arena = quiet(hunters=4, observed_targets=2, observed_hunters=1, view_angle_deg=90.0)
+    behind, ahead = [(4.0, 5.0), (4.5, 5.0)], [(7.0, 5.0), (6.5, 5.0), (8.0, 5.0)]
+    arena.place([(5.0, 5.0, 0.0), (4.4, 5.0, 0.0), (9.0, 5.0, 0.0), (9.5, 5.0, 0.0)], [*behind, *ahead])
+    numbers = arena.observations()[0]
+    assert [numbers[OWN], numbers[OWN + TARGET], numbers[OWN + 2 * TARGET]] == [1.5, 2.0, 4.0]
+
+
+@pytest.mark.rule("R7.5")
+def test_r7_5_the_arbiter_judges_what_nobody_sees() -> None:
+    """Two hunters that do not see each other contest a target; the nearer one wins, as ever."""
+    arena = quiet(hunters=2, view_angle_deg=60.0, view_radius_m=0.2)
+    arena.place([(4.8, 5.0, 0.0), (5.25, 5.0, 3.0)], [(5.0, 5.0)])
+    assert seen_rivals(arena, 0) == seen_rivals(arena, 1) == 0
+    arena.step([((0.0, 0.0), 1)] * 2)
+    assert [found and found[0] for found in arena.rulings] == [GRANTED, LOST_CONTEST]
+    assert [found and found[3] for found in arena.rulings] == [0, 0]
+
+
+@pytest.mark.rule("R7.5")
+def test_r7_5_a_target_out_of_sight_stays_the_active_one() -> None:
+    """It is driven past: the state has its number, and no rank is active."""
+    arena = quiet(control="target", view_angle_deg=90.0, gains={"kp_w": 0.0, "ki_v": 1.0})
+    arena.place([(5.0, 5.0, 0.7)], [(5.6, 5.0)])
+    arena.step([1])
+    rest_of_steps = 0
+    while seen_numbers(arena):
+        arena.step([1])
+        rest_of_steps += 1
+    assert rest_of_steps < 20
+    assert arena.hunters[0].active == arena.alive[0].number
+    assert arena.hunters[0].distance_integral > 0.0
+    assert arena.observations()[0][OWN : OWN + TARGET] == [0.0] * TARGET
+
+
+@pytest.mark.rule("R6.2")
+def test_r6_2_progress_counts_towards_seen_targets_alone() -> None:
+    """The nearest is behind; without any in sight there is none. Beyond the observation's room there may be."""
+    for places, progress in (([(4.0, 5.0), (7.0, 5.0)], 0.192), ([(4.0, 5.0)], 0.0)):
+        arena = quiet(view_angle_deg=90.0, observed_targets=1)
+        arena.place([(5.0, 5.0, 0.0)], places)
+        drive(arena, (1.0, 0.0))
+        assert arena.parts[0][4] == pytest.approx(progress)
+
+
+@pytest.mark.rule("R7.5")
+@pytest.mark.parametrize(("motion", "noise"), [("still", 0.0), ("still", 0.2), ("flee", 0.0), ("wander", 0.2)])
+def test_r7_5_what_is_not_seen_cannot_change_what_is(motion: str, noise: float) -> None:
+    """Unseen targets and rivals are moved to other unseen places, turned, sped up and given catches."""
+    changed = 0
+    for match in range(25):
+        source = Random(match)
+        settings = {
+            "hunters": 5,
+            "initial_targets": 8,
+            "target_motion": motion,
+            "view_noise_m": noise,
+            "view_radius_m": source.choice([None, 3.0]),
+            "view_angle_deg": source.choice([60.0, 200.0]),
+            "seed": match,
+        }
+        arena, other = quiet(**settings), quiet(**settings)
+        for _ in range(source.randint(0, 9)):
+            commands = [(source.uniform(-1, 1), source.uniform(-1, 1)) for _ in arena.hunters]
+            drive(arena, *commands)
+            drive(other, *commands)
+        observer = other.hunters[0]
+        for turtle in [*other.hunters[1:], *other.alive]:
+            if other._sees(observer, turtle):
+                continue
+            changed += 1
+            turtle.theta, turtle.v = source.uniform(-3, 3), source.uniform(0, 2)
+            was = turtle.x, turtle.y
+            turtle.x, turtle.y = source.uniform(0, 11), source.uniform(0, 11)
+            if other._sees(observer, turtle):
+                turtle.x, turtle.y = was
+        for rival in other.hunters[1:]:
+            if not other._sees(observer, rival):
+                rival.score += 3
+        assert arena.observations()[0] == other.observations()[0]
+        assert arena.masks()[0] == other.masks()[0]
+    assert changed > 100
+
+
+@pytest.mark.rule("R7.5")
+def test_r7_5_a_hunter_without_limits_sees_everything() -> None:
+    """A radius beyond the arena shows what no radius shows, and so does a full turn."""
+    settings = {"hunters": 4, "initial_targets": 9, "target_motion": "wander"}
+    arenas = [quiet(**settings), quiet(**settings, view_radius_m=16.0), quiet(**settings, view_angle_deg=360)]
+    for _ in range(10):
+        assert arenas[0].observations() == arenas[1].observations() == arenas[2].observations()
+        for arena in arenas:
+            drive(arena, (1.0, 0.4), (0.6, -1.0))
+
+
+def errors(arena: OracleArena, exact: OracleArena) -> list[float]:
+    """What two observations of equal states differ by, where they may: a target's or a rival's forward and left."""
+    found = []
+    for noisy, plain in zip(arena.observations(), exact.observations(), strict=True):
+        places = set()
+        for start, width, count in (
+            (OWN, TARGET, arena.targets_seen),
+            (OWN + TARGET * arena.targets_seen, RIVAL, arena.hunters_seen),
+        ):
+            for rank in range(count):
+                at = start + width * rank
+                if plain[at + 2]:
+                    places |= {at, at + 1}
+        assert all(one == other for at, (one, other) in enumerate(zip(noisy, plain, strict=True)) if at not in places)
+        found += [noisy[at] - plain[at] for at in sorted(places)]
+    return found
+
+
+@pytest.mark.rule("R7.6")
+def test_r7_6_errors_have_their_mean_deviation_and_bound() -> None:
+    """Some twenty thousand of them, with s = 0.25 m; nothing else in the observations is other than without noise."""
+    settings = {"hunters": 6, "initial_targets": 16, "observed_targets": 16}
+    noisy, exact = quiet(**settings, view_noise_m=0.25), quiet(**settings)
+    found: list[float] = []
+    for _ in range(80):
+        rest(noisy)
+        rest(exact)
+        assert noisy.digest() == exact.digest()
+        found += errors(noisy, exact)
+    assert len(found) == 80 * 6 * (16 + 5) * 2
+    mean = sum(found) / len(found)
+    deviation = math.sqrt(sum(error * error for error in found) / len(found))
+    assert abs(mean) < 0.006
+    assert deviation == pytest.approx(0.25, rel=0.02)
+    assert 0.7 < max(map(abs, found)) < 0.25 * 3.4642
+    assert len(set(found)) > 0.99 * len(found)
+
+
+@pytest.mark.rule("R7.6")
+def test_r7_6_who_looks_twice_sees_the_same_and_the_next_step_is_another() -> None:
+    """Also after another match of that seed."""
+    one, other = (quiet(hunters=2, initial_targets=3, view_noise_m=0.1, seed=5) for _ in range(2))
+    first = one.observations()
+    assert first == one.observations() == other.observations()
+    rest(one)
+    assert [numbers[OWN] for numbers in first] != [numbers[OWN] for numbers in one.observations()]
+
+
+@pytest.mark.rule("R7.6")
+def test_r7_6_an_error_is_that_of_its_target_or_seat() -> None:
+    """As the hash draws it, whatever its rank; kind 1 is a rival by its seat."""
+    arena = quiet(hunters=3, view_noise_m=0.05, seed=11)
+    arena.place([(2.0, 2.0, 0.0), (6.0, 2.0, 0.0), (4.0, 2.0, 0.0)], [(9.0, 2.0), (5.0, 2.0)])
+    rest(arena)
+
+    def error(kind: int, who: int, axis: int) -> float:
+        k = draw(draw(draw(draw(draw(key(11, ERROR), 1), 0), kind), who), axis)
+        f = [fraction(draw(k, i)) for i in range(4)]
+        return 0.05 * 1.7320508075688772 * (f[0] + f[1] + f[2] + f[3] - 2.0)
+
+    numbers = arena.observations()[0]
+    near, far = numbers[OWN : OWN + 2], numbers[OWN + TARGET : OWN + TARGET + 2]
+    assert near == [to_float32(3.0 + error(0, 2, 0)), to_float32(error(0, 2, 1))]
+    assert far == [to_float32(7.0 + error(0, 1, 0)), to_float32(error(0, 1, 1))]
+    rivals = numbers[OWN + 8 * TARGET :]
+    assert rivals[:2] == [to_float32(2.0 + error(1, 2, 0)), to_float32(error(1, 2, 1))]
+    assert rivals[RIVAL : RIVAL + 2] == [to_float32(4.0 + error(1, 1, 0)), to_float32(error(1, 1, 1))]
+
+
+@pytest.mark.rule("R7.6")
+def test_r7_6_order_masks_and_controllers_go_by_the_true_places() -> None:
+    """A match under target control with much noise plays as one without."""
+    settings = {"hunters": 3, "control": "target", "initial_targets": 10, "view_radius_m": 4.0, "target_motion": "flee"}
+    noisy, exact = quiet(**settings, view_noise_m=3.0), quiet(**settings)
+    for _ in range(60):
+        assert noisy.masks() == exact.masks()
+        noisy.step([1, 1, 2])
+        exact.step([1, 1, 2])
+        assert noisy.digest() == exact.digest()
+        assert noisy.rewards == exact.rewards
+
+
+@pytest.mark.rule("R7.6")
+def test_r7_6_of_rivals_that_are_alike_the_lower_seat_comes_first() -> None:
+    """Which of them is which shows in their errors alone."""
+    arena = quiet(hunters=4, view_noise_m=0.1)
+    arena.place([(3.0, 3.0, 0.0), *[(5.0, 5.0, 1.0)] * 3], [])
+    alone = []
+    for seat in (1, 2, 3):
+        arena.hunters[seat].x = 4.9
+        alone.append(arena.observations()[0][OWN + 8 * TARGET] + 0.1)
+        arena.hunters[seat].x = 5.0
+    rivals = arena.observations()[0][OWN + 8 * TARGET :]
+    assert rivals[::RIVAL] == pytest.approx(alone, abs=1e-6)
+
+
+@pytest.mark.rule("R5.3")
+def test_r5_3_what_a_hunter_sees_within_reach_is_what_the_arbiter_grants_it() -> None:
+    """Whatever the view: each hunter has a rank for every target that it could be granted."""
+    for match in range(60):
+        source = Random(match)
+        arena = quiet(
+            hunters=3,
+            initial_targets=12,
+            view_angle_deg=source.uniform(1, 300),
+            view_radius_m=source.choice([None, 0.05, 1.0]),
+            reach_m=tuple(source.uniform(0.1, 3.0) for _ in range(3)),
+            observed_targets=12,
+            seed=match,
+        )
+        for hunter in arena.hunters:
+            near = [
+                one
+                for one in arena.alive
+                if micrometres(math.dist((one.x, one.y), (hunter.x, hunter.y))) < arena.reaches_um[hunter.seat]
+            ]
+            assert {one.number for one in near} <= {one.number for one in arena._targets_in_view(hunter)}
