@@ -3,6 +3,7 @@
 from io import BytesIO
 
 import catch_arena
+from catch_arena.envs.parallel import CatchArenaEnv
 
 MOTIONS = ("still", "wander", "flee")
 HUNTERS = {
@@ -13,7 +14,7 @@ HUNTERS = {
 }
 
 
-def size_of(env: catch_arena.CatchArenaEnv, *, chasing: bool) -> int:
+def size_of(env: CatchArenaEnv, *, chasing: bool) -> int:
     """The bytes of a match's file."""
     env.record()
     env.reset(seed=1)

@@ -1,8 +1,8 @@
 """Quantised states: the numbers of A.8 in whole millionths, and their short form in files.
 
 A digest tells that two states differ; the quantised states tell in what. Messages for users call one the *witness* of
-its digest. In a file the numbers of what moves stand as what is left after R2.2's motion has been taken off, which is almost
-nothing, and those of a target that stands still stand once.
+its digest. In a file the numbers of what moves stand as what is left after R2.2's motion has been taken off, which is
+almost nothing, and those of a target that stands still stand once.
 """
 
 from collections.abc import Sequence
