@@ -1,6 +1,6 @@
 """Change the rules, one operator, constant or branch at a time, and see that a test notices each change: `make mutate`.
 
-A mutant is one such change in one of the four modules below. It is made in memory, in a process of its own that runs
+A mutant is one such change in one of the modules below. It is made in memory, in a process of its own that runs
 the tests without the compiler (NUMBA_DISABLE_JIT=1) until one fails; the files stay as they are. Mutants that no test
 can notice stand in tests/mutation/equivalent.toml, each with its reason; every other one must be noticed, and an entry
 there that no longer fits fails the run too. Needs os.fork: Linux or macOS.
@@ -32,8 +32,17 @@ from rich.progress import track
 
 ROOT = Path(__file__).parent.parent
 CORE = ROOT / "catch_arena" / "core"
-PROCESSES = 2
-MODULES = ("arbiter", "controllers", "physics", "spawner")
+MODULES = (
+    "arbiter",
+    "catching",
+    "controllers",
+    "dropouts",
+    "physics",
+    "ranking",
+    "spawner",
+    "targets",
+    "visibility",
+)
 EQUIVALENT = ROOT / "tests" / "mutation" / "equivalent.toml"
 
 MATCHES = "tests/properties/test_engine_equals_oracle.py::test_engine_and_oracle_play_the_same_matches"
@@ -71,6 +80,8 @@ OTHER_OPERATORS: dict[type[ast.operator], tuple[type[ast.operator], ...]] = {
     ast.Div: (ast.Mult,),
     ast.BitAnd: (ast.BitOr,),
     ast.BitOr: (ast.BitAnd,),
+    ast.LShift: (ast.RShift,),
+    ast.RShift: (ast.LShift,),
 }
 NOT_CALCULATED = frozenset({"annotation", "returns", "decorator_list", "body", "orelse"})
 """Fields of a statement that hold other statements, or what is never calculated."""
@@ -264,11 +275,17 @@ class Hourglass:
         resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time()) + LONGEST_TEST_S, resource.RLIM_INFINITY))
 
 
+def is_of_another(path: Path, mutant: Mutant) -> bool:
+    """Whether these are the unit tests of another module, which rarely notice a mutant of this one."""
+    return path.parent.name == "unit" and path.stem != f"test_{mutant.module}"
+
+
 class OnEveryMutant:
     """A plugin of pytest that runs the tests, once they are collected, on one mutant after the other."""
 
-    def __init__(self, mutants: Sequence[Mutant], found: list[Name]) -> None:
+    def __init__(self, mutants: Sequence[Mutant], processes: int, found: list[Name]) -> None:
         self.mutants = mutants
+        self.processes = processes
         self.found = found
 
     def pytest_runtestloop(self, session: Any) -> bool:
@@ -277,8 +294,9 @@ class OnEveryMutant:
 
         hook = session.config.hook
 
-        def run_tests() -> int:
-            for item, following in itertools.zip_longest(session.items, session.items[1:]):
+        def run_tests(mutant: Mutant | None) -> int:
+            items = sorted(session.items, key=lambda item: mutant is not None and is_of_another(item.path, mutant))
+            for item, following in itertools.zip_longest(items, items[1:]):
                 hook.pytest_runtest_protocol(item=item, nextitem=following)
                 if session.testsfailed:
                     print(item.nodeid)
@@ -287,8 +305,13 @@ class OnEveryMutant:
 
         if os.waitpid(begin(None, run_tests), 0)[1] != 0:
             pytest.exit("the core as it is fails the tests", returncode=1)
-        self.found += survivors(self.mutants, run_tests)
+        self.found += survivors(self.mutants, self.processes, run_tests)
         return True
+
+
+def on_constants(mutant: Mutant | None) -> int:  # noqa: ARG001 - the module is imported by the tests, with the mutant
+    """What pytest says of the killing tests, in a process that has none of the core yet."""
+    return run_pytest()
 
 
 def run_pytest(*plugins: object) -> int:
@@ -299,7 +322,7 @@ def run_pytest(*plugins: object) -> int:
     return int(pytest.main([*options, *KILLERS], [Hourglass(), *plugins]))
 
 
-def begin(mutant: Mutant | None, run_tests: Callable[[], int]) -> int:
+def begin(mutant: Mutant | None, run_tests: Callable[[Mutant | None], int]) -> int:
     """A process that runs the tests on a mutant (or on the core as it is) and ends with 0 if they all pass."""
     if (process := os.fork()) != 0:
         return process
@@ -310,18 +333,18 @@ def begin(mutant: Mutant | None, run_tests: Callable[[], int]) -> int:
             for stream in (1, 2):
                 os.dup2(nowhere, stream)
             put_in_place(mutant)
-        code = run_tests()
+        code = run_tests(mutant)
     finally:
         os._exit(code)  # nothing may come back into the copy of this script
 
 
-def survivors(mutants: Sequence[Mutant], run_tests: Callable[[], int]) -> list[Name]:
+def survivors(mutants: Sequence[Mutant], processes: int, run_tests: Callable[[Mutant | None], int]) -> list[Name]:
     """Those on which all tests pass."""
     running: dict[int, Mutant] = {}
     found = []
     waiting = iter(track(mutants, "mutants", console=Console(stderr=True)))
     while True:
-        for mutant in itertools.islice(waiting, PROCESSES - len(running)):
+        for mutant in itertools.islice(waiting, processes - len(running)):
             running[begin(mutant, run_tests)] = mutant
         if not running:
             return found
@@ -346,7 +369,13 @@ def main() -> None:
     """Ends with 1 where a mutant that is not listed as equivalent survives, or the list is out of date."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", default="", metavar="TEXT", help="mutants whose name or text contains this")
-    only = parser.parse_args().only
+    parser.add_argument("--module", action="append", choices=MODULES, help="those of this module; may be given again")
+    parser.add_argument("--processes", type=int, default=2, metavar="N", help="how many mutants are tried at a time")
+    options = parser.parse_args()
+    modules: Sequence[str] = options.module or MODULES
+
+    def asked_for(name: Name) -> bool:
+        return options.only in str(name) and name.function.partition(".")[0] in modules
 
     os.chdir(ROOT)
     os.environ |= {"NUMBA_DISABLE_JIT": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -357,14 +386,15 @@ def main() -> None:
     import pytest  # noqa: F401
 
     started = time.monotonic()
-    mutants = [mutant for module in MODULES for mutant in mutants_of(module) if only in str(mutant.name)]
+    mutants = [mutant for module in modules for mutant in mutants_of(module) if asked_for(mutant.name)]
     # constants first: collecting the tests for all the others imports the modules here, for good
-    found = survivors([mutant for mutant in mutants if not mutant.function], run_pytest)
-    if run_pytest(OnEveryMutant([mutant for mutant in mutants if mutant.function], found)):
+    found = survivors([mutant for mutant in mutants if not mutant.function], options.processes, on_constants)
+    within = [mutant for mutant in mutants if mutant.function]
+    if run_pytest(OnEveryMutant(within, options.processes, found)):
         sys.exit(1)
 
     names, alive = {mutant.name for mutant in mutants}, set(found)
-    listed = [name for name in known_equivalents() if only in str(name)]
+    listed = [name for name in known_equivalents() if asked_for(name)]
     complaints = [f"no test notices: {name}" for name in found if name not in listed]
     complaints += [f"listed as equivalent, but a test notices it: {name}" for name in listed if name in names - alive]
     complaints += [f"listed as equivalent, but there is no such mutant: {name}" for name in listed if name not in names]

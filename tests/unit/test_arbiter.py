@@ -14,6 +14,7 @@ from catch_arena.core.arbiter import (
     REQUEST_INACTIVE,
     REQUEST_KILL_REFUSED,
     REQUEST_NUMBER,
+    REQUEST_REACH,
     REQUEST_SEAT,
     REQUEST_TARGET,
     REQUEST_VERDICT,
@@ -28,15 +29,16 @@ TARGET_7 = {REQUEST_TARGET: 7, REQUEST_NUMBER: 7}
 
 
 def judged(*rows):
-    """The table after judgement, of requests by seat that are 100 000 micrometres from target 7 if nothing else is
-    said.
+    """The table after judgement, of requests by seat that are 100 000 micrometres from target 7, with a reach of
+    300 000, if nothing else is said.
     """
     table = np.full((len(rows), REQUEST_COLUMNS), 99, dtype=np.int64)
     for seat, (line, row) in enumerate(zip(table, rows, strict=True)):
-        usual = {REQUEST_SEAT: seat, REQUEST_DISTANCE: 100_000, REQUEST_INACTIVE: 0, REQUEST_KILL_REFUSED: 0}
-        for column, value in (usual | TARGET_7 | row).items():
+        usual = {REQUEST_SEAT: seat, REQUEST_DISTANCE: 100_000, REQUEST_REACH: 300_000}
+        flags = {REQUEST_INACTIVE: 0, REQUEST_KILL_REFUSED: 0}
+        for column, value in (usual | flags | TARGET_7 | row).items():
             line[column] = value
-    judge(table, NEAREST, np.uint64(1), 0, 300_000, False, True)
+    judge(table, NEAREST, np.uint64(1), 0, False, True)
     return table
 
 
@@ -46,6 +48,8 @@ def judged(*rows):
         ({}, Verdict.GRANTED, 100_000),
         ({REQUEST_DISTANCE: 299_999}, Verdict.GRANTED, 299_999),
         ({REQUEST_DISTANCE: 300_000}, Verdict.OUT_OF_REACH, 300_000),
+        ({REQUEST_REACH: 100_001}, Verdict.GRANTED, 100_000),
+        ({REQUEST_REACH: 100_000}, Verdict.OUT_OF_REACH, 100_000),
         ({REQUEST_KILL_REFUSED: 1}, Verdict.KILL_FAILED, 100_000),
         ({REQUEST_INACTIVE: 1}, Verdict.HUNTER_INACTIVE, -1),
         ({REQUEST_TARGET: NO_SUCH_RANK}, Verdict.MALFORMED, -1),

@@ -8,7 +8,15 @@ from catch_arena.core import state
 from catch_arena.core.state import LANES
 from catch_arena.core.workspace import FEATURE_STRIDE
 from catch_arena.envs.parallel import parallel_env
-from catch_arena.layout import RivalFeatures, SelfFeatures, TargetFeatures, columns, state_columns, width
+from catch_arena.layout import (
+    MovingTargetFeatures,
+    RivalFeatures,
+    SelfFeatures,
+    TargetFeatures,
+    columns,
+    state_columns,
+    width,
+)
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.verdicts import Verdict
 
@@ -60,7 +68,10 @@ def test_every_row_has_one_owner():
     digest = [HUNTER[row // LANES] for row in state.HUNTER_DIGEST]
     assert digest == [*HUNTER[:5], "DISTANCE_INTEGRAL", "BEARING_INTEGRAL", "ACTIVE", "SCORE", "AT_WALL", "WITHDRAWN"]
     assert [state.NUMBER // LANES, state.APPEARED // LANES, state.BODY // LANES] == [0, 1, 2]
-    assert state.SLOT_ROWS == state.BODY // LANES + state.STILL_BODY_ROWS
+    assert state.STILL_SLOT_ROWS == state.BODY // LANES + state.STILL_BODY_ROWS
+    of_moving = [state.WANDER // LANES, state.WANDER_ENDS // LANES, state.MOVING_SLOT_ROWS]
+    assert of_moving == [state.BODY // LANES + state.BODY_ROWS + more for more in range(3)]
+    assert HUNTER.index("COSINE") + 1 == state.BODY_ROWS
 
 
 @pytest.mark.parametrize("config", SCENARIOS.values(), ids=SCENARIOS)
@@ -82,24 +93,28 @@ def test_the_layout_has_a_column_for_each_number_that_the_oracle_sees(config):
     assert len({column.name for column in table}) == len(table)
 
 
-def test_the_columns_have_the_names_and_the_order_in_which_the_core_writes_them():
+@pytest.mark.parametrize(("motion", "of_target"), [("still", TargetFeatures), ("wander", MovingTargetFeatures)])
+def test_the_columns_have_the_names_and_the_order_in_which_the_core_writes_them(motion, of_target):
     """Its writer is made from the named tuples; and there is room in the core's scratch memory for what it writes."""
-    config = ArenaConfig()
+    config = ArenaConfig(target_motion=motion)
     names = [column.name for column in columns(config)]
-    own, target, rival = len(SelfFeatures._fields), len(TargetFeatures._fields), len(RivalFeatures._fields)
+    own, target, rival = len(SelfFeatures._fields), len(of_target._fields), len(RivalFeatures._fields)
     first_rival = own + target * config.targets_seen
     assert names[:own] == list(SelfFeatures._fields)
-    assert names[own : own + target] == [f"target_1.{name}" for name in TargetFeatures._fields]
+    assert names[own : own + target] == [f"target_1.{name}" for name in of_target._fields]
     assert names[first_rival : first_rival + rival] == [f"rival_1.{name}" for name in RivalFeatures._fields]
     assert max(target, rival) <= FEATURE_STRIDE
 
 
 @pytest.mark.parametrize("config", SCENARIOS.values(), ids=SCENARIOS)
 def test_the_global_view_has_a_column_for_each_number_that_the_book_names(config):
-    """R7.3: the time left, eight numbers of each hunter, and four of each target that there is room for."""
+    """R7.3: the time left, eight numbers of each hunter, and four of each target that there is room for; seven where
+    targets move.
+    """
+    of_target = 7 if config.targets_move else 4
     table = state_columns(config)
     env = parallel_env(config)
     env.reset(seed=1)
-    assert len(table) == len(env.state()) == 1 + 8 * config.hunters + 4 * config.max_targets
+    assert len(table) == len(env.state()) == 1 + 8 * config.hunters + of_target * config.max_targets
     assert len({column.name for column in table}) == len(table)
     assert all(column.low <= number <= column.high for column, number in zip(table, env.state(), strict=True))
