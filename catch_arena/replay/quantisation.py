@@ -58,9 +58,10 @@ def target_numbers(config: ArenaConfig) -> dict[str, str]:
 
 
 @cache
-def _scale(config: ArenaConfig, targets: int) -> NDArray[np.float64]:
+def _scale(hunters: int, targets: int, *, moving: bool) -> NDArray[np.float64]:
     """What each number of a state is multiplied by."""
-    units = [*[""] * len(ARENA), *[*HUNTER.values()] * config.hunters, *[*target_numbers(config).values()] * targets]
+    target = _MOVING_TARGET if moving else _STILL_TARGET
+    units = [*[""] * len(ARENA), *[*HUNTER.values()] * hunters, *[*target.values()] * targets]
     return np.array([1e6 if unit else 1.0 for unit in units])
 
 
@@ -71,7 +72,8 @@ def rounded(numbers: NDArray[np.float64], scale: float | NDArray[np.float64]) ->
 
 def quantise(state: NDArray[np.float64], config: ArenaConfig) -> QuantisedState:
     """A state as `Engine.state()` gives it, in whole millionths."""
-    return rounded(state, _scale(config, (len(state) - _fixed(config)) // len(target_numbers(config))))
+    targets = (len(state) - _fixed(config)) // len(target_numbers(config))
+    return rounded(state, _scale(config.hunters, targets, moving=config.targets_move))
 
 
 def _fixed(config: ArenaConfig) -> int:
