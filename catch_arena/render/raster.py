@@ -111,8 +111,10 @@ class Canvas:
         size = 2 * round(shape.soft) + 1
         mask = cv2.blur(mask, (size, size), borderType=cv2.BORDER_REPLICATE)
         part = self.pixels[y0:y1, x0:x1]
-        cover = (mask * (shape.opacity / 255.0)).astype(np.float32)[..., None]
-        part[..., :3] = np.rint(part[..., :3] + (np.array(shape.color, dtype=np.float32) - part[..., :3]) * cover)
+        cover = cv2.convertScaleAbs(mask, alpha=shape.opacity)
+        tint = cv2.merge([cv2.convertScaleAbs(cover, alpha=channel / 255.0) for channel in (*shape.color, 255)])
+        kept = cv2.multiply(part, cv2.merge([cv2.bitwise_not(cover)] * 4), scale=1.0 / 255.0)
+        cv2.add(kept, tint, dst=part)
 
     def _stroke(self, shape: shapes.Stroke) -> None:
         color = (*shape.color, 255)
