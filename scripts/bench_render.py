@@ -236,7 +236,7 @@ def bench_plain_pygame(args: Args) -> None:
 
     def theirs() -> None:
         annotations: list[Annotation] = []
-        last = step_motion(worlds[0], worlds[0]).poses[0]
+        last = step_motion(worlds[0], worlds[0]).poses[0].hunters
         for span in frame_spans(worlds, clip):
             now = span.motion
             annotations += annotations_of(now.before, now.after)
@@ -252,8 +252,8 @@ def bench_plain_pygame(args: Args) -> None:
                     annotations=visible_annotations(annotations, time_ms),
                     time_ms=time_ms,
                 )
-                plain.frame(poses, last, described, fade=frame % 12 == 0)
-                last = poses
+                plain.frame(poses.hunters, last, described, fade=frame % 12 == 0)
+                last = poses.hunters
 
     our_s, their_s = seconds_of(ours, args.repeats), seconds_of(theirs, args.repeats)
     told("the arena alone, 720 x 720", clip.frames, our_s)

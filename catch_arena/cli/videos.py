@@ -54,6 +54,12 @@ def render(
         float | None, typer.Option("--to", metavar="SECONDS", help="Where to end.", show_default="the match's end")
     ] = None,
     speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
+    view_of: Annotated[
+        str | None,
+        typer.Option(
+            metavar="HUNTER", help="Show what this hunter sees, by its seat or name.", show_default="nobody's"
+        ),
+    ] = None,
 ) -> None:
     """Turn a recorded match, or a part of it, into a video."""
     from catch_arena.cli.progress import progress_bar
@@ -74,6 +80,7 @@ def render(
             start_s=start,
             end_s=end,
             speed=speed,
+            view_of=view_of,
             progress=show,
         )
     _print_report(report)

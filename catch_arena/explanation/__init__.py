@@ -1,6 +1,7 @@
 """Why did B lose? The contests, refusals and highlights of a recorded match as facts, and the facts in words."""
 
 from catch_arena.explanation.match_summary import Claim, Contest, Explanation, HunterSummary, Refusals, explain
+from catch_arena.explanation.sight import Unseen
 from catch_arena.explanation.steps import HunterAction, StepExplanation, explain_step
 
 __all__ = [
@@ -11,6 +12,7 @@ __all__ = [
     "HunterSummary",
     "Refusals",
     "StepExplanation",
+    "Unseen",
     "explain",
     "explain_step",
 ]

@@ -9,7 +9,8 @@ import numpy as np
 
 from catch_arena.core.jit import entry
 from catch_arena.core.random import service_lot, ticket
-from catch_arena.explanation.seats import labels, seat_of
+from catch_arena.explanation.seats import how_it_left, labels, seat_of
+from catch_arena.explanation.sight import Sight
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
@@ -87,7 +88,11 @@ class HunterSummary:
     """Requests refused for other reasons, by verdict."""
     forestalled: int = 0
     """Targets that it was heading for, and that another hunter caught without a contest between them."""
+    never_seen: int | None = None
+    """Targets that another hunter caught, and that it never had in sight (R7.5); None where hunters see everything."""
     withdrawn_ms: int | None = None
+    dropped_out: bool = False
+    """It left by chance (R1.7), and was not withdrawn (R1.6)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +101,8 @@ class Explanation:
 
     title: str
     policy: str
-    reach_um: int
+    reaches_um: tuple[int, ...]
+    """By seat (R2.7)."""
     steps: int
     duration_ms: int
     names: tuple[str, ...]
@@ -141,7 +147,11 @@ def explain(
     refused = [Counter[str]() for _ in names]
     summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
     scores: tuple[int, ...] = ()
+    sight = _SightOfMatch(replay) if replay.config.partial_view else None
     for step, world in enumerate(replay.worlds()):
+        if sight is not None:
+            sight.note(world, summaries)
+        _note_departures(replay, world, summaries)
         found = contests_of(replay, world)
         contests += found
         _note_refusals(world, {claim.seat for contest in found for claim in contest.claims}, running, refusals)
@@ -152,15 +162,13 @@ def explain(
         scores = tuple(hunter.score for hunter in world.hunters)
         if progress is not None:
             progress(step, replay.steps)
-    for before, seat in replay.withdrawals:
-        summaries[seat].withdrawn_ms = before * replay.config.control_period_ms
     _count_contests(summaries, contests)
     for summary, score, tally in zip(summaries, scores, refused, strict=True):
         summary.catches, summary.refused = score, dict(sorted(tally.items()))
     return Explanation(
         title=replay.title,
         policy=replay.config.policy,
-        reach_um=replay.config.reach_um,
+        reaches_um=replay.config.reaches_um,
         steps=replay.steps,
         duration_ms=replay.steps * replay.config.control_period_ms,
         names=names,
@@ -236,6 +244,32 @@ def _note_refusals(
         if (distance := ruling.distance_um) is not None:
             run.nearest_um = distance if run.nearest_um is None else min(run.nearest_um, distance)
             run.farthest_um = distance if run.farthest_um is None else max(run.farthest_um, distance)
+
+
+class _SightOfMatch:
+    """R7.5: what each hunter has had in sight so far."""
+
+    def __init__(self, replay: Replay) -> None:
+        self._sight = Sight(replay.config)
+        self._seen: list[set[str]] = [set() for _ in replay.names]
+
+    def note(self, world: World, summaries: Sequence[HunterSummary]) -> None:
+        """One more state, and the catches that led to it."""
+        caught = [(str(ruling.target), ruling.hunter) for ruling in world.rulings if ruling.success]
+        names = np.array([target.name for target in world.targets], dtype=object)
+        for summary, seen in zip(summaries, self._seen, strict=True):
+            missed = sum(by != summary.seat and name not in seen for name, by in caught)
+            summary.never_seen = (summary.never_seen or 0) + missed
+            if not world.hunters[summary.seat].withdrawn:
+                seen.update(names[self._sight.of(world, summary.seat)].tolist())
+
+
+def _note_departures(replay: Replay, world: World, summaries: Sequence[HunterSummary]) -> None:
+    """R1.6, R1.7: a hunter that takes no part in a step has left at its beginning."""
+    for summary, hunter in zip(summaries, world.hunters, strict=True):
+        if hunter.withdrawn and summary.withdrawn_ms is None:
+            summary.withdrawn_ms = world.time_ms - replay.config.control_period_ms
+            summary.dropped_out = how_it_left(replay, summary.seat) == "dropped out"
 
 
 def _note_forestalled(world: World, contests: Sequence[Contest], summaries: Sequence[HunterSummary]) -> None:

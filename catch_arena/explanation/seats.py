@@ -11,6 +11,11 @@ def labels(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(f"{name} (hunter_{seat})" if names.count(name) > 1 else name for seat, name in enumerate(names))
 
 
+def how_it_left(replay: Replay, seat: int) -> str:
+    """Of a hunter that has left: it was "withdrawn" (R1.6), which a replay lists, or "dropped out" (R1.7)."""
+    return "withdrawn" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out"
+
+
 def seat_of(replay: Replay, hunter: int | str) -> int:
     """The seat that is meant by a seat's number, by `hunter_{seat}` or by an agent's name.
 

@@ -5,10 +5,13 @@ from typing import Final
 
 from catch_arena.explanation.lengths import exact_length, metres
 from catch_arena.explanation.match_summary import Claim, Contest, Explanation, HunterSummary, Refusals
+from catch_arena.explanation.sight import Unseen
 from catch_arena.explanation.steps import HunterAction, StepExplanation
 from catch_arena.verdicts import REASONS, Verdict
 
-_EMPTY_RANK: Final = "a rank that no target has"
+_EMPTY_RANK: Final = "a rank that no target in its view has"
+_LEFT: Final = {"withdrawn": "It was withdrawn (R1.6)", "dropped out": "It had dropped out (R1.7)"}
+_MOST_UNSEEN: Final = 3
 _NO_CONTEST: Final = "No contest: in no step could two hunters have caught the same target."
 
 
@@ -38,7 +41,7 @@ def step_paragraphs(explanation: StepExplanation) -> list[str]:
     return [
         f"Step {explanation.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
         *(_asked(one, explanation) for one in explanation.asked),
-        *(_distances(target, distances, explanation.names) for target, distances in explanation.distances_um.items()),
+        *(_distances(target, explanation) for target in explanation.distances_um),
         *(contest_sentence(contest, explanation.names) for contest in explanation.contests),
     ]
 
@@ -90,7 +93,11 @@ def _refusals(run: Refusals, explanation: Explanation) -> str:
     if run.nearest_um is not None:
         farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
         place = f" from {metres(run.nearest_um)}{farthest}"
-    limit = f"; within reach is less than {metres(explanation.reach_um)}" if run.verdict is Verdict.OUT_OF_REACH else ""
+    limit = (
+        f"; within reach is less than {metres(explanation.reaches_um[run.seat])}"
+        if run.verdict is Verdict.OUT_OF_REACH
+        else ""
+    )
     asked = f"{when} {explanation.names[run.seat]} {often} for {what}{place}"
     return f"{asked}: {run.verdict.name}, {REASONS[run.verdict]}{limit}."
 
@@ -118,8 +125,11 @@ def _summary_sentence(summary: HunterSummary, policy: str) -> str:
         parts.append(f"{_counted(sum(summary.refused.values()), 'request')} refused ({reasons})")
     if summary.forestalled:
         parts.append(f"{_counted(summary.forestalled, 'target')} that it was heading for caught by others first")
+    if summary.never_seen:
+        parts.append(f"{_counted(summary.never_seen, 'target')} that it never had in sight caught by others (R7.5)")
     if summary.withdrawn_ms is not None:
-        parts.append(f"withdrawn at {_seconds(summary.withdrawn_ms)} (R1.6)")
+        how = "dropped out at {} (R1.7)" if summary.dropped_out else "withdrawn at {} (R1.6)"
+        parts.append(how.format(_seconds(summary.withdrawn_ms)))
     return f"{summary.name}: {'; '.join(parts)}."
 
 
@@ -127,9 +137,17 @@ def _asked(one: HunterAction, explanation: StepExplanation) -> str:
     chosen = f" ({one.chosen})" if one.chosen else ""
     seat = f"hunter_{one.seat}"
     who = seat if explanation.names[one.seat] == seat else f"{explanation.names[one.seat]} ({seat})"
-    did = f"{who}, {one.control} control: {one.action}{chosen}"
+    did = f"{who}, {one.control} control: {one.action}{chosen}."
+    return " ".join((did, *filter(None, (_left(one), _requested(one, explanation), _sight(one, explanation)))))
+
+
+def _left(one: HunterAction) -> str:
+    return f"{_LEFT[one.out]}." if one.out is not None else ""
+
+
+def _requested(one: HunterAction, explanation: StepExplanation) -> str:
     if one.verdict is None:
-        return f"{did}. It requested nothing."
+        return "It requested nothing."
     what = one.target or _EMPTY_RANK
     place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
     winner = (
@@ -137,12 +155,41 @@ def _asked(one: HunterAction, explanation: StepExplanation) -> str:
         if one.verdict is Verdict.LOST_CONTEST and one.winner is not None
         else ""
     )
-    return f"{did}. It requested {what}{place}: {one.verdict.name}, {one.reason}{winner}."
+    return f"It requested {what}{place}: {one.verdict.name}, {one.reason}{winner}."
 
 
-def _distances(target: str, distances_um: Sequence[int], names: Sequence[str]) -> str:
-    ranked = sorted(zip(distances_um, names, strict=True))
-    return f"Distances to {target}: {_listed(f'{name} {metres(distance)}' for distance, name in ranked)}."
+def _sight(one: HunterAction, explanation: StepExplanation) -> str:
+    """What was out of its sight, the nearest first, and why; nothing where it saw every target."""
+    if not one.unseen:
+        return ""
+    limits = []
+    if explanation.view_radius_m is not None:
+        limits.append(f"nearer than {explanation.view_radius_m:g} m")
+    if explanation.view_angle_deg < 360.0:
+        limits.append(f"at most {explanation.view_angle_deg / 2.0:g} degrees off its heading")
+    shown = [_out_of_sight(target) for target in one.unseen[:_MOST_UNSEEN]]
+    if more := len(one.unseen) - len(shown):
+        shown.append(f"{more} more")
+    saw = f"{one.seen} of {_counted(one.seen + len(one.unseen), 'target')}"
+    return f"It sees what is {_listed(limits)} (R7.5): {saw}. Out of its sight: {'; '.join(shown)}."
+
+
+def _out_of_sight(one: Unseen) -> str:
+    why = ["too far"] if one.too_far else []
+    if one.outside_cone:
+        side = "behind it" if one.off_heading_deg > 90.0 else "to its side"
+        why.append(f"{side}, {one.off_heading_deg:.1f} degrees off its heading")
+    return f"{one.target}, {metres(one.distance_um)} away, {' and '.join(why)}"
+
+
+def _distances(target: str, explanation: StepExplanation) -> str:
+    hidden = explanation.out_of_sight[target]
+    ranked = sorted(
+        (distance, name, " (out of its sight)" if seat in hidden else "")
+        for seat, (distance, name) in enumerate(zip(explanation.distances_um[target], explanation.names, strict=True))
+    )
+    told = _listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
+    return f"Distances to {target}: {told}."
 
 
 def _listed(words: Iterable[str]) -> str:

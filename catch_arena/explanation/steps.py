@@ -1,15 +1,14 @@
 """All about one step: what each hunter did, what it asked for, and how far everybody was from that."""
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from itertools import islice
 from typing import Any
 
 from catch_arena.core.arbiter import distance_um
-from catch_arena.core.ranking import key_of
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.match_summary import Contest, contests_of, json_ready
-from catch_arena.explanation.seats import labels, seat_of
+from catch_arena.explanation.seats import how_it_left, labels, seat_of
+from catch_arena.explanation.sight import Sight, Unseen
 from catch_arena.replay import Replay
 from catch_arena.verdicts import REASONS, Ruling, Verdict
 from catch_arena.world import World
@@ -33,6 +32,12 @@ class HunterAction:
     distance_um: int | None
     """The arbiter's evidence: None unless reach was tested."""
     winner: int | None
+    out: str | None
+    """Why it took no part: "withdrawn" (R1.6) or "dropped out" (R1.7); None for one that did."""
+    seen: int
+    """How many targets it saw (R7.5)."""
+    unseen: tuple[Unseen, ...]
+    """Those that it did not, the nearest first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +54,10 @@ class StepExplanation:
     """A line for each hunter that was asked about."""
     distances_um: dict[str, tuple[int, ...]]
     """For each target that these named or requested: every hunter's distance, by seat (R5.3)."""
+    out_of_sight: dict[str, tuple[int, ...]]
+    """For each of these: the seats that did not see it (R7.5)."""
+    view_radius_m: float | None
+    view_angle_deg: float
     contests: tuple[Contest, ...]
 
     def lines(self) -> list[str]:
@@ -79,9 +88,11 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         raise ConfigError(f"step must be {has}, got {step}")
     chosen = range(replay.config.hunters) if hunter is None else (seat_of(replay, hunter),)
     before, after = islice(replay.worlds(), step - 1, step + 1)
+    sight = Sight(replay.config)
     rulings = {ruling.hunter: ruling for ruling in after.rulings}
-    asked = tuple(_asked(replay, before, step, seat, rulings.get(seat)) for seat in chosen)
+    asked = tuple(_asked(replay, sight, (before, after), seat, rulings.get(seat)) for seat in chosen)
     named = {name for one in asked for name in (one.chosen, one.target) if name is not None}
+    unseen = [{one.target for one in sight.unseen(before, seat)} for seat in range(replay.config.hunters)]
     return StepExplanation(
         step=step,
         begin_ms=before.time_ms,
@@ -93,35 +104,37 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
             for target in before.targets
             if target.name in named
         },
+        out_of_sight={
+            name: tuple(seat for seat, missing in enumerate(unseen) if name in missing) for name in sorted(named)
+        },
+        view_radius_m=replay.config.view_radius_m,
+        view_angle_deg=replay.config.view_angle_deg,
         contests=tuple(
             contest for contest in contests_of(replay, after) if any(claim.seat in chosen for claim in contest.claims)
         ),
     )
 
 
-def _asked(replay: Replay, before: World, step: int, seat: int, ruling: Ruling | None) -> HunterAction:
-    rank = int(replay.choices[step - 1][seat])
-    seen = _seen(replay, before, seat)
+def _asked(replay: Replay, sight: Sight, worlds: tuple[World, World], seat: int, ruling: Ruling | None) -> HunterAction:
+    before, after = worlds
+    step = before.step
+    rank = int(replay.choices[step][seat])
+    view = sight.ranked(before, seat)
+    unseen = tuple(sight.unseen(before, seat))
     return HunterAction(
         seat=seat,
         control=replay.config.controls[seat],
-        action=replay.action(step - 1, seat),
-        chosen=seen[rank - 1] if 0 < rank <= len(seen) else None,
+        action=replay.action(step, seat),
+        chosen=view[rank - 1] if 0 < rank <= len(view) else None,
         target=None if ruling is None or ruling.target is None else str(ruling.target),
         verdict=None if ruling is None else ruling.verdict,
         reason=None if ruling is None else REASONS[ruling.verdict],
         distance_um=None if ruling is None else ruling.distance_um,
         winner=None if ruling is None else ruling.winner,
+        out=how_it_left(replay, seat) if after.hunters[seat].withdrawn else None,
+        seen=len(before.targets) - len(unseen),
+        unseen=unseen,
     )
-
-
-def _seen(replay: Replay, world: World, seat: int) -> Sequence[str]:
-    """R7.1: the targets in a seat's view by rank: nearest first, and then by spawn number."""
-    me = world.hunters[seat]
-    ranked = sorted(
-        (key_of(target.x - me.x, target.y - me.y, slot), target.name) for slot, target in enumerate(world.targets)
-    )
-    return [name for _, name in ranked[: replay.config.targets_seen]]
 
 
 def _distances(world: World, place: tuple[float, float]) -> list[int]:

@@ -68,6 +68,7 @@ class MatchWindow:
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
         self._clock = pygame.time.Clock()
+        self._view_of: int | None = None
         self._renderer = self._new_renderer(size)
         self._last: World
         self._motions: list[StepMotion] = []
@@ -200,10 +201,27 @@ class MatchWindow:
             self._paused = self._helping = not self._helping
         elif command is UserCommand.SAVE:
             self._save_replay()
+        elif command is UserCommand.VIEW:
+            self._show_next_view()
         else:
             faster = 1 if command is UserCommand.FASTER else -1
             self._speed = min(max(0, self._speed + faster), len(SPEEDS) - 1)
             self.notify(f"speed {SPEEDS[self._speed]:g}")
+
+    def _show_next_view(self) -> None:
+        """One's own first, then those of the others, then none."""
+        hunters = self._info.config.hunters
+        if not self._info.config.partial_view:
+            self.notify("hunters see everything here")
+            return
+        first = self._seat or 0
+        if self._view_of is None:
+            self._view_of = first
+        else:
+            following = (self._view_of + 1) % hunters
+            self._view_of = None if following == first else following
+        self._renderer.view_of = self._view_of
+        self.notify("nobody's view" if self._view_of is None else f"what {self._info.names[self._view_of]} sees")
 
     def _save_replay(self) -> None:
         if self._save is None:
@@ -231,7 +249,7 @@ class MatchWindow:
         if self._seat is None or not (time_ms < _POINTED_MS or self._paused):
             return []
         viewport = Viewport(*self._area, self._info.config.side_m)
-        return overlays.seat_pointer(viewport, motion.at(time_ms)[self._seat][:2], self._info.color(self._seat))
+        return overlays.seat_pointer(viewport, motion.at(time_ms).hunters[self._seat][:2], self._info.color(self._seat))
 
     def _keys_overlay(self, below: str) -> list[Shape]:
         rows = overlays.WINDOW if self._inputs is None else (*overlays.DRIVING, *overlays.WINDOW)
@@ -247,7 +265,9 @@ class MatchWindow:
     def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
         width, height = (min(max(SMALLEST, part), most) for part, most in zip(size, LARGEST, strict=True))
         self._drawn_for = size
-        return MatchRenderer(self._info, (width, height), "broadcast", self._seed)
+        renderer = MatchRenderer(self._info, (width, height), "broadcast", self._seed)
+        renderer.view_of = self._view_of
+        return renderer
 
     def _fit(self) -> None:
         """A new renderer for a window that has another size, told all that has happened."""

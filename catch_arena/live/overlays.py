@@ -21,6 +21,7 @@ WINDOW: Final = (
     (("space", "P"), "pause, and go on"),
     (("N", "."), "one step, while it is paused"),
     (("+", "-"), "faster, slower"),
+    (("V",), "what a hunter sees; the next"),
     (("R",), "the same match again"),
     (("Ctrl-S",), "save the replay"),
     (("H",), "these keys"),

@@ -28,6 +28,7 @@ class UserCommand(Enum):
     SAVE = auto()
     QUIT = auto()
     HELP = auto()
+    VIEW = auto()
     FASTER = auto()
     SLOWER = auto()
 
@@ -41,6 +42,7 @@ _COMMANDS: Final = {
     pygame.K_ESCAPE: UserCommand.QUIT,
     pygame.K_h: UserCommand.HELP,
     pygame.K_F1: UserCommand.HELP,
+    pygame.K_v: UserCommand.VIEW,
     pygame.K_PLUS: UserCommand.FASTER,
     pygame.K_EQUALS: UserCommand.FASTER,
     pygame.K_KP_PLUS: UserCommand.FASTER,

@@ -1,8 +1,8 @@
 """Replay bundles: a match as a page plays it, where everybody was at every step and what the arbiter answered.
 
 A bundle is gzip of one line of JSON and the tracks. The tracks are 16-bit numbers, each body's x, y and theta one after
-the other, in states from its first to its last: differences, the sign in the lowest bit, first all low bytes, then all
-high ones. Nothing has to be simulated to play it.
+the other, in states from its first to its last: the differences of their differences, which are small also for what
+moves, the sign in the lowest bit, first all low bytes, then all high ones. Nothing has to be simulated to play it.
 """
 
 import base64
@@ -15,6 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.config import ArenaConfig
 from catch_arena.explanation.match_summary import Contest, contests_of
 from catch_arena.explanation.seats import labels
 from catch_arena.explanation.sentences import contest_sentence
@@ -57,9 +58,12 @@ def encode_bundle(replay: Replay) -> bytes:
     rulings: list[list[Any]] = []
     contests: list[dict[str, Any]] = []
     numbers: dict[object, int] = {}
+    left = {seat: before for before, seat in replay.withdrawals}
     for state, world in enumerate(replay.worlds()):
-        for hunter, poses in zip(world.hunters, hunters, strict=True):
+        for seat, (hunter, poses) in enumerate(zip(world.hunters, hunters, strict=True)):
             poses.append((hunter.x, hunter.y, hunter.theta))
+            if hunter.withdrawn:
+                left.setdefault(seat, state - 1)  # R1.7: it dropped out before this step
         # judged on the state before (R1.4), where their targets were seen
         rulings += [[state - 1, one.hunter, one.verdict.name, numbers.get(one.target)] for one in world.rulings]
         contests += [_contest(contest, info.names) for contest in contests_of(replay, world)]
@@ -68,14 +72,17 @@ def encode_bundle(replay: Replay) -> bytes:
         "title": replay.title,
         "seed": str(replay.seed),  # beyond what JavaScript's numbers hold
         "side": replay.config.side_m,
-        "reach": replay.config.reach_m,
         "period": replay.config.control_period_ms,
         "steps": replay.steps,
         "grid": GRID,
         "turn": TURN,
-        "hunters": [{"name": name, "color": css(info.color(seat))} for seat, name in enumerate(info.names)],
+        "view": _view(replay.config),
+        "hunters": [
+            {"name": name, "color": css(info.color(seat)), "reach": replay.config.reaches[seat]}
+            for seat, name in enumerate(info.names)
+        ],
         "targets": [[number, first, len(poses)] for number, (first, poses) in targets.items()],
-        "withdrawals": replay.withdrawals,
+        "withdrawals": [[before, seat] for seat, before in left.items()],
         "rulings": rulings,
         "contests": contests,
     }
@@ -87,6 +94,11 @@ def encode_bundle(replay: Replay) -> bytes:
 def css(color: Color) -> str:
     """A colour as style sheets write it."""
     return "#{:02x}{:02x}{:02x}".format(*color)
+
+
+def _view(config: ArenaConfig) -> dict[str, float | None] | None:
+    """R7.5: what hunters see; None where they see everything."""
+    return {"radius": config.view_radius_m, "angle": config.view_angle_deg} if config.partial_view else None
 
 
 def _contest(contest: Contest, names: tuple[str, ...]) -> dict[str, Any]:
@@ -111,9 +123,10 @@ def _tracks(bodies: Iterable[Poses], side_m: float) -> bytes:
     parts: list[NDArray[np.int16]] = []
     for poses in bodies:
         x, y, theta = np.array(poses).T
-        parts += [np.diff(np.rint(metres * (GRID / side_m)), prepend=0.0).astype(np.int16) for metres in (x, y)]
+        ways = [np.diff(np.rint(metres * (GRID / side_m)), prepend=0.0) for metres in (x, y)]
         turns = np.diff(np.rint(theta * (TURN / (2.0 * math.pi))), prepend=0.0)
-        parts.append(((turns + TURN // 2) % TURN - TURN // 2).astype(np.int16))
+        ways.append((turns + TURN // 2) % TURN - TURN // 2)
+        parts += [np.diff(way, prepend=0.0).astype(np.int16) for way in ways]
     steps = np.concatenate(parts)
     words = ((steps << 1) ^ (steps >> 15)).astype("<u2")
     return words.view(np.uint8).reshape(-1, 2).T.tobytes()

@@ -58,6 +58,7 @@ def _look() -> dict[str, Any]:
         "grid": css(scene.GRID),
         "wall": css(scene.WALL),
         "target": css(viewport.TARGET),
+        "targetTrail": css(viewport.TARGET_TRAIL),
         "ink": css(shapes.INK),
         "hunterLength": viewport.HUNTER_LENGTH_M,
         "targetLength": viewport.TARGET_LENGTH_M,

@@ -82,6 +82,8 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
     annotations = []
     for ruling in after.rulings:
         hunter = before.hunters[ruling.hunter]
+        if hunter.withdrawn:
+            continue  # it is seen to be out, and may go on asking in every step (R1.7)
         position = targets.get(str(ruling.target))
         x, y = position or (hunter.x, hunter.y)
         if ruling.verdict is Verdict.GRANTED:
@@ -227,7 +229,6 @@ def _text_shapes(
     taken = [
         _TextBox(x, y, 0.32 * len(str(seat)) * number_size, 0.45 * number_size) for seat, (x, y) in enumerate(numbers)
     ]
-    reach = max(info.config.reaches) * viewport.scale
     length = viewport.hunter_length
     briefly = length < 26 or sum(annotation.kind == "refused" for annotation in annotations) > MOST_REASONS
     shapes: list[Shape] = []
@@ -238,6 +239,7 @@ def _text_shapes(
         half_width = 0.3 * len(text) * size
         x, y = viewport.to_pixels(*poses[annotation.seat][:2])
         rises = 0.0 if annotation.kind == "refused" else 0.3 * length * part  # a refusal may be repeated, step by step
+        reach = info.config.reaches[annotation.seat] * viewport.scale
         away = max(reach, 0.5 * length) + 0.75 * size + rises
         side = -1.0 if annotation.kind == "catch" else 1.0
         if not 0.6 * size < y + side * away < viewport.height - 0.6 * size:

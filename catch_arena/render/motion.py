@@ -1,20 +1,31 @@
-"""Where every hunter is at any instant: a step's ticks, run again, and straight lines between them."""
+"""Where everybody is at any instant: a step's ticks, run again, and straight lines between them."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from catch_arena.core.math import sincos
 from catch_arena.core.physics import DT, next_pose, turned
 from catch_arena.render.timing import FrameTiming
 from catch_arena.render.viewport import Pose
-from catch_arena.world import HunterState, World
+from catch_arena.world import HunterState, TargetState, World
 
 TICK_MS: Final = 16
 WATCHDOG_MS: Final = 1000
 """R2.4: ticks later than this after the command do not move."""
 _AGREES_M: Final = 1e-6
+_MOST_TICKS: Final = 625
+"""Of a step, in which targets are followed: ten seconds."""
+
+
+class Poses(NamedTuple):
+    """Where everybody is at one instant."""
+
+    hunters: tuple[Pose, ...]
+    """By seat."""
+    targets: Mapping[int, Pose]
+    """By number: those that are not caught in this step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,10 +38,10 @@ class StepMotion:
 
     before: World
     after: World
-    poses: tuple[tuple[Pose, ...], ...]
-    """By tick, each hunter's: first those in which the step began. After the last one here nobody moves."""
+    poses: tuple[Poses, ...]
+    """By tick: first those in which the step began. After the last one here nobody moves."""
 
-    def at(self, time_ms: float, next_tick: tuple[Pose, ...] | None = None) -> tuple[Pose, ...]:
+    def at(self, time_ms: float, next_tick: Poses | None = None) -> Poses:
         """The poses at an instant of this step, between the ticks about it.
 
         Args:
@@ -46,9 +57,13 @@ class StepMotion:
         else:
             return self.poses[-1]
         part = time_ms / TICK_MS - tick
-        return tuple(interpolate(a, b, part) for a, b in zip(start, end, strict=True))
+        return Poses(
+            tuple(interpolate(a, b, part) for a, b in zip(start.hunters, end.hunters, strict=True)),
+            # who is caught in the next step does not move in it
+            {number: interpolate(pose, end.targets.get(number, pose), part) for number, pose in start.targets.items()},
+        )
 
-    def ticks_between(self, after_ms: float, until_ms: float) -> list[tuple[Pose, ...]]:
+    def ticks_between(self, after_ms: float, until_ms: float) -> list[Poses]:
         """The poses at those of this step's ticks that fall into (after, until]."""
         first = self.before.time_ms // TICK_MS
         return [
@@ -56,8 +71,18 @@ class StepMotion:
         ]
 
 
+def poses_of(world: World) -> Poses:
+    """Where everybody is at a step's boundary."""
+    return Poses(
+        tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters),
+        {target.number: (target.x, target.y, target.theta) for target in world.targets},
+    )
+
+
 def interpolate(start: Pose, end: Pose, part: float) -> Pose:
     """The pose that far along the straight way, turning the shorter way round."""
+    if start is end:  # as targets mostly are that stand still
+        return start
     turn = (end[2] - start[2] + math.pi) % (2.0 * math.pi) - math.pi
     return (
         start[0] + (end[0] - start[0]) * part,
@@ -69,14 +94,37 @@ def interpolate(start: Pose, end: Pose, part: float) -> Pose:
 def step_motion(before: World, after: World) -> StepMotion:
     """One step's ticks, from the former world's poses with the velocities that the latter shows."""
     first = before.time_ms // TICK_MS
-    ticks = min(after.time_ms, before.time_ms + WATCHDOG_MS) // TICK_MS - first
-    tracks = [
-        _hunter_ticks(start, end, ticks, after.side_m) for start, end in zip(before.hunters, after.hunters, strict=True)
+    fresh = min(after.time_ms, before.time_ms + WATCHDOG_MS) // TICK_MS - first
+    moved = any(target.linear_velocity for target in after.targets)
+    ticks = min(after.time_ms // TICK_MS - first, _MOST_TICKS) if moved else fresh
+    hunters = [
+        _body_ticks(start, end, fresh, after.side_m) for start, end in zip(before.hunters, after.hunters, strict=True)
     ]
-    return StepMotion(before, after, tuple(zip(*tracks, strict=True)))
+    began = {target.number: target for target in before.targets}
+    targets = {
+        end.number: _body_ticks(began.get(end.number, end), end, ticks, after.side_m) if moved else _still(end, ticks)
+        for end in after.targets
+    }
+    return StepMotion(
+        before,
+        after,
+        tuple(
+            Poses(
+                tuple(track[min(tick, fresh)] for track in hunters),
+                {number: track[tick] for number, track in targets.items()},
+            )
+            for tick in range(ticks + 1)
+        ),
+    )
 
 
-def _hunter_ticks(start: HunterState, end: HunterState, ticks: int, side_m: float) -> list[Pose]:
+def _still(target: TargetState, ticks: int) -> list[Pose]:
+    return [(target.x, target.y, target.theta)] * (ticks + 1)
+
+
+def _body_ticks(
+    start: HunterState | TargetState, end: HunterState | TargetState, ticks: int, side_m: float
+) -> list[Pose]:
     x, y = start.x, start.y
     poses = [(x, y, start.theta)]
     stride, turn = end.linear_velocity * DT, end.angular_velocity * DT
@@ -86,7 +134,8 @@ def _hunter_ticks(start: HunterState, end: HunterState, ticks: int, side_m: floa
         x, y, sine, cosine, _ = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side_m)
         poses.append((x, y, turned(start.theta, turn, tick)))
     if math.hypot(x - end.x, y - end.y) > _AGREES_M:
-        # in steps of more than a second the watchdog has taken the velocity away: a straight line is all that is known
+        # in steps of more than a second the watchdog has taken the velocity away, and in those of more than ten a
+        # target is not followed: a straight line is all that is known
         goal = (end.x, end.y, end.theta)
         poses = [interpolate(poses[0], goal, tick / max(1, ticks)) for tick in range(ticks + 1)]
     return poses
@@ -98,7 +147,7 @@ class FrameSpan:
 
     motion: StepMotion
     frames: range
-    next_tick: tuple[Pose, ...] | None
+    next_tick: Poses | None
 
 
 def frame_spans(worlds: Iterable[World], timing: FrameTiming) -> Iterator[FrameSpan]:

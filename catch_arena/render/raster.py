@@ -62,6 +62,8 @@ class Canvas:
                         self._blit(*self._sprites.label(shape))
                 case shapes.Ring():
                     self._ring(shape)
+                case shapes.Sector():
+                    self._sector(shape)
                 case shapes.Stroke():
                     self._stroke(shape)
                 case shapes.Path():
@@ -91,6 +93,28 @@ class Canvas:
                 cv2.LINE_AA,
                 _SHIFT,
             )
+
+    def _sector(self, shape: shapes.Sector) -> None:
+        height, width = self.pixels.shape[:2]
+        left, top, right, bottom = shape.within
+        far = shape.radius + shape.soft
+        x0, x1 = (round(min(max(x, left, 0.0), right, width)) for x in (shape.x - far, shape.x + far))
+        y0, y1 = (round(min(max(y, top, 0.0), bottom, height)) for y in (shape.y - far, shape.y + far))
+        if x0 >= x1 or y0 >= y1:
+            return
+        around = np.linspace(-0.5, 0.5, 97) * shape.angle + shape.theta
+        points = shape.radius * np.stack([np.cos(around), -np.sin(around)], axis=1) + (shape.x, shape.y)
+        if shape.angle < 2.0 * np.pi:
+            points = np.vstack([points, (shape.x, shape.y)])
+        mask = np.zeros((y1 - y0, x1 - x0), dtype=np.uint8)
+        cv2.fillPoly(mask, [_sixteenths(points - (x0, y0))], 255, cv2.LINE_AA, _SHIFT)
+        size = 2 * round(shape.soft) + 1
+        mask = cv2.blur(mask, (size, size), borderType=cv2.BORDER_REPLICATE)
+        part = self.pixels[y0:y1, x0:x1]
+        cover = cv2.convertScaleAbs(mask, alpha=shape.opacity)
+        tint = cv2.merge([cv2.convertScaleAbs(cover, alpha=channel / 255.0) for channel in (*shape.color, 255)])
+        kept = cv2.multiply(part, cv2.merge([cv2.bitwise_not(cover)] * 4), scale=1.0 / 255.0)
+        cv2.add(kept, tint, dst=part)
 
     def _stroke(self, shape: shapes.Stroke) -> None:
         color = (*shape.color, 255)
@@ -159,6 +183,10 @@ class Ground:
         fresh, trace = scene.trail_shapes(self.viewport, seat_color, start, end)
         self._trace.draw((trace,))
         self._floor.draw((fresh,))
+
+    def target_trail(self, start: Pose, end: Pose) -> None:
+        """A target went that way."""
+        self._floor.draw((scene.target_trail_shape(self.viewport, start, end),))
 
     def fade(self, time_ms: float) -> None:
         """Fade as much as so late an instant asks for; after long waits there is nothing left to fade."""

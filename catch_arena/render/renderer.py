@@ -12,12 +12,12 @@ from catch_arena.render import hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.event_feed import EventFeed, feed_shapes
 from catch_arena.render.libraries import cv2
-from catch_arena.render.motion import TICK_MS, StepMotion, step_motion
+from catch_arena.render.motion import TICK_MS, Poses, StepMotion, poses_of, step_motion
 from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
-from catch_arena.render.viewport import MatchInfo, Pose, Viewport
+from catch_arena.render.viewport import MatchInfo, Viewport
 from catch_arena.world import World
 
 SMALLEST: Final = 320
@@ -56,6 +56,8 @@ class MatchRenderer:
                 f"layout must be broadcast or arena, got {layout!r}; {suggest(layout, get_args(hud.Layout))}"
             )
         self.info = info
+        self.view_of: int | None = None
+        """The seat whose view is shown (R7.5), where hunters do not see everything."""
         self._seed = seed
         self._by_lot = info.config.policy == "first_come"
         self._plan = hud.arrange(size, layout, info.config.hunters)
@@ -91,7 +93,7 @@ class MatchRenderer:
         self._feed = EventFeed()
         self._standings: tuple[hud.HunterScore, ...] = ()
         self._motion: StepMotion | None = None
-        self._poses: tuple[Pose, ...] = ()
+        self._poses = Poses((), {})
         self._moved_ms = time_ms
         self._shown: dict[str, object] = {}
 
@@ -101,6 +103,8 @@ class MatchRenderer:
         if self._motion is not None:
             self._extend_trails(began_ms)
             self._ground.fade(began_ms)
+            # targets that appeared since begin a trail
+            self._poses = Poses(self._poses.hunters, {**motion.poses[0].targets, **self._poses.targets})
         else:
             self._poses = motion.poses[0]
         self._motion = motion
@@ -114,13 +118,13 @@ class MatchRenderer:
         catchers = [annotation.seat for annotation in annotations if annotation.kind == "catch"]
         self._timeline.record(began_ms, catchers, [one.score for one in self._standings])
 
-    def draw(self, time_ms: float, poses: tuple[Pose, ...]) -> Pixels:
-        """Draw one instant of the step that was entered last into the buffer; the hunters have come to these poses."""
+    def draw(self, time_ms: float, poses: Poses) -> Pixels:
+        """Draw one instant of the step that was entered last into the buffer; everybody has come to these poses."""
         if self._motion is None:
             raise ValueError("a step must be entered before one of its instants is drawn")
         self._extend_trails(time_ms)
         self._ground.fade(time_ms)
-        self._move_hunters(poses)
+        self._move_to(poses)
         self._annotations = visible_annotations(self._annotations, time_ms)
         world = self._motion.after
         self._arena.pixels[:] = self._ground.pixels
@@ -133,6 +137,7 @@ class MatchRenderer:
                 targets=[target for target in world.targets if target.spawned_ms <= time_ms],
                 annotations=self._annotations,
                 time_ms=time_ms,
+                view_of=self.view_of,
             )
         )
         self._draw_around(time_ms, min(time_ms, world.time_ms))
@@ -146,11 +151,15 @@ class MatchRenderer:
         """Lead the trails through the ticks since the last instant, where it lies further back than a frame or two."""
         if self._motion is not None and until_ms - self._moved_ms > 2 * TICK_MS:
             for poses in self._motion.ticks_between(self._moved_ms, until_ms):
-                self._move_hunters(poses)
+                self._move_to(poses)
         self._moved_ms = until_ms
 
-    def _move_hunters(self, poses: tuple[Pose, ...]) -> None:
-        for seat, (start, end) in enumerate(zip(self._poses, poses, strict=True)):
+    def _move_to(self, poses: Poses) -> None:
+        for number, end in poses.targets.items():
+            start = self._poses.targets.get(number, end)
+            if start[:2] != end[:2]:
+                self._ground.target_trail(start, end)
+        for seat, (start, end) in enumerate(zip(self._poses.hunters, poses.hunters, strict=True)):
             if start[:2] != end[:2]:
                 self._ground.trail(self.info.color(seat), start, end)
         self._poses = poses
@@ -244,8 +253,7 @@ class ArenaPainter:
             if world.step == last.step + 1:
                 self._motion = step_motion(last, world)
             else:  # steps were left out: their rulings are not known, and the way is a straight line
-                poses = tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters)
-                self._motion = StepMotion(last, world, (poses,))
+                self._motion = StepMotion(last, world, (poses_of(world),))
             renderer.enter(self._motion)
         return float(world.time_ms - self._motion.before.time_ms)
 

@@ -1,6 +1,6 @@
 """What a frame of the arena shows, as shapes.
 
-Pure functions of the world, of the hunters' poses at an instant, and of what was ruled lately.
+Pure functions of the world, of everybody's poses at an instant, and of what was ruled lately.
 World units are metres, y up; shapes are in pixels, y down. raster.py turns shapes into pixels.
 """
 
@@ -9,14 +9,16 @@ from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.render.annotations import Annotation, annotation_shapes
-from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Shape, Stroke, Turtle, mix
-from catch_arena.render.viewport import GROUND, TARGET, TRACE, MatchInfo, Pose, Viewport
+from catch_arena.render.motion import Poses
+from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
+from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, MatchInfo, Pose, Viewport
 from catch_arena.world import HunterState, TargetState
 
 WALL: Final[Color] = (112, 127, 255)
 GRID: Final[Color] = (78, 95, 255)
 SPAWN_MS: Final = 450.0
 """How long the ring about a new target is seen."""
+_VIEW_OPACITY: Final = 0.25
 
 
 def ground_shapes(viewport: Viewport) -> list[Shape]:
@@ -46,34 +48,64 @@ def trail_shapes(viewport: Viewport, seat_color: Color, start: Pose, end: Pose) 
     return Stroke(*points, width, seat_color), Stroke(*points, width, TRACE)
 
 
+def target_trail_shape(viewport: Viewport, start: Pose, end: Pose) -> Stroke:
+    """A piece of a target's way, which fades and leaves no trace: there are too many of them."""
+    return Stroke(
+        *viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]), viewport.target_trail_width, TARGET_TRAIL
+    )
+
+
 def arena_shapes(
     viewport: Viewport,
     info: MatchInfo,
     *,
     hunters: Sequence[HunterState],
-    poses: Sequence[Pose],
+    poses: Poses,
     targets: Sequence[TargetState],
     annotations: Sequence[Annotation],
     time_ms: float,
+    view_of: int | None = None,
 ) -> list[Shape]:
-    """Everything that moves or comes and goes, from the lowest to the topmost."""
+    """Everything that moves or comes and goes, from the lowest to the topmost; `view_of` is the seat whose view is
+    shown.
+    """
     shapes: list[Shape] = []
+    if view_of is not None and info.config.partial_view and not hunters[view_of].withdrawn:
+        shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
     for target in targets:
-        shapes += _target(viewport, target, time_ms)
+        shapes += _target(viewport, target, poses.targets[target.number], time_ms)
     for seat, hunter in enumerate(hunters):
-        shapes += _hunter(viewport, hunter, poses[seat], info.color(seat), info.config.reaches[seat] * viewport.scale)
-    return shapes + annotation_shapes(viewport, info, poses, annotations, time_ms)
+        reach = info.config.reaches[seat] * viewport.scale
+        shapes += _hunter(viewport, hunter, poses.hunters[seat], info.color(seat), reach)
+    return shapes + annotation_shapes(viewport, info, poses.hunters, annotations, time_ms)
 
 
-def _target(viewport: Viewport, target: TargetState, time_ms: float) -> list[Shape]:
-    x, y = viewport.to_pixels(target.x, target.y)
+def _view(viewport: Viewport, info: MatchInfo, pose: Pose, color: Color) -> Sector:
+    """R7.5: what lies within a hunter's radius and cone; what is within its reach too lies in its circle."""
+    config, side = info.config, viewport.side_m
+    farthest = math.hypot(side, side)
+    radius = farthest if config.view_radius_m is None else min(farthest, config.view_radius_m)
+    return Sector(
+        *viewport.to_pixels(*pose[:2]),
+        radius * viewport.scale,
+        pose[2],
+        math.radians(config.view_angle_deg),
+        mix(color, WHITE, 0.6),
+        _VIEW_OPACITY,
+        0.25 * viewport.hunter_length,
+        (*viewport.to_pixels(0.0, side), *viewport.to_pixels(side, 0.0)),
+    )
+
+
+def _target(viewport: Viewport, target: TargetState, pose: Pose, time_ms: float) -> list[Shape]:
+    x, y = viewport.to_pixels(*pose[:2])
     shapes: list[Shape] = []
     age = time_ms - target.spawned_ms
     if 0.0 <= age < SPAWN_MS and target.spawned_ms > 0:
         part = age / SPAWN_MS
         radius = viewport.target_length * (1.3 - 0.7 * part)
         shapes.append(Ring(x, y, radius, 1.5, WHITE, 0.8 * part))
-    shapes.append(Turtle(x, y, target.theta, viewport.target_length, TARGET, contrast=0.6))
+    shapes.append(Turtle(x, y, pose[2], viewport.target_length, TARGET, contrast=0.6))
     return shapes
 
 

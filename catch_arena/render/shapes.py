@@ -30,6 +30,25 @@ class Ring:
 
 
 @dataclass(frozen=True, slots=True)
+class Sector:
+    """A part of a disc [pixels], translucent, with a soft edge, and nothing of it outside a rectangle."""
+
+    x: float
+    y: float
+    radius: float
+    theta: float
+    """Where its middle lies: counter-clockwise on the screen."""
+    angle: float
+    """How wide it is, up to 2 pi [rad]."""
+    color: Color
+    opacity: float
+    soft: float
+    """How far its edge fades [pixels]."""
+    within: tuple[float, float, float, float]
+    """Left, top, right, bottom."""
+
+
+@dataclass(frozen=True, slots=True)
 class Stroke:
     """A straight line with round ends, opaque."""
 
@@ -100,7 +119,7 @@ class Label:
     max_width: float = math.inf
 
 
-Shape = Ring | Stroke | Path | Polygon | Box | Turtle | Label
+Shape = Ring | Sector | Stroke | Path | Polygon | Box | Turtle | Label
 
 
 @lru_cache(maxsize=4096)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.errors import ConfigError
+from catch_arena.explanation.seats import seat_of
 from catch_arena.render import hud
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
 from catch_arena.render.motion import frame_spans
@@ -53,6 +54,7 @@ def render_replay(
     start_s: float = 0.0,
     end_s: float | None = None,
     speed: float = 1.0,
+    view_of: int | str | None = None,
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write a match, or a part of it, as a video of exactly its length.
@@ -67,6 +69,7 @@ def render_replay(
         start_s: where it begins [s].
         end_s: where the part of the match ends [s].
         speed: seconds of the match in a second of the video, 0.01 to 100.
+        view_of: a hunter whose view is shown, by its seat or its agent's name, where hunters do not see everything.
         progress: called with (frames written, frames in all).
 
     Raises:
@@ -78,9 +81,12 @@ def render_replay(
     kind = format_of(Path(path))
     within = frame_size(kind, size)
     clip = clip_of(replay, kind, fps, start_s, end_s, speed)
+    renderer = renderer_for(replay, within, layout)
+    if view_of is not None:
+        renderer.view_of = checked_view(replay, view_of)
     return write_video(
         path,
-        rendered_frames(replay, renderer_for(replay, within, layout), clip),
+        rendered_frames(replay, renderer, clip),
         within,
         clip.fps,
         clip.frames,
@@ -131,6 +137,20 @@ def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> M
     return MatchRenderer(
         MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay)), size, layout, replay.seed
     )
+
+
+def checked_view(replay: Replay, hunter: int | str) -> int:
+    """The seat of a hunter whose view can be shown.
+
+    Raises:
+        ConfigError: for an unknown hunter, or where hunters see everything.
+    """
+    seat = seat_of(replay, hunter)
+    if not replay.config.partial_view:
+        raise ConfigError(
+            f"view_of needs a match whose hunters do not see everything (view_radius_m, view_angle_deg), got {hunter!r}"
+        )
+    return seat
 
 
 def duration_ms(replay: Replay) -> int:

@@ -18,6 +18,8 @@ OUTSIDE: Final[Color] = (62, 77, 236)
 TRACE: Final[Color] = (94, 113, 255)
 """What remains of a trail."""
 TARGET: Final[Color] = (240, 234, 255)
+TARGET_TRAIL: Final[Color] = (180, 165, 120)
+"""Sand: what a moving target leaves."""
 
 HUNTER_COLORS: Final[tuple[Color, ...]] = (
     (241, 160, 28),
@@ -29,7 +31,9 @@ HUNTER_COLORS: Final[tuple[Color, ...]] = (
     (31, 130, 74),
     (119, 29, 127),
 )
-"""Eight that stay apart, from each other and from the ground, for the colour-blind too; a test measures it."""
+"""Eight that stay apart, from each other, the ground and what targets leave, for the colour-blind too; a test measures
+it.
+"""
 
 HUNTER_LENGTH_M: Final = 0.66
 TARGET_LENGTH_M: Final = 0.44
@@ -103,3 +107,8 @@ class Viewport:
     def trail_width(self) -> float:
         """Pixels."""
         return max(1.6, 0.1 * self.hunter_length)
+
+    @cached_property
+    def target_trail_width(self) -> float:
+        """Pixels."""
+        return max(1.2, 0.06 * self.hunter_length)

@@ -29,7 +29,10 @@ def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("i
         return [*found, "with different numbers of hunters, actions and states are not compared"]
     steps = min(one.steps, other.steps)
     found += _first_actions(one, other, steps, labels)
-    found += _first_state(one, other, steps, labels)
+    if one.config.targets_move == other.config.targets_move:
+        found += _first_state(one, other, steps, labels)
+    else:
+        found.append(f"targets move {labels[0 if one.config.targets_move else 1]} alone: states are not compared")
     if one.steps != other.steps:
         found.append(f"steps: {one.steps} {labels[0]}, {other.steps} {labels[1]}")
     if found:

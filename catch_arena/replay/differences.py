@@ -6,7 +6,7 @@ from typing import Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.math import wrap
-from catch_arena.replay.quantisation import ARENA, HUNTER, TARGET, QuantisedState
+from catch_arena.replay.quantisation import ARENA, HUNTER, QuantisedState, target_numbers
 
 _FLAGS: Final = ("at wall", "withdrawn")
 _MOST_LINES: Final = 12
@@ -65,20 +65,21 @@ def _differing(
         for (what, unit), *values in zip(HUNTER.items(), one[at : at + size], other[at : at + size], strict=True):
             if values[0] != values[1]:
                 yield f"{who}: {_compared(config, what, unit, values, labels)}"
-    ours, theirs = (_targets(state[end:]) for state in (one, other))
+    units = target_numbers(config)
+    ours, theirs = (_by_number(state[end:], len(units)) for state in (one, other))
     for number in sorted(ours.keys() | theirs.keys()):
         name = config.target_name(number)
         if number not in ours or number not in theirs:
             here, there = labels if number in ours else labels[::-1]
             yield f"{name}: alive {here}, not {there}"
             continue
-        for (what, unit), *values in zip(TARGET.items(), ours[number], theirs[number], strict=True):
+        for (what, unit), *values in zip(units.items(), ours[number], theirs[number], strict=True):
             if values[0] != values[1]:
                 yield f"{name}: {_compared(config, what, unit, values, labels)}"
 
 
-def _targets(numbers: list[int]) -> dict[int, list[int]]:
-    size = len(TARGET)
+def _by_number(numbers: list[int], size: int) -> dict[int, list[int]]:
+    """The targets of a state, which have so many numbers each."""
     return {numbers[at]: numbers[at : at + size] for at in range(0, len(numbers), size)}
 
 

@@ -1,8 +1,8 @@
 """Quantised states: the numbers of A.8 in whole millionths, and their short form in files.
 
 A digest tells that two states differ; the quantised states tell in what. Messages for users call one the *witness* of
-its digest. In a file a hunter's numbers stand as what is left after R2.2's motion has been taken off, which is almost
-nothing, and a target's numbers stand once.
+its digest. In a file the numbers of what moves stand as what is left after R2.2's motion has been taken off, which is
+almost nothing, and those of a target that stands still stand once.
 """
 
 from collections.abc import Sequence
@@ -38,17 +38,30 @@ HUNTER: Final = {
     "withdrawn": "",
 }
 """A hunter's numbers and their units; "" is a count."""
-TARGET: Final = {"number": "", "x": "m", "y": "m", "theta": "rad", "appeared": ""}
+_STILL_TARGET: Final = {"number": "", "x": "m", "y": "m", "theta": "rad", "appeared": ""}
+_MOVING_TARGET: Final = {**_STILL_TARGET, "linear velocity": "m/s", "angular velocity": "rad/s", "at wall": ""}
 X, Y, THETA, SPEED, TURN_RATE, ACTIVE, SCORE = 0, 1, 2, 3, 4, 7, 8
+"""Of a hunter; a target's motion is packed in the order of the first five, with its wall flag behind them."""
+_NUMBER: Final = 0
+_IDENTITY: Final = (_NUMBER, 4)
+"""A target's number, and when it appeared."""
+_MOTION: Final = (1, 2, 3, 5, 6, 7)
+"""A moving target's numbers that change."""
 
 _LARGEST: Final = 2**53
 _MOST_TICKS: Final = 62  # R2.4: after a second the velocities are zero
 
 
+def target_numbers(config: ArenaConfig) -> dict[str, str]:
+    """A target's numbers and their units, as `HUNTER` has a hunter's."""
+    return _MOVING_TARGET if config.targets_move else _STILL_TARGET
+
+
 @cache
-def _scale(hunters: int, targets: int) -> NDArray[np.float64]:
+def _scale(hunters: int, targets: int, *, moving: bool) -> NDArray[np.float64]:
     """What each number of a state is multiplied by."""
-    units = [*[""] * len(ARENA), *[*HUNTER.values()] * hunters, *[*TARGET.values()] * targets]
+    target = _MOVING_TARGET if moving else _STILL_TARGET
+    units = [*[""] * len(ARENA), *[*HUNTER.values()] * hunters, *[*target.values()] * targets]
     return np.array([1e6 if unit else 1.0 for unit in units])
 
 
@@ -57,10 +70,15 @@ def rounded(numbers: NDArray[np.float64], scale: float | NDArray[np.float64]) ->
     return np.clip(np.floor(scale * numbers + 0.5), -_LARGEST, _LARGEST).astype(np.int64)
 
 
-def quantise(state: NDArray[np.float64], hunters: int) -> QuantisedState:
+def quantise(state: NDArray[np.float64], config: ArenaConfig) -> QuantisedState:
     """A state as `Engine.state()` gives it, in whole millionths."""
-    fixed = len(ARENA) + hunters * len(HUNTER)
-    return rounded(state, _scale(hunters, (len(state) - fixed) // len(TARGET)))
+    targets = (len(state) - _fixed(config)) // len(target_numbers(config))
+    return rounded(state, _scale(config.hunters, targets, moving=config.targets_move))
+
+
+def _fixed(config: ArenaConfig) -> int:
+    """How many numbers a state has before its targets'."""
+    return len(ARENA) + config.hunters * len(HUNTER)
 
 
 def scores(state: QuantisedState, hunters: int) -> list[int]:
@@ -71,7 +89,7 @@ def scores(state: QuantisedState, hunters: int) -> list[int]:
 
 def state_length(config: ArenaConfig) -> int:
     """How many numbers a quantised state has at most."""
-    return len(ARENA) + config.hunters * len(HUNTER) + config.max_targets * len(TARGET)
+    return _fixed(config) + config.max_targets * len(target_numbers(config))
 
 
 def driven_seats(config: ArenaConfig) -> list[int]:
@@ -89,23 +107,25 @@ def pack_states(
         commands: (steps, H, 2).
         states: the states to be packed.
     """
-    fixed = np.array([row[: len(ARENA) + config.hunters * len(HUNTER)] for row in states])
+    fixed = np.array([row[: _fixed(config)] for row in states])
     arena = fixed[:, : len(ARENA)]
     parts = [pack_columns(np.diff(arena, axis=0, prepend=0).T)]
     ticks = _ticks(arena[:, 0])
     for seat, given in enumerate(_commanded(config, commands)):
         first = len(ARENA) + seat * len(HUNTER)
         numbers = fixed[:, first : first + len(HUNTER)]
-        rest = np.diff(numbers, axis=0, prepend=0)
+        rest = _without_motion(numbers, ticks)
         rest[:, ACTIVE] = numbers[:, ACTIVE]
         if given is not None:
             rest[:, SPEED : TURN_RATE + 1] = numbers[:, SPEED : TURN_RATE + 1] - given
-        rest[1:, THETA] -= _turned(numbers, ticks)
-        rest[1:, X : Y + 1] -= _travelled(numbers, ticks)
         parts.append(pack_columns(rest.T))
-    spans = _spans(states, fixed.shape[1])
-    spans[:, 0] = np.diff(spans[:, 0], prepend=0)
-    return b"".join(parts) + pack_columns(spans.T), len(spans)
+    targets = [row[fixed.shape[1] :].reshape(-1, len(target_numbers(config))) for row in states]
+    spans, tracks = _lives(targets) if config.targets_move else (_spans(targets), None)
+    beginnings = np.diff(spans[:, :1], axis=0, prepend=0)
+    parts.append(pack_columns(np.hstack((beginnings, spans[:, 1:])).T))
+    if tracks is not None:
+        parts.append(pack_columns(_without_motion(tracks, _ticks_of_targets(ticks, spans)).T))
+    return b"".join(parts), len(spans)
 
 
 def unpack_states(
@@ -117,7 +137,7 @@ def unpack_states(
         ReplayError: where it is no replay, or a damaged one.
     """
     size, hunter = len(commands) + 1, len(HUNTER)
-    fixed = np.zeros((size, len(ARENA) + config.hunters * hunter), dtype=np.int64)
+    fixed = np.zeros((size, _fixed(config)), dtype=np.int64)
     fixed[:, : len(ARENA)] = _bounded(np.cumsum(reader.columns(len(ARENA), size), axis=0))
     ticks = _ticks(fixed[:, 0])
     for seat, given in enumerate(_commanded(config, commands)):
@@ -126,14 +146,19 @@ def unpack_states(
         numbers[:, ACTIVE] = rest[:, ACTIVE]
         if given is not None:
             numbers[:, SPEED : TURN_RATE + 1] = rest[:, SPEED : TURN_RATE + 1] + given
-        _bounded(numbers[:, SPEED : TURN_RATE + 1])
-        numbers[1:, THETA] += np.cumsum(_turned(numbers, ticks))
-        _bounded(numbers[:, THETA])
-        numbers[1:, X : Y + 1] += np.cumsum(_travelled(numbers, ticks), axis=0)
-        fixed[:, len(ARENA) + seat * hunter :][:, :hunter] = _bounded(numbers)
-    table = reader.columns(2 + len(TARGET), spans)
+        fixed[:, len(ARENA) + seat * hunter :][:, :hunter] = _with_motion(numbers, ticks)
+    numbers_of_target = len(target_numbers(config))
+    table = reader.columns(2 + (len(_IDENTITY) if config.targets_move else numbers_of_target), spans)
     table[:, 0] = np.cumsum(table[:, 0])
-    return _with_targets(fixed, _bounded(table), config.max_targets)
+    _require_alive_together(_bounded(table), size, config.max_targets)
+    targets = np.repeat(table[:, 2:], table[:, 1], axis=0)
+    if config.targets_move:
+        tracks = np.cumsum(reader.columns(len(_MOTION), len(targets)), axis=0)
+        moving = np.zeros((len(targets), numbers_of_target), dtype=np.int64)
+        moving[:, _IDENTITY] = targets
+        moving[:, _MOTION] = _with_motion(tracks, _ticks_of_targets(ticks, table))
+        targets = moving
+    return _with_targets(fixed, targets, _states_of(table))
 
 
 def _bounded(numbers: Matrix) -> Matrix:
@@ -143,8 +168,21 @@ def _bounded(numbers: Matrix) -> Matrix:
 
 
 def _ticks(times_ms: NDArray[np.int64]) -> NDArray[np.int64]:
-    """R1.2: the ticks of each step, no more than move anything."""
-    return np.clip(np.diff(times_ms // 16), 0, _MOST_TICKS)
+    """R1.2: the ticks that led to each state, no more than move a hunter; none to the first."""
+    return np.clip(np.diff(times_ms // 16, prepend=times_ms[:1] // 16), 0, _MOST_TICKS)
+
+
+def _states_of(spans: Matrix) -> NDArray[np.int64]:
+    """The states of all spans, span after span."""
+    begin, length = spans[:, 0], spans[:, 1]
+    return np.arange(length.sum()) + np.repeat(begin - np.cumsum(length) + length, length)
+
+
+def _ticks_of_targets(ticks: NDArray[np.int64], spans: Matrix) -> NDArray[np.int64]:
+    """R3.8: the ticks that led to each of these states; none to the first that a target is in."""
+    found = ticks[_states_of(spans)]
+    found[np.cumsum(spans[:, 1]) - spans[:, 1]] = 0
+    return found
 
 
 def _commanded(config: ArenaConfig, commands: NDArray[np.float32]) -> list[Matrix | None]:
@@ -160,17 +198,34 @@ def _commanded(config: ArenaConfig, commands: NDArray[np.float32]) -> list[Matri
     return found
 
 
+def _without_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
+    """How each row differs from the one before, but for what R2.2 moves: a body's numbers, x first, and others."""
+    rest = np.diff(numbers, axis=0, prepend=0)
+    rest[:, THETA] -= _turned(numbers, ticks)
+    rest[:, X : Y + 1] -= _travelled(numbers, ticks)
+    return rest
+
+
+def _with_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
+    """`_without_motion` undone, in the same memory: `numbers` are the sums of its rows, velocities as they were."""
+    _bounded(numbers[:, SPEED : TURN_RATE + 1])
+    numbers[:, THETA] += np.cumsum(_turned(numbers, ticks))
+    _bounded(numbers[:, THETA])
+    numbers[:, X : Y + 1] += np.cumsum(_travelled(numbers, ticks), axis=0)
+    return _bounded(numbers)
+
+
 def _turned(numbers: Matrix, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
-    """R2.2: how far a hunter's turn rate turns it in each step."""
-    return (16 * numbers[1:, TURN_RATE] * ticks + 500) // 1000
+    """R2.2: how far a body's turn rate has turned it on its way to each state."""
+    return (16 * numbers[:, TURN_RATE] * ticks + 500) // 1000
 
 
 def _travelled(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
-    """R2.2: how far its velocities carry it in each step: (steps, 2)."""
+    """R2.2: how far its velocities have carried it: (states, 2)."""
     displacement = np.zeros((len(ticks), 2))
+    before = np.concatenate(([0], numbers[:-1, THETA]))[: len(ticks)]
     theta, speed, turn_rate = (
-        numbers[rows, column].astype(np.float64)
-        for rows, column in ((slice(-1), THETA), (slice(1, None), SPEED), (slice(1, None), TURN_RATE))
+        column.astype(np.float64) for column in (before, numbers[:, SPEED], numbers[:, TURN_RATE])
     )
     _travel(theta, speed, turn_rate, ticks, displacement)
     return rounded(displacement, 1.0)
@@ -196,46 +251,72 @@ def _travel(
             displacement[step, 1] = displacement[step, 1] + sine * stride
 
 
-def _spans(states: Sequence[QuantisedState], first: int) -> Matrix:
+def _spans(targets: Sequence[Matrix]) -> Matrix:
     """For each stretch of states in which a target's numbers stay as they are: where it begins, how long it is, and
     the numbers; in their order: (spans, 7).
     """
     begun: dict[tuple[int, ...], int] = {}
     spans: list[tuple[int, ...]] = []
-    for at, row in enumerate(states):
-        alive = set(map(tuple, row[first:].reshape(-1, len(TARGET)).tolist()))
+    for at, rows in enumerate(targets):
+        alive = set(map(tuple, rows.tolist()))
         for gone in begun.keys() - alive:
             since = begun.pop(gone)
             spans.append((since, at - since, *gone))
         for target in alive:
             begun.setdefault(target, at)
-    spans += [(since, len(states) - since, *target) for target, since in begun.items()]
-    return np.array(sorted(spans), dtype=np.int64).reshape(-1, 2 + len(TARGET))
+    spans += [(since, len(targets) - since, *target) for target, since in begun.items()]
+    return np.array(sorted(spans), dtype=np.int64).reshape(-1, 2 + len(_STILL_TARGET))
 
 
-def _with_targets(fixed: Matrix, spans: Matrix, most: int) -> list[QuantisedState]:
-    """Every row with the targets that are alive in it, by number.
+def _lives(targets: Sequence[Matrix]) -> tuple[Matrix, Matrix]:
+    """For each stretch of states in which a moving target is alive: where it begins, how long it is, and who it is, in
+    their order; and its numbers that change, state after state and stretch after stretch: (spans, 4), (states, 6).
+    """
+    alive: dict[tuple[int, ...], tuple[int, list[list[int]]]] = {}
+    ended: list[tuple[int, int, tuple[int, ...], list[list[int]]]] = []
+    for at, rows in enumerate([*targets, np.zeros((0, len(_MOVING_TARGET)), dtype=np.int64)]):
+        here = dict(zip(map(tuple, rows[:, _IDENTITY].tolist()), rows[:, _MOTION].tolist(), strict=True))
+        for who in alive.keys() - here:
+            since, track = alive.pop(who)
+            ended.append((since, len(track), who, track))
+        for who, numbers in here.items():
+            alive.setdefault(who, (at, []))[1].append(numbers)
+    ended.sort()
+    spans = [(since, length, *who) for since, length, who, _ in ended]
+    tracks = [numbers for *_, track in ended for numbers in track]
+    return (
+        np.array(spans, dtype=np.int64).reshape(-1, 2 + len(_IDENTITY)),
+        np.array(tracks, dtype=np.int64).reshape(-1, len(_MOTION)),
+    )
+
+
+def _require_alive_together(spans: Matrix, size: int, most: int) -> None:
+    """Before there is a row for each of their states.
 
     Raises:
         ReplayError: for spans that cannot be.
     """
-    beginnings: dict[int, list[list[int]]] = {}
-    for begin, *rest in spans.tolist():
-        beginnings.setdefault(begin, []).append(rest)
-    if not all(0 <= begin < len(fixed) for begin in beginnings):
+    begin, length = spans[:, 0], spans[:, 1]
+    if np.any((begin < 0) | (begin >= size)):
         raise ReplayError("is damaged: its witness has a target outside the match")
-    alive: dict[int, tuple[int, list[int]]] = {}
-    tail = np.zeros(0, dtype=np.int64)
-    rows = []
-    for at, row in enumerate(fixed):
-        ended = [number for number, (end, _) in alive.items() if end == at]
-        for number in ended:
-            del alive[number]
-        for length, *target in beginnings.get(at, ()):
-            if length < 1 or target[0] in alive or len(alive) == most or at + length > len(fixed):
-                raise ReplayError("is damaged: its witness has targets that cannot be alive together")
-            alive[target[0]] = (at + length, target)
-        if ended or at in beginnings:
-            tail = np.array([alive[number][1] for number in sorted(alive)], dtype=np.int64).reshape(-1)
-        rows.append(np.concatenate((row, tail)))
-    return rows
+    changes = np.zeros(size + 1, dtype=np.int64)
+    if not np.any((length < 1) | (begin + length > size)):
+        np.add.at(changes, begin, 1)
+        np.add.at(changes, begin + length, -1)
+        if np.cumsum(changes).max() <= most:
+            return
+    raise ReplayError("is damaged: its witness has targets that cannot be alive together")
+
+
+def _with_targets(fixed: Matrix, targets: Matrix, at: NDArray[np.int64]) -> list[QuantisedState]:
+    """Every state with the targets that are alive in it, by number; `at` says which state each row of targets is in.
+
+    Raises:
+        ReplayError: where a target is twice in a state.
+    """
+    order = np.lexsort((targets[:, _NUMBER], at))
+    targets, at = targets[order], at[order]
+    if np.any((np.diff(at) == 0) & (np.diff(targets[:, _NUMBER]) == 0)):
+        raise ReplayError("is damaged: its witness has targets that cannot be alive together")
+    ends = np.searchsorted(at, np.arange(1, len(fixed)))
+    return [np.concatenate((row, tail.reshape(-1))) for row, tail in zip(fixed, np.split(targets, ends), strict=True)]

@@ -63,7 +63,7 @@ class Replay:
     def note(self, engine: Engine) -> None:
         """One more state: the first one after the reset, the others by `append`."""
         self.digests.append(engine.digest())
-        self.states.append(quantise(engine.state(), self.config.hunters))
+        self.states.append(quantise(engine.state(), self.config))
 
     def append(self, choices: NDArray[np.int64], commands: NDArray[np.float32], engine: Engine) -> None:
         """One more step: its actions, which are copied, and the state that it led to."""
@@ -92,7 +92,7 @@ class Replay:
         for step, engine in enumerate(self.engines()):
             if engine.digest() != self.digests[step]:
                 found = state_differences(
-                    self.config, self.names, self.states[step], quantise(engine.state(), self.config.hunters)
+                    self.config, self.names, self.states[step], quantise(engine.state(), self.config)
                 )
                 raise ReplayError(
                     f"the replay does not play as it was recorded: {state_name(step)} is the first that differs: "

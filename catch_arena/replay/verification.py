@@ -28,7 +28,7 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
     since: int | None = None  # the step from which on the digests differ
     then = there = np.zeros(0, dtype=np.int64)  # what was replayed there, and at the first altered numbers
     for step, engine in enumerate(replay.engines()):
-        state = quantise(engine.state(), replay.config.hunters)
+        state = quantise(engine.state(), replay.config)
         if engine.digest() != replay.digests[step]:
             if since is None:
                 since, then = step, state

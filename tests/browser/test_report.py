@@ -168,6 +168,52 @@ def test_the_next_contest_says_who_won_by_what_and_how_far_away_each_was(player,
     assert share_of(picture(player, "canvas.close-up"), viewport.GROUND) > 0.2
 
 
+@pytest.fixture
+def half_blind(quiet, tmp_path):
+    """A page with a match in which targets flee and hunters see a part."""
+    env = catch_arena.parallel_env("evasive", time_limit_s=6.0, view_radius_m=4.0, view_angle_deg=120.0)
+    env.record(["ann", "bob", "cid", "dan"])
+    env.reset(seed=3)
+    while env.agents:
+        env.step(dict.fromkeys(env.agents, 1))
+    return opened(quiet, tmp_path, player_html(env.replay()))
+
+
+def test_targets_that_move_leave_sand_and_glide(half_blind):
+    """Between two states too."""
+    half_blind.evaluate("document.querySelector('catch-replay').seek(4000)")
+    pixels = picture(half_blind, "canvas.arena")
+    sand = np.array(viewport.TARGET_TRAIL) * 0.65 + np.array(viewport.GROUND) * 0.35
+    assert share_of(pixels, sand, 24) > 0.0003
+    half_blind.evaluate("document.querySelector('catch-replay').seek(4050)")
+    assert (picture(half_blind, "canvas.arena") != pixels).any(axis=2).mean() > 0.002
+
+
+def test_what_the_picked_hunter_sees_is_shown_on_demand(half_blind):
+    """By the button and by the key; nobody's before somebody is picked."""
+    half_blind.evaluate("document.querySelector('catch-replay').seek(3000)")
+    button = half_blind.get_by_role("button", name="What it sees")
+    assert button.is_disabled()
+    half_blind.get_by_role("button", name="ann").click()
+    before = picture(half_blind, "canvas.arena")
+    button.click()
+    assert button.get_attribute("aria-pressed") == "true"
+    shown = picture(half_blind, "canvas.arena")
+    changed = (np.abs(shown.astype(int) - before).sum(axis=2) > 6).mean()
+    whole = np.pi * 4.0**2 / 3.0 / (11.09 * 1.06) ** 2  # of the picture, if no wall cut it off
+    assert 0.2 * whole < changed < 1.1 * whole
+    half_blind.locator("canvas.arena").press("v")
+    after = picture(half_blind, "canvas.arena")
+    assert (after != before).any(axis=2).mean() < 0.02  # the focus is another one, and has its frame
+    assert (np.abs(after.astype(int) - before).sum(axis=2) > 6).mean() < 0.1 * changed
+
+
+def test_where_hunters_see_everything_there_is_no_button_for_it(player):
+    assert player.get_by_role("button", name="What it sees").count() == 0
+    player.locator("canvas.arena").press("v")
+    assert player.locator(".spoken").inner_text() == "Hunters see everything here."
+
+
 def test_a_picked_hunter_has_its_own_contests(player, crowd):
     contests = explain(crowd).contests
     seat = contests[-1].claims[0].seat

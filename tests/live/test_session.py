@@ -1,5 +1,7 @@
 """Whole sessions, on SDL's driver for machines without a screen, with the keys of a script."""
 
+import itertools
+
 import pytest
 from typer.testing import CliRunner
 
@@ -143,6 +145,33 @@ def test_the_window_may_be_resized_and_the_keys_shown(session, monkeypatch):
     assert result.exit_code == 0, result.output
     assert drawn[0] == (320, 320)
     assert drawn[-1] == (400, 500)
+
+
+def test_v_shows_what_each_hunter_sees_ones_own_first_and_then_nobodys(session, monkeypatch):
+    """In every picture of the match, also after the window got another size."""
+    shown = []
+    draw = match_window.MatchRenderer.draw
+
+    def noted(renderer, time_ms, poses):
+        shown.append(renderer.view_of)
+        return draw(renderer, time_ms, poses)
+
+    monkeypatch.setattr(match_window.MatchRenderer, "draw", noted)
+    sizes = iter([(320, 320)] * 12)
+    monkeypatch.setattr(match_window.Screen, "size", property(lambda _: next(sizes, (500, 400))))
+    monkeypatch.setattr(match_window, "_SETTLED_S", 0.0)
+    words = ["play", "--seat", "2", "--set", "view_radius_m=3"]
+    result = session(words, pygame.K_x, *[look for _ in range(5) for look in ([press(pygame.K_v)], *nothing(9))])
+    assert result.exit_code == 0, result.output
+    assert [one for one, _ in itertools.groupby(shown)] == [None, 2, 3, 0, 1, None]
+
+
+def test_v_says_where_there_is_nothing_to_show(session, monkeypatch):
+    notes = []
+    monkeypatch.setattr(match_window.MatchWindow, "_notify", lambda _, text: notes.append(text))
+    result = session(["watch", "nearest"], *nothing(3), pygame.K_v, *nothing(3))
+    assert result.exit_code == 0, result.output
+    assert "hunters see everything here" in notes
 
 
 def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, tmp_path):

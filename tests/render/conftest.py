@@ -24,6 +24,19 @@ def match(play) -> Replay:
     return play(time_limit_s=3.0, names=("contested", "nearest", "patrol", "first"), title="Round 1")
 
 
+@pytest.fixture(scope="session", params=["wander", "flee"])
+def moving(play, request) -> Replay:
+    """Six seconds in which targets move, appear, meet the walls and are caught; a step is no whole number of ticks."""
+    return play(
+        time_limit_s=6.0,
+        target_motion=request.param,
+        spawn_frequency_hz=3.0,
+        target_turn_rate_radps=2.0,
+        target_speed_mps=1.5,
+        control=("target", "velocity", "full", "target"),
+    )
+
+
 @pytest.fixture(scope="session")
 def worlds(match) -> list:
     """Its pictures."""

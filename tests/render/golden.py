@@ -25,6 +25,7 @@ class GoldenFrame:
     layout: str = "broadcast"
     scenario: str = "standard"
     settings: dict = field(default_factory=dict)
+    view_of: int | None = None
 
 
 GOLDEN_FRAMES = [
@@ -33,6 +34,7 @@ GOLDEN_FRAMES = [
     GoldenFrame("portrait", (540, 960), 8_050, scenario="duel"),
     GoldenFrame("square", (640, 640), 8_050, settings={"hunters": 6, "reach_m": 0.8, "faults": FAULTS}),
     GoldenFrame("crowd", (1281, 721), 5_030, scenario="crowd"),
+    GoldenFrame("cone", (720, 720), 8_050, "arena", "evasive", {"view_radius_m": 4.0, "view_angle_deg": 120.0}, 0),
 ]
 
 
@@ -40,7 +42,9 @@ def frame_of(golden: GoldenFrame, later_ms: int = 0) -> np.ndarray:
     """The frame as it is drawn now: (height / 4, width / 4, 3), red, green, blue."""
     replay = played(golden.scenario, time_limit_s=10.0, title="Round 1", **golden.settings)
     at_ms = golden.time_ms + later_ms
-    (pixels,) = rendered_frames(replay, renderer_for(replay, golden.size, golden.layout), Clip(at_ms, at_ms, fps=60))
+    renderer = renderer_for(replay, golden.size, golden.layout)
+    renderer.view_of = golden.view_of
+    (pixels,) = rendered_frames(replay, renderer, Clip(at_ms, at_ms, fps=60))
     small = cv2.resize(pixels[..., :3], None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
     return np.ascontiguousarray(small)
 

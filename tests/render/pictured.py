@@ -4,6 +4,7 @@ import itertools
 
 from catch_arena.config import ArenaConfig
 from catch_arena.render import hud, scene, text
+from catch_arena.render.motion import poses_of
 from catch_arena.render.shapes import Box, Label, Path, Polygon, Stroke, Turtle
 from catch_arena.render.viewport import MatchInfo, Viewport
 from catch_arena.verdicts import Ruling
@@ -19,18 +20,18 @@ def a_world(*rulings: Ruling, places=((1.0, 2.0), (9.0, 3.0)), step: int = 5) ->
     return World(100 * step, step, 11.088889122009277, hunters, targets, rulings, 9)
 
 
-def shapes_of(world: World, annotations=(), time_ms: float = 500.0, size=(720, 720)) -> list:
-    info = MatchInfo.of(ArenaConfig(hunters=len(world.hunters)))
+def shapes_of(world: World, annotations=(), time_ms: float = 500.0, size=(720, 720), view_of=None, **settings) -> list:
+    info = MatchInfo.of(ArenaConfig(hunters=len(world.hunters), **settings))
     viewport = Viewport(*size, world.side_m)
-    poses = [(hunter.x, hunter.y, hunter.theta) for hunter in world.hunters]
     return scene.arena_shapes(
         viewport,
         info,
         hunters=world.hunters,
-        poses=poses,
+        poses=poses_of(world),
         targets=world.targets,
         annotations=annotations,
         time_ms=time_ms,
+        view_of=view_of,
     )
 
 

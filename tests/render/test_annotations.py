@@ -1,5 +1,6 @@
 """What was ruled, as it is seen: without a pixel."""
 
+import dataclasses
 import itertools
 import math
 
@@ -153,3 +154,13 @@ def test_numbers_do_not_jump_when_hunters_pass_each_other():
         if last is not None:
             assert max(math.dist(a, b) for a, b in zip(last, now, strict=True)) < 0.25
         last = now
+
+
+def test_who_is_out_already_is_refused_in_silence_and_in_the_step_in_which_it_leaves_aloud():
+    """R1.7: under fixed dropouts it goes on asking in every step."""
+    refused = Ruling(Verdict.HUNTER_INACTIVE, 1, "target_turtle_7", None, None)
+    before, after = a_world(step=4), a_world(refused)
+    (told,) = annotations_of(before, after)
+    assert (told.kind, told.seat, told.text) == ("refused", 1, "withdrawn")
+    out = dataclasses.replace(before.hunters[1], withdrawn=True)
+    assert annotations_of(dataclasses.replace(before, hunters=(before.hunters[0], out)), after) == ()

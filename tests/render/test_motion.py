@@ -6,18 +6,14 @@ from fractions import Fraction
 
 import pytest
 
-from catch_arena.render.motion import TICK_MS, frame_spans, interpolate, step_motion
+from catch_arena.render.motion import TICK_MS, frame_spans, interpolate, poses_of, step_motion
 from catch_arena.render.timing import Clip
-
-
-def poses_of(world) -> tuple:
-    return tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters)
 
 
 def test_the_ticks_lead_exactly_from_one_world_to_the_next(worlds):
     for before, after in itertools.pairwise(worlds):
         poses = step_motion(before, after).poses
-        assert poses[0] == poses_of(before)
+        assert poses[0].hunters == poses_of(before).hunters
         assert poses[-1] == poses_of(after)
         assert len(poses) - 1 == after.time_ms // TICK_MS - before.time_ms // TICK_MS
 
@@ -25,8 +21,74 @@ def test_the_ticks_lead_exactly_from_one_world_to_the_next(worlds):
 def test_at_a_tick_the_tick_is_shown_and_between_two_the_line_between_them(worlds):
     step = step_motion(worlds[4], worlds[5])  # 400 ms is a tick's own time
     assert step.at(416.0) == step.poses[1]
-    for pose, start, end in zip(step.at(424.0), step.poses[1], step.poses[2], strict=True):
+    for pose, start, end in zip(step.at(424.0).hunters, step.poses[1].hunters, step.poses[2].hunters, strict=True):
         assert pose[:2] == pytest.approx(((start[0] + end[0]) / 2, (start[1] + end[1]) / 2), abs=1e-12)
+
+
+def test_the_ticks_of_targets_lead_exactly_from_one_world_to_the_next(moving):
+    """Those that were there drive by their own command, and along the wall; bit for bit, as the core moves them."""
+    held = 0
+    for before, after in itertools.pairwise(moving.worlds()):
+        motion = step_motion(before, after)
+        began = poses_of(before).targets
+        for target in after.targets:
+            ways = [poses.targets[target.number] for poses in motion.poses]
+            assert ways[-1] == poses_of(after).targets[target.number]
+            assert ways[0] == began.get(target.number, ways[-1])
+            if target.number in began:
+                strides = [math.dist(a[:2], b[:2]) for a, b in itertools.pairwise(ways)]
+                assert max(strides) <= 0.016 * target.linear_velocity * (1 + 1e-9)
+                assert target.at_wall or min(strides) == pytest.approx(0.016 * target.linear_velocity)
+                held += target.at_wall
+    assert held
+
+
+def test_a_target_stands_until_the_step_after_it_appeared_and_goes_when_it_is_caught(moving):
+    """R3.8: not at the instant at which it appears, nor where it was caught."""
+    appeared = caught = 0
+    for before, after in itertools.pairwise(moving.worlds()):
+        motion = step_motion(before, after)
+        old, new = ({target.number for target in world.targets} for world in (before, after))
+        for number in new - old:
+            assert len({poses.targets[number] for poses in motion.poses}) == 1
+            appeared += 1
+        for number in old - new:
+            assert not any(number in poses.targets for poses in motion.poses)
+            caught += 1
+    assert appeared
+    assert caught
+
+
+def test_targets_glide_from_frame_to_frame(moving):
+    """Nobody covers more ground between two frames than its speed allows, across steps too."""
+    fps = 60
+    last = {}
+    fastest = 0.0
+    for span in frame_spans(moving.worlds(), Clip(0, 6000, fps)):
+        for frame in span.frames:
+            targets = span.motion.at(1000.0 * frame / fps, span.next_tick).targets
+            for number in last.keys() & targets:
+                fastest = max(fastest, math.dist(last[number][:2], targets[number][:2]))
+            last = targets
+    assert 0.9 * 1.5 / fps < fastest <= 1.5 / fps * 1.02
+
+
+@pytest.mark.parametrize(("period_ms", "most"), [(3000, 200), (30_000, 640)])
+def test_in_a_step_of_many_seconds_targets_go_on(play, period_ms, most):
+    """R3.8: they have no watchdog. Those of more than ten seconds go straight to where they are in the end."""
+    replay = play("duel", control_period_ms=period_ms, max_cycles=2, target_motion="wander", initial_targets=8)
+    before, after = itertools.islice(replay.worlds(), 2)
+    motion = step_motion(before, after)
+    assert len(motion.poses) <= most
+    ends = poses_of(after)
+    for number, pose in motion.at(period_ms - 1.0).targets.items():
+        assert pose[:2] == pytest.approx(ends.targets[number][:2], abs=0.002 * 1.0 * 16)
+    for pose, end in zip(motion.at(period_ms - 1.0).hunters, ends.hunters, strict=True):
+        assert pose[:2] == pytest.approx(end[:2])
+    if period_ms == 3000:  # on after the second in which hunters drive
+        early, late = motion.at(1100.0), motion.at(2900.0)
+        assert early.hunters == late.hunters
+        assert any(early.targets[number] != late.targets[number] for number in early.targets)
 
 
 def test_turning_takes_the_shorter_way():
@@ -94,7 +156,7 @@ def test_motion_is_smooth_across_step_boundaries(match):
     fastest = 0.0
     for span in frame_spans(match.worlds(), Clip(0, 3000, fps)):
         for frame in span.frames:
-            poses = span.motion.at(1000.0 * frame / fps, span.next_tick)
+            poses = span.motion.at(1000.0 * frame / fps, span.next_tick).hunters
             if last is not None:
                 fastest = max(fastest, *(math.dist(a[:2], b[:2]) for a, b in zip(last, poses, strict=True)))
             last = poses
@@ -107,10 +169,10 @@ def test_in_a_step_of_many_seconds_everybody_stands_after_the_first(play):
     step = step_motion(worlds[0], worlds[1])
     assert len(step.poses) <= 64
     assert step.at(1100.0) == step.at(9_999.0)
-    for shown, there in zip(step.at(9_999.0), poses_of(worlds[1]), strict=True):
+    for shown, there in zip(step.at(9_999.0).hunters, poses_of(worlds[1]).hunters, strict=True):
         assert shown[:2] == pytest.approx(there[:2])
         assert math.cos(shown[2] - there[2]) == pytest.approx(1.0)
-    assert step.at(0.0)[0][:2] == pytest.approx(poses_of(worlds[0])[0][:2])
+    assert step.at(0.0).hunters[0][:2] == pytest.approx(poses_of(worlds[0]).hunters[0][:2])
 
 
 def test_only_two_steps_ahead_are_read(match):

@@ -52,6 +52,48 @@ def test_a_shape_stands_where_it_says(shape):
     assert middle == pytest.approx((100.25, 50.75), abs=1.5 if isinstance(shape, shapes.Turtle) else 0.6)
 
 
+def a_sector(**changes) -> shapes.Sector:
+    """To the right, a right angle wide, over a half of the canvas."""
+    whole = {"x": 50.0, "y": 50.0, "radius": 30.0, "theta": 0.0, "angle": np.pi / 2, "color": (255, 255, 255)}
+    return shapes.Sector(**{**whole, "opacity": 0.5, "soft": 2.0, "within": (0.0, 0.0, 200.0, 100.0), **changes})
+
+
+def test_a_sector_lies_about_its_heading_and_what_is_under_it_shines_through():
+    canvas = a_canvas()
+    canvas.draw([a_sector(theta=np.pi / 2)])
+    halfway = np.array((132, 138, 142))  # to white: above, where y is less
+    assert np.abs(canvas.pixels[35, 50, :3] - halfway).max() <= 1
+    lit = changed(canvas)
+    assert not lit[55:].any()
+    assert not lit[:, :26].any()
+    assert not lit[:17].any()
+    assert lit[21, 50]
+
+
+def test_a_whole_turn_is_a_disc_and_nothing_lies_outside_the_rectangle():
+    canvas = a_canvas()
+    canvas.draw([a_sector(angle=2 * np.pi, within=(40.0, 10.0, 70.0, 60.0))])
+    lit = changed(canvas)
+    assert lit[30:60, 40:70].all()
+    lit[10:60, 40:70] = False
+    assert not lit.any()
+
+
+@pytest.mark.parametrize("changes", [{"x": -500.0}, {"y": 900.0}, {"x": -20.0, "radius": 5000.0}, {"soft": 0.2}])
+def test_a_sector_may_reach_beyond_the_canvas_or_lie_outside_of_it(changes):
+    canvas = a_canvas()
+    canvas.draw([a_sector(**changes)])
+    assert changed(canvas).any() == (changes not in ({"x": -500.0}, {"y": 900.0}))
+
+
+def test_the_edge_of_a_sector_is_soft():
+    canvas = a_canvas()
+    canvas.draw([a_sector(soft=6.0)])
+    edge = canvas.pixels[50, 70:90, 0].astype(int)
+    assert (np.diff(edge) <= 0).all()
+    assert len(set(edge)) > 6
+
+
 def test_a_turtle_faces_its_heading():
     """The head, wider than the tail, lies in front: at theta = pi / 2 above, since theta is counter-clockwise."""
     canvas = a_canvas(100, 100)

@@ -1,12 +1,13 @@
 """What is shown, without a pixel."""
 
 import dataclasses
+import math
 
 import pytest
 from render.pictured import a_world, kinds, shapes_of
 
 from catch_arena.render import scene
-from catch_arena.render.shapes import Label, Ring, Turtle
+from catch_arena.render.shapes import Label, Ring, Sector, Turtle
 from catch_arena.render.viewport import HUNTER_COLORS, TARGET, Viewport
 
 
@@ -58,3 +59,38 @@ def test_a_withdrawn_hunter_is_faded_and_reaches_for_nothing():
     shapes = shapes_of(dataclasses.replace(world, hunters=(world.hunters[0], gone)))
     assert [turtle.faded for turtle in kinds(shapes, Turtle)] == [False, False, False, True]
     assert len([ring for ring in kinds(shapes, Ring) if ring.veil]) == 1
+
+
+def test_each_hunters_circle_is_its_own_reach():
+    """R2.7."""
+    rings = kinds(shapes_of(a_world(), reach_m=(0.3, 0.7)), Ring)
+    scale = Viewport(720, 720, 11.088889122009277).scale
+    assert [ring.radius for ring in rings if ring.veil] == [pytest.approx(reach * scale) for reach in (0.3, 0.7)]
+
+
+@pytest.mark.parametrize(
+    ("settings", "radius", "angle"),
+    [
+        ({"view_radius_m": 2.5}, 2.5, 360.0),
+        ({"view_angle_deg": 100.0}, 11.088889122009277 * math.sqrt(2.0), 100.0),
+        ({"view_radius_m": 4.0, "view_angle_deg": 90.0}, 4.0, 90.0),
+    ],
+)
+def test_the_view_that_is_asked_for_lies_under_everything_and_is_true_to_scale(settings, radius, angle):
+    """R7.5: at the hunter's place, about its heading."""
+    world = a_world()
+    scale = Viewport(720, 720, world.side_m).scale
+    assert not kinds(shapes_of(world, **settings), Sector)
+    first, *rest = shapes_of(world, view_of=1, **settings)
+    assert isinstance(first, Sector)
+    assert not kinds(rest, Sector)
+    assert (first.x, first.y) == Viewport(720, 720, world.side_m).to_pixels(9.0, 3.0)
+    assert (first.radius, first.theta) == (pytest.approx(radius * scale), 0.5)
+    assert math.degrees(first.angle) == pytest.approx(angle)
+
+
+def test_who_sees_everything_or_is_withdrawn_has_no_view_to_show():
+    world = a_world()
+    gone = dataclasses.replace(world, hunters=(world.hunters[0], dataclasses.replace(world.hunters[1], withdrawn=True)))
+    assert not kinds(shapes_of(world, view_of=1), Sector)
+    assert not kinds(shapes_of(gone, view_of=1, view_radius_m=2.0), Sector)

@@ -198,3 +198,29 @@ def test_without_the_encoder_there_is_a_plainer_file_and_a_notice(match, tmp_pat
     if ending == ".mp4":  # the others keep odd sizes, and are drawn a pixel smaller
         meant = drawn(match, size=(482, 322), fps=30, end_s=1.0)
         assert min(psnr(a, b) for a, b in zip(seen, meant, strict=True)) > 22.0
+
+
+@pytest.mark.parametrize(
+    ("settings", "view_of", "says"),
+    [
+        ({}, 0, "view_of needs a match whose hunters do not see everything"),
+        ({"view_radius_m": 2.0}, 4, "hunter must be a seat from 0 to 3, got 4"),
+        ({"view_radius_m": 2.0}, "patrl", "unknown hunter 'patrl': did you mean patrol?"),
+    ],
+)
+def test_a_view_that_cannot_be_shown_is_refused_and_writes_nothing(play, tmp_path, settings, view_of, says):
+    names = ("contested", "nearest", "patrol", "first")
+    match = play(max_cycles=2, names=names, **settings)
+    with pytest.raises(ConfigError) as refused:
+        render_replay(match, tmp_path / "x.gif", view_of=view_of, **SMALL)
+    assert says in str(refused.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_view_is_filmed(play, tmp_path):
+    """By the agent's name."""
+    match = play(max_cycles=4, names=("a", "b", "c", "d"), view_angle_deg=90.0)
+    plain, seen = (
+        render_replay(match, tmp_path / f"{view_of}.gif", view_of=view_of, **SMALL).path for view_of in (None, "c")
+    )
+    assert not np.array_equal(decoded(plain)[0], decoded(seen)[0])

@@ -7,7 +7,7 @@ import pytest
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
-from catch_arena.render.viewport import GROUND, HUNTER_COLORS, TARGET, MatchInfo
+from catch_arena.render.viewport import GROUND, HUNTER_COLORS, TARGET, TARGET_TRAIL, TRACE, MatchInfo
 
 
 def test_names_must_fit_the_seats():
@@ -74,6 +74,8 @@ def test_eight_hunters_keep_apart_for_every_sight(sight):
     """From each other, the ground and the targets; 10 is plain at a glance, and the shells bear numbers besides."""
     seen = [lab(color, sight) for color in [*HUNTER_COLORS, GROUND, TARGET]]
     assert min(ciede2000(a, b) for a, b in itertools.combinations(seen, 2)) > 12.5
+    trail = lab(TARGET_TRAIL, sight)
+    assert min(ciede2000(trail, other) for other in [*seen, lab(TRACE, sight)]) > 12.5
 
 
 def test_sixty_four_hunters_have_colours_and_neighbours_in_the_table_differ():

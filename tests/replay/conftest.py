@@ -41,3 +41,20 @@ def mixed(play) -> Replay:
         title="a test",
         withdraw={39: ["hunter_2"]},
     )
+
+
+@pytest.fixture(scope="session")
+def fleeing(play) -> Replay:
+    """Targets that flee, hunters that see a part, are not equal and drop out, and two kinds of control."""
+    return play(
+        seed=4,
+        target_motion="flee",
+        control=("target", "full", "target", "velocity"),
+        view_radius_m=3.0,
+        view_angle_deg=120.0,
+        max_speed_mps=(2.0, 3.0, 1.5, 2.5),
+        reach_m=(0.3, 0.5, 0.4, 0.9),
+        dropout_rate=0.005,
+        max_cycles=120,
+        names=("a", "b", "c", "d"),
+    )

@@ -10,7 +10,7 @@ from typing import Any
 from oracle.arithmetic import sincos
 
 MILLION = 1000000
-CLOCK, HUNTER, TARGET = 8, 11, 5
+CLOCK, HUNTER, TARGET, MOTION = 8, 11, 5, 6
 LINEAR, ANGULAR, ACTIVE = 3, 4, 7
 
 
@@ -52,16 +52,33 @@ def decode(content: bytes) -> dict[str, Any]:
     }
     digests = [body.bytes(8) for _ in range(steps + 1)]
     clock = [summed(body.column(steps + 1)) for _ in range(CLOCK)]
-    seats = [hunter(body, config, clock[0], commands.get(seat)) for seat in range(hunters)]
-    spans = [body.column(header["spans"]) for _ in range(2 + TARGET)]
-    assert body.at == len(body.data)
+    ticks = [0, *(max(0, min(62, now // 16 - then // 16)) for then, now in zip(clock[0], clock[0][1:], strict=False))]
+    seats = [hunter(body, config, seat, ticks, commands.get(seat)) for seat in range(hunters)]
+    moving = config.get("target_motion", "still") != "still"
+    spans = [body.column(header["spans"]) for _ in range(4 if moving else 2 + TARGET)]
     spans[0] = summed(spans[0])
+    alive: list[list[list[int]]] = [[] for _ in clock[0]]
+    if moving:
+        rows = [n for begin, length, *_ in zip(*spans, strict=True) for n in range(begin, begin + length)]
+        first = {sum(spans[1][:span]) for span in range(header["spans"])}
+        motion = [body.column(len(rows)) for _ in range(MOTION)]
+        motion = moved(motion, [0 if at in first else ticks[n] for at, n in enumerate(rows)])
+        at = 0
+        for begin, length, number, appeared in zip(*spans, strict=True):
+            for n in range(begin, begin + length):
+                x, y, theta, v, w, flag = (column[at] for column in motion)
+                alive[n].append([number, x, y, theta, appeared, v, w, flag])
+                at += 1
+    else:
+        for begin, length, *target in zip(*spans, strict=True):
+            for n in range(begin, begin + length):
+                alive[n].append(target)
+    assert body.at == len(body.data)
     states = []
     for n in range(steps + 1):
         numbers = [column[n] for column in clock]
         numbers += [column[n] for seat in seats for column in seat]
-        alive = [target for begin, length, *target in zip(*spans, strict=True) if begin <= n < begin + length]
-        states.append(numbers + [number for target in sorted(alive) for number in target])
+        states.append(numbers + [number for target in sorted(alive[n]) for number in target])
     return {**header, "ranks": ranks, "commands": commands, "digests": digests, "states": states}
 
 
@@ -82,30 +99,45 @@ def millionths(number: float) -> int:
     return max(-(2**53), min(2**53, math.floor(MILLION * number + 0.5)))
 
 
-def hunter(body: Body, config: dict[str, Any], times: list[int], commands: list[list[float]] | None) -> list[list[int]]:
+def hunter(
+    body: Body, config: dict[str, Any], seat: int, ticks: list[int], commands: list[list[float]] | None
+) -> list[list[int]]:
     """The eleven columns of one seat."""
-    rest = [body.column(len(times)) for _ in range(HUNTER)]
-    found = [summed(column) for column in rest]
-    found[ACTIVE] = rest[ACTIVE]
-    if commands is not None:
-        fastest, quickest = config["max_speed_mps"], config["max_turn_rate_radps"]
+    rest = [body.column(len(ticks)) for _ in range(HUNTER)]
+    if commands is None:
+        found = moved(rest, ticks)
+    else:
+        fastest, quickest = (
+            setting[seat] if isinstance(setting, list) else setting
+            for setting in (config["max_speed_mps"], config["max_turn_rate_radps"])
+        )
         limits = ((-fastest if config["reverse"] else 0.0, fastest), (-quickest, quickest))
+        given = {}
         for which, fractions, (low, high) in zip((LINEAR, ANGULAR), commands, limits, strict=True):
             asked = [0, *(millionths(max(low, min(high, part * high))) for part in fractions)]
-            found[which] = [left + number for left, number in zip(rest[which], asked, strict=True)]
-    x, y, theta = rest[0][:1], rest[1][:1], rest[2][:1]
-    for n in range(1, len(times)):
-        ticks = max(0, min(62, times[n] // 16 - times[n - 1] // 16))
+            given[which] = [left + number for left, number in zip(rest[which], asked, strict=True)]
+        found = moved(rest, ticks, given)
+    found[ACTIVE] = rest[ACTIVE]
+    return found
+
+
+def moved(rest: list[list[int]], ticks: list[int], given: dict[int, list[int]] | None = None) -> list[list[int]]:
+    """The columns of something that moves: x, y, theta, v, w, and what else there is."""
+    found = [summed(column) for column in rest]
+    for which, column in (given or {}).items():
+        found[which] = column
+    x, y, theta = [0], [0], [0]
+    for n, k in enumerate(ticks):
         v, w = found[LINEAR][n], found[ANGULAR][n]
         angle, turn, stride = theta[-1] / MILLION, w / MILLION * 0.016, v * 0.016
         way_x = way_y = 0.0
-        for _ in range(ticks):
+        for _ in range(k):
             angle = angle + turn
             sine, cosine = sincos(angle)
             way_x = way_x + cosine * stride
             way_y = way_y + sine * stride
-        theta.append(theta[-1] + rest[2][n] + (16 * w * ticks + 500) // 1000)
+        theta.append(theta[-1] + rest[2][n] + (16 * w * k + 500) // 1000)
         x.append(x[-1] + rest[0][n] + math.floor(way_x + 0.5))
         y.append(y[-1] + rest[1][n] + math.floor(way_y + 0.5))
-    found[:3] = x, y, theta
+    found[:3] = x[1:], y[1:], theta[1:]
     return found

@@ -42,6 +42,18 @@ def test_headers_are_compared_setting_by_setting(play):
     assert any(re.match(r"the initial state: hunter_1: x is \d\.\d{6} m in A and ", line) for line in found)
 
 
+def test_states_of_still_and_of_moving_targets_are_not_compared(play):
+    """They have other numbers; the setting, the actions and the scores are told."""
+    one, other = (play("duel", max_cycles=5, chase=True, target_motion=motion) for motion in ("still", "flee"))
+    found = replay_differences(one, other)
+
+    assert found[:2] == [
+        "target_motion: still in A, flee in B",
+        "targets move in B alone: states are not compared",
+    ]
+    assert found[-1].startswith("final scores: ")
+
+
 def test_the_first_actions_that_differ_are_told_with_who_and_what(pair):
     """A rank, a command's last bit, and a withdrawal."""
     one, other = pair

@@ -1,6 +1,7 @@
 """explain: why did B lose? The facts are checked against the arbiter and the oracle's lots, the words by example."""
 
 import json
+import math
 import re
 from collections import Counter
 from itertools import pairwise
@@ -13,6 +14,7 @@ from catch_arena import Verdict, arbitrate, explain, explain_step
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.lengths import short_length
+from catch_arena.explanation.sight import Sight
 
 TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
 CLOSE = {"hunters": 3, "hunter_poses": TIED, "initial_targets": 3, "reach_m": 3.0, "max_cycles": 20}
@@ -241,3 +243,157 @@ def test_explain_prints_paragraphs_of_80_columns_or_json(crowded, tmp_path, monk
 )
 def test_lengths_are_said_in_the_unit_that_fits(length, text):
     assert short_length(length) == text
+
+
+# what hunters do not see
+
+
+@pytest.fixture(scope="module", params=["radius", "cone", "both"])
+def half_blind(play, request):
+    """Hunters of all three controls, with reaches of their own, that see a part; targets flee, hunters drop out."""
+    views = {"radius": {"view_radius_m": 2.5}, "cone": {"view_angle_deg": 100.0}}
+    view = views.get(request.param) or {**views["radius"], **views["cone"]}
+    return play(
+        seed=8,
+        chase=False,
+        target_motion="flee",
+        control=("target", "full", "velocity", "target"),
+        reach_m=(0.3, 0.9, 0.5, 1.4),
+        dropout_rate=0.004,
+        max_cycles=150,
+        names=("ann", "bob", "cid", "dan"),
+        **view,
+    )
+
+
+def test_what_a_hunter_is_said_to_see_is_what_the_engine_ranks(half_blind):
+    """Every state, every seat, every target: the same ranks, and no rank for what is told as unseen."""
+    sight = Sight(half_blind.config)
+    hidden = 0
+    for engine in half_blind.engines():
+        world = engine.world()
+        for seat in range(4):
+            ranks = {target.name: engine.rank_of(0, seat, target.name) for target in world.targets}
+            view = sorted((name for name, rank in ranks.items() if rank), key=ranks.get)
+            assert sight.ranked(world, seat) == view
+            unseen = sight.unseen(world, seat)
+            hidden += len(unseen)
+            assert all(ranks[one.target] == 0 for one in unseen)
+            assert len(unseen) + min(8, int(sight.of(world, seat).sum())) == len(unseen) + len(view)
+    assert hidden > 100
+
+
+def test_why_a_target_was_out_of_sight_is_true(half_blind):
+    """Beyond the radius, outside the cone, behind its back: by the places alone."""
+    config = half_blind.config
+    worlds = list(half_blind.worlds())
+    reasons = set()
+    for step in range(10, 150, 20):
+        told = explain_step(half_blind, step)
+        before = worlds[step - 1]
+        for one in told.asked:
+            me = before.hunters[one.seat]
+            assert one.seen + len(one.unseen) == len(before.targets)
+            assert [other.distance_um for other in one.unseen] == sorted(other.distance_um for other in one.unseen)
+            for other in one.unseen:
+                (target,) = [target for target in before.targets if target.name == other.target]
+                away = math.dist((me.x, me.y), (target.x, target.y))
+                ahead = math.cos(me.theta) * (target.x - me.x) + math.sin(me.theta) * (target.y - me.y)
+                assert other.distance_um == round(1e6 * away)
+                assert math.cos(math.radians(other.off_heading_deg)) == pytest.approx(ahead / away, abs=1e-9)
+                assert away >= config.reaches[one.seat]
+                assert other.too_far == (config.view_radius_m is not None and away >= config.view_radius_m)
+                assert other.outside_cone == (config.view_angle_deg < 360 and ahead < away * math.cos(math.radians(50)))
+                assert other.too_far or other.outside_cone
+                reasons.add((other.too_far, other.outside_cone))
+        for target, seats in told.out_of_sight.items():
+            assert seats == tuple(
+                seat for seat, one in enumerate(told.asked) if target in [other.target for other in one.unseen]
+            )
+    assert reasons
+
+
+def test_a_step_says_what_was_out_of_sight(play):
+    """In words: one too far, one behind, and whose nearest it was."""
+    poses = ((2.0, 5.0, 0.0), (9.0, 5.0, 0.0))
+    match = play("duel", hunter_poses=poses, seed=2, max_cycles=2, chase=True, view_radius_m=4.0, view_angle_deg=120.0)
+    told = explain_step(match, 1)
+    text = " ".join(told.lines())
+    assert "It sees what is nearer than 4 m and at most 60 degrees off its heading (R7.5): " in text
+    for one in told.asked:
+        for other in one.unseen:
+            how = ["too far"] * other.too_far
+            where = "behind it" if other.off_heading_deg > 90 else "to its side"
+            how += [f"{where}, {other.off_heading_deg:.1f} degrees off its heading"] * other.outside_cone
+            assert f"{other.target}, {other.distance_um / 1e6:.6f} m away, {' and '.join(how)}" in text
+    assert json.loads(json.dumps(told.to_dict()))["asked"][0]["unseen"][0].keys() == {
+        "target",
+        "distance_um",
+        "off_heading_deg",
+        "too_far",
+        "outside_cone",
+    }
+
+
+def test_where_hunters_see_everything_nothing_is_said_of_sight(crowded):
+    told = explain_step(crowded, 62)
+    assert not any("sight" in line for line in (*told.lines(), *explain(crowded).lines()))
+    assert all(one.unseen == () for one in told.asked)
+    assert {record.never_seen for record in explain(crowded).records} == {None}
+
+
+def test_targets_that_a_hunter_never_saw_are_counted(play):
+    """Caught by another one, and never in a view of its own."""
+    match = play("fog", chase=True, max_cycles=300, reach_m=0.6, dropout_rate=0.002)
+    seen = [set() for _ in range(4)]
+    missed = [0] * 4
+    sight = Sight(match.config)
+    for world in match.worlds():
+        for ruling in world.rulings:
+            for seat in range(4):
+                missed[seat] += ruling.success and seat != ruling.hunter and ruling.target not in seen[seat]
+        for seat, hunter in enumerate(world.hunters):
+            if not hunter.withdrawn:
+                hidden = {one.target for one in sight.unseen(world, seat)}
+                seen[seat] |= {target.name for target in world.targets} - hidden
+    told = explain(match)
+    assert [record.never_seen for record in told.records] == missed
+    assert sum(missed) > 0
+    assert any("that it never had in sight caught by others (R7.5)" in line for line in told.lines())
+
+
+def test_a_dropout_is_told_apart_from_a_withdrawal(play):
+    """R1.7 and R1.6: in the summary, and in the steps from then on."""
+    match = play("dropout", dropout_rate=0.02, seed=3, max_cycles=60, withdraw={1: ["hunter_2"]})
+    told = explain(match)
+    worlds = list(match.worlds())
+    out = {}
+    for world in worlds:
+        for seat, hunter in enumerate(world.hunters):
+            if hunter.withdrawn:
+                out.setdefault(seat, world)
+    assert len(out) > 1
+    assert (told.records[2].withdrawn_ms, told.records[2].dropped_out) == (100, False)
+    for seat, world in out.items():
+        record = told.records[seat]
+        assert (record.withdrawn_ms, record.dropped_out) == (world.time_ms - 100, seat != 2)
+        (line,) = [line for line in told.lines() if line.startswith(f"hunter_{seat}: ")]
+        clause = "withdrawn at {} (R1.6)." if seat == 2 else "dropped out at {} (R1.7)."
+        assert line.endswith(clause.format(f"{(world.time_ms - 100) / 1000:.1f} s"))
+        one = explain_step(match, world.step, seat).asked[0]
+        assert one.out == ("withdrawn" if seat == 2 else "dropped out")
+        assert ("It was withdrawn (R1.6)." if seat == 2 else "It had dropped out (R1.7).") in " ".join(
+            explain_step(match, world.step, seat).lines()
+        )
+        assert explain_step(match, world.step - 1, seat).asked[0].out is None
+
+
+def test_a_refusal_tells_the_hunters_own_reach(play):
+    """R2.7."""
+    reaches = (0.000001, 0.000002)
+    match = play("duel", control="full", reach_m=reaches, initial_targets=4, spawn_frequency_hz=0, max_cycles=30)
+    refused = [line for line in explain(match).lines() if "OUT_OF_REACH, " in line]
+    assert len(refused) == 2
+    for line in refused:
+        seat = int(line.split("hunter_")[1][0])
+        assert line.endswith(f"within reach is less than {reaches[seat]:.6f} m.")

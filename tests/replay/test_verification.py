@@ -82,6 +82,62 @@ def test_an_edited_header_is_named_by_what_it_changes(mixed, change, first, line
     assert any(re.match(f"{first}: {line}", one) for one in found), found
 
 
+def test_a_target_that_moves_otherwise_is_named_with_each_of_its_numbers(fleeing):
+    """Faster targets, a longer alarm: which target, which number, and how far apart."""
+    found = verify(
+        altered(fleeing, lambda match: setattr(match, "config", match.config.replace(target_speed_mps=1.25)))
+    )
+
+    assert found[0] == "step 1 is the first that differs"
+    speeds = [line for line in found if "linear velocity" in line]
+    assert speeds
+    for line in speeds:
+        told = re.fullmatch(
+            r"step 1: target_turtle_\d: linear velocity is (\S+) m/s as recorded and (\S+) m/s as replayed, "
+            r"(\S+) m/s apart",
+            line,
+        )
+        assert told is not None
+        assert told.groups() in {("0.500000", "0.625000", "0.125000"), ("1.000000", "1.250000", "0.250000")}
+
+
+@pytest.mark.parametrize(
+    ("field", "change", "told"),
+    [
+        (1, 17, r"x is \d+\.\d{6} m as recorded and \d+\.\d{6} m as replayed, 0\.000017 m apart"),
+        (3, -5, r"theta is .* rad as replayed, 0\.000005 rad apart"),
+        (4, 100, r"appeared is \d+ ms as recorded and \d+ ms as replayed, 100 ms apart"),
+        (5, 1, r"linear velocity is .* 0\.000001 m/s apart"),
+        (6, 1, r"angular velocity is .* 0\.000001 rad/s apart"),
+        (7, 1, r"at wall is yes as recorded and no as replayed"),
+    ],
+)
+def test_an_edited_number_of_a_moving_target_is_named_from_the_file_too(fleeing, tmp_path, field, change, told):
+    """Each of its numbers; the edit is written and read again."""
+
+    def shift(match):
+        match.states[50][8 + 4 * 11 + field] += change
+
+    altered(fleeing, shift).save(tmp_path / "edited.replay")
+    number = fleeing.states[50][8 + 4 * 11]
+    (found,) = verify(Replay.load(tmp_path / "edited.replay"))
+    assert re.fullmatch(
+        rf"step 50: its witness was altered: the digest agrees, but target_turtle_{number}: {told}", found
+    )
+
+
+def test_dropouts_follow_from_the_seed(fleeing):
+    """Nobody is listed; with a rate of zero the match differs from the first dropout on, by who is withdrawn."""
+    assert fleeing.withdrawals == []
+    first = next(world for world in fleeing.worlds() if any(hunter.withdrawn for hunter in world.hunters))
+    found = verify(altered(fleeing, lambda match: setattr(match, "config", match.config.replace(dropout_rate=0.0))))
+
+    assert found[0] == f"step {first.step} is the first that differs"
+    for seat, hunter in enumerate(first.hunters):
+        line = f"step {first.step}: hunter_{seat} ({'abcd'[seat]}): withdrawn is yes as recorded and no as replayed"
+        assert (line in found) == hunter.withdrawn
+
+
 def test_an_edited_witness_is_told_from_an_edited_action(mixed):
     """Every digest agrees, so the match is what it was."""
 

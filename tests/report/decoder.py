@@ -17,7 +17,7 @@ def decoded(bundle: bytes) -> tuple[dict, list[np.ndarray]]:
     lengths = [facts["steps"] + 1] * len(facts["hunters"]) + [length for _, _, length in facts["targets"]]
     bodies, at = [], 0
     for length in lengths:
-        columns = [np.cumsum(steps[at + part * length : at + (part + 1) * length]) for part in range(3)]
+        columns = [np.cumsum(np.cumsum(steps[at + part * length : at + (part + 1) * length])) for part in range(3)]
         bodies.append(np.array(columns) * units)
         at += 3 * length
     assert at == len(steps)

@@ -15,8 +15,9 @@ async function read(text) {
     const bodies = [...replay.hunters, ...replay.targets];
     return {
       ...replay,
-      hunters: replay.hunters.map(({ name, color }) => ({ name, color })),
+      hunters: replay.hunters.map(({ name, color, reach }) => ({ name, color, reach })),
       targets: replay.targets.map(({ number, first, last }) => [number, first, last - first + 1]),
+      moving: replay.targets.filter(({ moves }) => moves).map(({ number }) => number),
       rulings: replay.rulings.map((ruling) => ({ ...ruling, target: ruling.target?.number ?? null })),
       contests: replay.contests.map((contest) => ({ ...contest, place: contest.place.number })),
       tracks: bodies.map(tracks),

@@ -92,3 +92,37 @@ def test_a_match_before_its_first_step_is_a_bundle_too():
     env.reset(seed=1)
     facts = json.loads(encode_bundle(env.replay()).split(b"\n", 1)[0])
     assert (facts["steps"], facts["rulings"], len(facts["targets"])) == (0, [], 8)
+
+
+def test_a_minute_of_targets_that_flee_takes_less_than_four_times_that_of_still_ones():
+    """In the page: packed, as text. What moves is told by the differences of its differences."""
+    sizes = {}
+    for motion in ("still", "flee"):
+        env = catch_arena.parallel_env("standard", target_motion=motion)
+        env.record()
+        env.reset(seed=1)
+        while env.agents:
+            env.step(dict.fromkeys(env.agents, 1))
+        sizes[motion] = len(bundle_text(env.replay()))
+    assert sizes["still"] < 16_000
+    assert sizes["flee"] < 28_000
+
+
+def test_dropouts_are_told_beside_withdrawals():
+    """R1.7: with the step before which they left, and once each."""
+    env = catch_arena.parallel_env("dropout", dropout_rate=0.02, time_limit_s=6.0)
+    env.record()
+    env.reset(seed=3)
+    gone = {}
+    while env.agents:
+        step = env.world().step
+        if step == 1:
+            env.withdraw("hunter_2")
+            gone[2] = 1
+        env.step(dict.fromkeys(env.agents, 1))
+        for seat, hunter in enumerate(env.world().hunters):
+            if hunter.withdrawn:
+                gone.setdefault(seat, step)
+    facts = json.loads(encode_bundle(env.replay()).split(b"\n", 1)[0])
+    assert {seat: step for step, seat in facts["withdrawals"]} == gone
+    assert len(facts["withdrawals"]) == len(gone) > 1

@@ -58,6 +58,8 @@ def replays(tmp_path_factory):
     folder = tmp_path_factory.mktemp("replays")
     for scenario in SCENARIOS:
         env = catch_arena.parallel_env(scenario, time_limit_s=8.0)
+        if scenario == "dropout":
+            env = catch_arena.parallel_env(scenario, time_limit_s=8.0, dropout_rate=0.02)
         env.record(title=f"«{scenario}» in U+1F422 \N{TURTLE}")
         _, infos = env.reset(seed=5)
         for step in range(10**6):
@@ -81,7 +83,7 @@ def bundles(replays):
 def test_every_number_of_a_bundle_is_the_one_that_python_decodes(bundles, scenario):
     shown, replay = bundles[scenario]
     facts, bodies = decoded(encode_bundle(replay))
-    for name in ("title", "seed", "side", "reach", "period", "steps", "hunters", "targets", "withdrawals"):
+    for name in ("title", "seed", "side", "period", "steps", "view", "hunters", "targets", "withdrawals"):
         assert shown[name] == facts[name], name
     assert shown["rulings"] == [
         {"time": state * facts["period"], "seat": seat, "verdict": verdict, "target": number}
@@ -111,8 +113,22 @@ def test_targets_scores_and_withdrawals_are_those_of_the_match_in_every_state(bu
         assert set(there["alive"]) == {target.number for target in world.targets}
         assert there["scores"] == [hunter.score for hunter in world.hunters]
     withdrawn = [[seat for seat, gone in enumerate(there["withdrawn"]) if gone] for there in shown["states"]]
-    expected = [3] if scenario == "crowd" else []
-    assert withdrawn == [[]] * WITHDRAWN_AT + [expected] * (len(withdrawn) - WITHDRAWN_AT)
+    gone = [[seat for seat, hunter in enumerate(world.hunters) if hunter.withdrawn] for world in replay.worlds()]
+    assert withdrawn == [*gone[1:], gone[-1]]  # from the beginning of the step in which it takes no part
+    if scenario == "crowd":
+        assert withdrawn == [[]] * WITHDRAWN_AT + [[3]] * (len(withdrawn) - WITHDRAWN_AT)
+    assert any(withdrawn) == (scenario in {"crowd", "dropout"})
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_the_player_knows_who_moves_who_reaches_how_far_and_what_is_seen(bundles, scenario):
+    shown, replay = bundles[scenario]
+    config = replay.config
+    lasting = {number for number, _, length in shown["targets"] if length > 2}
+    assert set(shown["moving"]) >= lasting if config.targets_move else shown["moving"] == []
+    assert [one["reach"] for one in shown["hunters"]] == list(config.reaches)
+    partial = {"radius": config.view_radius_m, "angle": config.view_angle_deg}
+    assert shown["view"] == (partial if config.partial_view else None)
 
 
 def test_contests_are_those_that_explain_tells_and_lie_at_their_targets(bundles):
@@ -160,7 +176,13 @@ def test_a_bundle_that_is_written_anew_is_read(small):
         ({"side": "11"}, 'side must be a number from 2 to 5000, not "11"'),
         ({"title": None}, "title must be text, not null"),
         ({"hunters": {}}, "hunters must be a list, not {}"),
-        ({"hunters": [{"name": "a"}]}, 'hunters[0] must be a name and a colour, not {"name":"a"}'),
+        ({"hunters": [{"name": "a"}]}, 'hunters[0] must be a name, a colour and a reach, not {"name":"a"}'),
+        (
+            {"hunters": [{"name": "a", "color": "#aabbcc", "reach": -1}]},
+            'hunters[0] must be a name, a colour and a reach, not {"name":"a","color":"#aabbcc","reach":-1}',
+        ),
+        ({"view": {"radius": 2}}, 'view must be a radius and an angle, or null, not {"radius":2}'),
+        ({"view": {"radius": 2, "angle": 400}}, "view must be a radius and an angle, or null, not"),
         ({"targets": [[1, 0]]}, "targets[0] must be a number, the first of its states, and how many it has, not [1,0]"),
         ({"withdrawals": [[0, 99]]}, "withdrawals[0] must be a step and a seat, not [0,99]"),
         ({"rulings": [[0, 0, "GRANTED", 999]]}, "rulings[0] is about target 999, which it does not have"),

@@ -1,4 +1,5 @@
 /** @typedef {import("./replay.js").Replay} Replay */
+/** @typedef {import("./replay.js").Body} Body */
 /** @typedef {import("./replay.js").Hunter} Hunter */
 /** @typedef {import("./replay.js").Ruling} Ruling */
 /** @typedef {import("./replay.js").Contest} Contest */
@@ -13,6 +14,7 @@
  * @property {string} grid
  * @property {string} wall
  * @property {string} target
+ * @property {string} targetTrail
  * @property {string} ink
  * @property {number} hunterLength in metres
  * @property {number} targetLength in metres
@@ -36,6 +38,9 @@
 
 const CLOSE_UP_M = 1.1;
 const LASTS_MS = 900;
+const TRAIL_MS = 1800;
+/** The softness of a view's edge: so many layers, one smaller than the other. */
+const LAYERS = 8;
 
 /** Paints an instant of a replay, as render/ does: `look` comes from its tables. */
 export class Painter {
@@ -59,13 +64,20 @@ export class Painter {
    * @param {number} time
    * @param {number | null} picked the seat of the hunter that is picked
    * @param {boolean} calm whether nothing should pulse
+   * @param {boolean} viewed whether it is shown what the hunter that is picked sees
    */
-  paint(canvas, replay, time, picked, calm) {
+  paint(canvas, replay, time, picked, calm, viewed) {
     const margin = this.look.margin * replay.side;
     const view = { x: -margin, y: -margin, side: replay.side + 2 * margin };
     const scene = this.#scene(canvas, replay, time, view, picked);
     this.#ground(scene);
-    replay.hunters.forEach((_, seat) => this.#trail(scene, seat));
+    if (viewed && picked !== null && !replay.withdrawn(picked, time)) this.#view(scene, picked);
+    for (const target of replay.alive(time)) {
+      if (target.moves) this.#trail(scene, target, this.look.targetTrail, 0.06 * scene.length, 1);
+    }
+    replay.hunters.forEach((hunter, seat) => {
+      this.#trail(scene, hunter, hunter.color, 0.1 * scene.length, picked === null || picked === seat ? 1 : 4);
+    });
     this.#targets(scene);
     replay.hunters.forEach((_, seat) => this.#hunter(scene, seat));
     const recent = replay.rulings.filter((ruling) => ruling.time < time && time - ruling.time < LASTS_MS);
@@ -96,9 +108,11 @@ export class Painter {
     context.lineWidth = 1.5 * dots;
     context.strokeStyle = "#ffffff";
     context.setLineDash([4 * dots, 4 * dots]);
-    context.beginPath();
-    context.arc(x, y, replay.reach * scale, 0, 2 * Math.PI);
-    context.stroke();
+    for (const reach of new Set(contest.parties.map((seat) => replay.hunters[seat].reach))) {
+      context.beginPath();
+      context.arc(x, y, reach * scale, 0, 2 * Math.PI);
+      context.stroke();
+    }
     context.setLineDash([]);
     context.fillStyle = "#ffffff";
     context.beginPath();
@@ -194,23 +208,56 @@ export class Painter {
   }
 
   /**
+   * A body's latest way, which fades.
    * @param {Scene} scene
-   * @param {number} seat
+   * @param {Body} body
+   * @param {string} color
+   * @param {number} width in dots
+   * @param {number} fainter so many times
    */
-  #trail({ context, replay, time, place, length, picked }, seat) {
-    const hunter = replay.hunters[seat];
-    const span = 1800;
-    context.strokeStyle = hunter.color;
-    context.lineWidth = 0.1 * length;
+  #trail({ context, replay, time, place }, body, color, width, fainter) {
+    context.strokeStyle = color;
+    context.lineWidth = width;
     context.lineCap = "butt";
-    for (let from = Math.max(0, time - span); from < time; from += replay.period) {
-      context.globalAlpha = (0.65 * (from + span - time)) / span / (picked === null || picked === seat ? 1 : 4);
+    for (let from = Math.max(body.first * replay.period, time - TRAIL_MS); from < time; from += replay.period) {
+      context.globalAlpha = (0.65 * (from + TRAIL_MS - time)) / TRAIL_MS / fainter;
       context.beginPath();
-      context.moveTo(...place(replay.pose(hunter, from)));
-      context.lineTo(...place(replay.pose(hunter, Math.min(from + replay.period, time))));
+      context.moveTo(...place(replay.pose(body, from)));
+      context.lineTo(...place(replay.pose(body, Math.min(from + replay.period, time))));
       context.stroke();
     }
     context.globalAlpha = 1;
+  }
+
+  /**
+   * What a hunter sees: a soft cone or circle.
+   * @param {Scene} scene
+   * @param {number} seat
+   */
+  #view({ context, replay, time, scale, place, length }, seat) {
+    if (!replay.view) return;
+    const hunter = replay.hunters[seat];
+    const pose = replay.pose(hunter, time);
+    const [x, y] = place(pose);
+    const farthest = Math.SQRT2 * replay.side;
+    const radius = Math.min(replay.view.radius ?? farthest, farthest) * scale;
+    const half = (replay.view.angle * Math.PI) / 360;
+    const [left, bottom] = place({ x: 0, y: 0 });
+    context.save();
+    context.beginPath();
+    context.rect(left, bottom, replay.side * scale, -replay.side * scale);
+    context.clip();
+    context.translate(x, y);
+    context.rotate(-pose.theta);
+    context.fillStyle = mixed(hunter.color, "#ffffff", 0.6, 0.25 / LAYERS);
+    for (let layer = 0; layer < LAYERS; layer++) {
+      const less = (0.25 * length * layer) / LAYERS;
+      context.beginPath();
+      if (half < Math.PI) context.moveTo(Math.min(less, radius), 0);
+      context.arc(0, 0, Math.max(0, radius - less), -half, half);
+      context.fill();
+    }
+    context.restore();
   }
 
   /**
@@ -225,7 +272,7 @@ export class Painter {
     const gone = replay.withdrawn(seat, time);
     if (!gone) {
       context.beginPath();
-      context.arc(x, y, replay.reach * scale, 0, 2 * Math.PI);
+      context.arc(x, y, hunter.reach * scale, 0, 2 * Math.PI);
       context.fillStyle = mixed(hunter.color, "#ffffff", 0.55, 0.14);
       context.fill();
       context.lineWidth = (picked === seat ? 3 : 1.3) * dots;
@@ -243,9 +290,9 @@ export class Painter {
    * @param {Hunter} hunter
    * @param {Pose} pose
    */
-  #heading({ context, replay, scale, place, length }, hunter, pose) {
+  #heading({ context, scale, place, length }, hunter, pose) {
     const [x, y] = place(pose);
-    const base = Math.max(replay.reach * scale, 0.55 * length) + 1.5;
+    const base = Math.max(hunter.reach * scale, 0.55 * length) + 1.5;
     const size = 0.16 * length;
     context.save();
     context.translate(x, y);

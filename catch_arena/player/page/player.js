@@ -10,6 +10,7 @@ const KEYS = [
   ["← →", "a second back, on; with Shift a step"],
   ["P N", "previous, next contest"],
   ["H, 0 to 9, Esc", "pick the next hunter, one by its number, none"],
+  ["V", "what the picked hunter sees, where it does not see everything"],
   ["+ −", "faster, slower"],
   ["Home End", "the beginning, the end"],
 ];
@@ -49,6 +50,8 @@ export class CatchReplay extends HTMLElement {
   time = 0;
   /** @type {number | null} */
   picked = null;
+  /** Whether it is shown what that hunter sees. */
+  viewed = false;
   speed = 1;
   playing = false;
   /** The latest frame that was asked for. */
@@ -73,6 +76,7 @@ export class CatchReplay extends HTMLElement {
   toggle = make("button", { type: "button", className: "toggle" });
   previous = make("button", { type: "button", textContent: "Previous", ariaLabel: "Previous contest" });
   next = make("button", { type: "button", textContent: "Next contest" });
+  sight = make("button", { type: "button", textContent: "What it sees", ariaPressed: "false", hidden: true });
   clock = make("output", { className: "clock" });
   pace = make("select", { ariaLabel: "Speed" });
   whole = make("div", { className: "player", role: "group", ariaLabel: "Replay" });
@@ -142,9 +146,22 @@ export class CatchReplay extends HTMLElement {
    */
   pick(seat) {
     this.picked = seat;
+    this.sight.disabled = seat === null;
     this.cast.querySelectorAll("button").forEach((button, index) => (button.ariaPressed = String(index === seat)));
     this.#draw();
     this.#describe();
+  }
+
+  /** Show what the hunter that is followed sees, or no longer. */
+  toggleView() {
+    if (!this.replay) return;
+    if (!this.replay.view || this.picked === null) {
+      this.spoken.textContent = this.replay.view ? "Pick a hunter first." : "Hunters see everything here.";
+      return;
+    }
+    this.viewed = !this.viewed;
+    this.sight.ariaPressed = String(this.viewed);
+    this.#draw();
   }
 
   /**
@@ -171,6 +188,7 @@ export class CatchReplay extends HTMLElement {
     this.toggle.addEventListener("click", () => this.#toggle());
     this.previous.addEventListener("click", () => this.jump(-1));
     this.next.addEventListener("click", () => this.jump(1));
+    this.sight.addEventListener("click", () => this.toggleView());
     this.pace.append(...SPEEDS.map((speed) => make("option", { value: String(speed), textContent: `${speed} ×` })));
     this.pace.value = String(this.speed);
     this.pace.addEventListener("change", () => (this.speed = Number(this.pace.value)));
@@ -181,7 +199,16 @@ export class CatchReplay extends HTMLElement {
         { className: "stage" },
         this.arena,
         make("div", { className: "time" }, this.strip, this.scrub),
-        make("div", { className: "controls" }, this.toggle, this.previous, this.next, this.clock, this.pace),
+        make(
+          "div",
+          { className: "controls" },
+          this.toggle,
+          this.previous,
+          this.next,
+          this.sight,
+          this.clock,
+          this.pace,
+        ),
       ),
       make(
         "div",
@@ -208,7 +235,7 @@ export class CatchReplay extends HTMLElement {
    * The hunters' list: each line picks one.
    * @param {Replay} replay
    */
-  #cast({ hunters, duration, period, title, seed, contests }) {
+  #cast({ hunters, duration, period, title, seed, contests, view }) {
     this.cast.replaceChildren(
       ...hunters.map(({ name, color }, seat) => {
         const score = make("span", { className: "score" });
@@ -223,6 +250,7 @@ export class CatchReplay extends HTMLElement {
       }),
     );
     this.pick(null);
+    this.sight.hidden = !view;
     this.scrub.max = String(duration);
     this.scrub.step = String(period);
     this.previous.disabled = this.next.disabled = !contests.length;
@@ -262,7 +290,7 @@ export class CatchReplay extends HTMLElement {
   #draw() {
     const { replay, time, picked } = this;
     if (!replay || !this.arena.clientWidth) return;
-    this.painter.paint(this.arena, replay, time, picked, this.calm.matches);
+    this.painter.paint(this.arena, replay, time, picked, this.calm.matches, this.viewed);
     this.painter.strip(this.strip, replay, picked);
     const scores = replay.scores(time);
     this.cast.querySelectorAll(".score").forEach((node, seat) => (node.textContent = String(scores[seat])));
@@ -304,8 +332,8 @@ export class CatchReplay extends HTMLElement {
    * @param {Replay} replay
    * @param {Claim} claim
    */
-  #claim({ hunters, reach }, [seat, verdict, distance]) {
-    const { name, color } = hunters[seat];
+  #claim({ hunters }, [seat, verdict, distance]) {
+    const { name, color, reach } = hunters[seat];
     const bar = make("span", { className: "bar" });
     bar.style.width = `${Math.min(100, (100 * (distance ?? 0)) / (1e6 * reach))}%`;
     bar.style.background = color;
@@ -357,6 +385,7 @@ export class CatchReplay extends HTMLElement {
       n: () => this.jump(1),
       h: () => this.pick(following),
       escape: () => this.pick(null),
+      v: () => this.toggleView(),
       "+": () => pace(1),
       "=": () => pace(1),
       "-": () => pace(-1),

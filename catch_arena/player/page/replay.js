@@ -4,12 +4,12 @@
  * @property {string} title
  * @property {string} seed
  * @property {number} side of the arena, in metres
- * @property {number} reach in metres
  * @property {number} period between two states, in milliseconds
  * @property {number} steps
  * @property {number} grid parts of the side
  * @property {number} turn parts of a full turn
- * @property {{ name: string, color: string }[]} hunters by seat
+ * @property {Sight | null} view what hunters see; null where they see everything
+ * @property {{ name: string, color: string, reach: number }[]} hunters by seat; reach in metres
  * @property {[number: number, first: number, length: number][]} targets each one's number, and the states that it was in
  * @property {[step: number, seat: number][]} withdrawals
  * @property {[state: number, seat: number, verdict: string, number: number | null][]} rulings
@@ -28,13 +28,15 @@
 
 /** @typedef {[seat: number, verdict: string, micrometres: number | null]} Claim */
 
+/** @typedef {{ radius: number | null, angle: number }} Sight how far one sees, in metres, and how wide, in degrees */
+
 /**
  * Where one was in each state from `first` to `last`: x and y in metres, theta in radians.
  * @typedef {{ first: number, last: number, x: Float32Array, y: Float32Array, theta: Float32Array }} Body
  */
 
-/** @typedef {Body & { name: string, color: string }} Hunter */
-/** @typedef {Body & { number: number }} Target */
+/** @typedef {Body & { name: string, color: string, reach: number }} Hunter */
+/** @typedef {Body & { number: number, moves: boolean }} Target */
 /** @typedef {{ time: number, seat: number, verdict: string, target: Target | null }} Ruling */
 /** @typedef {Judged & { time: number, parties: number[], place: Target }} Contest */
 
@@ -42,9 +44,9 @@
 const LARGEST = 256 << 20;
 
 /** What the settings allow (config.py), and no more: a wrong one would keep a page drawing for ever. */
+const FARTHEST = 10_000;
 const RANGES = {
   side: [2, 5000],
-  reach: [0, 10_000],
   period: [16, 1e9],
   grid: [1, 1 << 15],
   turn: [1, 1 << 15],
@@ -103,7 +105,7 @@ export class Replay {
     this.title = facts.title;
     this.seed = facts.seed;
     this.side = facts.side;
-    this.reach = facts.reach;
+    this.view = facts.view;
     this.period = facts.period;
     this.steps = facts.steps;
     this.withdrawals = facts.withdrawals;
@@ -118,15 +120,22 @@ export class Replay {
     const body = (first, length) => {
       const [x, y, theta] = [metres, metres, (2 * Math.PI) / facts.turn].map((unit) => {
         const values = new Float32Array(length);
-        for (let state = 0, sum = 0; state < length; state++) values[state] = unit * (sum += numbers[at++]);
+        for (let state = 0, sum = 0, way = 0; state < length; state++) {
+          way += numbers[at++];
+          values[state] = unit * (sum += way);
+        }
         return values;
       });
       return { first, last: first + length - 1, x, y, theta };
     };
     /** @type {Hunter[]} */
-    this.hunters = facts.hunters.map(({ name, color }) => ({ name, color, ...body(0, this.steps + 1) }));
+    this.hunters = facts.hunters.map(({ name, color, reach }) => ({ name, color, reach, ...body(0, this.steps + 1) }));
     /** @type {Target[]} */
-    this.targets = facts.targets.map(([number, first, length]) => ({ number, ...body(first, length) }));
+    this.targets = facts.targets.map(([number, first, length]) => {
+      const track = body(first, length);
+      const moves = track.x.some((x, state) => x !== track.x[0] || track.y[state] !== track.y[0]);
+      return { number, moves, ...track };
+    });
     const numbered = new Map(this.targets.map((target) => [target.number, target]));
     /** @type {Ruling[]} */
     this.rulings = facts.rulings.map(([state, seat, verdict, number], index) => {
@@ -146,7 +155,7 @@ export class Replay {
   }
 
   /**
-   * 16-bit differences: the sign is the lowest bit; all low bytes come first, then all high ones.
+   * 16-bit numbers: the sign is the lowest bit; all low bytes come first, then all high ones.
    * @param {Uint8Array} bytes
    */
   static numbers(bytes) {
@@ -228,6 +237,8 @@ function check(facts) {
   const isState = (value) => isCount(value) && value <= facts.steps;
   /** @type {Fits} */
   const isSeat = (value) => isCount(value) && value < facts.hunters.length;
+  /** @type {(value: any, most: number) => boolean} */
+  const isWithin = (value, most) => Number.isFinite(value) && value >= 0 && value <= most;
   /** @type {Fits} */
   const isNumberOrNull = (value) => value === null || isCount(value);
   /** @type {(...fits: Fits[]) => Fits} */
@@ -240,10 +251,18 @@ function check(facts) {
     const value = facts[field];
     must(Number.isFinite(value) && low <= value && value <= high, field, value, `a number from ${low} to ${high}`);
   }
+  const { view } = facts;
+  const isSight = view === null ||
+    (view && (view.radius === null || isWithin(view.radius, FARTHEST)) && isWithin(view.angle, 360));
+  must(isSight, "view", view, "a radius and an angle, or null");
   must(isCount(facts.steps), "steps", facts.steps, "a whole number");
   /** @type {[string, Fits, string][]} */
   const lists = [
-    ["hunters", (one) => isText(one?.name) && /^#[\da-f]{6}$/.test(one.color), "a name and a colour"],
+    [
+      "hunters",
+      (one) => isText(one?.name) && /^#[\da-f]{6}$/.test(one.color) && isWithin(one.reach, FARTHEST),
+      "a name, a colour and a reach",
+    ],
     [
       "targets",
       (row) => isRow(isCount, isState, isCount)(row) && row[2] > 0 && row[1] + row[2] <= facts.steps + 1,

@@ -1,0 +1,76 @@
+"""R7.5: which targets each hunter saw, and why not the others."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.config import ArenaConfig
+from catch_arena.core.arbiter import distance_um
+from catch_arena.core.math import sincos
+from catch_arena.core.ranking import key_of
+from catch_arena.core.visibility import is_seen
+from catch_arena.engine import settings_of
+from catch_arena.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class Unseen:
+    """A target that a hunter did not see."""
+
+    target: str
+    distance_um: int
+    off_heading_deg: float
+    """How far off the hunter's heading it was, from 0 to 180."""
+    too_far: bool
+    """It was not within view_radius_m."""
+    outside_cone: bool
+    """It was not within view_angle_deg."""
+
+
+class Sight:
+    """Who sees what in the arenas of a config."""
+
+    def __init__(self, config: ArenaConfig) -> None:
+        self._config = config
+        self._settings = settings_of(config, progress_wanted=False)
+
+    def of(self, world: World, seat: int) -> NDArray[np.bool_]:
+        """Which of a world's targets a seat sees, in their order; a withdrawn one sees what the others would."""
+        me = world.hunters[seat]
+        x, y = np.array([(target.x, target.y) for target in world.targets]).reshape(-1, 2).T
+        sine, cosine = sincos(me.theta)
+        # the core's own rule, of all targets at once: it compares and combines, and does not branch
+        rule = cast("Any", is_seen)
+        return cast(
+            "NDArray[np.bool_]", rule(x - me.x, y - me.y, sine, cosine, self._config.reaches_um[seat], self._settings)
+        )
+
+    def ranked(self, world: World, seat: int) -> list[str]:
+        """R7.1: the targets in a seat's view by rank: nearest first, and then by spawn number."""
+        me = world.hunters[seat]
+        ranked = sorted(
+            (key_of(target.x - me.x, target.y - me.y, slot), target.name)
+            for slot, (target, seen) in enumerate(zip(world.targets, self.of(world, seat), strict=True))
+            if seen
+        )
+        return [name for _, name in ranked[: self._config.targets_seen]]
+
+    def unseen(self, world: World, seat: int) -> list[Unseen]:
+        """The targets out of a seat's sight, the nearest first."""
+        return sorted(self._unseen(world, seat), key=lambda one: one.distance_um)
+
+    def _unseen(self, world: World, seat: int) -> Iterator[Unseen]:
+        config, me = self._config, world.hunters[seat]
+        for target, seen in zip(world.targets, self.of(world, seat), strict=True):
+            if seen:
+                continue
+            um = int(distance_um(target.x - me.x, target.y - me.y))
+            off = math.remainder(math.atan2(target.y - me.y, target.x - me.x) - me.theta, 2.0 * math.pi)
+            too_far = config.view_radius_um is not None and um >= config.view_radius_um
+            # one that is near enough can only be outside the cone
+            outside = not too_far or abs(math.degrees(off)) > config.view_angle_deg / 2.0
+            yield Unseen(target.name, um, abs(math.degrees(off)), too_far, outside)
