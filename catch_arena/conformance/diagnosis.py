@@ -202,7 +202,7 @@ _READING_MISTAKES: Final = (
         for fits, looks_like in (
             (_sees_fewer, "hunters do not see all that they should"),
             (_sees_more, "hunters see what they should not"),
-            (_other, "hunters see things in another order"),
+            (_other, "hunters see other things, or in another order"),
         )
     ),
     _ReadingMistake(
