@@ -59,9 +59,7 @@ class Match:
             places = " ".join("({0.x:.3f}, {0.y:.3f}, {0.theta:+.3f})".format(arena.hunter(seat)) for seat in seats)
             yield f"step {count}: {json.dumps(one)} -> {arena.time / 1000:.1f} s, {places}, {arena.digest().hex()}"
             if self.config.targets_move:
-                yield "  targets at " + " ".join(
-                    f"({t.x:.3f}, {t.y:.3f}, {t.theta:+.3f})" for t in arena.targets
-                )
+                yield "  targets at " + " ".join(f"({t.x:.3f}, {t.y:.3f}, {t.theta:+.3f})" for t in arena.targets)
             if self.config.partial_view or self.config.view_noise_m > 0:
                 yield from (view(arena, seat) for seat in seats if not arena.hunter(seat).withdrawn)
             for seat, found in enumerate(arena.evidence()):
