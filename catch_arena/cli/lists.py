@@ -1,10 +1,25 @@
 """`catch-arena agents` and `scenarios`: what there is."""
 
+from collections.abc import Iterator
+from typing import Any, Final
+
 from rich.console import Console
 
 from catch_arena.cli.app import main
 from catch_arena.cli.fitted_table import FittedTable
+from catch_arena.config import ArenaConfig
 from catch_arena.scenarios import SCENARIOS
+
+_LISTED: Final = {
+    "hunters",
+    "side_m",
+    "max_speed_mps",
+    "initial_targets",
+    "max_targets",
+    "spawn_frequency_hz",
+    "time_limit_s",
+}
+"""What has a column of its own."""
 
 
 @main.command()
@@ -21,8 +36,9 @@ def agents() -> None:
 @main.command()
 def scenarios() -> None:
     """List the scenarios."""
-    listing = FittedTable("scenario", "hunters", "side m", "max m/s", "at start", "at most", "per s", "seconds")
-    for column in listing.columns[1:]:
+    numbers = ("hunters", "side m", "max m/s", "at start", "at most", "per s", "seconds")
+    listing = FittedTable("scenario", *numbers, "besides", folded="besides")
+    for column in listing.columns[1:-1]:
         column.justify = "right"
     for name, config in SCENARIOS.items():
         listing.add_row(
@@ -34,5 +50,24 @@ def scenarios() -> None:
             str(config.max_targets),
             f"{1000 / config.spawn_period_ms:g}",
             f"{config.time_limit_s:g}",
+            ", ".join(_besides(config)),
         )
     Console().print(listing)
+
+
+def _besides(config: ArenaConfig) -> Iterator[str]:
+    """What else differs from the defaults, as `--set` takes it."""
+    usual, own = ArenaConfig().to_dict(), config.to_dict()
+    for name, value in own.items():
+        if name in _LISTED or value == usual[name]:
+            continue
+        if isinstance(value, dict):
+            yield from (f"{name}.{part}={number}" for part, number in value.items() if number != usual[name][part])
+        else:
+            yield f"{name}={_short(value)}"
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, tuple):
+        return ",".join(_short(one) for one in value)
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

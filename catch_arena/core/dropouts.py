@@ -1,6 +1,6 @@
 """Rulebook R1.7: hunters that drop out by chance."""
 
-from catch_arena.core.jit import Block, phase, rare
+from catch_arena.core.jit import Block, rare
 from catch_arena.core.random import drops_out, seed_of
 from catch_arena.core.state import (
     AT_REST,
@@ -21,7 +21,7 @@ def withdraw(me: Block, lane: int) -> None:
         me[row + lane] = 0.0
 
 
-@phase
+@rare
 def drop_out(block: Block, s: Settings, lanes: int) -> None:
     """R1.7: before everything else, whoever drops out in this step is withdrawn."""
     for lane in range(lanes):

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, phase, rule
+from catch_arena.core.jit import Block, inlined, phase, rare, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.random import draw, seed_of
@@ -188,7 +188,7 @@ def compute_moving_target_features(
         put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 
 
-@phase
+@rare
 def blur_targets(
     block: Block, seat: int, targets: Block, order: Block, first: int, width: Width, s: Settings, features: Numbers
 ) -> None:
@@ -215,7 +215,7 @@ def blur_targets(
             write_blurred(draw(key, number), seen.forward, seen.left, s, features, at)
 
 
-@phase
+@rare
 def blur_rivals(
     block: Block, seat: int, order: Block, first: int, width: Width, s: Settings, features: Numbers
 ) -> None:

@@ -44,7 +44,8 @@ def agent(name: str, seed: int = 5) -> Any:
 
 
 def test_the_shipped_agents_are_these():
-    assert list(shipped()) == ["contested", "contested_by_time", "first", "idle", "nearest", "patrol", "random"]
+    ours = ["contested", "contested_by_time", "first", "idle", "intercept", "nearest", "patrol", "random"]
+    assert list(shipped()) == ours
     assert all(line.endswith(".") for line in shipped().values())
 
 
@@ -137,7 +138,7 @@ def test_random_follows_from_its_seed_alone():
 def test_every_agent_plays_a_whole_match_in_its_own_control():
     names = list(shipped())
     policies = [one.create() for one in enter(names)]
-    result = play(scenario("standard", hunters=7, time_limit_s=20), 11, policies, names)
+    result = play(scenario("standard", hunters=len(names), time_limit_s=20), 11, policies, names)
     scores = dict(zip(names, result.scores, strict=True))
     assert scores["idle"] == 0
     assert scores["patrol"] > scores["random"]

@@ -78,6 +78,6 @@ def test_the_page_about_agents_lists_every_limit_with_its_meaning_and_the_units_
     (table,) = re.findall(r"<!-- made from catch_arena/policy.py .*? -->(.*?)<!-- end -->", page, re.DOTALL)
     rows = dict(re.findall(r"^\| `(\w+)` \| ([^|]*) \| [^|]{12,} \|$", table, re.MULTILINE))
     assert list(rows) == [field.name for field in dataclasses.fields(Limits)]
-    units = {"m": "m", "mps": "m/s", "radps": "rad/s", "ms": "ms", "s": "s"}
+    units = {"m": "m", "mps": "m/s", "radps": "rad/s", "ms": "ms", "s": "s", "deg": "degrees"}
     for name, unit in rows.items():
         assert unit == units.get(name.rpartition("_")[2], "")

@@ -45,7 +45,7 @@ def settings() -> None:
     assert_type(config, ArenaConfig)
     assert_type(SCENARIOS["duel"], ArenaConfig)
     assert_type(config.replace(reach_m=0.5), ArenaConfig)
-    assert_type(config.reach_m, float)
+    assert_type(config.reach_m, float | tuple[float, ...])
     assert_type(config.hunters, int)
     assert_type(config.faults, FaultRates)
     assert_type(config.gains, Gains)
