@@ -50,6 +50,7 @@ KILLERS = (
     "tests/unit/test_arbiter.py",
     "tests/unit/test_controllers.py",
     "tests/unit/test_physics.py",
+    "tests/unit/test_targets.py",
     "tests/conformance/test_adjudicators.py::test_an_arena_of_ours_answers_every_case_that_it_can_play[engine]",
     f"{MATCHES}[0]",
     "tests/rulebook/test_ch4_control.py",
