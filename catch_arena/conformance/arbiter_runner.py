@@ -3,7 +3,7 @@
 import copy
 import itertools
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -117,6 +117,7 @@ def _renumbered(case: ArbiterCase) -> Variants:
                 expected=tuple(map(moved, case.expected)),
                 circumstances={
                     **case.circumstances,
+                    "reach_m": _in_seats(case.circumstances["reach_m"], order),
                     "inactive": tuple(sorted(new[old] for old in case.circumstances["inactive"])),
                 },
                 lots=tuple(
@@ -125,6 +126,11 @@ def _renumbered(case: ArbiterCase) -> Variants:
                 ),
             ),
         )
+
+
+def _in_seats(reach_m: float | Sequence[float], order: Sequence[int]) -> float | tuple[float, ...]:
+    """R2.7: each hunter keeps its reach."""
+    return reach_m if isinstance(reach_m, int | float) else tuple(reach_m[old] for old in order)
 
 
 def _without_a_loser(case: ArbiterCase) -> Variants:

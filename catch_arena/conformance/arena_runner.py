@@ -24,7 +24,8 @@ class ArenaUnderTest(Protocol):
 
         Args:
             settings: as in ArenaConfig, of a turtlesim arena with one hunter, no initial targets and no spawns unless
-                they say so; and which services fail when: `kill_down`, a list of steps, from 0.
+                they say so; and what fails when: `kill_down`, a list of steps, from 0.
+            drop_outs: of [step, seat].
             kill_refused: of [step, number].
             spawn_down: of firings, from 1.
             spawn_refused: of numbers.
@@ -55,7 +56,8 @@ class ArenaUnderTest(Protocol):
     def read(self) -> Mapping[str, object]:
         """What stands in the arena: `time_ms`; `alive`, numbers in spawning order; `appeared_ms`, their times;
         `spawned`, how many appeared so far; `skipped_full`, `skipped_down` and `refused`, firings that had no target;
-        `scores` by seat; `ended`, "", "terminated" or "truncated".
+        `scores` by seat; `ended`, "", "terminated" or "truncated"; `seen` by seat, the numbers that each hunter sees,
+        the nearest first; `rivals_seen` by seat, the seats.
         """
 
 

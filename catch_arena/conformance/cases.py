@@ -34,6 +34,8 @@ READINGS: Final = (
     "refused",
     "scores",
     "ended",
+    "seen",
+    "rivals_seen",
 )
 """What a case may read of an arena; docs/conformance.md explains each."""
 

@@ -144,6 +144,17 @@ def _other(right: Any, found: Any) -> bool:
     return bool(found != right)
 
 
+def _sees_fewer(right: Any, found: Any) -> bool:
+    return any(set(a) > set(b) for a, b in zip(right, found, strict=True))
+
+
+def _sees_more(right: Any, found: Any) -> bool:
+    return any(set(a) < set(b) for a, b in zip(right, found, strict=True))
+
+
+_SEEN: Final = (
+    "Seen is what is nearer than the radius and within the cone, or within one's own reach; the nearest first (R7.5)."
+)
 _REFUSED_KILL: Final = _ReadingMistake(
     "alive", _fewer, "a target leaves although its kill was refused", "Where a kill is refused the target stays (R5.7)."
 )
@@ -184,6 +195,15 @@ _READING_MISTAKES: Final = (
         _other,
         "the match ends at another time, or in another way",
         "It is truncated at its time limit, or terminated with the last target of its budget (R1.5).",
+    ),
+    *(
+        _ReadingMistake(word, fits, looks_like, _SEEN)
+        for word in ("seen", "rivals_seen")
+        for fits, looks_like in (
+            (_sees_fewer, "hunters do not see all that they should"),
+            (_sees_more, "hunters see what they should not"),
+            (_other, "hunters see other things, or in another order"),
+        )
     ),
     _ReadingMistake(
         "time_ms", _other, "the clock goes otherwise", "It counts milliseconds since reset (R1.1 to R1.3)."

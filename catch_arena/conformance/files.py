@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Final, get_args
 
-from catch_arena.config import ArbitrationPolicy
+from catch_arena.config import ArbitrationPolicy, TargetMotion
 from catch_arena.conformance.cases import (
     ANY,
     DEFAULTS,
@@ -85,7 +85,7 @@ def _arbiter_case(table: Table, group: str) -> ArbiterCase:
         hunters=hunters,
         targets=targets,
         expected=table.take("requests", "a list of tables", lambda value: _rulings(table.where, value, seat, "name")),
-        circumstances=_circumstances(table, seat),
+        circumstances=_circumstances(table, len(hunters)),
         lots=table.take("lots", "a list of tables", lambda value: _lots(table.where, value, seat), ()),
         fair_over_steps=table.take("fair_over_steps", "a whole number", whole, 0),
         under_nearest=table.take(
@@ -151,9 +151,10 @@ def _about(table: Table, group: str) -> dict[str, Any]:
     }
 
 
-def _circumstances(table: Table, seat: Callable[[object], int]) -> dict[str, Any]:
+def _circumstances(table: Table, hunters: int) -> dict[str, Any]:
+    seat = _seat_of(hunters)
     readers: dict[str, tuple[str, Callable[[Any], Any]]] = {
-        "reach_m": ("a positive number", number),
+        "reach_m": _reach(hunters),
         "policy": _POLICY,
         "seed": ("a whole number", whole),
         "step": ("a whole number", whole),
@@ -168,22 +169,35 @@ def _circumstances(table: Table, seat: Callable[[object], int]) -> dict[str, Any
 
 def _settings(table: Table) -> dict[str, Any]:
     """What a case says of its arena, and the number of hunters, 1 where it does not."""
+    hunters = table.take("hunters", "a whole number", whole, 1)
+    seat = _seat_of(hunters)
     readers: dict[str, tuple[str, Callable[[Any], Any]]] = {
-        "reach_m": ("a positive number", number),
+        "reach_m": _reach(hunters),
         "policy": _POLICY,
+        "side_m": ("a positive number", number),
         "spawn_frequency_hz": ("a number", number),
         "initial_targets": ("a whole number", whole),
         "max_targets": ("a whole number", whole),
         "target_budget": ("a whole number", whole),
+        "target_motion": _one_of(TargetMotion),
+        "target_speed_mps": ("a positive number", number),
+        "target_turn_rate_radps": ("a positive number", number),
+        "wander_period_ms": ("a whole number", whole),
+        "alarm_m": ("a number", number),
+        "view_radius_m": ("a positive number", number),
+        "view_angle_deg": ("a positive number", number),
         "control_period_ms": ("a whole number", whole),
         "time_limit_s": ("a positive number", number),
+        "drop_outs": (
+            "a list of [step, seat]",
+            lambda value: [[step, seat(who)] for step, who in map(_pair, listed(value))],
+        ),
         "kill_down": ("a list of steps", wholes),
         "kill_refused": ("a list of [step, number]", lambda value: list(map(_pair, listed(value)))),
         "spawn_down": ("a list of firings", wholes),
         "spawn_refused": ("a list of numbers", wholes),
     }
-    found = {"hunters": table.take("hunters", "a whole number", whole, 1)}
-    found |= {key: table.take(key, words, read, None) for key, (words, read) in readers.items()}
+    found = {"hunters": hunters} | {key: table.take(key, words, read, None) for key, (words, read) in readers.items()}
     table.finish()
     return {key: value for key, value in found.items() if value is not None}
 
@@ -258,8 +272,8 @@ def _case_step(where: str, value: object, seat: Callable[[object], int]) -> Case
 
 
 def _pair(value: object) -> list[int]:
-    step, number_asked_for = wholes(value)
-    return [step, number_asked_for]
+    step, what = wholes(value)
+    return [step, what]
 
 
 def _verdict(value: object) -> Verdict:
@@ -268,13 +282,31 @@ def _verdict(value: object) -> Verdict:
     return Verdict[text(value)]
 
 
-def _policy(value: object) -> object:
-    if value not in get_args(ArbitrationPolicy):
-        raise ValueError
-    return value
+def _one_of(words: object) -> tuple[str, Callable[[object], object]]:
+    """How one of the words of a Literal is asked for, and read."""
+
+    def read(value: object) -> object:
+        if value not in get_args(words):
+            raise ValueError
+        return value
+
+    return f"one of {', '.join(get_args(words))}", read
 
 
-_POLICY: Final = (f"one of {', '.join(get_args(ArbitrationPolicy))}", _policy)
+_POLICY: Final = _one_of(ArbitrationPolicy)
+
+
+def _reach(hunters: int) -> tuple[str, Callable[[object], float | tuple[float, ...]]]:
+    """How a reach is asked for, and read: R2.7."""
+
+    def read(value: object) -> float | tuple[float, ...]:
+        if not isinstance(value, list):
+            return number(value)
+        if len(value) != hunters:
+            raise ValueError
+        return tuple(map(number, value))
+
+    return "a positive number, or one for each hunter", read
 
 
 def _seat_of(hunters: int) -> Callable[[object], int]:

@@ -89,6 +89,7 @@ def _out_of_order() -> Iterator[Mistake]:
 _NEAREST: Final = "Of those within reach the nearest wins, whoever asked first and whatever its seat (R5.4)."
 _LOT: Final = "A tie is drawn by a lot from the seed, the step, the target and the tied seats (R5.5)."
 _REACH: Final = "Within reach is distance_um < reach_um: 299999 is in, 300000 is out (R5.3)."
+_OWN_REACH: Final = "Each hunter has a reach of its own, which says who may catch, and not who wins (R2.7, R5.3, R5.4)."
 _DISTANCE: Final = "The distance is floor(1e6 * sqrt(dx * dx + dy * dy) + 0.5) micrometres (R5.3)."
 _FIRST_STANDS: Final = "A hunter's first request in a step stands, whatever its verdict; more are DUPLICATE (R5.2)."
 _NAME: Final = "A name is any string of at most 255 characters; all else is MALFORMED (R5.2)."
@@ -169,6 +170,19 @@ KNOWN: Final[Sequence[Mistake]] = (
         within=lambda request, reach_m, _: request.away_um < math.floor(1e6 * reach_m + 0.5),
     ),
     _mistake("reach is not tested", _REACH, within=lambda *_: True),
+    _mistake("all have the longest reach", _OWN_REACH, given=wrong.with_one_reach(max)),
+    _mistake("all have the shortest reach", _OWN_REACH, given=wrong.with_one_reach(min)),
+    _mistake("all have the reach of hunter 0", _OWN_REACH, given=wrong.with_one_reach(lambda reaches: reaches[0])),
+    _mistake(
+        "who reaches farther wins",
+        _OWN_REACH,
+        tied=wrong.least(lambda request: (-request.reach_m, request.away_um)),
+    ),
+    _mistake(
+        "the nearest is found in shares of each reach",
+        _OWN_REACH,
+        tied=wrong.least(lambda request: (request.away_um or 0) / request.reach_m),
+    ),
     _mistake("distances are cut off, not rounded", _DISTANCE, micrometres=lambda metres: int(1e6 * metres)),
     _mistake("distances are rounded up", _DISTANCE, micrometres=lambda metres: math.ceil(1e6 * metres)),
     _mistake("distances are rounded to millimetres", _DISTANCE, micrometres=lambda metres: 1000 * round(1e3 * metres)),

@@ -27,6 +27,8 @@ class Request:
     dy: float
     metres: float
     away_um: int | None
+    reach_m: float
+    """The hunter's own (R2.7)."""
     verdict: Verdict | None = None
     distance_um: int | None = None
     """What the evidence says, as does the winner."""
@@ -140,14 +142,15 @@ def judge(
 
 
 def _request(rules: Rules, step: Step, hunter: int, name: object) -> Request:
-    targets = step.given["targets"]
+    targets, reach_m = step.given["targets"], step.given["reach_m"]
+    reach_m = reach_m if isinstance(reach_m, int | float) else reach_m[hunter]
     target = next((one for one in targets if rules.stands_for(name, one)), None) if isinstance(name, str) else None
     if target is None:
-        return Request(hunter, name, None, math.nan, math.nan, math.nan, None)
+        return Request(hunter, name, None, math.nan, math.nan, math.nan, None, reach_m)
     (x, y), (target_x, target_y) = step.given["hunters"][hunter], targets[target]
     dx, dy = abs(target_x - x), abs(target_y - y)
     metres = rules.metres(dx, dy)
-    return Request(hunter, name, target, dx, dy, metres, rules.micrometres(metres))
+    return Request(hunter, name, target, dx, dy, metres, rules.micrometres(metres), reach_m)
 
 
 def _duplicate(rules: Rules, step: Step, request: Request) -> bool:
@@ -159,12 +162,11 @@ def _caught(rules: Rules, step: Step, request: Request) -> bool:
     return isinstance(request.name, str) and any(rules.stands_for(request.name, one) for one in step.given["caught"])
 
 
-def _far(rules: Rules, step: Step, request: Request) -> bool:
+def _far(rules: Rules, _: Step, request: Request) -> bool:
     if request.target is None:
         return False
     request.distance_um = request.away_um
-    reach_m = step.given["reach_m"]
-    return not rules.within(request, reach_m, max(1, rules.micrometres(reach_m)))
+    return not rules.within(request, request.reach_m, max(1, rules.micrometres(request.reach_m)))
 
 
 _TESTS: Final[Mapping[Verdict, Callable[[Rules, Step, Request], bool]]] = {

@@ -45,7 +45,7 @@ def in_ties(drawn: Callable[[Sequence[Request], Step], Request]) -> Callable[[Se
     return lambda tied, step: step.draw(tied) if step.given["policy"] == "first_come" else drawn(tied, step)
 
 
-def least(measure: Callable[[Request], float]) -> Callable[[Sequence[Request], Step], Sequence[Request]]:
+def least(measure: Callable[[Request], Any]) -> Callable[[Sequence[Request], Step], Sequence[Request]]:
     """Those with the least of something other than whole micrometres."""
 
     def tied(eligible: Sequence[Request], step: Step) -> Sequence[Request]:
@@ -212,6 +212,16 @@ def in_the_answers_order(requests: list[Request], step: Step) -> list[Request]:
 def with_arguments(**changes: Callable[[dict[str, Any]], Any]) -> Callable[[dict[str, Any]], dict[str, Any]]:
     """Other arguments, each made from all that were given."""
     return lambda given: {**given, **{name: made(given) for name, made in changes.items()}}
+
+
+def with_one_reach(chosen: Callable[[Sequence[float]], float]) -> Callable[[dict[str, Any]], dict[str, Any]]:
+    """For all hunters one of the reaches that stand there by seat."""
+
+    def reach_m(given: dict[str, Any]) -> Any:
+        reaches = given["reach_m"]
+        return reaches if isinstance(reaches, int | float) else chosen(reaches)
+
+    return with_arguments(reach_m=reach_m)
 
 
 def with_names(

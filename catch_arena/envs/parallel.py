@@ -193,8 +193,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """R1.4: one control period; an action for each of `agents`.
 
         Returns:
-            observations, rewards, terminations, truncations and infos by agent.
+            observations, rewards, terminations, truncations and infos by agent; after the end, where nobody is left to
+            act, five empty dictionaries for no actions.
+
+        Raises:
+            EpisodeError: before the first reset, or for actions after the end.
         """
+        if (
+            self._over and self._seed is not None and not actions
+        ):  # as PettingZoo's own envs; SuperSuit's wrappers do it
+            return {}, {}, {}, {}, {}
         if self._over:
             raise EpisodeError(
                 "step must follow a reset: "

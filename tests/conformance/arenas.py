@@ -1,14 +1,16 @@
 """tests/rulebook's adjudicators behind the face that the suite asks for: catch_arena.testing.ArenaUnderTest."""
 
 import itertools
+import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from oracle.arena import distance, micrometres
-from oracle.arithmetic import KILL_DOWN, KILL_REFUSED, SPAWN_DOWN, SPAWN_REFUSED, draw, fraction, key
+from oracle.arena import Hunter, OracleArena, Target, in_own_frame
+from oracle.arithmetic import DROPOUT, KILL_DOWN, KILL_REFUSED, SPAWN_DOWN, SPAWN_REFUSED, draw, fraction, key
 from rulebook.adjudicators import Adjudicator, OracleAdjudicator, adjudicator
 
 from catch_arena.config import ArenaConfig
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_columns
 from catch_arena.verdicts import Verdict
 
 STEPS, COUNTED = range(3), range(1, 6)
@@ -21,25 +23,31 @@ class AdjudicatorUnderTest:
     def __init__(self, kind: str) -> None:
         self.kind = kind
         self.match: Any = None
+        self.is_observed = False
+        """Whether the state is one that a step has led to; the parallel env observes no other."""
 
     def make(self, config: ArenaConfig) -> Adjudicator:
         return adjudicator(self.kind, config)
 
     def reset(self, settings: Mapping[str, Any]) -> None:
         seed, faults = arranged({fault: settings.get(fault, []) for fault in STREAMS})
+        dropout_rate = faults.pop("drop_outs", 0.0)
         quiet = {"hunters": 1, "initial_targets": 0, "spawn_frequency_hz": 0.001}
         of_arena = {name: value for name, value in settings.items() if name not in STREAMS}
-        config = ArenaConfig().replace(**quiet | of_arena, control="full", faults=faults)
+        config = ArenaConfig().replace(**quiet | of_arena, control="full", faults=faults, dropout_rate=dropout_rate)
         config = config.replace(observed_targets=config.max_targets)
         if self.match is None or self.match.config != config:
             self.match = self.make(config)
         self.match.reset(seed)
+        self.is_observed = False
 
     def place(self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]]) -> None:
         self.match.place(hunters, targets)
+        self.is_observed = False
 
     def withdraw(self, seat: int) -> None:
         self.match.withdraw(seat)
+        self.is_observed = False
 
     def step(self, requests: Sequence[tuple[int, int]], drive: Mapping[int, tuple[float, float]]) -> list[object]:
         config, ranks = self.match.config, dict(requests)
@@ -52,6 +60,7 @@ class AdjudicatorUnderTest:
             self.match.step(*actions)
         except RuntimeError:  # some adjudicators refuse to step after the end
             return [(Verdict.MATCH_OVER, seat, number) for seat, number in requests]
+        self.is_observed = True
         found = self.match.evidence()
         assert {seat for seat, one in enumerate(found) if one is not None} <= ranks.keys()
         rulings: list[object] = []
@@ -64,16 +73,51 @@ class AdjudicatorUnderTest:
         return rulings
 
     def rank(self, seat: int, number: int) -> int:
-        """R7.1: the rank at which a seat sees that number; for 0, the first rank without a target."""
-        me = self.match.hunter(seat)
-        seen = sorted(
-            (micrometres(distance(me.x, me.y, target.x, target.y)), int(target.number)) for target in self.match.targets
+        """R7.1, R7.5: the rank at which a seat sees that number; for what it does not see the first without a target.
+
+        Worked out by the oracle: what was placed is not observed before the next step.
+        """
+        me, viewer = self.match.hunter(seat), OracleArena(self.match.config.to_dict())
+        viewer.alive = [Target(int(one.number), one.x, one.y, one.theta, 0) for one in self.match.targets]
+        numbers = [target.number for target in viewer._targets_in_view(Hunter(seat, me.x, me.y, me.theta))]
+        return numbers.index(number) + 1 if number in numbers else len(numbers) + 1
+
+    def seen(self, seat: int) -> list[int]:
+        """R7.1: the numbers that a seat observes, by rank."""
+        config, columns = self.match.config, len(target_columns(self.match.config))
+        return self.found(
+            seat, len(SELF_COLUMNS), columns, config.targets_seen, {int(one.number): one for one in self.match.targets}
         )
-        numbers = [one for _, one in seen]
-        return numbers.index(number) + 1 if number else len(numbers) + 1
+
+    def rivals_seen(self, seat: int) -> list[int]:
+        """And the seats."""
+        config, columns = self.match.config, len(target_columns(self.match.config))
+        others = {other: self.match.hunter(other) for other in range(config.hunters) if other != seat}
+        first = len(SELF_COLUMNS) + columns * config.targets_seen
+        return self.found(seat, first, len(RIVAL_COLUMNS), config.hunters_seen, others)
+
+    def found(self, seat: int, first: int, columns: int, ranks: int, things: Mapping[int, Any]) -> list[int]:
+        """Which things, by label, the ranks of one kind in a seat's observation show: what stands just there."""
+        me = self.match.hunter(seat)
+        if me.withdrawn:
+            return []
+        observation = self.match.observation(seat)
+        hunter, left_over, labels = Hunter(seat, me.x, me.y, me.theta), dict(things), []
+        for at in range(first, first + columns * ranks, columns):
+            if observation[at + 2]:
+                shown = observation[at : at + 2]
+                label = min(
+                    left_over,
+                    key=lambda one: math.dist(shown, in_own_frame(hunter, left_over[one].x, left_over[one].y)),
+                )
+                assert math.dist(shown, in_own_frame(hunter, left_over[label].x, left_over[label].y)) < 1e-5
+                labels.append(label)
+                del left_over[label]
+        return labels
 
     def read(self) -> dict[str, object]:
         match = self.match
+        seats = range(match.config.hunters)
         assert not (match.terminated and match.truncated)
         return {
             "time_ms": match.time,
@@ -85,6 +129,8 @@ class AdjudicatorUnderTest:
             "refused": match.refused,
             "scores": match.scores,
             "ended": "terminated" if match.terminated else "truncated" if match.truncated else "",
+            "seen": [self.seen(seat) for seat in seats] if self.is_observed else [],
+            "rivals_seen": [self.rivals_seen(seat) for seat in seats] if self.is_observed else [],
         }
 
 
@@ -109,9 +155,12 @@ STREAMS = {
         for number in COUNTED
     },
     "spawn_down": lambda seed: {firing: fraction(draw(key(seed, SPAWN_DOWN), firing)) for firing in COUNTED},
+    "drop_outs": lambda seed: {
+        (step, seat): fraction(draw(draw(key(seed, DROPOUT), step), seat)) for step in STEPS for seat in range(3)
+    },
     "spawn_refused": lambda seed: {number: fraction(draw(key(seed, SPAWN_REFUSED), number)) for number in COUNTED},
 }
-"""R8.3's random numbers, from the appendix: a fault happens where its number lies below its rate."""
+"""R8.3's random numbers, and R1.7's, from the appendix: a fault happens where its number lies below its rate."""
 
 
 def arranged(wanted: Mapping[str, Collection[Any]]) -> tuple[int, dict[str, float]]:

@@ -43,12 +43,21 @@ def of_arbiter(case: ArbiterCase) -> Shape:
             bool(case.fair_over_steps),
             bool(case.under_nearest),
         ),
-        reach(own["reach_m"]),
+        reaches(own["reach_m"]),
         bool(set(own["kill_refused"]) - {ruling.target for ruling in case.expected if isinstance(ruling.target, str)}),
         (bool(case.hunters), bool(case.targets), has_nearer_bystander(case)),
         frozenset(frozenset(kinds) for kinds in over_targets.values()),
         frozenset(tuple(kinds) for kinds in of_hunters.values()),
     )
+
+
+def reach_of(case: ArbiterCase, ruling: ExpectedRuling) -> float:
+    metres = case.circumstances["reach_m"]
+    return metres[ruling.hunter] if isinstance(metres, tuple) else metres
+
+
+def reaches(metres: float | tuple[float, ...]) -> Shape:
+    return frozenset(map(reach, metres)) if isinstance(metres, tuple) else reach(metres)
 
 
 def reach(metres: float) -> str:
@@ -142,13 +151,14 @@ def place(case: ArbiterCase, ruling: ExpectedRuling) -> Shape:
         return ()
     (x, y), (target_x, target_y) = case.hunters[ruling.hunter], case.targets[ruling.target]
     metres = math.hypot(target_x - x, target_y - y)
-    edge = round(1e6 * case.circumstances["reach_m"])
+    reach_m = reach_of(case, ruling)
+    edge = round(1e6 * reach_m)
     beyond = max(-2, min(2, round(1e6 * metres) - edge))
     rounded = 1e6 * metres - round(1e6 * metres)
     on_walls = tuple(sum(at in {0.0, TURTLESIM_SIDE_M} for at in pair) for pair in ((x, y), (target_x, target_y)))
     return (
         beyond,
-        metres < case.circumstances["reach_m"],
+        metres < reach_m,
         (rounded > 0.01) - (rounded < -0.01),
         "here" if metres == 0 else "aslant" if abs(target_x - x) > 1e-9 < abs(target_y - y) else "straight",
         on_walls,

@@ -6,7 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from conformance.shapes import shape
+from conformance.shapes import reach_of, shape
 from oracle.arithmetic import LOT, TICKET, draw, key
 
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
@@ -86,7 +86,7 @@ def would_apply(case: ArbiterCase, place: int) -> set[Verdict]:
         Verdict.UNKNOWN_TARGET: isinstance(one.target, str) and not alive and one.target not in own["caught"],
         Verdict.ALREADY_CAUGHT: isinstance(one.target, str) and one.target in own["caught"],
         Verdict.SERVICE_DOWN: not own["kill_service_up"],
-        Verdict.OUT_OF_REACH: alive and (dx * dx + dy * dy) ** 0.5 > own["reach_m"],
+        Verdict.OUT_OF_REACH: alive and (dx * dx + dy * dy) ** 0.5 > reach_of(case, one),
         Verdict.LOST_CONTEST: alive and bool(rivals),
         Verdict.KILL_FAILED: alive and one.target in own["kill_refused"],
     }

@@ -27,6 +27,7 @@ class PlainArbiter:
         for place, (hunter, name) in enumerate(case["requests"]):
             ruling = {"verdict": None, "hunter": hunter, "target": name, "distance_um": None, "winner": None}
             rulings.append(ruling)
+            self.reach_m = self.own_reach(hunter)
             self.refuse(ruling)
             self.note(ruling)
             if ruling["verdict"] is None and case["policy"] == "capstone":
@@ -82,6 +83,13 @@ class PlainArbiter:
         ruling["distance_um"] = self.whole(metres)
         return not self.within(ruling["distance_um"], metres)
 
+    def own_reach(self, seat: int) -> float:
+        reach_m = self.case["reach_m"]
+        return reach_m if isinstance(reach_m, float) else self.one_of(reach_m, seat)
+
+    def one_of(self, reaches: Sequence[float], seat: int) -> float:
+        return reaches[seat]
+
     def measure(self, dx: float, dy: float) -> float:
         return math.sqrt(dx * dx + dy * dy)
 
@@ -90,7 +98,7 @@ class PlainArbiter:
 
     def within(self, distance_um: int, metres: float) -> bool:
         del metres
-        return distance_um < max(1, self.whole(self.case["reach_m"]))
+        return distance_um < max(1, self.whole(self.reach_m))
 
     def note(self, ruling: dict[str, Any]) -> None:
         """What makes a later request of the hunter a duplicate."""
@@ -159,12 +167,12 @@ class NoReachCheck(PlainArbiter):
 
 class ReachInclusive(PlainArbiter):
     def within(self, distance_um: int, metres: float) -> bool:
-        return distance_um <= max(1, self.whole(self.case["reach_m"]))
+        return distance_um <= max(1, self.whole(self.reach_m))
 
 
 class ReachInFloats(PlainArbiter):
     def within(self, distance_um: int, metres: float) -> bool:
-        return metres < self.case["reach_m"]
+        return metres < self.reach_m
 
 
 class ReachAlwaysTheDefault(PlainArbiter):
@@ -174,7 +182,7 @@ class ReachAlwaysTheDefault(PlainArbiter):
 
 class ReachOfNothing(PlainArbiter):
     def within(self, distance_um: int, metres: float) -> bool:
-        return distance_um < self.whole(self.case["reach_m"])
+        return distance_um < self.whole(self.reach_m)
 
 
 class CutOff(PlainArbiter):
@@ -275,7 +283,9 @@ class Consoles(PlainArbiter):
         free = set(case["targets"]) - {name for _, name in case["requests"] if isinstance(name, str)}
         for ruling in rulings:
             for name in sorted(free) if ruling["verdict"] == "LOST_CONTEST" else []:
-                if math.dist(case["hunters"][ruling["hunter"]], case["targets"][name]) < case["reach_m"]:
+                if math.dist(case["hunters"][ruling["hunter"]], case["targets"][name]) < self.own_reach(
+                    ruling["hunter"]
+                ):
                     ruling |= {"verdict": "GRANTED", "winner": ruling["hunter"]}
         return rulings
 
@@ -455,6 +465,30 @@ class AlwaysCapstone(PlainArbiter):
         return super().__call__(**{**case, "policy": "capstone"})
 
 
+class LongestReachForAll(PlainArbiter):
+    def one_of(self, reaches: Sequence[float], seat: int) -> float:
+        del seat
+        return max(reaches)
+
+
+class ShortestReachForAll(PlainArbiter):
+    def one_of(self, reaches: Sequence[float], seat: int) -> float:
+        del seat
+        return min(reaches)
+
+
+class ReachOfHunter0ForAll(PlainArbiter):
+    def one_of(self, reaches: Sequence[float], seat: int) -> float:
+        del seat
+        return reaches[0]
+
+
+class LongestReachWins(PlainArbiter):
+    def winner(self, eligible: Eligible) -> dict[str, Any]:
+        longest = max(self.own_reach(one["hunter"]) for one in eligible)
+        return super().winner([one for one in eligible if self.own_reach(one["hunter"]) == longest])
+
+
 class LosersDoNotLearnTheWinner(PlainArbiter):
     def __call__(self, **case: Any) -> list[dict[str, Any]]:
         rulings = super().__call__(**case)
@@ -478,6 +512,10 @@ WRONG: Sequence[tuple[type[PlainArbiter], str, str]] = (
     (ReachInclusive, "reach", "within reach is tested with <="),
     (ReachInFloats, "reach", "reach is tested in floats"),
     (ReachAlwaysTheDefault, "reach", "reach is 0.3 m whatever reach_m says"),
+    (LongestReachForAll, "handicaps", "all have the longest reach"),
+    (ShortestReachForAll, "handicaps", "all have the shortest reach"),
+    (ReachOfHunter0ForAll, "handicaps", "all have the reach of hunter 0"),
+    (LongestReachWins, "handicaps", "who reaches farther wins"),
     (ReachOfNothing, "reach", "a reach of less than a micrometre lets nobody in"),
     (CutOff, "reach", "distances are cut off, not rounded"),
     (MeasuresBySum, "reach", "the distance is dx + dy"),

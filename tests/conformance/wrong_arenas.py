@@ -1,4 +1,6 @@
-"""The oracle's arena with one mistake each: about time, spawning, identity, outages and withdrawals."""
+"""The oracle's arena with one mistake each: about time, spawning, identity, outages and withdrawals, targets that move,
+what is seen, and dropouts.
+"""
 
 # ruff: noqa: ARG002 - a mistake can consist in not looking at something
 
@@ -6,7 +8,17 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from oracle.arena import GRANTED, KILL_FAILED, Hunter, OracleArena, Request, Target
+from oracle.arena import (
+    GRANTED,
+    KILL_FAILED,
+    LOST_CONTEST,
+    Hunter,
+    OracleArena,
+    Request,
+    Target,
+    distance,
+    micrometres,
+)
 
 
 class CutsThePeriodOff(OracleArena):
@@ -177,6 +189,272 @@ class MeasuresInMillimetres(OracleArena):
         self.reaches_um = [math.ceil(reach / 1000) * 1000 + 1 for reach in self.reaches_um]
 
 
+class JudgesFromWhereTargetsWillBe(OracleArena):
+    """Targets move before the requests are judged."""
+
+    def _judge(self, requests: Sequence[Request | None]) -> None:
+        for target in self.alive:
+            self._drive(target, (self.time + self.period) // 16 - self.time // 16)
+        super()._judge(requests)
+
+
+class WandersAtOneSpeed(OracleArena):
+    def _wander(self, target: Target, speed: float) -> None:
+        super()._wander(target, self.settings["target_speed_mps"])
+
+
+class AlarmInclusive(OracleArena):
+    def __init__(self, settings: Any) -> None:
+        super().__init__({**settings, "alarm_m": settings["alarm_m"] + 1e-6})
+
+
+class FleesFromTheFirst(OracleArena):
+    def _threat(self, target: Target) -> Hunter | None:
+        found = super()._threat(target)
+        near = [hunter for hunter in self.hunters if not hunter.withdrawn]
+        return near[0] if found is not None else None
+
+
+class FleesFromTheWithdrawn(OracleArena):
+    def _threat(self, target: Target) -> Hunter | None:
+        withdrawn = [hunter for hunter in self.hunters if hunter.withdrawn]
+        for hunter in withdrawn:
+            hunter.withdrawn = False
+        found = super()._threat(target)
+        for hunter in withdrawn:
+            hunter.withdrawn = True
+        return found
+
+
+class FleesFromAllThatAreEquallyNear(OracleArena):
+    """From their mean place."""
+
+    def _flee(self, target: Target, threat: Hunter) -> None:
+        def away(hunter: Hunter) -> int:
+            return micrometres(distance(target.x, target.y, hunter.x, hunter.y))
+
+        tied = [hunter for hunter in self.hunters if not hunter.withdrawn and away(hunter) == away(threat)]
+        x, y = (math.fsum(getattr(hunter, axis) for hunter in tied) / len(tied) for axis in "xy")
+        super()._flee(target, Hunter(threat.seat, x, y, 0.0))
+
+
+class StopsBetweenTwoThreats(OracleArena):
+    def _flee(self, target: Target, threat: Hunter) -> None:
+        super()._flee(target, threat)
+        least = distance(target.x, target.y, threat.x, threat.y)
+        if sum(distance(target.x, target.y, hunter.x, hunter.y) == least for hunter in self.hunters) > 1:
+            target.v = 0.0
+
+
+class FreezesUnderAHunter(OracleArena):
+    def _flee(self, target: Target, threat: Hunter) -> None:
+        super()._flee(target, threat)
+        if (target.x, target.y) == (threat.x, threat.y):
+            target.v = 0.0
+
+
+class KnowsNoWalls(OracleArena):
+    def _push(self, c: float) -> float:
+        return 0.0
+
+
+class FearsWallsFromAfar(OracleArena):
+    """The last two metres push."""
+
+    def _push(self, c: float) -> float:
+        return 2.0 - c if c < 2.0 else (self.side - 2.0) - c if c > self.side - 2.0 else 0.0
+
+
+class ForgetsTheWall(OracleArena):
+    def _wander(self, target: Target, speed: float) -> None:
+        target.at_wall = False
+        super()._wander(target, speed)
+
+
+class TurnsFromTheWallBeforeItFlees(OracleArena):
+    def _flee(self, target: Target, threat: Hunter) -> None:
+        super()._flee(target, threat)
+        if target.at_wall:
+            self._wander(target, target.v)
+
+
+class TargetsHaveAWatchdog(OracleArena):
+    def _drive(self, turtle: Any, ticks: int) -> None:
+        super()._drive(turtle, min(ticks, 62))
+
+
+class StrollsWhereNobodyIsFledFrom(OracleArena):
+    """Wanders at half the speed under `wander` too."""
+
+    def _wander(self, target: Target, speed: float) -> None:
+        super()._wander(target, min(speed, self.settings["target_speed_mps"] / 2.0))
+
+
+class RefusedTargetsStandStill(OracleArena):
+    def _commit(self, requests: Sequence[Request | None]) -> None:
+        super()._commit(requests)
+        asked_for = {request.number for request in requests if request is not None}
+        for target in self.alive:
+            target.v = 0.0 if target.number in asked_for else target.v
+
+
+class ChoosesAtEveryTick(OracleArena):
+    def _move(self) -> None:
+        period, begin = self.period, self.time
+        for tick in range(begin // 16 + 1, (begin + period) // 16 + 1):
+            self.time, self.period = 16 * (tick - 1), 16
+            for target in self.alive if self.targets_move else []:
+                self._choose(target)
+            super()._move()
+        self.time, self.period = begin, period
+
+
+class MovesStillTargets(OracleArena):
+    def _move(self) -> None:
+        super()._move()
+        if not self.targets_move:
+            for target in self.alive:
+                target.x += 0.01
+
+
+class MovesWhatHasJustAppeared(OracleArena):
+    def _spawn(self) -> None:
+        before = {target.number for target in self.alive}
+        super()._spawn()
+        for target in self.alive:
+            if target.number not in before:
+                self._choose(target)
+                self._drive(target, (self.time + self.period) // 16 - target.appeared // 16)
+
+
+class StartsALateStepLater(OracleArena):
+    """What has appeared stands still for a whole step more."""
+
+    def _choose(self, target: Target) -> None:
+        super()._choose(target)
+        if 0 < self.time - target.appeared < self.period or self.time == target.appeared > 0:
+            target.v = 0.0
+
+
+class RadiusInclusive(OracleArena):
+    def __init__(self, settings: Any) -> None:
+        radius = settings["view_radius_m"]
+        super().__init__({**settings, "view_radius_m": radius and radius + 1e-6})
+
+
+class LooksTwiceAsWide(OracleArena):
+    """The angle to either side."""
+
+    def __init__(self, settings: Any) -> None:
+        super().__init__({**settings, "view_angle_deg": min(360.0, 2 * settings["view_angle_deg"])})
+
+
+class LooksAllRound(OracleArena):
+    def __init__(self, settings: Any) -> None:
+        super().__init__({**settings, "view_angle_deg": 360.0})
+
+
+class LooksAheadAtMost(OracleArena):
+    """No cone is wider than 180 degrees."""
+
+    def __init__(self, settings: Any) -> None:
+        super().__init__({**settings, "view_angle_deg": min(180.0, settings["view_angle_deg"])})
+
+
+class DoesNotFeelWhatItReaches(OracleArena):
+    def _sees(self, hunter: Hunter, other: Any) -> bool:
+        reaches, self.reaches_um = self.reaches_um, [0] * len(self.hunters)
+        seen = super()._sees(hunter, other)
+        self.reaches_um = reaches
+        return seen
+
+
+class FeelsAsFarAsTheFirst(OracleArena):
+    def _sees(self, hunter: Hunter, other: Any) -> bool:
+        reaches, self.reaches_um = self.reaches_um, [self.reaches_um[0]] * len(self.hunters)
+        seen = super()._sees(hunter, other)
+        self.reaches_um = reaches
+        return seen
+
+
+class FeelsTheEdgeOfItsReach(OracleArena):
+    def _sees(self, hunter: Hunter, other: Any) -> bool:
+        um = micrometres(distance(hunter.x, hunter.y, other.x, other.y))
+        return super()._sees(hunter, other) or um == self.reaches_um[hunter.seat]
+
+
+class SeesAllRivals(OracleArena):
+    def _sees(self, hunter: Hunter, other: Any) -> bool:
+        return isinstance(other, Hunter) or super()._sees(hunter, other)
+
+
+class SeesTheWithdrawn(OracleArena):
+    def _rivals(self, hunter: Hunter) -> list[tuple[float, ...]]:
+        withdrawn = [other.withdrawn for other in self.hunters]
+        for other in self.hunters:
+            other.withdrawn = False
+        rows = super()._rivals(hunter)
+        for other, was in zip(self.hunters, withdrawn, strict=True):
+            other.withdrawn = was
+        return rows
+
+
+class SeesWhatItSawBefore(OracleArena):
+    """The view goes by the heading at the beginning of the step."""
+
+    def _move(self) -> None:
+        self.headings = [hunter.theta for hunter in self.hunters]
+        super()._move()
+
+    def _sees(self, hunter: Hunter, other: Any) -> bool:
+        theta = hunter.theta
+        hunter.theta = getattr(self, "headings", [theta] * 64)[hunter.seat]
+        seen = super()._sees(hunter, other)
+        hunter.theta = theta
+        return seen
+
+
+class WhoIsUnseenCannotWin(OracleArena):
+    def _judge(self, requests: Sequence[Request | None]) -> None:
+        super()._judge(requests)
+        for request in requests:
+            if request is not None and request.verdict == LOST_CONTEST and request.winner is not None:
+                me, winner = self.hunters[request.seat], self.hunters[request.winner]
+                request.verdict = request.verdict if self._sees(me, winner) else GRANTED
+
+
+class DropsOutAfterTheRulings(OracleArena):
+    def _drop_out(self) -> None:
+        pass
+
+    def _commit(self, requests: Sequence[Request | None]) -> None:
+        super()._commit(requests)
+        super()._drop_out()
+
+
+class DropsOutForOneStep(OracleArena):
+    def step(self, actions: Sequence[Any]) -> None:
+        before = [hunter.withdrawn for hunter in self.hunters]
+        super().step(actions)
+        for hunter, was in zip(self.hunters, before, strict=True):
+            hunter.withdrawn = was
+
+
+class DropoutsForfeit(OracleArena):
+    def _drop_out(self) -> None:
+        before = [hunter.withdrawn for hunter in self.hunters]
+        super()._drop_out()
+        for hunter, was in zip(self.hunters, before, strict=True):
+            hunter.score = hunter.score if hunter.withdrawn == was else 0
+
+
+class DropoutsEndTheMatch(OracleArena):
+    def step(self, actions: Sequence[Any]) -> None:
+        super().step(actions)
+        self.terminated = self.terminated or any(hunter.withdrawn for hunter in self.hunters)
+        self.truncated = self.truncated and not self.terminated
+
+
 WRONG: Sequence[tuple[type[OracleArena], str, str]] = (
     (CutsThePeriodOff, "spawning", "targets appear at other times"),
     (RoundsHalvesToEven, "spawning", "targets appear at other times"),
@@ -200,5 +478,41 @@ WRONG: Sequence[tuple[type[OracleArena], str, str]] = (
     (ForfeitsTheScore, "inactive", "a catch is not credited"),
     (CreditsOneHunterOnly, "capstone", "a catch is not credited"),
     (MeasuresInMillimetres, "reach", "within reach is tested with <="),
+    (JudgesFromWhereTargetsWillBe, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (WandersAtOneSpeed, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (AlarmInclusive, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (FleesFromTheFirst, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (FleesFromTheWithdrawn, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (FleesFromAllThatAreEquallyNear, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (StopsBetweenTwoThreats, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (FreezesUnderAHunter, "moving", "GRANTED with a wrong distance (R3.10)"),
+    (KnowsNoWalls, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (FearsWallsFromAfar, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (ForgetsTheWall, "moving", "OUT_OF_REACH with a wrong distance (R3.9)"),
+    (TurnsFromTheWallBeforeItFlees, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (TargetsHaveAWatchdog, "moving", "OUT_OF_REACH with a wrong distance (R3.8)"),
+    (StrollsWhereNobodyIsFledFrom, "moving", "OUT_OF_REACH with a wrong distance (R3.8)"),
+    (RefusedTargetsStandStill, "moving", "OUT_OF_REACH where GRANTED is right (R3.8)"),
+    (ChoosesAtEveryTick, "moving", "OUT_OF_REACH with a wrong distance (R3.10)"),
+    (MovesStillTargets, "moving", "GRANTED with a wrong distance (R3.7)"),
+    (MovesWhatHasJustAppeared, "moving", "OUT_OF_REACH where GRANTED is right (R3.8)"),
+    (StartsALateStepLater, "moving", "GRANTED where OUT_OF_REACH is right (R3.8)"),
+    (RadiusInclusive, "view", "hunters see what they should not"),
+    (LooksTwiceAsWide, "view", "hunters see what they should not"),
+    (LooksAllRound, "view", "hunters see what they should not"),
+    (LooksAheadAtMost, "view", "hunters do not see all that they should"),
+    (DoesNotFeelWhatItReaches, "view", "hunters do not see all that they should"),
+    (FeelsAsFarAsTheFirst, "view", "hunters do not see all that they should"),
+    (FeelsTheEdgeOfItsReach, "view", "hunters see what they should not"),
+    (SeesAllRivals, "view", "hunters see what they should not"),
+    (SeesTheWithdrawn, "view", "hunters see what they should not"),
+    (SeesWhatItSawBefore, "view", "hunters see other things, or in another order"),
+    (WhoIsUnseenCannotWin, "view", "GRANTED where LOST_CONTEST is right (R7.5)"),
+    (DropsOutAfterTheRulings, "dropouts", "GRANTED where HUNTER_INACTIVE is right (R1.7)"),
+    (DropsOutForOneStep, "dropouts", "hunters see what they should not"),
+    (DropoutsForfeit, "dropouts", "a catch is not credited"),
+    (DropoutsEndTheMatch, "dropouts", "the match ends at another time, or in another way"),
+    (FleesFromTheWithdrawn, "dropouts", "OUT_OF_REACH with a wrong distance (R1.7)"),
+    (SeesTheWithdrawn, "dropouts", "hunters see what they should not"),
 )
 """Each wrong arena, the group of cases that must catch it, and what it must be told."""

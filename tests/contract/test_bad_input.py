@@ -181,11 +181,13 @@ def test_a_step_at_the_wrong_time_is_refused():
         with pytest.raises(EpisodeError, match="reset"):
             call()
     env.reset(seed=1)
-    env.step(good(env))
+    actions = good(env)
+    env.step(actions)
     last = env.digest()
     with pytest.raises(EpisodeError, match="this episode is over"):
-        env.step({})
+        env.step(actions)
 
+    assert env.step({}) == ({}, {}, {}, {}, {})  # nobody is left to act
     assert env.digest() == last
 
 

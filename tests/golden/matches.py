@@ -16,6 +16,7 @@ from typing import Any
 from rulebook.adjudicators import Adjudicator, adjudicator
 
 from catch_arena.config import ArenaConfig
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_columns
 from catch_arena.scenarios import scenario
 
 FOLDER = Path(__file__).parent
@@ -57,6 +58,10 @@ class Match:
             seats = range(self.config.hunters)
             places = " ".join("({0.x:.3f}, {0.y:.3f}, {0.theta:+.3f})".format(arena.hunter(seat)) for seat in seats)
             yield f"step {count}: {json.dumps(one)} -> {arena.time / 1000:.1f} s, {places}, {arena.digest().hex()}"
+            if self.config.targets_move:
+                yield "  targets at " + " ".join(f"({t.x:.3f}, {t.y:.3f}, {t.theta:+.3f})" for t in arena.targets)
+            if self.config.partial_view or self.config.view_noise_m > 0:
+                yield from (view(arena, seat) for seat in seats if not arena.hunter(seat).withdrawn)
             for seat, found in enumerate(arena.evidence()):
                 if found is not None:
                     target = "no target" if found.number is None else f"target {found.number}"
@@ -65,6 +70,18 @@ class Match:
                     yield f"  hunter_{seat} asks for {target}{away}: {found.verdict.name}{winner}"
             yield from changes(arena, alive, scores)
         yield "end: terminated" if arena.terminated else "end: truncated" if arena.truncated else "end: not yet"
+
+
+def view(arena: Adjudicator, seat: int) -> str:
+    """Where one hunter sees what, in its own frame, the nearest first."""
+    config, numbers = arena.config, arena.observation(seat)
+    columns = len(target_columns(config))
+    rivals = len(SELF_COLUMNS) + columns * config.targets_seen
+    found = [
+        " ".join(f"({numbers[at]:.3f}, {numbers[at + 1]:.3f})" for at in places if numbers[at + 2]) or "none"
+        for places in (range(len(SELF_COLUMNS), rivals, columns), range(rivals, len(numbers), len(RIVAL_COLUMNS)))
+    ]
+    return f"  hunter_{seat} sees targets {found[0]}, rivals {found[1]}"
 
 
 def changes(arena: Adjudicator, alive: Sequence[int], scores: Sequence[int]) -> Iterator[str]:

@@ -36,3 +36,5 @@ def test_the_golden_matches_have_all_controls_policies_ends_and_what_can_happen_
         assert word in texts
     assert {control for match in MATCHES for control in match.config.controls} == {"target", "velocity", "full"}
     assert {match.config.policy for match in MATCHES} == {"nearest", "first_come", "capstone"}
+    assert {match.config.target_motion for match in MATCHES} >= {"still", "flee"}
+    assert any(match.config.partial_view and match.config.view_noise_m > 0 for match in MATCHES)

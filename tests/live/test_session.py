@@ -10,6 +10,7 @@ from catch_arena.live import match_window
 from catch_arena.render.libraries import pygame
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
+from catch_arena.scenarios import SCENARIOS
 
 QUICK = ["--set", "time_limit_s=1", "--size", "320x320"]
 
@@ -73,6 +74,19 @@ def test_a_person_plays_to_the_end_and_is_recorded(session, tmp_path):
     assert list(verify(replay)) == []
     assert "  you" in result.output
     assert "replay: mine.replay" in result.output
+
+
+@pytest.mark.parametrize("name", ["wander", "evasive", "fog", "blinkers", "unequal", "dropout"])
+def test_a_scenario_can_be_played_by_a_person(session, tmp_path, name):
+    """To its end, even where the person's own hunter drops out; the record is true."""
+    dropout = ["--set", "dropout_rate=0.2"] if name == "dropout" else []
+    words = ["play", "--scenario", name, *dropout, "--against", "intercept", "--record", "mine.replay"]
+    result = session(words, pygame.K_UP, *nothing(150))
+    assert result.exit_code == 0, result.output
+    replay = Replay.load(tmp_path / "mine.replay")
+    assert replay.config.target_motion == SCENARIOS[name].target_motion
+    assert replay.steps == 10
+    assert list(verify(replay)) == []
 
 
 def test_pause_holds_the_match_and_a_step_is_one_step(session, tmp_path):

@@ -75,7 +75,7 @@ def some_config(source: Random) -> ArenaConfig:
         settings["hunter_poses"] = tuple(some_pose(source, side) for _ in range(hunters))
     if chance() < 0.3:  # R2.7
         for name in ("max_speed_mps", "max_turn_rate_radps", "reach_m"):
-            settings[name] = tuple(settings[name] * pick([0.5, 1.0, 1.0]) for _ in range(hunters))
+            settings[name] = tuple(settings[name] * pick([0.2, 0.6, 1.0]) for _ in range(hunters))
     if chance() < 0.5:
         settings |= {
             "target_motion": pick(["wander", "flee", "flee"]),

@@ -3,7 +3,9 @@
 That one thread plays what many play stands in tests/vector.
 """
 
+from collections.abc import Mapping
 from random import Random
+from typing import Any
 
 import numpy as np
 import pytest
@@ -88,9 +90,24 @@ def test_the_order_of_the_rows_does_not_matter(arenas: int) -> None:
             assert_rows_same(one, row, other, arenas - 1 - row, f"row {row}, step {step}")
 
 
-@pytest.mark.parametrize("period", [100, 1000, 1001, 1500])
-@pytest.mark.parametrize("arenas", [1, 33])
-def test_some_rows_can_begin_anew_while_the_others_go_on(arenas: int, period: int) -> None:
+UNCERTAIN: Mapping[str, Mapping[str, Any]] = {
+    "wander": {"target_motion": "wander", "wander_period_ms": 333, "target_speed_mps": 5.0},
+    "flee": {"target_motion": "flee", "wander_period_ms": 170, "target_speed_mps": 5.0, "alarm_m": 3.0},
+    "views": {"view_radius_m": 3.0, "view_angle_deg": 120.0, "view_noise_m": 0.1, "reach_m": (0.5, 1.0, 1.5)},
+    "dropouts": {"dropout_rate": 0.03, "dropouts": "fixed", "target_motion": "flee"},
+}
+"""Targets that move, partial views, reaches by seat, and dropouts."""
+
+
+@pytest.mark.parametrize(
+    ("period", "settings"),
+    [
+        *((period, {}) for period in (100, 1000, 1001, 1500)),
+        *(pytest.param(100, settings, id=name) for name, settings in UNCERTAIN.items()),
+    ],
+)
+@pytest.mark.parametrize("arenas", [1, 5, 33])
+def test_some_rows_can_begin_anew_while_the_others_go_on(arenas: int, period: int, settings: Mapping[str, Any]) -> None:
     """A reset of one row equals a fresh arena with that seed, and disturbs no other row, though their steps then have
     different numbers of ticks; of 1001 ms every sixteenth step has a tick that R2.4's watchdog stops, in some rows now
     and in others later.
@@ -102,7 +119,7 @@ def test_some_rows_can_begin_anew_while_the_others_go_on(arenas: int, period: in
         control_period_ms=period,
         spawn_frequency_hz=5.0,
         reach_m=1.0,
-    )
+    ).replace(**settings)
     batch, undisturbed = Engine(config, arenas), Engine(config, arenas)
     for engine in (batch, undisturbed):
         engine.reset(range(arenas))

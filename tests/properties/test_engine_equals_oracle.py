@@ -1,13 +1,24 @@
 """The engine and the oracle, which were written apart from one book, play the same matches bit for bit."""
 
 import struct
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Sequence
 from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
-from oracle.arena import PART_NAMES, OracleArena
+from oracle.arena import (
+    PART_NAMES,
+    Hunter,
+    OracleArena,
+    Request,
+    Target,
+    Turtle,
+    distance,
+    in_own_frame,
+    micrometres,
+)
 from oracle.arithmetic import wrap
 from properties.matches import EFFORT, settings_of, some_actions, some_config, some_pose, some_seed
 from rulebook.adjudicators import as_arrays, by_seat
@@ -15,6 +26,7 @@ from rulebook.adjudicators import as_arrays, by_seat
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
 from catch_arena.layout import columns
+from catch_arena.verdicts import Verdict
 
 FIRST_SEED = 20261121
 """The first source's seed; the others follow it."""
@@ -195,6 +207,125 @@ def test_the_random_matches_meet_every_verdict_and_end() -> None:
         assert {(policy, verdict) for verdict in (2, 3, 7, 8, 9, 10, 11)} <= met
     assert {("capstone", verdict) for verdict in (2, 3, 7, 11)} == {found for found in met if found[0] == "capstone"}
     assert {"terminated", "truncated"} <= met
+
+
+class Watched(OracleArena):
+    """An oracle that notes which clauses of moving targets, views, handicaps and dropouts decide something."""
+
+    def __init__(self, config: ArenaConfig) -> None:
+        super().__init__(config.to_dict())
+        self.met: set[str] = set()
+        self.periods: dict[int, int] = {}
+
+    def reset(self, seed: int) -> None:
+        super().reset(seed)
+        self.periods = {}
+
+    def _drop_out(self) -> None:
+        before = sum(hunter.withdrawn for hunter in self.hunters)
+        super()._drop_out()
+        self.note("a dropout", sum(hunter.withdrawn for hunter in self.hunters) > before)
+
+    def _wander(self, target: Target, speed: float) -> None:
+        super()._wander(target, speed)
+        self.note("a target turns to the centre after a wall", target.at_wall)
+        periods = (self.time - target.appeared) // self.settings["wander_period_ms"]
+        earlier = self.periods.setdefault(target.number, periods)
+        self.note("a turn rate is kept", self.time > target.appeared and periods == earlier)
+        self.note("a turn rate is drawn anew", periods > earlier)
+        self.periods[target.number] = periods
+
+    def _threat(self, target: Target) -> Hunter | None:
+        threat = super()._threat(target)
+        away = [distance(target.x, target.y, one.x, one.y) for one in self.hunters if not one.withdrawn]
+        least = sorted(map(micrometres, away))[:2]
+        self.note("a threat is drawn by lot", threat is not None and len(least) == 2 and least[0] == least[1])
+        self.note("a target without a threat", threat is None)
+        return threat
+
+    def _flee(self, target: Target, threat: Hunter) -> None:
+        super()._flee(target, threat)
+        self.note("a wall pushes a target", bool(self._push(target.x) or self._push(target.y)))
+        self.note("a threat at the same place", (target.x, target.y) == (threat.x, threat.y))
+        self.note("a target flees after a wall", target.at_wall)
+
+    def _spawn(self) -> None:
+        super()._spawn()
+        end = self.time + self.period
+        late = any(self.time < target.appeared < end for target in self.alive)
+        self.note("a moving target appears within a step", self.targets_move and late)
+
+    def _sees(self, hunter: Hunter, other: Turtle) -> bool:
+        seen = super()._sees(hunter, other)
+        kind = "target" if isinstance(other, Target) else "rival"
+        um = micrometres(distance(hunter.x, hunter.y, other.x, other.y))
+        radius, angle = self.settings["view_radius_m"], self.settings["view_angle_deg"]
+        far = radius is not None and um >= micrometres(radius)
+        within_reach = um < self.reaches_um[hunter.seat]
+        self.note(f"a {kind} beyond the radius", far and not seen)
+        self.note(f"a {kind} outside the cone", angle != 360 and not far and not seen)
+        forward, _ = in_own_frame(hunter, other.x, other.y)
+        self.note(f"a {kind} behind, within reach", angle < 180 and forward < 0 and within_reach)
+        self.note(f"a blurred {kind}", self.settings["view_noise_m"] > 0 and seen)
+        return seen
+
+    def _judge(self, requests: Sequence[Request | None]) -> None:
+        super()._judge(requests)
+        for request in requests:
+            um = None if request is None else request.distance_um
+            if request is None or um is None:
+                continue
+            far = request.verdict == Verdict.OUT_OF_REACH
+            self.note("a request that a longer reach would have got through", far and um < max(self.reaches_um))
+            self.note("a request that a shorter reach would not", not far and um >= min(self.reaches_um))
+
+    def note(self, event: str, happened: bool) -> None:
+        if happened:
+            self.met.add(event)
+
+
+EVENTS = {
+    "a dropout",
+    "a turn rate is kept",
+    "a turn rate is drawn anew",
+    "a target turns to the centre after a wall",
+    "a target without a threat",
+    "a threat is drawn by lot",
+    "a threat at the same place",
+    "a wall pushes a target",
+    "a target flees after a wall",
+    "a moving target appears within a step",
+    *(
+        f"a {kind} {what}"
+        for kind in ("target", "rival")
+        for what in ("beyond the radius", "outside the cone", "behind, within reach")
+    ),
+    "a blurred target",
+    "a blurred rival",
+    "a request that a longer reach would have got through",
+    "a request that a shorter reach would not",
+}
+
+
+def test_the_random_matches_meet_moving_targets_views_handicaps_and_dropouts() -> None:
+    """Each in two of the first matches at least: what is met in one may be lost by the next change of some_config."""
+    matches: Counter[str] = Counter()
+    for match in range(250):
+        source = Random(FIRST_SEED + GROUPS * match)
+        arena = Watched(some_config(source))
+        arena.reset(some_seed(source))
+        for _ in range(8):
+            if source.random() < 0.08:
+                side = arena.side
+                hunters = [some_pose(source, side) for _ in arena.hunters]
+                arena.place(hunters, [some_pose(source, side)[:2] for _ in range(arena.settings["max_targets"])])
+            config = ArenaConfig.from_dict(arena.settings)
+            arena.step(some_actions(source, config, arena.masks()))
+            arena.observations()
+            if arena.terminated or arena.truncated:
+                break
+        matches.update(arena.met)
+    assert {event for event, count in matches.items() if count >= 2} == EVENTS, matches
 
 
 def test_whole_episodes_of_every_scenario_are_the_same() -> None:

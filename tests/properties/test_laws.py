@@ -5,6 +5,7 @@ test_batch.py.
 """
 
 import itertools
+import math
 from collections import Counter, defaultdict
 from random import Random
 from typing import Any
@@ -13,10 +14,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracle.arena import Hunter, OracleArena, Turtle, distance, micrometres
 from properties.matches import EFFORT, seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
 
 from catch_arena.arbitration import arbitrate
+from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
+from catch_arena.layout import SELF_COLUMNS, target_columns
 from catch_arena.verdicts import Ruling, Verdict
 
 Case = dict[str, Any]
@@ -263,7 +267,9 @@ def test_nothing_is_lost_and_nothing_caught_twice(source: Random, seed: int, act
 @MATCHES
 @given(source=SOURCES, seed=SEEDS, actions=st.tuples(SEEDS, SEEDS))
 def test_places_are_common_to_all_who_play_a_seed(source: Random, seed: int, actions: tuple[int, int]) -> None:
-    """R3.3, R3.6: the k-th place and its refusal are the same whatever the hunters can do and do."""
+    """R3.3, R3.6: the k-th place and its refusal are the same whatever the hunters can do and do; where it goes from
+    there is another matter.
+    """
     config = some_config(source)
     changed = config.replace(
         reach_m=source.choice([1e-7, 1.0, 5.0]), policy=source.choice(["nearest", "first_come"]), control="full"
@@ -277,7 +283,8 @@ def test_places_are_common_to_all_who_play_a_seed(source: Random, seed: int, act
         for step in range(STEPS + 1):
             if step > 0:
                 engine.step(*some_batch_actions(chosen, settings_, 1))
-            places |= {target.number: (target.x, target.y, target.theta) for target in engine.world(0).targets}
+            for target in engine.world(0).targets:
+                places.setdefault(target.number, (target.x, target.y, target.theta))
         appeared.append(places)
         used.append(int(engine.state(0)[3]))
     for number in range(1, min(used) + 1):
@@ -287,19 +294,23 @@ def test_places_are_common_to_all_who_play_a_seed(source: Random, seed: int, act
 @MATCHES
 @given(source=SOURCES, actions=SEEDS, data=st.data())
 def test_seats_are_labels_for_whole_matches(source: Random, actions: int, data: st.DataObject) -> None:
-    """R5.1, R7.1: the same hunters in other seats see, do and earn the same, up to the first lot."""
-    config = some_config(source)
+    """R5.1, R7.1: the same hunters in other seats see, do and earn the same, up to the first lot; errors of the view
+    (R7.6) and dropouts (R1.7) are lots from the first step on.
+    """
+    config = some_config(source).replace(view_noise_m=0.0, dropout_rate=0.0)
     if config.policy == "first_come":
         config = config.replace(policy="nearest")
-    poses = [some_pose(source, config.side_m) for _ in range(config.hunters)]
+    poses = tuple(some_pose(source, config.side_m) for _ in range(config.hunters))
     order = np.array(data.draw(st.permutations(range(config.hunters))))
-    controls = config.controls
-    one = Engine(config.replace(hunter_poses=tuple(poses), control=tuple(controls)))
-    other = Engine(
-        config.replace(
-            hunter_poses=tuple(poses[seat] for seat in order), control=tuple(controls[seat] for seat in order)
-        )
-    )
+    by_seat: dict[str, tuple[Any, ...]] = {
+        "hunter_poses": poses,
+        "control": config.controls,
+        "max_speed_mps": config.max_speeds,
+        "max_turn_rate_radps": config.max_turn_rates,
+        "reach_m": config.reaches,
+    }
+    one = Engine(config.replace(**by_seat))
+    other = Engine(config.replace(**{name: tuple(given[seat] for seat in order) for name, given in by_seat.items()}))
     seed = some_seed(source)
     one.reset([seed])
     other.reset([seed])
@@ -309,9 +320,101 @@ def test_seats_are_labels_for_whole_matches(source: Random, actions: int, data: 
         assert np.array_equal(other.observations[0], one.observations[0, order])
         assert np.array_equal(other.masks[0], one.masks[0, order])
         assert np.array_equal(other.rewards[0], one.rewards[0, order])
-        assert [target.number for target in other.world(0).targets] == [t.number for t in one.world(0).targets]
+        assert other.world(0).targets == one.world(0).targets
+        if config.target_motion == "flee" and has_tied_threats(one, config):
+            break
         choices, commands = some_batch_actions(chosen, config, 1)
         one.step(choices, commands)
         other.step(choices[:, order], commands[:, order])
         if config.policy == "nearest" and tied_for(list(one.rulings(0))):
             break
+
+
+def has_tied_threats(engine: Engine, config: ArenaConfig) -> bool:
+    """R3.10: whether a lot decides from whom a target flees."""
+    world = engine.world(0)
+    for target in world.targets:
+        away = sorted(
+            micrometres(distance(target.x, target.y, hunter.x, hunter.y))
+            for hunter in world.hunters
+            if not hunter.withdrawn
+        )
+        if len(away) > 1 and away[0] == away[1] < config.alarm_um:
+            return True
+    return False
+
+
+@settings(MATCHES, max_examples=2 * MATCHES.max_examples)
+@given(source=SOURCES, seed=SEEDS, actions=SEEDS)
+def test_what_a_hunter_does_not_see_changes_nothing_for_it(source: Random, seed: int, actions: int) -> None:
+    """R7.5: wherever else it stands, whoever looks has the same observation and the same mask, noise included."""
+    config = with_partial_view(some_config(source), source)
+    engine, other = Engine(config), Engine(config)
+    chosen = Random(actions)
+    for changed in (engine, other):
+        changed.reset([seed])
+    for _ in range(source.randint(0, 3)):
+        choices, commands = some_batch_actions(chosen, config, 1)
+        engine.step(choices, commands)
+        other.step(choices, commands)
+    hunters = [some_pose(source, config.side_m) for _ in range(config.hunters)]
+    targets = [some_pose(source, config.side_m)[:2] for _ in range(source.randint(1, config.max_targets))]
+    seat = source.randrange(config.hunters)
+    me, eyes = Hunter(seat, *hunters[seat]), OracleArena(config.to_dict())
+
+    def elsewhere(pose: tuple[float, ...]) -> tuple[float, ...]:
+        """Another place that the hunter does not see either, if there is one."""
+        for _ in range(5):
+            x, y, theta = some_pose(source, config.side_m)
+            if not eyes._sees(me, Turtle(x, y, theta)):
+                return (x, y, theta)[: len(pose)]
+        return pose
+
+    moved_hunters: list[Any] = [
+        pose if who == seat or eyes._sees(me, Turtle(*pose)) else elsewhere(pose) for who, pose in enumerate(hunters)
+    ]
+    moved_targets: list[Any] = [place if eyes._sees(me, Turtle(*place, 0.0)) else elsewhere(place) for place in targets]
+    engine.place(0, hunters, targets)
+    other.place(0, moved_hunters, moved_targets)
+    assert np.array_equal(other.observations[0, seat], engine.observations[0, seat]), settings_of(config)
+    assert np.array_equal(other.masks[0, seat], engine.masks[0, seat])
+
+
+@settings(MATCHES, max_examples=2 * MATCHES.max_examples)
+@given(source=SOURCES, seed=SEEDS, actions=SEEDS)
+def test_what_a_hunter_sees_stands_where_it_says(source: Random, seed: int, actions: int) -> None:
+    """R7.5: each rank's place, without noise, is one of a target within the radius and the cone, or within reach; and
+    there are as many ranks as such targets, up to K. In floats, which leave out what is near an edge.
+    """
+    config = with_partial_view(some_config(source), source).replace(view_noise_m=0.0)
+    engine = Engine(config)
+    engine.reset([seed])
+    chosen = Random(actions)
+    width = len(target_columns(config))
+    for _ in range(STEPS // 3):
+        engine.step(*some_batch_actions(chosen, config, 1))
+    world = engine.world(0)
+    for seat, hunter in enumerate(world.hunters):
+        surely, perhaps = 0, 0
+        for target in world.targets:
+            away = math.dist((hunter.x, hunter.y), (target.x, target.y))
+            turn = math.atan2(target.y - hunter.y, target.x - hunter.x) - hunter.theta
+            off = abs(math.remainder(turn, math.tau)) - math.radians(config.view_angle_deg / 2)
+            beyond = away - (math.inf if config.view_radius_m is None else config.view_radius_m)
+            off = -math.inf if config.view_angle_deg == 360 else off
+            out = min(max(beyond, off), away - config.reaches[seat])
+            surely += out < -2e-6
+            perhaps += out < 2e-6
+        ranks = engine.observations[0, seat, len(SELF_COLUMNS) :][: width * config.targets_seen].reshape(-1, width)
+        seen = int(ranks[:, 2].sum())
+        assert min(surely, config.targets_seen) <= seen <= min(perhaps, config.targets_seen), settings_of(config)
+        assert int(engine.masks[0, seat].sum()) == 1 + seen
+
+
+def with_partial_view(config: ArenaConfig, source: Random) -> ArenaConfig:
+    """The same with a view that leaves something out."""
+    return config.replace(
+        policy="nearest",
+        view_radius_m=source.choice([None, 0.3 * config.side_m, 0.6 * config.side_m]),
+        view_angle_deg=source.choice([60.0, 90.0, 180.0, 270.0]),
+    )

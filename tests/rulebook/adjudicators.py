@@ -11,6 +11,7 @@ import numpy as np
 from oracle.arena import OracleArena
 
 from catch_arena.config import ArenaConfig
+from catch_arena.errors import EpisodeError
 from catch_arena.verdicts import Ruling, Verdict
 
 Action = Any
@@ -288,6 +289,8 @@ class EnvAdjudicator(Adjudicator):
         self.oracle.step(actions)
 
     def _step_env(self, actions: Sequence[Action]) -> None:
+        if not self.env.agents:  # the env would take no actions, and play nothing
+            raise EpisodeError("this episode is over")
         given = {}
         for agent in self.env.agents:
             seat = int(agent.removeprefix("hunter_"))

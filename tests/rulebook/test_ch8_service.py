@@ -1,5 +1,6 @@
 """Chapter 8 by names: the arena as the ROS 2 exercise knows it."""
 
+import math
 from random import Random
 
 import pytest
@@ -218,3 +219,41 @@ def test_r1_4_the_alive_targets_are_published_once_for_all_catches_of_a_step():
 
     service.kill(names[2])
     assert heard[2:] == [["4"]]
+
+
+@pytest.mark.rule("R8.1")
+def test_r8_1_a_target_spawned_by_name_wanders_from_the_next_step_on():
+    """R3.8: it appears at rest, with its theta wrapped, and the list of alive turtles says where it is now; a hunter
+    that is driven by Twists catches it there.
+    """
+    service = a_service(
+        target_motion="wander", target_turn_rate_radps=1e-6, hunter_poses=((2.0, 2.0, 0.0), (9.0, 9.0, 0.0))
+    )
+    name = service.spawn(2.5, 2.0, 6.0 * 3.141592653589793 + 0.25)
+    (turtle,) = service.alive_turtles().turtles
+    assert turtle == pytest.approx((name, 2.5, 2.0, 0.25))
+    heard = []
+    service.subscribe(heard.append)
+    assert service.step({"hunter_0": Twist(2.0, 0.0)}) == []
+    (turtle,) = service.alive_turtles().turtles
+    assert (turtle.x, turtle.y) == pytest.approx((2.5 + 0.096 * math.cos(0.25), 2.0 + 0.096 * math.sin(0.25)))
+    assert heard == []  # nobody came or went: motion alone publishes nothing
+    for _ in range(9):
+        away = math.dist(service.pose("hunter_0")[:2], service.alive_turtles().turtles[0][1:3])
+        (ruling,) = service.step({"hunter_0": Twist(2.0, 1.0)}, [("hunter_0", NAMED(name))])
+        assert ruling.distance_um == round(1e6 * away)
+        assert ruling.success is (ruling.distance_um < 300_000)
+        if ruling.success:
+            break
+    assert ruling.success
+    assert heard[0].turtles == ()
+
+
+@pytest.mark.rule("R8.1", "R1.7")
+def test_r8_1_who_drops_out_is_refused_by_name():
+    """And its Twists move nothing."""
+    service = a_service(dropout_rate=1.0)
+    service.spawn(2.1, 2.0)
+    (ruling,) = service.step({"hunter_0": Twist(2.0, 0.0)}, [("hunter_0", NAMED("target_turtle_1"))])
+    assert ruling.verdict is Verdict.HUNTER_INACTIVE
+    assert service.pose("hunter_0")[:2] == (2.0, 2.0)

@@ -1,0 +1,189 @@
+"""A setting, a column or a rule of motion that is declared, and that nobody reads, writes or plays, fails here.
+
+docs/architecture.md ("The house stays open") lists the files that each of them takes.
+"""
+
+import dataclasses
+import itertools
+import re
+from collections.abc import Callable
+from pathlib import Path
+from random import Random
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from properties.matches import some_config
+
+import catch_arena
+from catch_arena.config import ArenaConfig, FaultRates, Gains, RewardWeights, TargetMotion
+from catch_arena.core.state import MOTIONS, Settings
+from catch_arena.layout import columns, state_columns
+
+CORE = Path(catch_arena.__file__).parent / "core"
+
+RICH = ArenaConfig(
+    hunters=3,
+    control=("target", "full", "velocity"),
+    side_m=6.0,
+    max_speed_mps=(2.0, 1.8, 1.6),
+    reach_m=(1.2, 1.1, 1.0),
+    spawn_frequency_hz=4.0,
+    initial_targets=4,
+    max_targets=6,
+    target_motion="flee",
+    wander_period_ms=300,
+    alarm_m=1.5,
+    view_radius_m=3.0,
+    view_angle_deg=300.0,
+    view_noise_m=0.05,
+    time_limit_s=6.0,
+    dropout_rate=0.004,
+    gains=Gains(ki_v=0.5, ki_w=0.5),
+    rewards=RewardWeights(rival_catch=-0.5, lost_contest=-0.1, rejected_request=-0.2, progress=0.3, time=-0.01),
+    faults=FaultRates(kill_down=0.1, kill_refused=0.1, spawn_down=0.2, spawn_refused=0.2),
+)
+"""An arena in which every setting matters."""
+OTHERWISE: dict[str, Any] = {
+    "hunters": 2,
+    "control": ("target", "full", "full"),
+    "side_m": 5.5,
+    "hunter_poses": ((1.0, 1.0, 0.0), (2.0, 2.0, 1.0), (3.0, 3.0, 2.0)),
+    "start_radius_m": 1.0,
+    "max_speed_mps": (2.0, 1.8, 1.7),
+    "max_turn_rate_radps": 3.5,
+    "reverse": True,
+    "reach_m": (1.2, 1.1, 0.6),
+    "policy": "first_come",
+    "spawn_frequency_hz": 3.0,
+    "initial_targets": 3,
+    "max_targets": 4,
+    "target_budget": 5,
+    "target_motion": "wander",
+    "target_speed_mps": 0.9,
+    "target_turn_rate_radps": 2.0,
+    "wander_period_ms": 400,
+    "alarm_m": 1.0,
+    "name_prefix": "turtle_",
+    "observed_targets": 2,
+    "observed_hunters": 1,
+    "view_radius_m": 2.0,
+    "view_angle_deg": 200.0,
+    "view_noise_m": 0.1,
+    "mask_in_observation": True,
+    "control_period_ms": 90,
+    "time_limit_s": 3.0,
+    "max_cycles": 20,
+    "dropout_rate": 0.05,
+    "dropouts": "fixed",
+    "gains": {field.name: 0.7 for field in dataclasses.fields(Gains)},
+    "rewards": {field.name: -0.7 for field in dataclasses.fields(RewardWeights)},
+    "faults": {field.name: 0.6 for field in dataclasses.fields(FaultRates)},
+}
+"""Another value for each setting; of those that have parts, for each part."""
+CHANGES = [
+    pytest.param({name: {part: other}} if part else {name: other}, id=f"{name}.{part}" if part else name)
+    for name, value in OTHERWISE.items()
+    if name != "hunters"
+    for part, other in (value.items() if isinstance(value, dict) else [("", value)])
+]
+OF_ENVS = {"name_prefix", "mask_in_observation", "dropouts"}
+"""What the arena itself does not read: names, and what PettingZoo's envs hand out."""
+
+
+def transcript(config: ArenaConfig) -> list[object]:
+    """All that a match hands out at the env's door, of two seeds."""
+    env = catch_arena.parallel_env(config)
+    told: list[object] = []
+    for seed in range(2):
+        observations, infos = env.reset(seed=seed)
+        source = Random(seed)
+        while env.agents:
+            actions = {agent: some_action(source, config, agent, infos[agent]) for agent in env.agents}
+            observations, rewards, terminations, truncations, infos = env.step(actions)
+            told.append((repr(observations), rewards, terminations, truncations, env.world(), env.digest()))
+    return told
+
+
+def some_action(source: Random, config: ArenaConfig, agent: str, info: Any) -> Any:
+    """The nearest target, for whoever can name it; any velocity."""
+    control = config.controls[int(agent.removeprefix("hunter_"))]
+    command = np.array([source.uniform(-0.5, 1.0), source.uniform(-1.0, 1.0)], dtype=np.float32)
+    if control == "velocity":
+        return command
+    mask = info["action_mask"] if control == "target" else info["action_mask"]["catch"]
+    return int(mask[1]) if control == "target" else {"cmd_vel": command, "catch": int(mask[1])}
+
+
+@pytest.fixture(scope="module")
+def rich() -> list[object]:
+    return transcript(RICH)
+
+
+def test_the_number_of_hunters_is_read(rich):
+    """By itself: what stands by seat has to go with it."""
+    fewer = {name: getattr(RICH, name)[:2] for name in ("control", "max_speed_mps", "reach_m")}
+    assert transcript(RICH.replace(hunters=OTHERWISE["hunters"], **fewer)) != rich
+
+
+def test_every_setting_has_another_value_here():
+    assert set(OTHERWISE) == {field.name for field in dataclasses.fields(ArenaConfig)}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_setting_is_read(rich, change):
+    """With another value another match is played, or it looks another way at the env's door."""
+    assert transcript(RICH.replace(**change)) != rich
+
+
+@pytest.mark.parametrize("name", Settings._fields)
+def test_the_core_reads_each_of_its_settings(name):
+    """What `settings_of` hands over, and no rule asks for, has been forgotten."""
+    sources = "".join(path.read_text(encoding="utf-8") for path in CORE.glob("*.py"))
+    assert re.search(rf"\bs\.{name}\b", sources)
+
+
+def test_the_random_matches_draw_every_setting_of_the_arena():
+    """Else nobody would see that oracle and engine read one of them differently."""
+    configs = [some_config(Random(seed)) for seed in range(150)]
+    constant = {
+        field.name
+        for field in dataclasses.fields(ArenaConfig)
+        if len({repr(getattr(config, field.name)) for config in configs}) == 1
+    }
+    assert constant == OF_ENVS
+
+
+def test_every_rule_of_motion_is_known_to_the_core_drawn_and_plays_otherwise():
+    words = get_args(TargetMotion)
+    assert set(MOTIONS) == set(words)
+    assert len(set(MOTIONS.values())) == len(words)
+    assert {some_config(Random(seed)).target_motion for seed in range(60)} == set(words)
+    for one, other in itertools.combinations(words, 2):
+        assert transcript(RICH.replace(target_motion=one)) != transcript(RICH.replace(target_motion=other))
+
+
+@pytest.mark.parametrize("motion", get_args(TargetMotion))
+def test_every_column_is_written(motion):
+    """It takes more than one value in a match: one that is declared and left alone would stay zero."""
+    config = RICH.replace(target_motion=motion, dropout_rate=0.01)
+    env = catch_arena.parallel_env(config)
+    seen: dict[str, set[float]] = {}
+    state: dict[str, set[float]] = {}
+    for seed in range(4):
+        observations, infos = env.reset(seed=seed)
+        source = Random(seed)
+        while env.agents:
+            actions = {agent: some_action(source, config, agent, infos[agent]) for agent in env.agents}
+            observations, *_, infos = env.step(actions)
+            for observation in observations.values():
+                note(seen, columns(config), observation)
+            note(state, state_columns(config), env.state())
+    assert [name for name, values in {**seen, **state}.items() if len(values) < 2] == []
+
+
+def note(values: dict[str, set[float]], table: Any, numbers: Any) -> None:
+    """By the column's name without its rank, seat or place."""
+    plain: Callable[[str], str] = lambda name: re.sub(r"_\d+\.", ".", name)  # noqa: E731
+    for column, number in zip(table, numbers.tolist(), strict=True):
+        values.setdefault(plain(column.name), set()).add(number)
