@@ -14,8 +14,6 @@ _LISTED: Final = {
     "hunters",
     "side_m",
     "max_speed_mps",
-    "initial_targets",
-    "max_targets",
     "spawn_frequency_hz",
     "time_limit_s",
 }
@@ -36,7 +34,7 @@ def agents() -> None:
 @main.command()
 def scenarios() -> None:
     """List the scenarios."""
-    numbers = ("hunters", "side m", "max m/s", "at start", "at most", "per s", "seconds")
+    numbers = ("hunters", "side m", "max m/s", "per s", "seconds")
     listing = FittedTable("scenario", *numbers, "besides", folded="besides")
     for column in listing.columns[1:-1]:
         column.justify = "right"
@@ -46,8 +44,6 @@ def scenarios() -> None:
             str(config.hunters),
             f"{config.side_m:.1f}",
             "-".join(f"{speed:.1f}" for speed in sorted({min(config.max_speeds), max(config.max_speeds)})),
-            str(config.initial_targets),
-            str(config.max_targets),
             f"{1000 / config.spawn_period_ms:g}",
             f"{config.time_limit_s:g}",
             ", ".join(_besides(config)),

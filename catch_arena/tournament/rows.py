@@ -132,8 +132,11 @@ class Rows:
                 whole("block", block, 0, _MOST_BLOCKS),
                 whole("seed", seed, 0, SEED_LIMIT - 1),
                 self._wholes("seating", parsed("seating", seating), 0, self.entrants - 1),
-                self._wholes("agent_seeds", parsed("agent_seeds", agent_seeds), 0, SEED_LIMIT - 1),
+                self._agent_seeds(parsed("agent_seeds", agent_seeds)),
             )
+
+    def _agent_seeds(self, value: object) -> tuple[int, ...]:
+        return () if value == [] else self._wholes("agent_seeds", value, 0, SEED_LIMIT - 1)
 
     def played(self, row: Sequence[Any]) -> PlayedMatch:
         """A match that was played: as `match` has it, its replay's digest, and RESULTS. Raises: DamagedError."""

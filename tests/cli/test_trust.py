@@ -24,12 +24,14 @@ class Agent(Nearest):
     pass
 """
 SPEC = """
+seed = 1
+
 [[test]]
 name = "it plays"
 scenario = "duel"
 settings = { time_limit_s = 1 }
 opponents = ["nearest"]
-seeds = [1]
+matches = 1
 """
 SHORT = ["--scenario", "duel", "--set", "time_limit_s=1"]
 RUNS = {

@@ -121,7 +121,7 @@ GRANTED = ("GRANTED", 0, "a", 100_000, 0)
         (lambda **_: [("GRANTED", 0, "b", 100_000, 0)], "request 1", "for target 'b'"),
         (lambda **_: [("GRANTED", 0, np.zeros(3), 100_000, 0)], "request 1", "for target array"),
         (lambda **_: [("GRANTED", 0, "a", 100_000, 5)], "request 1", "won by hunter 5"),
-        (lambda **_: [("GRANTED", 0, "a", 2**70, 0)], "request 1", f"{2**70} um away"),
+        (lambda **_: [("GRANTED", 0, "a", 2**70, 0)], "request 1", f"{2**70}"),
         (lambda **_: [("OUT_OF_REACH", 0, "a", 100_000, None)], "request 1", "OUT_OF_REACH, 100000 um away"),
     ],
 )

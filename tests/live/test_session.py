@@ -140,7 +140,7 @@ def test_r_begins_the_same_match_again(session, tmp_path):
 
 
 def test_speed_is_the_pace_of_the_window_and_changes_no_match(session, tmp_path):
-    words = ["watch", "nearest", "--record"]
+    words = ["watch", "nearest", "--seed", "3", "--record"]
     plus = pygame.event.Event(pygame.KEYDOWN, key=pygame.K_PLUS, mod=0, unicode="+")
     session([*words, "fast.replay"], [plus] * 9, *nothing(40))
     session([*words, "usual.replay"], *nothing(150))
@@ -182,7 +182,7 @@ def test_v_shows_what_each_hunter_sees_ones_own_first_and_then_nobodys(session, 
 
 def test_v_says_where_there_is_nothing_to_show(session, monkeypatch):
     notes = []
-    monkeypatch.setattr(match_window.MatchWindow, "_notify", lambda _, text: notes.append(text))
+    monkeypatch.setattr(match_window.MatchWindow, "notify", lambda _, text: notes.append(text))
     result = session(["watch", "nearest"], *nothing(3), pygame.K_v, *nothing(3))
     assert result.exit_code == 0, result.output
     assert "hunters see everything here" in notes
@@ -196,7 +196,7 @@ def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, tmp_path
         "  1    0  idle",
         "  2    0  bad: FORFEIT_CRASH in step 1: act raised ZeroDivisionError: division by zero",
     ]
-    assert result.stderr.startswith("bad printed:\nTraceback")
+    assert "\nbad printed:\nTraceback" in result.stderr
 
 
 HANGS = "import time\nclass Agent:\n def reset(self, seed): 0\n def act(self, view): time.sleep(600)\n"
@@ -243,7 +243,7 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, tmp_pa
     drawn = match_window.MatchWindow.wait
     monkeypatch.setattr(match_window.MatchWindow, "wait", lambda window: (waited.append(1), drawn(window)))
     (tmp_path / "slow.py").write_text(SLOW)
-    result = session(["watch", "slow.py", "idle", "--scenario", "duel", "--record", "r.replay"], *nothing(400))
+    result = session(["watch", "slow.py", "idle", "--scenario", "duel", "--record", "r.replay"], *nothing(6000))
     assert result.exit_code == 0, result.output
     assert "FORFEIT" not in result.output
     assert Replay.load(tmp_path / "r.replay").steps == 10

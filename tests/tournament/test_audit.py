@@ -68,7 +68,7 @@ def test_a_fair_arena_passes_and_audit_json_says_so(tmp_path):
 def test_an_agent_that_plays_better_in_the_first_seat_is_an_unfair_arena(tmp_path):
     """A match begins seat by seat, so that the first of four sits in seat 0."""
     (tmp_path / "biased.py").write_text(FAVOURS_THE_FIRST)
-    result = run(str(tmp_path / "biased.py"), "--matches", "100", "--out", str(tmp_path))
+    result = run(str(tmp_path / "biased.py"), "--matches", "100", "--out", str(tmp_path), "--trusted")
     assert result.exit_code == 1, result.output
     assert "Does a seat catch more than another? YES" in result.output
     assert "(most: seat 0)" in result.output

@@ -49,7 +49,7 @@ def exported(catch_arena, folder):
 
 
 def test_a_store_that_cannot_grow_says_how_much_is_free_and_needed_and_is_resumed(catch_arena):
-    with files_of_at_most(80_000):
+    with files_of_at_most(140_000):
         stopped = catch_arena(*TOURNAMENT, "--out", "o")
     assert stopped.exit_code == 2
     error = re.fullmatch(

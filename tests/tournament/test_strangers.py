@@ -74,6 +74,7 @@ class Agent:
 def run(folder, *words):
     """A command of the package that is tested, in that folder."""
     environment = os.environ | {"PYTHONPATH": str(Path(catch_arena.__file__).parents[1])}
+    environment.pop("COLUMNS", None)  # by which lines would be folded
     command = [sys.executable, "-m", "catch_arena", *words]
     return subprocess.run(command, cwd=folder, capture_output=True, check=False, env=environment)
 
@@ -145,7 +146,7 @@ def test_it_goes_on_where_it_was(played):
 
 def test_a_mark_is_xml_and_json_and_one_line_each(played):
     folder, _ = played
-    spec = '[[test]]\nname = "a\\u001bb"\nscenario = "duel"\nopponents = ["idle"]\nseeds = [1]\n'
+    spec = 'seed = 1\n[[test]]\nname = "a\\u001bb"\nscenario = "duel"\nopponents = ["idle"]\nmatches = 1\n'
     (folder / "spec.toml").write_text(spec)
     ended = run(folder, "grade", "[red]x.py", "--spec", "spec.toml", "--junit", "g.xml", "--json", "g.json", "--force")
     assert ended.returncode == 1, ended.stderr.decode()

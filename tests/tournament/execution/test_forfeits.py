@@ -17,7 +17,7 @@ from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import play_plan, run
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.match import MatchResult, PlayedMatch, blocks_of, ranks_of
+from catch_arena.tournament.match import MatchResult, MoveTimes, PlayedMatch, blocks_of, ranks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
 from catch_arena.tournament.players import Fault
 from catch_arena.tournament.store import Store, Tournament
@@ -41,7 +41,9 @@ class Field:
         ]
         scores = tuple(0 if code else draw.randrange(9) for code in forfeits)
         ranks = ranks_of(scores, [0 if code else None for code in forfeits])
-        return PlayedMatch(match, MatchResult(scores, ranks, ({},) * SEATS, (0,) * SEATS, 1, "", tuple(forfeits), ()))
+        thinking = (MoveTimes(1, 0.0, 0.0),) * SEATS
+        result = MatchResult(scores, ranks, ({},) * SEATS, (0,) * SEATS, 1, "", tuple(forfeits), thinking)
+        return PlayedMatch(match, result)
 
 
 class Shuffled:

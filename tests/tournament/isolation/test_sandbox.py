@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from io import BufferedReader, BytesIO
 from pathlib import Path
 
@@ -341,7 +342,8 @@ def test_where_harm_is_done_while_no_agent_runs_none_is_blamed(sandbox, monkeypa
     def end_the_newcomers(env):
         if env.world().step == 10:
             for pid in family(os.getpid()) - before:
-                os.kill(pid, signal.SIGKILL)
+                with suppress(ProcessLookupError):  # its parent's end was its own
+                    os.kill(pid, signal.SIGKILL)
 
     with pytest.raises(NoContest, match="was ended, or made to run, while no agent ran"):
         play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_newcomers)

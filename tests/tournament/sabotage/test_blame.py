@@ -31,6 +31,8 @@ QUICK = (
     "step_ms=20000",
     "--isolation",
     "processes",
+    "--seed",
+    "7",
 )
 """Patient, since a busy machine must not make anybody late."""
 SABOTAGE = "FORFEIT_SABOTAGE"
