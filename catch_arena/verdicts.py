@@ -38,7 +38,7 @@ REASONS: Final = {
     Verdict.SERVICE_DOWN: "the kill service is down in this step (R5.7)",
     Verdict.OUT_OF_REACH: "the target is out of reach (R5.3)",
     Verdict.LOST_CONTEST: "another hunter in reach of the same target was preferred (R5.6)",
-    Verdict.KILL_FAILED: "the contest was won, but the simulator refused the kill (R5.7)",
+    Verdict.KILL_FAILED: "nobody was preferred to it, but the simulator refused the kill (R5.7)",
     Verdict.GRANTED: "caught (R5.4)",
 }
 """Each verdict in words, with the clause it rests on."""

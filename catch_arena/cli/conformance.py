@@ -25,7 +25,7 @@ def conformance(
     only: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="A case, or all whose ids begin so; may be repeated.")
     ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="Show every failure in full, not by mistake.")] = False,
+    everything: Annotated[bool, typer.Option("--all", help="Show every failure in full, not one a kind.")] = False,
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the report as JUnit XML.")] = None,
     force: Force = False,
     verdicts_only: Annotated[
@@ -36,7 +36,7 @@ def conformance(
     ] = False,
     limit_s: Annotated[
         float,
-        typer.Option("--limit-s", metavar="S", help="A case that takes longer has failed [s].", show_default=True),
+        typer.Option("--limit-s", metavar="S", help="Seconds after which a case has failed.", show_default=True),
     ] = 60.0,
     listing: Annotated[bool, typer.Option("--list", help="List the cases and play none.")] = False,
 ) -> None:

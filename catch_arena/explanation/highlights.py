@@ -185,7 +185,7 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
             why = f"Both were {distances}: the lowest ticket wins (R5.5)"
         else:
             what = f"{first} beats {second} by {short_length(margin_um)}"
-            why = f"It was {distances}, the other {metres(loser.distance_um)}: the nearest wins (R5.4)"
+            why = f"It was {distances}, the other {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
         score = 1.0 - math.log1p(margin_um) / math.log1p(events.reach_um)
         yield _around("contest", contest.time_ms - events.period_ms, score, what, why)
 

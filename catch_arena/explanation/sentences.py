@@ -68,7 +68,7 @@ def contest_sentence(contest: Contest, names: Sequence[str]) -> str:
 
 def _decision(contest: Contest, names: Sequence[str]) -> str:
     if contest.clause == "R5.4":
-        return "The nearest wins (R5.4)"
+        return "The smaller distance decides (R5.4)"
     lots = _listed(f"{names[claim.seat]} {claim.lot:016x}" for claim in contest.claims if claim.lot is not None)
     if contest.clause == "R5.5":
         return f"An exact tie is drawn by lot, and the lowest ticket wins (R5.5): {lots}"

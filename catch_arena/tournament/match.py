@@ -81,7 +81,7 @@ class MatchResult:
     verdicts: tuple[dict[str, int], ...]
     """How many of the seat's requests met each verdict, by its name; verdicts that it never met are left out."""
     contests_won: tuple[int, ...]
-    """How many targets the seat got that others in reach requested in the same step (R5.4)."""
+    """How many contests it won (R5.4): targets, killed or not, that others in reach requested in the same step."""
     steps: int
     digest: str
     """The final state's (A.8): matches that agree in it ended alike."""

@@ -89,8 +89,8 @@ def test_a_contest_is_told_with_clause_distances_and_winner(play):
 
     assert (
         "At 0.1 s (step 1) bob, ann and cid asked for target_turtle_2. bob was 0.854333 m away; ann 1.053799 m, "
-        "199.466 mm farther; cid 1.053799 m, 199.466 mm farther. The nearest wins (R5.4): bob is granted it, "
-        "ann and cid get LOST_CONTEST (R5.6)."
+        "199.466 mm farther; cid 1.053799 m, 199.466 mm farther. The smaller distance decides (R5.4): bob is granted "
+        "it, ann and cid get LOST_CONTEST (R5.6)."
     ) in told
 
 

@@ -47,7 +47,9 @@ def test_a_quiet_match_has_none():
 def test_a_contest_says_who_won_by_how_much_and_why():
     (one,) = of_kind("contest", match_with(contests=[contest(213)]))
     assert one.what == "bob beats ann by 213 µm"
-    assert one.why == "It was 0.120000 m from target_turtle_7, the other 0.120213 m: the nearest wins (R5.4)"
+    assert one.why == (
+        "It was 0.120000 m from target_turtle_7, the other 0.120213 m: the smaller distance decides (R5.4)"
+    )
     assert (one.decisive_ms, one.start_ms, one.end_ms) == (5000, 3000, 6500)
 
 

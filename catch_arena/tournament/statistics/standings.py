@@ -59,7 +59,7 @@ class Standing:
 
 
 def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> list[Standing]:
-    """The table of those who played, highest rating first. PlayedMatch again it is the same, in whatever order."""
+    """The table of those who played, highest rating first. Played again it is the same, in whatever order."""
     if not played:
         return []
     outcomes = Outcomes.of(len(entrants), played)
