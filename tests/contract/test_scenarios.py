@@ -105,7 +105,7 @@ def test_an_exercise_in_fog_and_with_dropouts_is_graded(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("spec.toml").write_text(
         "title = 'Eyes'\n"
-        "seeds = [1, 2]\n"
+        "seed = 1\nmatches = 2\n"
         + "".join(
             f"[[test]]\nname = '{name}'\nscenario = '{name}'\nsettings = {{ time_limit_s = 10 }}\n"
             "opponents = ['idle', 'idle', 'idle']\npoints = 1\nmin_mean_score = 1\n"

@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle.arena import Hunter, OracleArena, Turtle, distance, micrometres
+from oracle.arithmetic import wrap
 from properties.matches import EFFORT, seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
 
 from catch_arena.arbitration import arbitrate
@@ -360,7 +361,8 @@ def test_what_a_hunter_does_not_see_changes_nothing_for_it(source: Random, seed:
     hunters = [some_pose(source, config.side_m) for _ in range(config.hunters)]
     targets = [some_pose(source, config.side_m)[:2] for _ in range(source.randint(1, config.max_targets))]
     seat = source.randrange(config.hunters)
-    me, eyes = Hunter(seat, *hunters[seat]), OracleArena(config.to_dict())
+    x, y, theta = hunters[seat]
+    me, eyes = Hunter(seat, x, y, wrap(theta)), OracleArena(config.to_dict())  # its heading as `place` takes it
 
     def elsewhere(pose: tuple[float, ...]) -> tuple[float, ...]:
         """Another place that the hunter does not see either, if there is one."""

@@ -197,8 +197,9 @@ def test_an_opponents_file_stands_beside_the_spec(grade, tmp_path):
 
 def test_the_example_in_the_docs_runs(grade):
     (spec,) = re.findall(r"```toml\n(.*?)```", DOCS.read_text(), re.DOTALL)
-    short = spec.replace("[[test]]", "[[test]]\nsettings = { time_limit_s = 5 }")
-    assert short.count("settings") == 2
+    short = spec.replace("hunters = 1", "hunters = 1, time_limit_s = 5")
+    short = short.replace('"duel"', '"duel"\nsettings = { time_limit_s = 5 }')
+    assert short.count("time_limit_s") == 2
     Path("hidden_seed.txt").write_text("00112233445566778899aabbccddeeff\n")
     assert read_spec_text(spec).secret.digits == "00112233445566778899aabbccddeeff"
     assert re.search(r"nearest has \d+ of \d+ points", grade("nearest", spec=short).output)
