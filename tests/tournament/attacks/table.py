@@ -224,7 +224,7 @@ ATTACKS: Final = (
     # the machine's resources
     quiet(files.writes_a_file_of_100_gb_with_holes, done, STOPPED, STOPPED),
     quiet(files.writes_many_files, done, NOT_STOPPED, STOPPED),
-    attack(resources.forks_300_processes, done, BY_LUCK, STOPPED),
+    attack(resources.forks_300_processes, done, BY_LUCK, AS_ROOT),
     attack(resources.starts_10_000_threads, done, STOPPED, STOPPED),
     attack(resources.takes_memory_in_many_processes, done, STOPPED, STOPPED, limits={"memory_mib": 64}),
     attack(resources.takes_memory_by_files_in_memory, done, NOT_STOPPED, NOT_STOPPED, limits={"memory_mib": 64}),
