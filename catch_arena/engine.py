@@ -207,8 +207,7 @@ class Engine:
         )
         first = rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS
         spare = num_arenas - (blocks - 1) * LANES
-        moving = MOTIONS[config.target_motion] != rows.STILL
-        digest = rows.MOVING_TARGET_DIGEST if moving else rows.TARGET_DIGEST
+        digest = rows.MOVING_TARGET_DIGEST if config.targets_move else rows.TARGET_DIGEST
         self._target_digest = [row // LANES for row in digest]
         self._hunters[-1, :, rows.WITHDRAWN // LANES, spare:] = 1.0  # in lanes that are no arenas nobody does anything
         self._targets = self._fields[:, first : first + config.max_targets * slot].reshape(
@@ -343,10 +342,6 @@ class Engine:
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
         """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
         return self._hunters[arena // LANES, :, :, arena % LANES]
-
-    def is_withdrawn(self, arena: int, seat: int) -> bool:
-        """R1.6, R1.7: whether a hunter takes no further part."""
-        return bool(self._hunters[arena // LANES, seat, rows.WITHDRAWN // LANES, arena % LANES])
 
     def active(self) -> NDArray[np.bool_]:
         """R1.6, R1.7: who takes part: (B, H)."""

@@ -199,11 +199,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         Raises:
             EpisodeError: before the first reset, or for actions after the end.
         """
-        if (
-            self._over and self._seed is not None and not actions
-        ):  # as PettingZoo's own envs; SuperSuit's wrappers do it
-            return {}, {}, {}, {}, {}
         if self._over:
+            if self._seed is not None and not actions:  # as PettingZoo's own envs; SuperSuit's wrappers do it
+                return {}, {}, {}, {}, {}
             raise EpisodeError(
                 "step must follow a reset: "
                 + ("no episode has begun" if self._seed is None else "this episode is over")
@@ -222,7 +220,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             rewards = {agent: rewards[agent] for agent in agents}
         observations, infos = self._observations_and_infos()
         if self._dropouts_leave:
-            self._withdrawn.update(agent for agent, seat in self._seats.items() if engine.is_withdrawn(0, seat))
+            active = engine.active()[0].tolist()
+            self._withdrawn.update(agent for agent, seat in self._seats.items() if not active[seat])
         if self._withdrawn:
             for agent in self._withdrawn & terminations.keys():
                 terminations[agent], truncations[agent] = True, False
@@ -417,9 +416,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Observations and infos by agent, both from one copy of what the engine tells."""
         outputs, agents, seen = self._engine.outputs.copy(), self.agents, self._seen
         infos = LazyInfos(dict.fromkeys(agents))
-        active = None
-        if self._dropouts_stay:
-            active = [not self._engine.is_withdrawn(0, seat) for seat in range(self.config.hunters)]
+        active = self._engine.active()[0].tolist() if self._dropouts_stay else None
         infos.make = lambda: self._infos(agents, outputs, active)
         if not self.config.mask_in_observation:
             return {agent: outputs[seen[agent]] for agent in agents}, infos
