@@ -5,6 +5,7 @@ import itertools
 import pytest
 from typer.testing import CliRunner
 
+from catch_arena import explain
 from catch_arena.cli import main
 from catch_arena.live import match_window
 from catch_arena.render.libraries import pygame
@@ -80,12 +81,13 @@ def test_a_person_plays_to_the_end_and_is_recorded(session, tmp_path):
 def test_a_scenario_can_be_played_by_a_person(session, tmp_path, name):
     """To its end, even where the person's own hunter drops out; the record is true."""
     dropout = ["--set", "dropout_rate=0.2"] if name == "dropout" else []
-    words = ["play", "--scenario", name, *dropout, "--against", "intercept", "--record", "mine.replay"]
+    words = ["play", "--scenario", name, *dropout, "--seed", "3", "--against", "intercept", "--record", "mine.replay"]
     result = session(words, pygame.K_UP, *nothing(150))
     assert result.exit_code == 0, result.output
     replay = Replay.load(tmp_path / "mine.replay")
     assert replay.config.target_motion == SCENARIOS[name].target_motion
     assert replay.steps == 10
+    assert explain(replay).records[0].dropped_out == (name == "dropout")
     assert list(verify(replay)) == []
 
 

@@ -471,8 +471,8 @@ def test_git_ignores_what_the_examples_write(tmp_path):
     assert {"match.replay", "match.mp4", "results", "best.mp4"} <= written
     written.add("first.replay")
     for name in written:
-        (tmp_path / name).mkdir() if "." not in name else (tmp_path / name).touch()
-        if (tmp_path / name).is_dir():
-            (tmp_path / name / "made").touch()
+        made = tmp_path / name if "." in name else tmp_path / name / "made"
+        made.parent.mkdir(parents=True, exist_ok=True)
+        made.touch()
     asked = ["git", "-C", tmp_path, "status", "--porcelain", "--untracked-files=all"]
     assert subprocess.run(asked, check=True, capture_output=True, text=True).stdout == "?? .gitignore\n"
