@@ -8,12 +8,12 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError
-from catch_arena.layout import MOVING_TARGET_COLUMNS, RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
+from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures
 
-_OWN = len(SELF_COLUMNS)
-_STILL_TARGET = len(TARGET_COLUMNS)
-_MOVING_TARGET = len(MOVING_TARGET_COLUMNS)
-_RIVAL = len(RIVAL_COLUMNS)
+_OWN = len(SelfFeatures._fields)
+_STILL_TARGET = len(TargetFeatures._fields)
+_MOVING_TARGET = len(MovingTargetFeatures._fields)
+_RIVAL = len(RivalFeatures._fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,18 +167,25 @@ class View:
         self.mask = mask
         """R7.2: 1 where a choice is legal; `mask[0]`, hold, always is."""
         self.limits = limits
-        (
-            self.x,
-            self.y,
-            self.heading_cos,
-            self.heading_sin,
-            self.linear_velocity,
-            self.angular_velocity,
-            self.time_left,
-            self.score,
-            self.distance_integral,
-            self.bearing_integral,
-        ) = observation[:_OWN]
+        own = SelfFeatures(*observation[:_OWN])
+        self.x = own.x
+        """In the world frame [m], as `y`."""
+        self.y = own.y
+        self.heading_cos = own.heading_cos
+        """Of its heading in the world frame."""
+        self.heading_sin = own.heading_sin
+        self.linear_velocity = own.linear_velocity
+        """Ahead [m/s]."""
+        self.angular_velocity = own.angular_velocity
+        """To the left [rad/s]."""
+        self.time_left = own.time_left
+        """Until the time limit [s]."""
+        self.score = own.score
+        """Granted catches so far."""
+        self.distance_integral = own.distance_integral
+        """R4.3's linear integral [m s]."""
+        self.bearing_integral = own.bearing_integral
+        """R4.3's angular integral [rad s]."""
 
     @property
     def heading(self) -> float:
@@ -190,11 +197,15 @@ class View:
         """The targets in view, nearest first."""
         seen = []
         values, at, columns = self.observation, _OWN, _target_columns(self.limits)
+        features = MovingTargetFeatures if self.limits.targets_move else TargetFeatures
         for rank in range(1, self.limits.targets_seen + 1):
-            forward, left, present, age, active, *motion = values[at : at + columns]
-            if not present:
+            its: TargetFeatures | MovingTargetFeatures = features(*values[at : at + columns])
+            if not its.present:
                 break
-            seen.append(SeenTarget(rank, forward, left, age, active > 0, *motion))
+            motion = (
+                (its.heading_cos, its.heading_sin, its.linear_velocity) if isinstance(its, MovingTargetFeatures) else ()
+            )
+            seen.append(SeenTarget(rank, its.forward, its.left, its.age, its.active > 0, *motion))
             at += columns
         return tuple(seen)
 
@@ -204,10 +215,11 @@ class View:
         seen = []
         values, at = self.observation, _OWN + _target_columns(self.limits) * self.limits.targets_seen
         for rank in range(1, self.limits.hunters_seen + 1):
-            forward, left, present, cosine, sine, velocity, difference = values[at : at + _RIVAL]
-            if not present:
+            its = RivalFeatures(*values[at : at + _RIVAL])
+            if not its.present:
                 break
-            seen.append(SeenHunter(rank, forward, left, cosine, sine, velocity, int(difference)))
+            motion = its.heading_cos, its.heading_sin, its.linear_velocity
+            seen.append(SeenHunter(rank, its.forward, its.left, *motion, int(its.score_difference)))
             at += _RIVAL
         return tuple(seen)
 
