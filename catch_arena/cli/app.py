@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, Final, cast
 
 import typer
 from typer.core import TyperGroup
@@ -31,8 +31,25 @@ _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 """Click's, which newer versions of typer carry inside."""
 
 
+GROUPS: Final = {
+    "Play": ("match", "play", "watch", "agents", "scenarios"),
+    "Look": ("explain", "verify", "diff", "render", "highlights", "mosaic", "sheet"),
+    "Tournaments": ("tournament", "report", "export", "compare", "audit"),
+    "Teach": ("check-agent", "grade", "conformance"),
+}
+"""Every command, as the help of the program lists them."""
+
+
 class _Commands(TyperGroup):
     """Turns our errors into one line and an exit code, and shows what mistakes quote as it is written."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """In the order of GROUPS, each in the box of its own."""
+        del ctx
+        for group, names in GROUPS.items():
+            for name in names:
+                self.commands[name].rich_help_panel = group  # type: ignore[attr-defined]
+        return [name for names in GROUPS.values() for name in names]
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Read the command line and run the command, help and mistakes included."""
@@ -77,7 +94,7 @@ SettingOption = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Change a setting, as in time_limit_s=30 or faults.kill_down=0.2; may be repeated.",
+        help="Change a setting (docs/settings.md), as in time_limit_s=30 or faults.kill_down=0.2; may be repeated.",
     ),
 ]
 LimitOption = Annotated[
@@ -125,7 +142,10 @@ Seed = Annotated[
     ),
 ]
 ArenaSeed = Annotated[
-    int | None, typer.Option(metavar="NUMBER", help="The arena's; agents can guess a small one.", show_default="drawn")
+    int | None,
+    typer.Option(
+        metavar="NUMBER", help="Seed of all random draws; agents can guess a small one.", show_default="drawn"
+    ),
 ]
 
 

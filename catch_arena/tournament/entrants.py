@@ -236,6 +236,8 @@ def _resolve(spec: str) -> _Resolved:
         if not path.is_file():
             raise AgentError(f"{spec}: no such file")
         return _Resolved(str(path), _name_parts(path), path.read_bytes())
+    if (file := spec.rpartition(":")[0]).endswith(".py"):
+        raise AgentError(f"{spec}: a file is given alone, and its class is called Agent: {file}")
     if ":" in spec:
         return _Resolved(spec, tuple(spec.replace(":", ".").split(".")))
     known = shipped()
@@ -330,8 +332,8 @@ def _why_not_imported(error: BaseException, module: str, folder: Path | None = N
 
     Args:
         error: what was raised.
-        module: that was to be imported, and its `folder`, where it is a file that plays alone.
-        folder: the tournament's folder.
+        module: that was to be imported.
+        folder: the one that the file is in, where it is a file that plays alone.
     """
     missing = error.name if isinstance(error, ModuleNotFoundError) else None
     if missing is None or module == missing or module.startswith(f"{missing}."):
