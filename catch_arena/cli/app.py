@@ -171,7 +171,7 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
     """The scenario with the changes of --set.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an unknown scenario or setting, and a value that it cannot have.
     """
     overrides: dict[str, Any] = {}
     for key, value in _pairs("--set", settings):
@@ -192,7 +192,7 @@ def secret_of(seed: str | None) -> Secret:
     process may read.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for digits or a number that are no seed.
     """
     if seed is None:
         return Secret.of(None)
@@ -225,7 +225,7 @@ def limits_or_trust(
         trusted: of --trusted.
 
     Raises:
-        ConfigError: for an argument that cannot be, and a level that this machine cannot hold.
+        ConfigError: for an unknown limit, a level that this machine cannot hold, and either beside --trusted.
         AgentError: for a spec that names no agent.
     """
     from catch_arena.tournament.entrants import resolve_spec
@@ -266,7 +266,7 @@ def enter_agents(
         looks: what is known of earlier looks, where one may have ended the command.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
     """
     from catch_arena.tournament.entrants import enter, is_shipped
     from catch_arena.tournament.isolation.processes import missing_protections

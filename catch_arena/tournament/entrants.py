@@ -62,7 +62,7 @@ class Entrant:
         """A fresh instance in this process, for one match.
 
         Raises:
-            AgentError: where an agent cannot be used.
+            AgentError: where it cannot be loaded or made.
         """
         return create_policy(self.spec)
 
@@ -183,7 +183,7 @@ def agent_class(spec: str) -> type:
     """The class that a spec stands for.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: for a command, a module that cannot be imported, and one without that class.
     """
     if spec.startswith(COMMAND):
         raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
@@ -200,7 +200,7 @@ def load_module(name: str) -> ModuleType:
     """The module with a dotted name, or in a .py file.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: where importing it raises.
     """
     if name.endswith(".py"):
         return _import_file(Path(name))

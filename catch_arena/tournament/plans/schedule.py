@@ -107,7 +107,7 @@ def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, s
         seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an unknown format, no rounds, and too few entrants or too many matches for it.
     """
     if wanted is None:
         wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"

@@ -24,7 +24,7 @@ class UntilSeparated:
         budget: how many matches it may have.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a confidence outside [0.5, 1), and a budget below the matches of one round.
     """
 
     def __init__(
