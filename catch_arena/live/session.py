@@ -1,10 +1,9 @@
 """One match in the window, as often as its user wants it."""
 
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
+from io import BytesIO
 from typing import ClassVar, NamedTuple
 
 from catch_arena.config import ArenaConfig, Control
@@ -110,8 +109,7 @@ def show_match(
         save=save,
     )
     try:
-        with tempfile.TemporaryDirectory() as folder, sandbox_for(limits) as sandbox:
-            record = Path(folder, "match.replay")  # a match is recorded where it is to be written; `save` decides
+        with sandbox_for(limits) as sandbox:
             while True:
                 forfeits: dict[int, Forfeit] = {}
 
@@ -127,7 +125,7 @@ def show_match(
                             players,
                             lineup.names,
                             title=title,
-                            record=record,
+                            record=BytesIO(),  # what is recorded can be saved at any time
                             watch=window,
                             on_forfeit=on_forfeit,
                         )

@@ -8,8 +8,9 @@ import hashlib
 import json
 import struct
 import zlib
+from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,20 +38,25 @@ _LONGEST_REASON: Final = 300
 _KEYS: Final = {"ruleset", "package", "config", "seed", "names", "title", "steps", "withdrawals", "spans"}
 
 
-class ReplayContent(NamedTuple):
+@dataclass(slots=True)
+class ReplayContent:
     """What a file holds."""
 
     config: ArenaConfig
     seed: int
     names: tuple[str, ...]
-    title: str
-    choices: NDArray[np.int64]
-    """(steps, H)."""
-    commands: NDArray[np.float32]
-    """(steps, H, 2)."""
-    digests: list[bytes]
-    states: list[QuantisedState]
-    withdrawals: list[tuple[int, int]]
+    """The agents' names by seat."""
+    title: str = ""
+    choices: list[NDArray[np.int64]] = field(default_factory=list)
+    """The ranks of each step: (H,)."""
+    commands: list[NDArray[np.float32]] = field(default_factory=list)
+    """The velocity commands of each step: (H, 2)."""
+    digests: list[bytes] = field(default_factory=list)
+    """A.8, after the reset and after each step."""
+    states: list[QuantisedState] = field(default_factory=list)
+    """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
+    withdrawals: list[tuple[int, int]] = field(default_factory=list)
+    """(steps played before it, seat): R1.6."""
 
 
 def encode_replay(match: ReplayContent) -> bytes:
@@ -62,7 +68,9 @@ def encode_replay(match: ReplayContent) -> bytes:
     config, steps = match.config, len(match.choices)
     _require_sizes(config, steps)
     driven = driven_seats(config)
-    states, spans = pack_states(config, match.commands, match.states)
+    choices = np.array(match.choices, dtype=np.int64).reshape(-1, config.hunters)
+    commands = np.array(match.commands, dtype=np.float32).reshape(-1, config.hunters, 2)
+    states, spans = pack_states(config, commands, match.states)
     _require_few_spans(spans)
     header = {
         "ruleset": RULESET,
@@ -76,13 +84,13 @@ def encode_replay(match: ReplayContent) -> bytes:
         "spans": spans,
     }
     text = json.dumps(header, separators=(",", ":")).encode()
-    bits = match.commands[:, driven].reshape(steps, 2 * len(driven)).view(np.uint32)
+    bits = commands[:, driven].reshape(steps, 2 * len(driven)).view(np.uint32)
     turned = (bits << np.uint32(1)) | (bits >> np.uint32(31))  # the sign, which is noise, goes to the other noise
     body = b"".join(
         (
             _LENGTH.pack(len(text)),
             text,
-            pack_columns(match.choices.T),
+            pack_columns(choices.T),
             pack_columns(turned.astype(np.int64).T),
             *match.digests,
             states,
@@ -121,7 +129,7 @@ def decode_replay(content: bytes) -> ReplayContent:
     digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
     states = unpack_states(config, commands, reader, spans)
     reader.end()
-    return ReplayContent(config, seed, names, title, choices, commands, digests, states, withdrawals)
+    return ReplayContent(config, seed, names, title, list(choices), list(commands), digests, states, withdrawals)
 
 
 def checked_text(what: str, text: object) -> str:

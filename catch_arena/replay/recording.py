@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, fields
 from html import escape
 from io import BytesIO
 from pathlib import Path
@@ -11,38 +11,21 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
 from catch_arena.replay.fileformat import LARGEST_FILE, ReplayContent, decode_replay, encode_replay
-from catch_arena.replay.quantisation import QuantisedState, quantise
+from catch_arena.replay.quantisation import quantise
 from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
 from catch_arena.world import World
 
 
 @dataclass(slots=True)
-class Replay:
+class Replay(ReplayContent):
     """One recorded match, or the part of it that has been played."""
 
     html_formatter: ClassVar[Callable[["Replay"], str] | None] = None
     """Makes the HTML that a notebook shows: `catch_arena.player`, which stands above, sets it when it is imported."""
-
-    config: ArenaConfig
-    seed: int
-    names: tuple[str, ...]
-    """The agents' names by seat."""
-    title: str = ""
-    choices: list[NDArray[np.int64]] = field(default_factory=list)
-    """The ranks of each step: (H,)."""
-    commands: list[NDArray[np.float32]] = field(default_factory=list)
-    """The velocity commands of each step: (H, 2)."""
-    digests: list[bytes] = field(default_factory=list)
-    """A.8, after the reset and after each step."""
-    states: list[QuantisedState] = field(default_factory=list)
-    """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
-    withdrawals: list[tuple[int, int]] = field(default_factory=list)
-    """(steps played before it, seat): R1.6."""
 
     @property
     def steps(self) -> int:
@@ -116,21 +99,8 @@ class Replay:
         Raises:
             OutputError: where it cannot be written.
         """
-        hunters = self.config.hunters
         try:
-            content = encode_replay(
-                ReplayContent(
-                    self.config,
-                    self.seed,
-                    self.names,
-                    self.title,
-                    np.array(self.choices, dtype=np.int64).reshape(-1, hunters),
-                    np.array(self.commands, dtype=np.float32).reshape(-1, hunters, 2),
-                    self.digests,
-                    self.states,
-                    self.withdrawals,
-                )
-            )
+            content = encode_replay(self)
         except ReplayError as error:
             raise OutputError(f"{'the replay' if isinstance(file, BytesIO) else file}: {error}") from None
         if isinstance(file, BytesIO):
@@ -154,14 +124,4 @@ class Replay:
             match = decode_replay(content)
         except ReplayError as error:
             raise ReplayError(f"{path}: {error}") from None
-        return cls(
-            config=match.config,
-            seed=match.seed,
-            names=match.names,
-            title=match.title,
-            choices=list(match.choices),
-            commands=list(match.commands),
-            digests=match.digests,
-            states=match.states,
-            withdrawals=match.withdrawals,
-        )
+        return cls(*(getattr(match, field.name) for field in fields(match)))

@@ -1,28 +1,22 @@
 """What a tournament's folder holds, read once: everything in the report is made from it."""
 
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
 
 from catch_arena.errors import ReplayError, StoreError, reason
 from catch_arena.replay import Replay
 from catch_arena.tournament.audit import FILE as AUDIT
-from catch_arena.tournament.audit import Audit, Check, Seat
+from catch_arena.tournament.audit import Audit
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import PlayedMatch
-from catch_arena.tournament.rows import DamagedError, number_of, text_of, whole
+from catch_arena.tournament.rows import DamagedError
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
-from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.standings import Standing, standings
 from catch_arena.tournament.store import Store, Tournament
-
-_MOST: Final = 10**9
-"""Of whatever an audit counts or measures."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +90,7 @@ class ReportData:
         path = self.folder / AUDIT
         try:
             found = json.loads(path.read_text(encoding="utf-8"))
-            return _audit(found), found["config_digest"]
+            return Audit.from_json(found), found["config_digest"]
         except FileNotFoundError:
             return None, None
         except (OSError, ValueError, TypeError, KeyError, RecursionError, DamagedError) as error:
@@ -116,31 +110,3 @@ class ReportData:
         if match not in self.recorded:
             raise ReplayError(f"match {match}: must be one that was played and recorded")
         return Replay.load(self.folder / REPLAYS / f"{match}.replay")
-
-
-def _audit(found: dict[str, Any]) -> Audit:
-    """What `audit_text` wrote; anybody may have written it."""
-    return Audit(
-        agent=text_of("agent", found["agent"]),
-        matches=whole("matches", found["matches"], 1, _MOST),
-        seats=tuple(Seat(_estimate(seat["wins"]), _figure("score", seat["score"])) for seat in found["seats"]),
-        twin_matches=whole("twin_matches", found["twin_matches"], 1, _MOST),
-        twin_difference=_estimate(found["twin_difference"]),
-        checks=tuple(
-            Check(
-                text_of("question", check["question"]),
-                check["passed"] is True,
-                text_of("finding", check["finding"]),
-                None if check["p"] is None else _figure("p", check["p"]),
-            )
-            for check in found["checks"]
-        ),
-    )
-
-
-def _estimate(found: dict[str, Any]) -> Estimate:
-    return Estimate(*(_figure(name, found[name]) for name in ("mean", "low", "high")))
-
-
-def _figure(what: str, value: object) -> float:
-    return math.nan if value != value else number_of(what, value, -_MOST, _MOST)  # noqa: PLR0124 - NaN: not known

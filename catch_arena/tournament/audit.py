@@ -1,11 +1,12 @@
 """Is the arena fair? Identical agents in all seats, permuted requests and labels, and one agent under two names."""
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import cycle, islice
 from random import Random
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.rows import number_of, text_of, whole
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
@@ -35,6 +37,8 @@ _STEPS: Final = 2000
 _REPLAYED: Final = 5
 _FEWEST_MATCHES: Final = 100
 _FEWEST_TWIN_BLOCKS: Final = 8
+_MOST: Final = 10**9
+"""Of whatever an audit counts or measures, where one is read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +81,40 @@ class Audit:
     def passed(self) -> bool:
         """Whether nothing unfair was found."""
         return all(check.passed for check in self.checks)
+
+    @classmethod
+    def from_json(cls, found: Any) -> "Audit":
+        """What `audit_text` wrote, as JSON reads it; anybody may have written it.
+
+        Raises:
+            DamagedError: for a value that no audit has.
+            KeyError: where one is missing.
+            TypeError: where it is of another kind.
+        """
+        return cls(
+            agent=text_of("agent", found["agent"]),
+            matches=whole("matches", found["matches"], 1, _MOST),
+            seats=tuple(Seat(_estimate(seat["wins"]), _figure("score", seat["score"])) for seat in found["seats"]),
+            twin_matches=whole("twin_matches", found["twin_matches"], 1, _MOST),
+            twin_difference=_estimate(found["twin_difference"]),
+            checks=tuple(
+                Check(
+                    text_of("question", check["question"]),
+                    check["passed"] is True,
+                    text_of("finding", check["finding"]),
+                    None if check["p"] is None else _figure("p", check["p"]),
+                )
+                for check in found["checks"]
+            ),
+        )
+
+
+def _estimate(found: Any) -> Estimate:
+    return Estimate(*(_figure(name, found[name]) for name in ("mean", "low", "high")))
+
+
+def _figure(what: str, value: object) -> float:
+    return math.nan if value != value else number_of(what, value, -_MOST, _MOST)  # noqa: PLR0124 - NaN: not known
 
 
 def audit(

@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from inspect import signature
 from itertools import pairwise
 from pathlib import Path
 
@@ -9,8 +10,9 @@ import pytest
 from conformance.shapes import reach_of, shape
 from oracle.arithmetic import SERVICE_LOT, TIE_LOT, draw, key
 
+from catch_arena.arbitration import arbitrate
 from catch_arena.conformance.case_files import load_cases, read_cases
-from catch_arena.conformance.cases import ArbiterCase, ArenaCase
+from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase
 from catch_arena.errors import ConfigError
 from catch_arena.verdicts import Verdict
 
@@ -41,6 +43,12 @@ def test_every_clause_of_chapter_5_has_a_case():
     chapter = re.findall(r"^\*\*(R5\.\d+)\*\*", BOOK, flags=re.MULTILINE)
     assert "R5.1" in chapter
     assert [clause for clause in chapter if clause not in cited] == []
+
+
+def test_a_case_means_what_arbitrate_means_where_neither_says_otherwise():
+    """Two tables: the suite imports no arbiter."""
+    arguments = signature(arbitrate).parameters.values()
+    assert {one.name: one.default for one in arguments if one.default is not one.empty} == DEFAULTS
 
 
 def test_every_clause_that_is_cited_is_in_the_book():
