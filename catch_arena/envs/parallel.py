@@ -44,6 +44,10 @@ RENDER_MODES: Final = ("rgb_array", "human")
 RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
+_UNCHANGING: Final = frozenset(
+    ("config", "_controls", "_evidence", "_masks", "_observation_spaces", "_parts", "_record_as", "_rewards")
+) | {"_seats", "_seen"}
+"""What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
 _NO_COMMAND: Final = (0.0, 0.0)
 _NO_ANSWER: Final[dict[str, Any]] = dict.fromkeys(("verdict", "reason", "target", "distance_um", "winner"))
 
@@ -54,11 +58,9 @@ class SavedEpisode:
 
     config: str
     """The digest of the arena's config."""
-    seed: int
-    memory: NDArray[np.float64]
-    """The arena, as the engine keeps it."""
-    parts: NDArray[np.float64]
-    """The rewards of the last step and their parts, for its infos."""
+    seed: int | None
+    memory: NDArray[np.uint8]
+    """The arena and what it told last, as the engine keeps them."""
     agents: tuple[str, ...]
     over: bool
     withdrawn: frozenset[str]
@@ -164,6 +166,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         }
         self._parts, self._evidence, self._masks = slice(0, begin), slice(begin, seen), slice(masks, end)
         self._rewards = engine.rewards[0]
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "CatchArenaEnv":
+        twin = object.__new__(type(self))
+        state = self.__getstate__()
+        twin.__dict__ = {
+            name: value if name in _UNCHANGING else copy.deepcopy(value, memo) for name, value in state.items()
+        }
+        twin._observation_spaces = {}  # made anew when they are asked for: nobody draws from them
+        twin._rewards = twin._engine.rewards[0]
+        return twin
 
     def __getstate__(self) -> dict[str, Any]:
         """All but the window and what is painted in it, which belong to one env and one process."""
@@ -373,13 +385,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             EpisodeError: before the first reset.
         """
         self._require_episode("save")
-        assert self._seed is not None
-        engine = self._engine
         return SavedEpisode(
             config=self._config_digest,
             seed=self._seed,
-            memory=engine.save_row(0),
-            parts=engine.save_rewards(),
+            memory=self._engine.save_row(0),
             agents=tuple(self.agents),
             over=self._over,
             withdrawn=frozenset(self._withdrawn),
@@ -399,9 +408,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if not isinstance(saved, SavedEpisode):
             raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
         if saved.config != self._config_digest:
-            raise ConfigError(f"saved must come from an arena of equal config, {self._config_digest}, got {saved.config}")
+            raise ConfigError(
+                f"saved must come from an arena of equal config, {self._config_digest}, got {saved.config}"
+            )
         self._seed = saved.seed
-        self._engine.restore_rewards(saved.parts)
         self._engine.restore_row(0, saved.memory)
         self.agents = list(saved.agents)
         self._over = saved.over
@@ -523,7 +533,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def _observations_and_infos(
         self, agents: Sequence[str], cut: Sequence[str] = ()
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Observations and infos of these agents, all from one copy of what the engine tells; `cut`: who is truncated."""
+        """Observations and infos of these agents, from one copy of what the engine tells; `cut` are truncated."""
         outputs, seen = self._engine.outputs.copy(), self._seen
         infos: dict[str, dict[str, Any]]
         if self._infos_wanted == "full":

@@ -2,6 +2,7 @@
 
 import copy as copy_module
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from typing import Any, Final, NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -36,7 +37,8 @@ class SavedState(NamedTuple):
     """The digest of the arena's config."""
     num_envs: int | None
     """Of the batch; None for a single row."""
-    memory: NDArray[np.float64]
+    memory: NDArray[np.uint8]
+    """As the engine keeps it; what only auto_reset keeps comes last."""
 
 
 class VectorArena:
@@ -58,10 +60,11 @@ class VectorArena:
     - `action_mask`: (B, H, K + 1) int8, read only: R7.2's mask of ranks; absent under velocity control;
     - `active`, where hunters drop out: (B, H) bool, who has not (R1.7); all play on as under `dropouts="fixed"`;
     - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step, and for these `final_obs`
-      (B, H, D) float32, the last observations, and `episode`, a dict with `length` [steps], `return` (rewards
+      (B, H, D) float32, the last observations, `final_mask` (B, H, K + 1) int8, their masks (where there are masks),
+      and `episode`, a dict with `length` [steps], `return` (rewards
       summed), `score`, `rank` (1 is best, equal scores share it), `contests_won` and `contests_lost`, all (B, H), and
       `verdicts`, (B, H, 11), how often each verdict was met, in the order of `Verdict`. Rows whose episode ended
-      earlier keep what they had; all but `_final_obs` are float32.
+      earlier keep what they had; all but `_final_obs` and `final_mask` are float32.
 
     Everything that is returned lies in buffers that the next call fills anew; `copy=True` returns arrays of their
     own. A step allocates no memory, unless actions come in other types than int64 and float32.
@@ -124,6 +127,8 @@ class VectorArena:
             tallies = records[:, :, episodes.FINAL_TALLIES :]
             infos["_final_obs"] = self._ended
             infos["final_obs"] = engine.last_observations
+            if "action_mask" in infos:
+                infos["final_mask"] = engine.last_masks
             infos["episode"] = {
                 "length": records[:, :, episodes.LENGTH],
                 "return": records[:, :, episodes.FINAL_RETURN],
@@ -213,12 +218,16 @@ class VectorArena:
             raise EpisodeError("step must follow a reset: no episode has begun")
         engine = self._engine
         engine.step(*self._checked_actions(actions))
-        np.equal(engine.ends, _TERMINATED, out=self._terminations)
-        np.equal(engine.ends, _TRUNCATED, out=self._truncations)
-        np.logical_or(self._terminations, self._truncations, out=self._ended)
+        self._look_at_the_ends()
         return self._handed_out(
             (engine.observations, engine.rewards, self._terminations, self._truncations, dict(self._infos))
         )
+
+    def _look_at_the_ends(self) -> None:
+        ends = self._engine.ends
+        np.equal(ends, _TERMINATED, out=self._terminations)
+        np.equal(ends, _TRUNCATED, out=self._truncations)
+        np.logical_or(self._terminations, self._truncations, out=self._ended)
 
     def _checked_actions(
         self, actions: ArrayLike | Mapping[str, ArrayLike]
@@ -301,10 +310,10 @@ class VectorArena:
             EpisodeError: before the first reset.
         """
         self._require_begun()
-        return SavedState(self.config.digest, self.num_envs, self._engine.save())
+        return SavedState(self._config_digest, self.num_envs, self._engine.save())
 
     def restore(self, saved: SavedState) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Go on from a saved state, bit for bit.
+        """Go on from a saved state, bit for bit, the figures of past episodes included.
 
         Returns:
             observations and infos, as `reset`.
@@ -312,14 +321,14 @@ class VectorArena:
         Raises:
             ConfigError: for an argument that cannot be.
         """
-        self._engine.restore(self._memory_of(saved, self.num_envs, self._engine.blocks.shape))
+        self._engine.restore(self._memory_of(saved, self.num_envs))
         self._begun = True
-        self._ended[:] = False
+        self._look_at_the_ends()
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: the state of one arena, which any row of an arena of equal config can take."""
-        return SavedState(self.config.digest, None, self._engine.save_row(self._row(arena)))
+        return SavedState(self._config_digest, None, self._engine.save_row(self._row(arena)))
 
     def restore_row(self, arena: int, saved: SavedState) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Go on, in one arena, from a saved row.
@@ -331,18 +340,23 @@ class VectorArena:
             ConfigError: for an argument that cannot be.
         """
         arena = self._row(arena)
-        self._engine.restore_row(arena, self._memory_of(saved, None, self._engine.save_row(arena).shape))
-        self._ended[arena] = False
+        self._engine.restore_row(arena, self._memory_of(saved, None))
+        self._look_at_the_ends()
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
-    def _memory_of(self, saved: SavedState, num_envs: int | None, shape: tuple[int, ...]) -> NDArray[np.float64]:
-        if not isinstance(saved, SavedState) or saved.config != self.config.digest:
+    @cached_property
+    def _config_digest(self) -> str:
+        return self.config.digest
+
+    def _memory_of(self, saved: SavedState, num_envs: int | None) -> NDArray[np.uint8]:
+        if not isinstance(saved, SavedState) or saved.config != self._config_digest:
             raise ConfigError("a saved state must come from an arena of equal config, got another's")
         if saved.num_envs != num_envs:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
-        if np.shape(saved.memory) != shape:  # kept by another version of this package
-            raise ConfigError(f"a saved state must have the shape {shape}, got {np.shape(saved.memory)}")
+        sizes = self._engine.saved_sizes(row=num_envs is None)
+        if len(saved.memory) not in sizes:  # kept by another version of this package
+            raise ConfigError(f"a saved state must have {sizes[-1]} bytes, got {len(saved.memory)}")
         return saved.memory
 
     def clone(self) -> "VectorArena":

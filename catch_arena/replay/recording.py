@@ -1,6 +1,6 @@
 """Rulebook R10.2: a match as its header, its seed and its actions, with a digest of every state and its numbers."""
 
-import dataclasses
+import copy
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -74,8 +74,10 @@ class Replay:
 
     def copy(self) -> "Replay":
         """The match so far; the steps that are appended to one of the two do not appear in the other."""
-        lists = ("choices", "commands", "digests", "states", "withdrawals")
-        return dataclasses.replace(self, **{name: list(getattr(self, name)) for name in lists})
+        twin = copy.copy(self)
+        for name in ("choices", "commands", "digests", "states", "withdrawals"):
+            setattr(twin, name, list(getattr(self, name)))
+        return twin
 
     def engines(self) -> Iterator[Engine]:
         """The match again, checked against nothing: one engine, at every step's boundary, steps + 1 of them."""

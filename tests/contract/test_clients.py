@@ -76,7 +76,9 @@ def test_an_integer_array_of_one_element_is_an_action(action):
     assert one.digest() == other.digest()
 
 
-@pytest.mark.parametrize("action", [2.0, np.array([2.0]), np.array([1, 2]), np.array([]), np.array([True]), np.bool_(1)])
+@pytest.mark.parametrize(
+    "action", [2.0, np.array([2.0]), np.array([1, 2]), np.array([]), np.array([True]), np.bool_(1)]
+)
 def test_a_whole_float_two_elements_or_a_bool_is_no_action(action):
     """Adapters convert; a float is more often a slip."""
     env = catch_arena.parallel_env("duel")
