@@ -1,4 +1,4 @@
-"""The third arbiter, beside the core's and the oracle's: chapter 5 plain and slow, with every rule in a place of its own.
+"""The third arbiter, beside the core's and the oracle's: chapter 5 plain and slow, every rule in a place of its own.
 A known mistake is one of its rules replaced.
 """
 
