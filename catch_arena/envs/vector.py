@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core import episodes
 from catch_arena.core import state as rows
+from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine, batch_seeds, next_seeds
 from catch_arena.envs.spaces import action_space, observation_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
@@ -75,6 +76,8 @@ class VectorArena:
         num_threads: how many threads play, at least 4096 hunters each (results do not depend on it).
         auto_reset: whether ended episodes begin anew at once.
         copy: whether arrays of their own are returned.
+        any_control: whether arenas may differ in their hunters' controls, by `set_controls`; actions have the form of
+            full control then.
         overrides: fields of ArenaConfig.
 
     Raises:
@@ -89,24 +92,26 @@ class VectorArena:
         *,
         auto_reset: bool = True,
         copy: bool = False,
+        any_control: bool = False,
         **overrides: object,
     ) -> None:
         num_envs = _positive("num_envs", num_envs, _MOST_ENVS)
         num_threads = _positive("num_threads", num_threads, _MOST_THREADS)
-        for name, value in (("auto_reset", auto_reset), ("copy", copy)):
+        for name, value in (("auto_reset", auto_reset), ("copy", copy), ("any_control", any_control)):
             if not isinstance(value, bool):
                 raise ConfigError(f"{name} must be True or False, got {value!r}")
         self.config: Final = arena_config(scenario, **overrides)
         self.num_envs: Final = num_envs
         self.num_hunters: Final = self.config.hunters
         self._copy = copy
+        self._kinds: Final = set(CONTROLS if any_control else self.config.controls)
         self._begun = False
         shape = (num_envs, self.config.hunters)
         try:
             self._engine = Engine(
                 self.config, num_envs, infos_wanted=False, auto_reset=auto_reset, num_threads=num_threads
             )
-            controls = set(self.config.controls)
+            controls = self._kinds
             self._choices = np.zeros((0, 0) if controls == {"velocity"} else shape, dtype=np.int64)
             self._commands = np.zeros((0, 0, 2) if controls == {"target"} else (*shape, 2), dtype=np.float32)
             self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
@@ -117,7 +122,7 @@ class VectorArena:
 
     def _make_infos(self) -> dict[str, Any]:
         engine, infos = self._engine, dict[str, Any]()
-        if set(self.config.controls) != {"velocity"}:
+        if self._kinds != {"velocity"}:
             infos["action_mask"] = engine.masks.view()
             infos["action_mask"].flags.writeable = False  # the engine writes only what has changed
         if self.config.dropout_rate > 0.0:
@@ -223,6 +228,24 @@ class VectorArena:
             (engine.observations, engine.rewards, self._terminations, self._truncations, dict(self._infos))
         )
 
+    def set_controls(self, controls: ArrayLike, arenas: ArrayLike | None = None) -> None:
+        """R4.1, R4.4: how hunters are driven from now on; the arena plays what a one-arena env of such a config does.
+
+        Args:
+            controls: for each of those arenas and each seat 0 (target), 1 (velocity) or 2 (full): (n, H).
+            arenas: the rows, as for `reset`; all without it.
+
+        Raises:
+            ConfigError: for other numbers, or where the arena was made without `any_control`.
+        """
+        if len(self._kinds) < len(CONTROLS):
+            raise ConfigError("any_control must be True for arenas to have controls of their own, got False")
+        chosen, given = self._rows(arenas), np.asarray(controls)
+        shape = (len(chosen), self.num_hunters)
+        if given.shape != shape or given.dtype.kind not in "iu" or not np.isin(given, list(CONTROLS.values())).all():
+            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {_named(given)}")
+        self._engine.controls[chosen] = given
+
     def _look_at_the_ends(self) -> None:
         ends = self._engine.ends
         np.equal(ends, _TERMINATED, out=self._terminations)
@@ -232,7 +255,7 @@ class VectorArena:
     def _checked_actions(
         self, actions: ArrayLike | Mapping[str, ArrayLike]
     ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-        controls = set(self.config.controls)
+        controls = self._kinds
         if controls == {"target"}:
             return self._checked_choices("actions", actions), self._commands
         if controls == {"velocity"}:
