@@ -159,6 +159,10 @@ class ArenaConfig:
     rewards: RewardWeights = field(default_factory=RewardWeights)
     faults: FaultRates = field(default_factory=FaultRates)
 
+    def __deepcopy__(self, memo: object) -> "ArenaConfig":
+        """Itself, since nothing in it changes."""
+        return self
+
     def __post_init__(self) -> None:
         _require_integer("hunters", self.hunters, 1, MAX_HUNTERS)
         _require_number("side_m", self.side_m, at_least=2.0, at_most=5000.0)

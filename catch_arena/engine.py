@@ -2,7 +2,6 @@
 arbitration) check what people give.
 """
 
-import copy
 import gc
 import hashlib
 import math
@@ -24,7 +23,7 @@ from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import RECORD_COLUMNS
 from catch_arena.core.jit import INTERPRETED
 from catch_arena.core.math import PI, sincos, wrap
-from catch_arena.core.memory import DTYPES, Sections, lay_out, zeros
+from catch_arena.core.memory import DTYPES, Bytes, Sections, copy_of, lay_out, place_of, sections_of, whole_lines, zeros
 from catch_arena.core.random import advance_seeds, derive_row_seeds
 from catch_arena.core.ranking import selection_network
 from catch_arena.core.rewards import PART_NAMES
@@ -162,11 +161,13 @@ class Engine:
         with_infos = num_arenas if infos_wanted else 0
         kept = num_arenas if auto_reset else 0
         scratch = scratch_shapes(hunters, num_rows, width(config))
-        self._memory, sections = lay_out(
+        memory, sections = lay_out(
             Sections(
                 settings=np.array(settings_of(config, progress_wanted=infos_wanted), dtype=np.float64),
                 start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
-                controls=np.array([CONTROLS[control] for control in config.controls]),
+                controls=np.tile(
+                    np.array([CONTROLS[control] for control in config.controls], np.int8), (num_arenas, 1)
+                ),
                 limits=limits_of(config),
                 target_network=_network(config.max_targets, seen),
                 # one rank more than is seen: a tie at the edge of the view has to be noticed
@@ -179,17 +180,29 @@ class Engine:
                 ends=zeros(num_arenas, dtype=np.int8),
                 rewards=zeros(num_arenas - with_infos, hunters, dtype=np.float32),
                 last_observations=zeros(kept, hunters, width(config), dtype=np.float32),
+                last_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
                 records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
                 **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
             )
         )
+        self._look_at(memory, sections)
+        spare = num_arenas - (num_blocks - 1) * LANES
+        self._hunters[-1, :, _row(rows.WITHDRAWN), spare:] = 1.0  # in lanes that are no arenas nobody does anything
+
+    def _look_at(self, memory: Bytes, sections: Sections) -> None:
+        """Give the parts of the memory their names."""
+        self._memory = memory
         self.blocks = sections.blocks
         """The arenas' memory: see core/state.py."""
+        self.controls = sections.controls
+        """R4.1, R4.4: how each hunter is driven, in the numbers of `controllers.CONTROLS`: (B, H). The config's, until
+        somebody writes others; what they read of `choices` and `commands` must then be there.
+        """
         self.observations = sections.observations
         """R7.1: (B, H, D)."""
         self.masks = sections.masks
         """R7.2: (B, H, K + 1)."""
-        self.rewards: NDArray[Any] = sections.parts[:, :, 0] if infos_wanted else sections.rewards
+        self.rewards: NDArray[Any] = sections.parts[:, :, 0] if self.infos_wanted else sections.rewards
         """R6.2: (B, H), float64 with the parts and float32 without."""
         self.parts = sections.parts[:, :, 1:]
         """R6.2: the parts of the last reward, unweighted, in the order of `rewards.PART_NAMES`: (B, H, 6), or (0, H, 6)
@@ -199,28 +212,37 @@ class Engine:
         """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
         self.last_observations = sections.last_observations
         """With auto_reset the last observations of the latest episode that ended in each arena: (B, H, D)."""
+        self.last_masks = sections.last_masks
+        """And the masks that belong to them: (B, H, K + 1)."""
         self.records = sections.records
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
-        begin, end = (section.ctypes.data - self._memory.ctypes.data for section in (sections.parts, sections.ends))
+        begin, end = place_of("parts", memory), place_of("ends", memory)
         self.outputs = self._memory[begin:end].view(np.float32)
         """`parts`, `evidence`, `observations` and `masks` as they lie one behind the other: copied, all at once."""
         self.evidence = sections.evidence
         """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
-        self._widths = (SINGLE, SINGLE) if num_arenas == 1 else (HALF, WIDE)
+        begin = place_of("blocks", memory)
+        self._kept, self._kept_by_all = memory[begin:], place_of("last_observations", memory) - begin
+        told = (sections.parts, sections.evidence, sections.observations, sections.masks, sections.ends)
+        of_arenas = (*told, sections.rewards, sections.last_observations, sections.last_masks, sections.records)
+        self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if len(section)]
+        """What stands of each arena beside the blocks: (B, bytes) each."""
+        config, hunters = self.config, self.config.hunters
+        num_blocks, num_rows = len(self.blocks), self.blocks.shape[1] // LANES
+        slot = slot_rows(MOTIONS[config.target_motion])
+        self._widths = (SINGLE, SINGLE) if self.num_arenas == 1 else (HALF, WIDE)
         self._fields = self.blocks.reshape(num_blocks, num_rows, LANES)  # the same memory: [block, row, lane]
         self._hunters = self._fields[:, rows.ARENA_ROWS : rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS].reshape(
             num_blocks, hunters, rows.HUNTER_ROWS, LANES
         )
         first = rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS
-        spare = num_arenas - (num_blocks - 1) * LANES
         digest = rows.MOVING_TARGET_DIGEST if config.targets_move else rows.TARGET_DIGEST
         self._target_digest = [_row(row) for row in digest]
-        self._hunters[-1, :, _row(rows.WITHDRAWN), spare:] = 1.0  # in lanes that are no arenas nobody does anything
         self._targets = self._fields[:, first : first + config.max_targets * slot].reshape(
             num_blocks, config.max_targets, slot, LANES
         )
         self._target_orders = self._fields[:, first + config.max_targets * slot :].reshape(
-            num_blocks, hunters, target_order_rows(seen), LANES
+            num_blocks, hunters, target_order_rows(config.targets_seen), LANES
         )
 
     # playing
@@ -450,36 +472,64 @@ class Engine:
 
     # keeping
 
-    def save(self) -> NDArray[np.float64]:
-        """R10.2: the state of all arenas; `restore` takes it back, here or in an engine of an equal config and size."""
-        return self.blocks.copy()
+    def save(self) -> Bytes:
+        """R10.2: all arenas, with what was told of their last step; `restore` takes it back, here or in an engine of an
+        equal config and size. What only `auto_reset` keeps comes last.
+        """
+        return self._kept.copy()
 
-    def restore(self, saved: NDArray[np.float64]) -> None:
+    def restore(self, saved: Bytes) -> None:
         """Go on from a saved state."""
-        self.blocks[:] = saved
-        self.observe()
+        size = min(len(saved), len(self._kept))
+        self._kept[:size] = saved[:size]
 
-    def save_row(self, arena: int) -> NDArray[np.float64]:
-        """R10.2: the state of one arena, which any row of an engine of an equal config can take."""
-        return self._fields[arena // LANES, :, arena % LANES].copy()
+    def save_row(self, arena: int) -> Bytes:
+        """R10.2: the same of one arena, which any row of an engine of an equal config can take."""
+        column = self._fields[arena // LANES, :, arena % LANES].copy()
+        return np.concatenate((column.view(np.uint8), *[told[arena] for told in self._told]))
 
-    def restore_row(self, arena: int, saved: NDArray[np.float64]) -> None:
+    def restore_row(self, arena: int, saved: Bytes) -> None:
         """Go on, in one arena, from a saved state."""
-        self._fields[arena // LANES, :, arena % LANES] = saved
-        self.observe(arena)
+        begin = self._fields.shape[1] * 8
+        self._fields[arena // LANES, :, arena % LANES] = saved[:begin].view(np.float64)
+        for told in self._told:
+            end = begin + told.shape[1]
+            if end > len(saved):  # of an engine without auto_reset
+                break
+            told[arena] = saved[begin:end]
+            begin = end
+
+    def saved_sizes(self, *, row: bool) -> tuple[int, int]:
+        """How long a saved state can be, of a row or of all: without what only `auto_reset` keeps, and with it."""
+        records = self.num_arenas * self.config.hunters * RECORD_COLUMNS * np.dtype(np.float32).itemsize
+        own = (self.observations.nbytes, self.masks.nbytes, records)
+        if not row:
+            return self._kept_by_all, self._kept_by_all + sum(map(whole_lines, own))
+        column = self._fields.shape[1] * self._fields.itemsize
+        by_all = column + sum(told.shape[1] for told in self._told[: len(self._told) - (3 if self.auto_reset else 0)])
+        return by_all, by_all + sum(own) // self.num_arenas
 
     def clone(self) -> "Engine":
         """An engine of its own in the same state."""
-        return copy.deepcopy(self)
+        twin = object.__new__(Engine)
+        twin.config, twin.num_arenas = self.config, self.num_arenas
+        twin.infos_wanted, twin.auto_reset = self.infos_wanted, self.auto_reset
+        twin._shares, twin.threads = self._shares, Threads(self.threads.size)
+        memory = copy_of(self._memory)
+        twin._look_at(memory, sections_of(memory))
+        return twin
+
+    def __deepcopy__(self, memo: object) -> "Engine":
+        return self.clone()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copied and pickled by what it is made from: its arrays share their memory, which a plain copy would part."""
+        """Pickled by what it is made from: its arrays share their memory, which a plain pickle would part."""
         make = partial(
             Engine, infos_wanted=self.infos_wanted, auto_reset=self.auto_reset, num_threads=self.threads.size
         )
         return make, (self.config, self.num_arenas), self._memory
 
-    def __setstate__(self, state: NDArray[np.uint8]) -> None:
+    def __setstate__(self, state: Bytes) -> None:
         """Take over what another engine holds."""
         self._memory[:] = state
 

@@ -167,9 +167,12 @@ def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sect
         if block[ENDED + lane] == RUNNING:
             continue
         seen, last_seen = sections.observations[first + lane], sections.last_observations[first + lane]
+        mask, last_mask = sections.masks[first + lane], sections.last_masks[first + lane]
         for seat in range(s.hunters):
             for column in range(seen.shape[1]):
                 last_seen[seat, column] = seen[seat, column]
+            for rank in range(mask.shape[1]):
+                last_mask[seat, rank] = mask[seat, rank]
         write_record(block, s, lane, sections.records[first + lane])
         seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         begin(block, s, lane, sections.start_poses, next_seed(seed))

@@ -95,7 +95,7 @@ def good(env):
 
 
 BAD_ACTIONS = {
-    "target": [9, -1, 1.0, "1", None, True, [1], np.array([1]), np.float32(1), NAN],
+    "target": [9, -1, 1.0, "1", None, True, [1], np.array([1.0]), np.float32(1), NAN],
     "velocity": [
         (0.0,),
         (0.0, 0.0, 0.0),
