@@ -182,7 +182,7 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
             what = f"{first} beats {second} by lot"
-            why = f"Both were {distances}: the lowest ticket wins (R5.5)"
+            why = f"Both were {distances}: the lowest lot wins (R5.5)"
         else:
             what = f"{first} beats {second} by {short_length(margin_um)}"
             why = f"It was {distances}, the other {metres(loser.distance_um)}: the smaller distance decides (R5.4)"

@@ -71,7 +71,7 @@ def _decision(contest: Contest, names: Sequence[str]) -> str:
         return "The smaller distance decides (R5.4)"
     lots = _listed(f"{names[claim.seat]} {claim.lot:016x}" for claim in contest.claims if claim.lot is not None)
     if contest.clause == "R5.5":
-        return f"An exact tie is drawn by lot, and the lowest ticket wins (R5.5): {lots}"
+        return f"An exact tie is drawn by lot, and the lowest lot wins (R5.5): {lots}"
     return f"The step's lots decide, and the lowest is served first (R5.9): {lots}"
 
 

@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 from itertools import islice
 from typing import Any
 
-from catch_arena.core.arbiter import distance_um
+from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.match_summary import Contest, contests_of, json_ready
 from catch_arena.explanation.seats import how_it_left, labels, seat_of
@@ -138,4 +138,4 @@ def _asked(replay: Replay, sight: Sight, worlds: tuple[World, World], seat: int,
 
 
 def _distances(world: World, place: tuple[float, float]) -> list[int]:
-    return [int(distance_um(place[0] - hunter.x, place[1] - hunter.y)) for hunter in world.hunters]
+    return [int(measure_um(place[0] - hunter.x, place[1] - hunter.y)) for hunter in world.hunters]
