@@ -5,8 +5,9 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from oracle.arena import Hunter, OracleArena, Target, in_own_frame
+from oracle.arena import OracleArena
 from oracle.arithmetic import DROPOUT, KILL_DOWN, KILL_REFUSED, SPAWN_DOWN, SPAWN_REFUSED, draw, fraction, key
+from oracle.turtles import Hunter, Target, in_own_frame
 from rulebook.adjudicators import Adjudicator, OracleAdjudicator, adjudicator
 
 from catch_arena.config import ArenaConfig

@@ -3,7 +3,7 @@
 import pytest
 from conformance.arenas import AdjudicatorUnderTest, OracleUnderTest
 from conformance.wrong_arenas import WRONG
-from oracle.arena import judge
+from oracle.arbiter import judge
 from rulebook.adjudicators import ADJUDICATORS
 
 from catch_arena.arbitration import arbitrate

@@ -8,9 +8,19 @@ It shares no code with the package. Where it and the engine differ, the book dec
 import hashlib
 import math
 import struct
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from oracle.arbiter import (
+    GRANTED,
+    HUNTER_INACTIVE,
+    LOST_CONTEST,
+    MALFORMED,
+    OUT_OF_REACH,
+    SERVICE_DOWN,
+    Request,
+    decide_contests,
+)
 from oracle.arithmetic import (
     DROPOUT,
     DT,
@@ -19,13 +29,11 @@ from oracle.arithmetic import (
     KILL_REFUSED,
     PI,
     PLACE,
-    SERVICE_LOT,
     SPAWN_DOWN,
     SPAWN_REFUSED,
     START_TURN,
     TAU,
     THREAT_LOT,
-    TIE_LOT,
     WANDER,
     atan2,
     clamp,
@@ -36,18 +44,18 @@ from oracle.arithmetic import (
     to_float32,
     wrap,
 )
-
-MATCH_OVER: Final = 1
-MALFORMED: Final = 2
-HUNTER_INACTIVE: Final = 3
-DUPLICATE: Final = 4
-UNKNOWN_TARGET: Final = 5
-ALREADY_CAUGHT: Final = 6
-SERVICE_DOWN: Final = 7
-OUT_OF_REACH: Final = 8
-LOST_CONTEST: Final = 9
-KILL_FAILED: Final = 10
-GRANTED: Final = 11
+from oracle.turtles import (
+    Hunter,
+    Target,
+    Turtle,
+    by_seat,
+    distance,
+    in_own_frame,
+    micrometres,
+    nearness,
+    reach_in_micrometres,
+    relative_heading,
+)
 
 PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time")
 
@@ -55,180 +63,6 @@ Action = Any
 """An int under target control, (a1, a2) under velocity control, ((a1, a2), rank) under full control."""
 RulingTuple = tuple[int, int | None, int | None, int | None]
 """(verdict, target's number, distance in micrometres, winner's seat)."""
-
-
-def distance(x: float, y: float, x_other: float, y_other: float) -> float:
-    """A.7, geometry: d [m]."""
-    dx = x_other - x
-    dy = y_other - y
-    return math.sqrt(dx * dx + dy * dy)
-
-
-def micrometres(d: float) -> int:
-    """R5.3: a distance [m] in whole micrometres."""
-    return math.floor(1000000.0 * d + 0.5)
-
-
-def reach_in_micrometres(reach_m: float) -> int:
-    """R5.3: the reach that a distance must stay below."""
-    return max(1, math.floor(1000000.0 * reach_m + 0.5))
-
-
-def by_seat(value: float | Sequence[float], count: int) -> list[float]:
-    """R2.7: a number for all hunters, or one for each seat."""
-    return [value] * count if isinstance(value, int | float) else list(value)
-
-
-def nearness(x: float, y: float, x_other: float, y_other: float) -> int:
-    """A.7, geometry: near, by which what is seen is ordered."""
-    dx = x_other - x
-    dy = y_other - y
-    (bits,) = struct.unpack("<I", struct.pack("<f", dx * dx + dy * dy))
-    return (int(bits) + 32) // 64
-
-
-class Turtle:
-    """What chapter 2 moves: a pose, a command, and whether the last step met a wall."""
-
-    def __init__(self, x: float, y: float, theta: float) -> None:
-        self.x = x
-        self.y = y
-        self.theta = theta
-        self.v = 0.0
-        self.w = 0.0
-        self.at_wall = False
-
-
-class Hunter(Turtle):
-    """One hunter: besides, its controller's memory and its score."""
-
-    def __init__(self, seat: int, x: float, y: float, theta: float) -> None:
-        super().__init__(x, y, theta)
-        self.seat = seat
-        self.distance_integral = 0.0
-        self.bearing_integral = 0.0
-        self.active = 0
-        self.score = 0
-        self.withdrawn = False
-
-    def stand_still(self) -> None:
-        """What holding does: no velocity, no integrals, no active target (A.7)."""
-        self.v = self.w = 0.0
-        self.distance_integral = self.bearing_integral = 0.0
-        self.active = 0
-
-
-class Target(Turtle):
-    """One alive target."""
-
-    def __init__(self, number: int, x: float, y: float, theta: float, appeared: int) -> None:
-        super().__init__(x, y, theta)
-        self.number = number
-        self.appeared = appeared
-
-
-class Request:
-    """One catch request on its way through the arbiter's tests."""
-
-    def __init__(self, seat: int, number: int | None) -> None:
-        self.seat = seat
-        self.number = number
-        """The target's number; None where no target can be meant."""
-        self.verdict = 0
-        self.distance_um: int | None = None
-        self.winner: int | None = None
-
-
-def contest_winner(eligible: Sequence[Request], number: int, policy: str, seed: int, step: int) -> int:
-    """R5.4, R5.5, R5.9: the seat that wins one target."""
-    seats = [request.seat for request in eligible]
-    if policy == "first_come":
-        lots = draw(key(seed, SERVICE_LOT), step)
-        return min(seats, key=lambda seat: (draw(lots, seat), seat))
-    nearest = min(request.distance_um for request in eligible if request.distance_um is not None)
-    tied = [request.seat for request in eligible if request.distance_um == nearest]
-    lots = draw(draw(key(seed, TIE_LOT), step), number)
-    return min(tied, key=lambda seat: (draw(lots, seat), seat))
-
-
-def decide_contests(requests: Sequence[Request], refused: Iterable[int], policy: str, seed: int, step: int) -> None:
-    """R5.4 to R5.7: verdicts for all requests that no earlier test has refused."""
-    contests: dict[int, list[Request]] = {}
-    for request in requests:
-        if request.verdict == 0 and request.number is not None:
-            contests.setdefault(request.number, []).append(request)
-    unkillable = set(refused)
-    for number, eligible in contests.items():
-        winner = contest_winner(eligible, number, policy, seed, step)
-        for request in eligible:
-            if request.seat != winner:
-                request.verdict = LOST_CONTEST
-                request.winner = winner
-            elif number in unkillable:
-                request.verdict = KILL_FAILED
-                request.winner = winner if len(eligible) > 1 else None
-            else:
-                request.verdict = GRANTED
-                request.winner = winner
-
-
-def judge(
-    *,
-    hunters: Sequence[tuple[float, float]],
-    targets: Mapping[str, tuple[float, float]],
-    requests: Sequence[tuple[int, object]],
-    reach_m: float | Sequence[float] = 0.3,
-    policy: str = "nearest",
-    seed: int = 0,
-    step: int = 0,
-    caught: Iterable[str] = (),
-    inactive: Iterable[int] = (),
-    kill_service_up: bool = True,
-    kill_refused: Iterable[str] = (),
-    match_over: bool = False,
-) -> list[tuple[int, int, object, int | None, int | None]]:
-    """Chapter 5 for requests by name: (verdict, seat, name, distance_um, winner) in the order of the requests."""
-    names = list(targets)
-    number_of = {name: place for place, name in enumerate(names, start=1)}
-    caught, inactive = set(caught), set(inactive)
-    reaches_um = [reach_in_micrometres(reach) for reach in by_seat(reach_m, len(hunters))]
-    judged: list[Request] = []
-    seen: set[int] = set()
-    for seat, name in requests:
-        if not 0 <= seat < len(hunters):
-            raise ValueError(f"no hunter has seat {seat}")
-        request = Request(seat, None)
-        judged.append(request)
-        is_first = seat not in seen
-        seen.add(seat)
-        if match_over:
-            request.verdict = MATCH_OVER
-        elif not isinstance(name, str) or len(name) > 255:
-            request.verdict = MALFORMED
-        elif seat in inactive:
-            request.verdict = HUNTER_INACTIVE
-        elif policy == "capstone":
-            request.verdict = GRANTED if kill_service_up else SERVICE_DOWN
-            request.winner = seat if kill_service_up else None
-        elif not is_first:
-            request.verdict = DUPLICATE
-        elif name not in number_of and name not in caught:
-            request.verdict = UNKNOWN_TARGET
-        elif name in caught:
-            request.verdict = ALREADY_CAUGHT
-        elif not kill_service_up:
-            request.verdict = SERVICE_DOWN
-        else:
-            request.number = number_of[name]
-            request.distance_um = micrometres(distance(*hunters[seat], *targets[name]))
-            if not request.distance_um < reaches_um[seat]:
-                request.verdict = OUT_OF_REACH
-    refused = [number_of[name] for name in kill_refused if name in number_of]
-    decide_contests(judged, refused, policy, seed, step)
-    return [
-        (request.verdict, request.seat, name, request.distance_um, request.winner)
-        for request, (_, name) in zip(judged, requests, strict=True)
-    ]
 
 
 class OracleArena:
@@ -783,18 +617,3 @@ class OracleArena:
         """A.8: 8 bytes of BLAKE2b."""
         numbers = self.numbers()
         return hashlib.blake2b(struct.pack(f"<{len(numbers)}d", *numbers), digest_size=8).digest()
-
-
-def in_own_frame(hunter: Hunter, x: float, y: float) -> tuple[float, float]:
-    """A.7, geometry: (forward, left) of a point [m]."""
-    sine, cosine = sincos(hunter.theta)
-    dx = x - hunter.x
-    dy = y - hunter.y
-    return cosine * dx + sine * dy, cosine * dy - sine * dx
-
-
-def relative_heading(hunter: Hunter, other: Turtle) -> tuple[float, float]:
-    """A.7, observation: cosine and sine of another's heading relative to the hunter's."""
-    sine, cosine = sincos(hunter.theta)
-    its_sine, its_cosine = sincos(other.theta)
-    return its_cosine * cosine + its_sine * sine, its_sine * cosine - its_cosine * sine

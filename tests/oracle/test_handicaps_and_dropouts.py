@@ -3,7 +3,8 @@
 from random import Random
 
 import pytest
-from oracle.arena import GRANTED, HUNTER_INACTIVE, LOST_CONTEST, MALFORMED, OUT_OF_REACH, OracleArena, judge
+from oracle.arbiter import GRANTED, HUNTER_INACTIVE, LOST_CONTEST, MALFORMED, OUT_OF_REACH, judge
+from oracle.arena import OracleArena
 from oracle.arithmetic import DROPOUT, draw, fraction, key
 from oracle.quiet import drive, quiet, rest
 

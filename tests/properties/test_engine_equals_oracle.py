@@ -8,18 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracle.arena import (
-    PART_NAMES,
-    Hunter,
-    OracleArena,
-    Request,
-    Target,
-    Turtle,
-    distance,
-    in_own_frame,
-    micrometres,
-)
+from oracle.arbiter import Request
+from oracle.arena import PART_NAMES, OracleArena
 from oracle.arithmetic import wrap
+from oracle.turtles import Hunter, Target, Turtle, distance, in_own_frame, micrometres
 from properties.matches import EFFORT, settings_of, some_actions, some_config, some_pose, some_seed
 from rulebook.adjudicators import as_arrays, by_seat
 

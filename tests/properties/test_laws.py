@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracle.arena import Hunter, OracleArena, Turtle, distance, micrometres
+from oracle.arena import OracleArena
 from oracle.arithmetic import wrap
+from oracle.turtles import Hunter, Turtle, distance, micrometres
 from properties.matches import EFFORT, seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
 
 from catch_arena.arbitration import arbitrate
