@@ -9,15 +9,22 @@ from typing import Any
 import numpy as np
 import pytest
 from oracle.arbiter import Request
-from oracle.arena import PART_NAMES, OracleArena
-from oracle.arithmetic import wrap
+from oracle.arena import PART_NAMES, PREY_PART_NAMES, Command, OracleArena
 from oracle.turtles import Hunter, Target, Turtle, distance, in_own_frame, micrometres
-from properties.matches import EFFORT, settings_of, some_actions, some_config, some_pose, some_seed
+from properties.matches import (
+    EFFORT,
+    settings_of,
+    some_actions,
+    some_config,
+    some_position,
+    some_prey_actions,
+    some_seed,
+)
 from rulebook.adjudicators import as_arrays, by_seat
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
-from catch_arena.layout import columns
+from catch_arena.layout import columns, prey_columns
 from catch_arena.verdicts import Verdict
 
 FIRST_SEED = 20261121
@@ -66,8 +73,39 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
             f"hunter_{seat}'s parts", list(PART_NAMES), engine.parts[row, seat].tolist(), list(oracle.parts[seat])
         )
     assert_same("rewards", [f"hunter_{seat}" for seat in seats], engine.rewards[row].tolist(), oracle.rewards)
+    assert engine.team_scores()[row].tolist() == oracle.team_scores(), "team scores"
+    compare_prey(engine, oracle, config, row)
     assert bool(engine.terminated[row]) == oracle.terminated, "terminated"
     assert bool(engine.truncated[row]) == oracle.truncated, "truncated"
+
+
+def compare_prey(engine: Engine, oracle: OracleArena, config: ArenaConfig, row: int) -> None:
+    """What prey sees, its parts, rewards, and whether it is out, and what the world tells of it."""
+    names = [column.name for column in prey_columns(config)]
+    agents = list(config.prey_names)
+    for index, observation in enumerate(oracle.prey_observations()):
+        assert_same(f"prey_{index}'s observation", names, engine.prey_observations[row, index].tolist(), observation)
+    for index, parts in enumerate(oracle.prey_parts):
+        assert_same(f"prey_{index}'s parts", list(PREY_PART_NAMES), engine.prey_parts[row, index].tolist(), list(parts))
+    assert_same("prey's rewards", agents, engine.prey_rewards[row].tolist(), oracle.prey_rewards)
+    assert engine.prey_active()[row].tolist() == [prey.target is not None for prey in oracle.prey], "active"
+    told = [(prey.times_caught, prey.caught_by, prey.withdrawn) for prey in engine.world(row).prey]
+    found = zip(oracle.prey, oracle.caught_by, strict=True)
+    assert told == [(prey.times_caught, caught_by, prey.withdrawn) for prey, caught_by in found], "world"
+
+
+def step_both(
+    engine: Engine, oracle: OracleArena, actions: Sequence[Any], prey_actions: Sequence[Command], config: ArenaConfig
+) -> None:
+    """The same step on both."""
+    choices, commands = as_arrays(config, actions)
+    engine.step(choices[np.newaxis], commands[np.newaxis], prey_array(prey_actions)[np.newaxis])
+    oracle.step(actions, prey_actions)
+
+
+def prey_array(prey_actions: Sequence[Command]) -> np.ndarray:
+    """One arena's prey actions as the engine takes them: (P, 2)."""
+    return np.array(prey_actions, np.float32).reshape(-1, 2)
 
 
 def play(source: Random, met: set[Any]) -> int:
@@ -88,19 +126,21 @@ def play(source: Random, met: set[Any]) -> int:
                 engine.withdraw(0, seat)
                 oracle.withdraw(seat)
                 assert_same("state", oracle.number_names(), engine.state(0).tolist(), oracle.numbers())
-            if source.random() < 0.08:
-                poses = [some_pose(source, config.side_m) for _ in range(config.hunters)]
-                hunters = [(x, y, wrap(theta)) for x, y, theta in poses]
-                targets = [some_pose(source, config.side_m)[:2] for _ in range(source.randint(0, config.max_targets))]
-                history.append(f"place(0, {hunters}, {targets}) before step {step}")
-                engine.place(0, hunters, targets)
-                oracle.place(hunters, targets)
+            if config.prey and source.random() < 0.04:
+                index = source.randrange(config.prey)
+                history.append(f"withdraw_prey({index}) before step {step}")
+                engine.withdraw_prey(0, index)
+                oracle.withdraw_prey(index)
                 assert_same("state", oracle.number_names(), engine.state(0).tolist(), oracle.numbers())
-            actions = some_actions(source, config, oracle.masks())
-            history.append(f"step({actions})")
-            choices, commands = as_arrays(config, actions)
-            engine.step(choices[np.newaxis], commands[np.newaxis])
-            oracle.step(actions)
+            if source.random() < 0.08:
+                position = some_position(source, oracle)
+                history.append(f"place(0, *{position}) before step {step}")
+                engine.place(0, *position)
+                oracle.place(*position)
+                assert_same("state", oracle.number_names(), engine.state(0).tolist(), oracle.numbers())
+            actions, prey_actions = some_actions(source, config, oracle.masks()), some_prey_actions(source, config)
+            history.append(f"step({actions}, {prey_actions})")
+            step_both(engine, oracle, actions, prey_actions, config)
             compare(engine, oracle, config, names)
             met |= {(config.policy, found[0]) for found in oracle.rulings if found}
             met |= {"wall" for hunter in oracle.hunters if hunter.at_wall}
@@ -144,16 +184,20 @@ def test_every_row_of_a_batch_plays_as_the_oracle_does(arenas: int) -> None:
             if source.random() < 0.2:
                 batch.withdraw(row, seat)
                 oracles[row].withdraw(seat)
+            if config.prey and source.random() < 0.2:
+                index = source.randrange(config.prey)
+                batch.withdraw_prey(row, index)
+                oracles[row].withdraw_prey(index)
             if source.random() < 0.2:
-                poses = [some_pose(source, config.side_m) for _ in range(config.hunters)]
-                targets = [some_pose(source, config.side_m)[:2] for _ in range(source.randint(0, config.max_targets))]
-                batch.place(row, poses, targets)
-                oracles[row].place(poses, targets)
+                position = some_position(source, oracles[row])
+                batch.place(row, *position)
+                oracles[row].place(*position)
             actions = [some_actions(source, config, oracle.masks()) for oracle in oracles]
+            prey_actions = [some_prey_actions(source, config) for _ in oracles]
             choices, commands = zip(*(as_arrays(config, own) for own in actions), strict=True)
-            batch.step(np.stack(choices), np.stack(commands))
+            batch.step(np.stack(choices), np.stack(commands), np.stack([prey_array(own) for own in prey_actions]))
             for row, oracle in enumerate(oracles):
-                oracle.step(actions[row])
+                oracle.step(actions[row], prey_actions[row])
                 try:
                     compare(batch, oracle, config, names, row)
                 except (AssertionError, pytest.fail.Exception) as difference:
@@ -190,7 +234,7 @@ def test_the_random_matches_meet_every_verdict_and_end() -> None:
         for _ in range(8):
             if source.random() < 0.1:
                 oracle.withdraw(0)
-            oracle.step(some_actions(source, config, oracle.masks()))
+            oracle.step(some_actions(source, config, oracle.masks()), some_prey_actions(source, config))
             met |= {(config.policy, found[0]) for found in oracle.rulings if found}
             if oracle.terminated or oracle.truncated:
                 met.add("terminated" if oracle.terminated else "truncated")
@@ -308,12 +352,11 @@ def test_the_random_matches_meet_moving_targets_views_handicaps_and_dropouts() -
         arena.reset(some_seed(source))
         for _ in range(8):
             if source.random() < 0.08:
-                side = arena.side
-                hunters = [some_pose(source, side) for _ in arena.hunters]
-                arena.place(hunters, [some_pose(source, side)[:2] for _ in range(arena.settings["max_targets"])])
+                arena.place(*some_position(source, arena))
             config = ArenaConfig.from_dict(arena.settings)
-            arena.step(some_actions(source, config, arena.masks()))
+            arena.step(some_actions(source, config, arena.masks()), some_prey_actions(source, config))
             arena.observations()
+            arena.prey_observations()
             if arena.terminated or arena.truncated:
                 break
         matches.update(arena.met)
@@ -331,8 +374,6 @@ def test_whole_episodes_of_every_scenario_are_the_same() -> None:
         steps = 600 if EFFORT > 1 else 600 // config.hunters
         for step in range(steps):
             actions = [1 if (step // 20 + seat) % 7 else 2 for seat in range(config.hunters)]
-            choices, commands = as_arrays(config, actions)
-            engine.step(choices[np.newaxis], commands[np.newaxis])
-            oracle.step(actions)
+            step_both(engine, oracle, actions, [(1.0, 0.2)] * config.prey, config)
             assert bytes(engine.digest(0)) == oracle.digest(), f"{name}, seed {seed}, step {step + 1}"
         assert sum(hunter.score for hunter in oracle.hunters) > 0, name
