@@ -293,7 +293,7 @@ def slot_in_word(word: int, rank: int) -> int:
 
 @rule
 def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
-    """The slot or seat at a rank, in a view or another order that is kept in this way. Ranks count from 0 here, and from
-    1 in actions, whose 0 is hold (R4.1).
+    """The slot or seat at a rank, in a view or another order that is kept in this way. Ranks count from 0 here,
+    and from 1 in actions, whose 0 is hold (R4.1).
     """
     return slot_in_word(word_of_rank(packed, rank, lane), rank)
