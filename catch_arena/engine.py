@@ -237,9 +237,9 @@ class Engine:
         """R12.4: (B, P, E)."""
         self.prey_rewards: NDArray[Any] = sections.prey_parts[:, :, 0] if infos_wanted else sections.prey_rewards
         """R12.5: (B, P), as `rewards`."""
-        self.prey_parts = sections.prey_parts
-        """R12.5: the reward and its parts, unweighted, in the order of `prey.PREY_PART_NAMES`: (B, P, 4), or (0, P, 4)
-        where they are not wanted.
+        self.prey_parts = sections.prey_parts[:, :, 1:]
+        """R12.5: the parts of the last reward, unweighted, in the order of `prey.PREY_PART_NAMES`: (B, P, 3), or
+        (0, P, 3) where they are not wanted.
         """
         self.prey_last_observations = sections.prey_last_observations
         """With auto_reset as `last_observations`: (B, P, E)."""
@@ -367,13 +367,13 @@ class Engine:
         arena: int,
         hunters: Sequence[tuple[float, float, float]],
         targets: Sequence[tuple[float, float]],
-        prey: Sequence[tuple[float, float, float]] = (),
+        prey: Sequence[tuple[float, float, float]] | None = None,
     ) -> None:
         """A position for tests and lessons: hunters at rest at these poses, and these targets alive instead of those
-        that were.
+        that were and that nobody played.
 
-        The targets take the next spawn numbers, in their order, and appear now with theta 0. Where there is prey, its
-        poses are all given: it is in play, and its targets come before the others.
+        The targets take the next spawn numbers, in their order, and appear now with theta 0. Prey stays as it is, under
+        its numbers; where poses of all prey are given, those who are in play are at rest there.
         """
         block, lane = divmod(arena, LANES)
         for seat, (x, y, theta) in enumerate(hunters):
@@ -382,13 +382,19 @@ class Engine:
             me[[_row(row) for row in (rows.X, rows.Y, rows.THETA)]] = x + 0.0, y + 0.0, wrap(theta + 0.0)
             for row in (*rows.AT_REST, rows.AT_WALL):
                 me[_row(row)] = 0.0
-        self._targets[block, :, :, lane] = 0.0
-        self._fields[block, _row(rows.ALIVE), lane] = 0.0
-        for index, (x, y, theta) in enumerate(prey):
-            spawner.spawn_at(self._memory, arena, float(x), float(y), float(theta))
-            me = self.prey_rows(arena)[index]
-            me[_row(rows.PREY_SLOT)] = index
-            me[_row(rows.CAUGHT_AT)] = -1.0
+        slots, players = self._targets[block, :, :, lane], self.prey_rows(arena)[:, _row(rows.PREY_SLOT)]
+        played = np.sort(players[players != rows.NO_TARGET]).astype(np.int64)
+        kept = slots[played]
+        slots[:] = 0.0
+        slots[: len(played)] = kept
+        self._fields[block, _row(rows.ALIVE), lane] = len(played)
+        players[:] = [np.searchsorted(played, slot) if slot != rows.NO_TARGET else slot for slot in players]
+        for slot, (x, y, theta) in zip(players.astype(np.int64), prey or (), strict=prey is not None):
+            if slot != rows.NO_TARGET:
+                pose = [_row(rows.BODY + row) for row in (rows.X, rows.Y, rows.THETA)]
+                slots[slot, pose] = x + 0.0, y + 0.0, wrap(theta + 0.0)
+                for row in (rows.SPEED, rows.TURN_RATE, rows.AT_WALL):
+                    slots[slot, _row(rows.BODY + row)] = 0.0
         for x, y in targets:
             spawner.spawn_at(self._memory, arena, float(x), float(y), 0.0)
         self.observe(arena)

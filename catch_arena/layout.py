@@ -196,7 +196,7 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
             Column("heading_sin", "1", -1.0, 1.0, "sine of its heading relative to one's own"),
             Column("linear_velocity", "m/s", *_target_speeds(config), "its forward velocity"),
         )
-    rival = (
+    rival: tuple[Column, ...] = (
         Column("forward", "m", -farthest, farthest, "how far ahead it is"),
         Column("left", "m", -farthest, farthest, "how far to the left it is"),
         Column("present", "flag", 0.0, 1.0, "1 where this rank has a rival"),

@@ -58,9 +58,7 @@ _MATCH_OVER: Final = float(Verdict.MATCH_OVER)
 
 
 @rare
-def write_record(
-    block: Block, s: Settings, lane: int, teams: NDArray[np.int64], record: NDArray[np.float32]
-) -> None:
+def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64], record: NDArray[np.float32]) -> None:
     """An episode in figures, (H, RECORD_COLUMNS), as it stands in one lane; `teams` as in `memory.Sections`."""
     for seat in range(s.hunters):
         record[seat, FINAL_TEAM_SCORE] = 0.0
@@ -172,22 +170,25 @@ def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rew
             block[row * LANES + lane] = snapshot[row * LANES + lane]
 
 
+@rare
+def keep_views(seen: NDArray[np.float32], last_seen: NDArray[np.float32]) -> None:
+    """The observations of one arena, (agents, columns), as the last ones."""
+    for agent in range(seen.shape[0]):
+        for column in range(seen.shape[1]):
+            last_seen[agent, column] = seen[agent, column]
+
+
 @inlined
 def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sections) -> None:
     """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins."""
     for lane in range(last - first):
         if block[ENDED + lane] == RUNNING:
             continue
-        seen, last_seen = sections.observations[first + lane], sections.last_observations[first + lane]
-        for seat in range(s.hunters):
-            for column in range(seen.shape[1]):
-                last_seen[seat, column] = seen[seat, column]
-        write_record(block, s, lane, sections.teams, sections.records[first + lane])
+        arena = first + lane
+        keep_views(sections.observations[arena], sections.last_observations[arena])
+        write_record(block, s, lane, sections.teams, sections.records[arena])
         if s.prey > 0:
-            prey_seen, prey_last = sections.prey_observations[first + lane], sections.prey_last_observations[first + lane]
-            for index in range(s.prey):
-                for column in range(prey_seen.shape[1]):
-                    prey_last[index, column] = prey_seen[index, column]
-            write_prey_records(block, s, lane, sections.prey_records[first + lane])
+            keep_views(sections.prey_observations[arena], sections.prey_last_observations[arena])
+            write_prey_records(block, s, lane, sections.prey_records[arena])
         seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         begin(block, s, lane, sections.start_poses, next_seed(seed))

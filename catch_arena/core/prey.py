@@ -95,7 +95,9 @@ def command_prey(
             if slot == NO_TARGET:
                 continue
             at = slot * s.slot_size + lane
-            speed = clamp(np.float64(commands[lane, index, 0]) * s.target_speed_mps, s.prey_min_speed_mps, s.target_speed_mps)
+            speed = clamp(
+                np.float64(commands[lane, index, 0]) * s.target_speed_mps, s.prey_min_speed_mps, s.target_speed_mps
+            )
             turn_rate = clamp(
                 np.float64(commands[lane, index, 1]) * s.target_turn_rate_radps,
                 -s.target_turn_rate_radps,
@@ -134,7 +136,7 @@ def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> No
 
 @rare
 def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
-    """R12.3: after all firings of a step, whoever was out for long enough plays the next target, while there is room."""
+    """R12.3: after all firings of a step, whoever was out long enough plays the next target, where there is room."""
     for index in range(s.prey):
         me = prey_of(block, index, s)
         for lane in range(lanes):

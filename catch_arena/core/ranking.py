@@ -304,7 +304,7 @@ def rank_rivals(
 
 
 @rule
-def lead(a: BodyFeatures, b: BodyFeatures) -> float:
+def lead(a: BodyFeatures | TeamRivalFeatures, b: BodyFeatures | TeamRivalFeatures) -> float:
     """R7.1, R12.4: of two bodies equally far, the one seen further left comes first, then further forward, and so on.
 
     Returns:

@@ -2,8 +2,8 @@
 
 A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it
 is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then a few for
-each slot, then the targets in the order in which each seat sees them, then PREY_ROWS for each prey. Integers are exact in float64; a seed needs two
-of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
+each slot, then the targets in the order in which each seat sees them, then PREY_ROWS for each prey. Integers are exact
+in float64; a seed needs two of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
 from typing import Final, NamedTuple
@@ -293,7 +293,7 @@ def slot_in_word(word: int, rank: int) -> int:
 
 @rule
 def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
-    """The slot or seat at a rank, in a view or another order that is kept in this way. Ranks count from 0 here, and from
-    1 in actions, whose 0 is hold (R4.1).
+    """The slot or seat at a rank, in a view or another order that is kept in this way. Ranks count from 0 here,
+    and from 1 in actions, whose 0 is hold (R4.1).
     """
     return slot_in_word(word_of_rank(packed, rank, lane), rank)

@@ -101,9 +101,7 @@ def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings
             continue
         um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
         tied = um == nearest
-        if um < nearest or (
-            tied and threat_lot(seed, step, number, seat) < threat_lot(seed, step, number, chosen)
-        ):
+        if um < nearest or (tied and threat_lot(seed, step, number, seat) < threat_lot(seed, step, number, chosen)):
             chosen, nearest = seat, um
     return chosen
 

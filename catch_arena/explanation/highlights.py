@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final, Literal, NamedTuple, get_args
 
-from catch_arena.explanation.lengths import metres, short_length
+from catch_arena.explanation.formatting import metres, short_length
 from catch_arena.explanation.match_summary import Contest, contests_of
 from catch_arena.explanation.seats import labels
 from catch_arena.replay import Replay

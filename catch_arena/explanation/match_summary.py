@@ -9,7 +9,7 @@ import numpy as np
 
 from catch_arena.core.jit import entry
 from catch_arena.core.random import service_lot, tie_lot
-from catch_arena.explanation.seats import how_it_left, labels, seat_of
+from catch_arena.explanation.seats import find_seat, how_it_left, labels
 from catch_arena.explanation.sight import Sight
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Ruling, Verdict
@@ -139,7 +139,7 @@ def explain(
         ReplayError: where the match does not play as recorded.
         ConfigError: for an unknown hunter.
     """
-    chosen = range(replay.config.hunters) if hunter is None else (seat_of(replay, hunter),)
+    chosen = range(replay.config.hunters) if hunter is None else (find_seat(replay, hunter),)
     names = labels(replay.names)
     contests: list[Contest] = []
     refusals: list[Refusals] = []

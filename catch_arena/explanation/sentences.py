@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from catch_arena.explanation.lengths import exact_length, metres
+from catch_arena.explanation.formatting import exact_length, metres
 from catch_arena.explanation.match_summary import Claim, Contest, Explanation, HunterSummary, Refusals
 from catch_arena.explanation.sight import Unseen
-from catch_arena.explanation.steps import HunterAction, StepExplanation
+from catch_arena.explanation.step_explanation import HunterAction, StepExplanation
 from catch_arena.verdicts import REASONS, Verdict
 
 _EMPTY_RANK: Final = "a rank that no target in its view has"

@@ -9,8 +9,8 @@ import pytest
 from conformance.shapes import reach_of, shape
 from oracle.arithmetic import SERVICE_LOT, TIE_LOT, draw, key
 
+from catch_arena.conformance.case_files import load_cases, read_cases
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
-from catch_arena.conformance.files import load_cases, read_cases
 from catch_arena.errors import ConfigError
 from catch_arena.verdicts import Verdict
 

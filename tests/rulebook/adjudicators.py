@@ -366,7 +366,7 @@ class EnvAdjudicator(Adjudicator):
     rewards = property(lambda self: self._of_seats(self.results[1], 0.0))
     parts = property(
         lambda self: [
-            tuple(info["reward_parts"].values()) if info else (0.0,) * 6
+            tuple(info["reward_parts"].values()) if info else (0.0,) * 7
             for info in self._of_seats(self.results[4], None)
         ]
     )

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from catch_arena import Verdict, arbitrate, explain, explain_step
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
-from catch_arena.explanation.lengths import short_length
+from catch_arena.explanation.formatting import short_length
 from catch_arena.explanation.sight import Sight
 
 TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
