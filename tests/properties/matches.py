@@ -96,13 +96,16 @@ def some_config(source: Random) -> ArenaConfig:
     if initial and chance() < 0.5:
         settings |= {
             "prey": pick([1, source.randint(1, initial), source.randint(1, initial), initial]),
-            "prey_returns_s": pick([None, 0.0, 0.05, 0.1, 0.34567, 2.0, 1e9]),
+            "prey_returns_s": pick([None, None, 0.0, 0.05, 0.1, 0.34567, 2.0, 1e9]),
             "prey_rewards": pick([{}, {name: source.uniform(-3, 3) for name in PREY_PART_NAMES}]),
             "target_budget": None,
             "target_speed_mps": pick([0.2, 1.0, 5.0, 1000.0]),
             "target_turn_rate_radps": pick([0.1, 3.0, 1000.0]),
         }
-    settings["spawning"] = chance() < 0.8
+        if settings["prey_returns_s"] is None and chance() < 0.5:  # the episode can end
+            settings |= {"initial_targets": settings["prey"], "spawning": False}
+    if chance() < 0.2:
+        settings["spawning"] = False
     return ArenaConfig().replace(**settings)
 
 
@@ -162,13 +165,16 @@ Position = tuple[list[Pose], list[tuple[float, float]], list[Pose]]
 
 def some_position(source: Random, oracle: OracleArena) -> Position:
     """What `place` takes: poses of the hunters, places of as many targets as there is room for beside prey, and poses
-    of prey.
+    of prey; some of them just where a hunter is.
     """
     in_play = sum(prey.target is not None for prey in oracle.prey)
     room: int = oracle.settings["max_targets"] - in_play
     hunters = [some_pose(source, oracle.side) for _ in oracle.hunters]
-    targets = [some_pose(source, oracle.side)[:2] for _ in range(source.randint(0, room))]
-    return hunters, targets, [some_pose(source, oracle.side) for _ in oracle.prey]
+
+    def some() -> Pose:
+        return source.choice(hunters) if source.random() < 0.1 else some_pose(source, oracle.side)
+
+    return hunters, [some()[:2] for _ in range(source.randint(0, room))], [some() for _ in oracle.prey]
 
 
 def some_batch_actions(

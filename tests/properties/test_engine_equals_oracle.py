@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from oracle.arbiter import Request
 from oracle.arena import PART_NAMES, PREY_PART_NAMES, Command, OracleArena
-from oracle.turtles import Hunter, Target, Turtle, distance, in_own_frame, micrometres
+from oracle.turtles import Hunter, Prey, Target, Turtle, distance, in_own_frame, micrometres
 from properties.matches import (
     EFFORT,
     settings_of,
@@ -246,7 +246,7 @@ def test_the_random_matches_meet_every_verdict_and_end() -> None:
 
 
 class Watched(OracleArena):
-    """An oracle that notes which clauses of moving targets, views, handicaps and dropouts decide something."""
+    """An oracle that notes what decides something in moving targets, views, handicaps, dropouts, teams and prey."""
 
     def __init__(self, config: ArenaConfig) -> None:
         super().__init__(config.to_dict())
@@ -315,6 +315,88 @@ class Watched(OracleArena):
             self.note("a request that a longer reach would have got through", far and um < max(self.reaches_um))
             self.note("a request that a shorter reach would not", not far and um >= min(self.reaches_um))
 
+    def _commit(self, requests: Sequence[Request | None]) -> None:
+        played = {prey.target.number for prey in self.prey if prey.target is not None}
+        super()._commit(requests)
+        mates = {(seat, mate) for team in self.teams or () for seat in team for mate in team}
+        for seat, found in enumerate(self.rulings):
+            if found is not None and found[0] == Verdict.LOST_CONTEST:
+                self.note("a contest that a team-mate wins", (seat, found[3]) in mates)
+                self.note("a contest for prey", found[1] in played)
+            elif found is not None and found[0] == Verdict.KILL_FAILED:
+                self.note("a refused kill of prey", found[1] in played)
+        caught = [prey for prey, seat in zip(self.prey, self.caught_by, strict=True) if seat is not None]
+        self.note("two prey caught in one step", len(caught) > 1)
+        self.note("withdrawn prey is caught", any(prey.withdrawn for prey in caught))
+        self.note("prey caught again", any(prey.times_caught > 1 for prey in caught))
+
+    def _return_prey(self) -> None:
+        out = [prey for prey in self.prey if prey.target is None]
+        at_once = [prey for prey in out if prey.caught_at == self.time]
+        for_good = self.settings["prey_returns_s"] is None
+        due = [] if for_good else [p for p in out if self.time + self.period >= self._due_at(p)]
+        fired = any(target.appeared > self.time for target in self.alive)
+        super()._return_prey()
+        back = [prey for prey in out if prey.target is not None]
+        self.note("prey returns", bool(back))
+        self.note("two prey return in one step", len(back) > 1)
+        self.note("prey returns in the step of its catch", any(prey in at_once for prey in back))
+        self.note("prey returns later", any(prey not in at_once for prey in back))
+        self.note("prey returns with a firing", fired and bool(back))
+        self.note("withdrawn prey returns", any(prey.withdrawn for prey in back))
+        self.note("prey waits for room", len(back) < len(due))
+        self.note("prey is out for good", for_good and bool(out))
+
+    def _due_at(self, prey: Prey) -> float:
+        assert prey.caught_at is not None
+        due: float = prey.caught_at + 1000.0 * self.settings["prey_returns_s"]
+        return due
+
+    def _reward(self, *given: Any) -> None:
+        super()._reward(*given)
+        mates = any(parts[PART_NAMES.index("mate_catch")] for parts in self.parts)
+        self.note("a team-mate's catch", mates)
+        share = self.settings["team_share"] if self.teams else 0
+        self.note("a share of a team-mate's reward", share > 0 and mates)
+        self.note("a withdrawn hunter's team shares", share > 0 and any(hunter.withdrawn for hunter in self.hunters))
+
+    def _reward_prey(self, *given: Any) -> None:
+        super()._reward_prey(*given)
+        gains = [parts[2] for parts in self.prey_parts]
+        self.note("prey gains", any(gain > 0 for gain in gains))
+        self.note("prey loses ground", any(gain < 0 for gain in gains))
+        self.note("prey without hunters", bool(self.prey) and all(hunter.withdrawn for hunter in self.hunters))
+
+    def _nearest_hunter(self, target: Target) -> Hunter | None:
+        hunter = super()._nearest_hunter(target)
+        away = sorted(distance(target.x, target.y, one.x, one.y) for one in self.hunters if not one.withdrawn)
+        tied = len(away) > 1 and micrometres(away[0]) == micrometres(away[1])
+        self.note("the hunter nearest to prey is drawn by lot", tied and self._is_played(target))
+        return hunter
+
+    def _move(self) -> None:
+        super()._move()
+        self.note("prey meets a wall", any(target.at_wall for target in self.played))
+        self.note("prey drives backwards", any(target.v < 0 for target in self.played))
+        stands = self.prey_count > 0 and self.settings["target_motion"] == "still"
+        self.note("a still target beside prey", stands and len(self.alive) > len(self.played))
+
+    @property
+    def played(self) -> list[Target]:
+        return [prey.target for prey in self.prey if prey.target is not None]
+
+    def _observe_as_prey(self, prey: Prey) -> list[float]:
+        for kind, those in (("hunters", self.hunters), ("other prey", self.played)):
+            self.note(f"prey does not see all {kind}", prey.target is not None and len(those) > 9)
+        return super()._observe_as_prey(prey)
+
+    def _is_done(self) -> bool:
+        done = super()._is_done()
+        self.note("an end with the timer off", done and not self.settings["spawning"])
+        self.note("an end with prey", done and self.prey_count > 0)
+        self.note("nothing alive, and prey that will return", not self.alive and self.prey_count > 0 and not done)
+        return done
+
     def note(self, event: str, happened: bool) -> None:
         if happened:
             self.met.add(event)
@@ -340,17 +422,48 @@ EVENTS = {
     "a blurred rival",
     "a request that a longer reach would have got through",
     "a request that a shorter reach would not",
+    "a contest that a team-mate wins",
+    "a team-mate's catch",
+    "a share of a team-mate's reward",
+    "a withdrawn hunter's team shares",
+    "a contest for prey",
+    "two prey caught in one step",
+    "prey caught again",
+    "withdrawn prey is caught",
+    "a refused kill of prey",
+    "prey returns",
+    "two prey return in one step",
+    "prey returns in the step of its catch",
+    "prey returns later",
+    "prey returns with a firing",
+    "withdrawn prey returns",
+    "prey waits for room",
+    "prey is out for good",
+    "prey gains",
+    "prey loses ground",
+    "prey without hunters",
+    "the hunter nearest to prey is drawn by lot",
+    "prey meets a wall",
+    "prey drives backwards",
+    "a still target beside prey",
+    "prey does not see all hunters",
+    "prey does not see all other prey",
+    "an end with the timer off",
+    "an end with prey",
+    "nothing alive, and prey that will return",
 }
 
 
-def test_the_random_matches_meet_moving_targets_views_handicaps_and_dropouts() -> None:
+def test_the_random_matches_meet_what_few_positions_ask() -> None:
     """Each in two of the first matches at least: what is met in one may be lost by the next change of some_config."""
     matches: Counter[str] = Counter()
-    for match in range(250):
+    for match in range(300):
         source = Random(FIRST_SEED + GROUPS * match)
         arena = Watched(some_config(source))
         arena.reset(some_seed(source))
         for _ in range(8):
+            if arena.prey and source.random() < 0.08:
+                arena.withdraw_prey(source.randrange(len(arena.prey)))
             if source.random() < 0.08:
                 arena.place(*some_position(source, arena))
             config = ArenaConfig.from_dict(arena.settings)
