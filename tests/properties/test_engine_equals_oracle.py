@@ -1,5 +1,6 @@
 """The engine and the oracle, which were written apart from one book, play the same matches bit for bit."""
 
+import math
 import struct
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -24,7 +25,7 @@ from rulebook.adjudicators import as_arrays, by_seat
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
-from catch_arena.layout import columns, prey_columns
+from catch_arena.layout import SELF_COLUMNS, columns, prey_columns
 from catch_arena.verdicts import Verdict
 
 FIRST_SEED = 20261121
@@ -476,6 +477,12 @@ def test_the_random_matches_meet_what_few_positions_ask() -> None:
     assert {event for event, count in matches.items() if count >= 2} == EVENTS, matches
 
 
+def towards_the_nearest(observation: Sequence[float]) -> Command:
+    """Velocities that chase the target at rank 1."""
+    forward, left, present = observation[len(SELF_COLUMNS) :][:3]
+    return present, max(-1.0, min(1.0, math.atan2(left, forward)))
+
+
 def test_whole_episodes_of_every_scenario_are_the_same() -> None:
     """From reset to the time limit, agents that chase: the state's digest at every step; seeds 1 to 6."""
     from catch_arena.scenarios import SCENARIOS
@@ -487,6 +494,8 @@ def test_whole_episodes_of_every_scenario_are_the_same() -> None:
         steps = 600 if EFFORT > 1 else 600 // config.hunters
         for step in range(steps):
             actions = [1 if (step // 20 + seat) % 7 else 2 for seat in range(config.hunters)]
-            step_both(engine, oracle, actions, [(1.0, 0.2)] * config.prey, config)
+            if config.control == "velocity":
+                actions = [towards_the_nearest(seen) for seen in oracle.observations()]
+            step_both(engine, oracle, actions, [(1.0, 1.0)] * config.prey, config)
             assert bytes(engine.digest(0)) == oracle.digest(), f"{name}, seed {seed}, step {step + 1}"
         assert sum(hunter.score for hunter in oracle.hunters) > 0, name
