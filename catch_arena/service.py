@@ -140,7 +140,7 @@ class ArenaService:
         table = np.zeros((len(requests), REQUEST_COLUMNS), dtype=np.int64)
         table[:, REQUEST_SEAT] = seats
         table[:, REQUEST_TARGET] = [target_asked_for(name, slots, self._appeared) for name in names]
-        self._engine.step(self._active(table, names), self._commands(cmd_vel or {}), table)
+        self._engine.step(self._active(table, names), self._commands(cmd_vel or {}), requests=table)
         self._publish_changes(before)
         return rulings_of(table, names, before.step)
 

@@ -8,17 +8,9 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from oracle.arena import (
-    GRANTED,
-    KILL_FAILED,
-    LOST_CONTEST,
-    Hunter,
-    OracleArena,
-    Request,
-    Target,
-    distance,
-    micrometres,
-)
+from oracle.arbiter import GRANTED, KILL_FAILED, LOST_CONTEST, Request
+from oracle.arena import OracleArena
+from oracle.turtles import Hunter, Target, distance, micrometres
 
 
 class CutsThePeriodOff(OracleArena):

@@ -4,7 +4,7 @@ import math
 from random import Random
 
 import pytest
-from oracle.arena import judge
+from oracle.arbiter import judge
 from oracle.arithmetic import KILL_DOWN, KILL_REFUSED, draw, fraction, key
 
 from catch_arena import ArenaService, Ruling, Verdict
