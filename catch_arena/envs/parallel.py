@@ -66,7 +66,7 @@ class SavedEpisode:
     """The arena and what it told last, as the engine keeps them."""
     agents: tuple[str, ...]
     over: bool
-    withdrawn: frozenset[str]
+    leaving: frozenset[str]
     np_random: Any
     """The state of the generator, None where nothing has drawn from it."""
     replay: Replay | None
@@ -429,7 +429,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             memory=self._engine.save_row(0),
             agents=tuple(self.agents),
             over=self._over,
-            withdrawn=frozenset(self._withdrawn),
+            leaving=frozenset(self._leaving),
             np_random=None if self._np_random is None else self._np_random.bit_generator.state,
             replay=None if self._replay is None else self._replay.copy(),
         )
@@ -453,7 +453,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine.restore_row(0, saved.memory)
         self.agents = list(saved.agents)
         self._over = saved.over
-        self._withdrawn = set(saved.withdrawn)
+        self._leaving = set(saved.leaving)
         self._np_random = None
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
