@@ -33,7 +33,7 @@ from catch_arena.envs.spaces import (
 )
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.layout import STATE_PREY_COLUMNS, state_columns
-from catch_arena.replay import Replay, checked_text
+from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.verdicts import REASONS, Verdict
 from catch_arena.world import World
@@ -121,7 +121,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._team_by_seat = config.team_by_seat
         self._leaving: set[str] = set()
         """Who leaves with the end of the next step, and who has left."""
-        self._record_as: tuple[tuple[str, ...], str] | None = None
+        self._record_as: tuple[tuple[str, ...], tuple[str, ...], str] | None = None
         self._replay: Replay | None = None
         self._painter: Any = None
         self._window: Any = None
@@ -207,8 +207,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._leaving.clear()
         self._replay = None
         if self._record_as is not None:
-            names, title = self._record_as
-            self._replay = Replay(self.config, self._seed, names, title)
+            names, prey_names, title = self._record_as
+            self._replay = Replay(self.config, self._seed, names, title, prey_names)
             self._replay.note(self._engine)
         if self.render_mode == "human":
             self.render()
@@ -237,7 +237,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         engine = self._engine
         engine.step(self._choices, self._hunter_commands, self._prey_commands)
         if self._replay is not None:
-            self._replay.append(self._choices[0], self._commands[0], engine)
+            prey_commands = None if self._prey_commands is None else self._prey_commands[0]
+            self._replay.append(self._choices[0], self._hunter_commands[0], engine, prey_commands)
         agents = self.agents
         ended = engine.ends.item()
         terminations = dict.fromkeys(agents, ended == rows.TERMINATED)
@@ -326,23 +327,21 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._require_episode("digest")
         return self._engine.digest()
 
-    def record(self, names: Sequence[str] | None = None, title: str = "") -> None:
-        """Keep every episode from the next reset on; `names` are the agents' names by seat.
+    def record(
+        self, names: Sequence[str] | None = None, title: str = "", *, prey_names: Sequence[str] | None = None
+    ) -> None:
+        """Keep every episode from the next reset on, with the agents' names: hunters by seat, prey by index.
 
         Raises:
             ConfigError: for a name or a title that is not at most 200 printable characters.
         """
-        if self.config.prey:  # replays hold no actions of prey yet
-            raise ConfigError(f"record must be of an arena without prey, got prey={self.config.prey}")
         import catch_arena.player  # noqa: F401 - notebooks show the replay by it
 
-        names = tuple(names) if names is not None else self.config.hunter_names
-        if len(names) != self.config.hunters:
-            raise ConfigError(f"names must be {self.config.hunters}, one for each hunter, got {names!r}")
-        for seat, name in enumerate(names):
-            checked_text(f"names[{seat}]", name)
-        checked_text("name_prefix", self.config.name_prefix)
-        self._record_as = (names, checked_text("title", title))
+        config = self.config
+        hunters = checked_names("names", config.hunter_names if names is None else names, config.hunters, "hunter")
+        prey = checked_names("prey_names", config.prey_names if prey_names is None else prey_names, config.prey, "prey")
+        checked_text("name_prefix", config.name_prefix)
+        self._record_as = (hunters, prey, checked_text("title", title))
 
     def replay(self) -> Replay:
         """The episode so far, where `record` was called before its reset."""
