@@ -6,9 +6,9 @@ from catch_arena.errors import ConfigError, suggest
 from catch_arena.replay import Replay
 
 
-def labels(names: Sequence[str]) -> tuple[str, ...]:
-    """The agents' names by seat; a name that occurs twice comes with its seat."""
-    return tuple(f"{name} (hunter_{seat})" if names.count(name) > 1 else name for seat, name in enumerate(names))
+def labels(names: Sequence[str], kind: str = "hunter") -> tuple[str, ...]:
+    """The agents' names by seat; a name that occurs twice comes with its seat. Of prey likewise, by index."""
+    return tuple(f"{name} ({kind}_{seat})" if names.count(name) > 1 else name for seat, name in enumerate(names))
 
 
 def how_it_left(replay: Replay, seat: int) -> str:

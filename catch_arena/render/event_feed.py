@@ -44,9 +44,6 @@ def feed_items(info: MatchInfo, annotations: Iterable[Annotation]) -> list[FeedI
         if annotation.kind == "refused":
             items.append(FeedItem(annotation.time_ms, annotation.seat, annotation.text))
             continue
-        if annotation.kind == "catch" and annotation.prey is not None:
-            prey = info.prey(annotation.prey)
-            items.append(FeedItem(annotation.time_ms, annotation.seat, "caught", prey, contest=True))
         if annotation.kind == "catch" and annotation.rivals and annotation.distance_um is not None:
             rival = annotation.rivals[0]
             behind = rival.distance_um - annotation.distance_um
@@ -55,6 +52,9 @@ def feed_items(info: MatchInfo, annotations: Iterable[Annotation]) -> list[FeedI
                 items.append(FeedItem(annotation.time_ms, annotation.seat, "beat", rival.seat, how, contest=True))
             elif behind > 0:
                 items.append(FeedItem(annotation.time_ms, annotation.seat, "ahead of", rival.seat, how))
+        if annotation.kind == "catch" and annotation.prey is not None:
+            prey = info.prey(annotation.prey)
+            items.append(FeedItem(annotation.time_ms, annotation.seat, "caught", prey, contest=True))
     return items
 
 

@@ -251,8 +251,12 @@ def chip(x: float, middle: float, info: MatchInfo, agent: int, size: float, *, f
     ]
 
 
-def team_chip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int]) -> list[Shape]:
-    """Every team's score on its colour, and its name; without names where there is no room for all."""
+def team_chip_shapes(
+    area: Rect, info: MatchInfo, scores: Sequence[int], standings: Sequence[AgentScore]
+) -> list[Shape]:
+    """Every team's score on its colour, and its name, without names where there is no room for all; then as much of the
+    prey as there is room for.
+    """
     size = font_size(0.58 * area.height, 12)
     small, middle = font_size(0.8 * size, 10), area.top + area.height / 2.0
     digits = max(2, *(len(str(score)) for score in scores))
@@ -273,6 +277,13 @@ def team_chip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int]) -> list
         if name:
             shapes.append(Label(x + wide + 0.3 * size, middle, side.name, small, legible(side.color), 600))
         x += wide + name + 0.9 * size
+    for one in standings:
+        step = chip_width(info, size) + (0.9 + 0.66 * len(str(one.score))) * size
+        if one.hunted and x + step <= area.left + room:
+            shapes += chip(x, middle, info, one.agent, size, faded=one.faded)
+            beside = x + chip_width(info, size) + 0.3 * size
+            shapes.append(Label(beside, middle, str(one.score), size, BRIGHT, 700))
+            x += step
     return shapes
 
 

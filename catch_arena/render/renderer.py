@@ -213,7 +213,7 @@ class MatchRenderer:
     def _chips(self, area: hud.Rect) -> list[Shape]:
         """The scores over the arena."""
         if self.info.has_teams:
-            return hud.team_chip_shapes(area, self.info, self._scores)
+            return hud.team_chip_shapes(area, self.info, self._scores, self._standings)
         return hud.chip_shapes(area, self.info, self._standings)
 
     def _changed(self, part: str, state: object) -> bool:

@@ -12,6 +12,7 @@ from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width, truncated
 from catch_arena.render.timeline import lead
 
+_MOST_IN_A_ROW: Final = 4
 _LEAST_BAR: Final = 4.0
 """Pixels."""
 
@@ -24,7 +25,7 @@ def team_scores_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], unit:
     thick = max(_LEAST_BAR, 0.07 * area.height)
     bar = area.top + area.height - pad - thick
     shapes += _share_shapes((left, bar, width, thick), info.sides, scores)
-    rows = 1 if len(info.sides) <= 4 else 2
+    rows = 1 if len(info.sides) <= _MOST_IN_A_ROW else 2
     columns = -(-len(info.sides) // rows)
     high = (bar - 0.5 * pad - area.top - 0.6 * pad) / rows
     for place, (side, score) in enumerate(zip(info.sides, scores, strict=True)):
@@ -32,14 +33,19 @@ def team_scores_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], unit:
         box = left + column * width / columns, area.top + 0.6 * pad + row * high, width / columns, high
         shapes += _team(box, side, score, last=len(info.sides) == 2 and column == 1)
     if len(info.sides) == 2:
-        shapes += _between(area, info.sides, scores)
+        room = width - 2.0 * text_width(str(max(scores)), _score_size(high), 800)
+        shapes += _between(area, info.sides, scores, room - pad)
     return shapes
+
+
+def _score_size(height: float) -> int:
+    return font_size(0.62 * height, 14)
 
 
 def _team(area: tuple[float, float, float, float], side: Side, score: int, *, last: bool) -> list[Shape]:
     """A team's name over its score; the last one's of two at the right."""
     left, top, width, height = area
-    small, big = font_size(0.2 * height, 9), font_size(0.62 * height, 14)
+    small, big = font_size(0.2 * height, 9), _score_size(height)
     x = left + width if last else left
     align: Literal["left", "right"] = "right" if last else "left"
     name = side.name.upper()
@@ -49,15 +55,17 @@ def _team(area: tuple[float, float, float, float], side: Side, score: int, *, la
     ]
 
 
-def _between(area: Rect, sides: Sequence[Side], scores: Sequence[int]) -> list[Shape]:
-    """What is counted, and who leads by how much."""
+def _between(area: Rect, sides: Sequence[Side], scores: Sequence[int], room: float) -> list[Shape]:
+    """What is counted, and who leads by how much, where there is so much room."""
     middle, size = area.left + area.width / 2.0, font_size(0.12 * area.height, 9)
+    if text_width("catches", size, 500) > room:
+        return []
     shapes: list[Shape] = [Label(middle, area.top + 0.4 * area.height, "catches", size, DIM, 500, "center")]
     leader, by = lead(scores)
     if leader >= 0:
         said, size = f" +{by}", font_size(0.155 * area.height, 10)
-        room = 0.36 * area.width - text_width(said, size, 700)
-        text = truncated(sides[leader].name, size, 700, room) + said
+        name_room = room - text_width(said, size, 700)
+        text = truncated(sides[leader].name, size, 700, name_room) + said if name_room > 2 * size else said.strip()
         color = legible(sides[leader].color)
         shapes.append(Label(middle, area.top + 0.58 * area.height, text, size, color, 700, "center"))
     return shapes
