@@ -478,4 +478,6 @@ def _named(given: object) -> str:
     """What was given, in a few words."""
     if isinstance(given, np.ndarray):
         return f"an array of {given.dtype} of the shape {given.shape}"
+    if isinstance(given, Mapping):
+        return f"a mapping with {' and '.join(map(str, given)) or 'nothing'}"[:80]
     return f"{given!r}"[:80]
