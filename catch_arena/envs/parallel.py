@@ -121,7 +121,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._team_by_seat = config.team_by_seat
         self._leaving: set[str] = set()
         """Who leaves with the end of the next step, and who has left."""
-        self._record_as: tuple[tuple[str, ...], tuple[str, ...], str] | None = None
+        self._record_as: tuple[tuple[str, ...], str] | None = None
         self._replay: Replay | None = None
         self._painter: Any = None
         self._window: Any = None
@@ -207,8 +207,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._leaving.clear()
         self._replay = None
         if self._record_as is not None:
-            names, prey_names, title = self._record_as
-            self._replay = Replay(self.config, self._seed, names, title, prey_names)
+            names, title = self._record_as
+            self._replay = Replay(self.config, self._seed, names, title)
             self._replay.note(self._engine)
         if self.render_mode == "human":
             self.render()
@@ -327,21 +327,17 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._require_episode("digest")
         return self._engine.digest()
 
-    def record(
-        self, names: Sequence[str] | None = None, title: str = "", *, prey_names: Sequence[str] | None = None
-    ) -> None:
-        """Keep every episode from the next reset on, with the agents' names: hunters by seat, prey by index.
+    def record(self, names: Sequence[str] | None = None, title: str = "") -> None:
+        """Keep every episode from the next reset on; `names` are those of `possible_agents`, in their order.
 
         Raises:
             ConfigError: for a name or a title that is not at most 200 printable characters.
         """
         import catch_arena.player  # noqa: F401 - notebooks show the replay by it
 
-        config = self.config
-        hunters = checked_names("names", config.hunter_names if names is None else names, config.hunters, "hunter")
-        prey = checked_names("prey_names", config.prey_names if prey_names is None else prey_names, config.prey, "prey")
-        checked_text("name_prefix", config.name_prefix)
-        self._record_as = (hunters, prey, checked_text("title", title))
+        called = checked_names(self.possible_agents if names is None else names, self.config)
+        checked_text("name_prefix", self.config.name_prefix)
+        self._record_as = (called, checked_text("title", title))
 
     def replay(self) -> Replay:
         """The episode so far, where `record` was called before its reset."""

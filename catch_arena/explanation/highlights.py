@@ -100,8 +100,8 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
         if progress is not None:
             progress(step, replay.steps)
     return MatchEvents(
-        labels(replay.names),
-        replay.names,
+        labels(replay.hunter_names),
+        replay.hunter_names,
         replay.steps * period_ms,
         period_ms,
         replay.config.reach_um,

@@ -140,7 +140,7 @@ def explain(
         ConfigError: for an unknown hunter.
     """
     chosen = range(replay.config.hunters) if hunter is None else (find_seat(replay, hunter),)
-    names = labels(replay.names)
+    names = labels(replay.hunter_names)
     contests: list[Contest] = []
     refusals: list[Refusals] = []
     running: dict[tuple[int, Verdict], Refusals] = {}
@@ -251,7 +251,7 @@ class _SightOfMatch:
 
     def __init__(self, replay: Replay) -> None:
         self._sight = Sight(replay.config)
-        self._seen: list[set[str]] = [set() for _ in replay.names]
+        self._seen: list[set[str]] = [set() for _ in replay.hunter_names]
 
     def note(self, world: World, summaries: Sequence[HunterSummary]) -> None:
         """One more state, and the catches that led to it."""

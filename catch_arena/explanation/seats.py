@@ -28,11 +28,11 @@ def find_seat(replay: Replay, hunter: int | str) -> int:
         return numbers.index(str(hunter))
     if isinstance(hunter, int) or hunter.isdecimal():
         raise ConfigError(f"hunter must be a seat from 0 to {len(seats) - 1}, got {hunter}")
-    named = [seat for seat, name in enumerate(replay.names) if name == hunter]
+    named = [seat for seat, name in enumerate(replay.hunter_names) if name == hunter]
     if len(named) > 1:
         raise ConfigError(f"hunter must be one of the seats {', '.join(map(str, named))}: all are called {hunter!r}")
     if named:
         return named[0]
     if hunter in seats:
         return seats.index(hunter)
-    raise ConfigError(f"unknown hunter {hunter!r}: {suggest(hunter, {*replay.names, *seats})}")
+    raise ConfigError(f"unknown hunter {hunter!r}: {suggest(hunter, {*replay.hunter_names, *seats})}")

@@ -97,7 +97,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         step=step,
         begin_ms=before.time_ms,
         end_ms=after.time_ms,
-        names=labels(replay.names),
+        names=labels(replay.hunter_names),
         asked=asked,
         distances_um={
             target.name: tuple(_distances(before, (target.x, target.y)))

@@ -53,7 +53,7 @@ def encode_bundle(replay: Replay) -> bytes:
         ReplayError: where it is no replay, or a damaged one.
     """
     info = MatchInfo.of_replay(replay)
-    names, prey_names = labels(replay.names), labels(replay.prey_names, "prey")
+    names, prey_names = labels(replay.hunter_names), labels(replay.prey_names, "prey")
     hunters: list[Poses] = [[] for _ in names]
     lives: list[list[int]] = [[] for _ in prey_names]
     targets: dict[int, tuple[int, Poses]] = {}

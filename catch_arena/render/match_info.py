@@ -86,7 +86,7 @@ class MatchInfo:
     def of_replay(cls, replay: Replay, title: str | None = None) -> "MatchInfo":
         """Those of a recorded match; a title in place of its own."""
         lasted_ms = replay.steps * replay.config.control_period_ms
-        return cls.of(replay.config, replay.agents, replay.title if title is None else title, lasted_ms)
+        return cls.of(replay.config, replay.names, replay.title if title is None else title, lasted_ms)
 
     @property
     def has_teams(self) -> bool:

@@ -51,7 +51,10 @@ def _headers(one: Replay, other: Replay) -> Iterator[tuple[str, Any, Any]]:
     for name in ("seed", "title"):
         if getattr(one, name) != getattr(other, name):
             yield name, repr(getattr(one, name)), repr(getattr(other, name))
-    for side, ours, theirs in (("hunter", one.names, other.names), ("prey", one.prey_names, other.prey_names)):
+    for side, ours, theirs in (
+        ("hunter", one.hunter_names, other.hunter_names),
+        ("prey", one.prey_names, other.prey_names),
+    ):
         for place, names in enumerate(zip_longest(ours, theirs)):
             if names[0] != names[1]:
                 yield f"the agent of {side}_{place}", repr(names[0]), repr(names[1])
@@ -104,8 +107,7 @@ def _first_state(one: Replay, other: Replay, steps: int, labels: tuple[str, str]
         ours, theirs = one.states[step], other.states[step]
         if one.digests[step] != other.digests[step] or not np.array_equal(ours, theirs):
             names = [
-                name if name == twin else seat
-                for name, twin, seat in zip(one.agents, other.agents, agents, strict=True)
+                name if name == twin else seat for name, twin, seat in zip(one.names, other.names, agents, strict=True)
             ]
             lines = state_differences(one.config, names, ours, theirs, labels)
             return [f"{state_name(step)} is the first that differs", *first_lines(step, lines)]

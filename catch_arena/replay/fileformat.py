@@ -38,7 +38,6 @@ _LONGEST_MS: Final = 24 * 3_600_000
 _LONGEST_TEXT: Final = 200
 _LONGEST_REASON: Final = 300
 _KEYS: Final = {"ruleset", "package", "config", "seed", "names", "title", "steps", "withdrawals", "spans"}
-_KEYS_WITH_PREY: Final = _KEYS | {"prey_names"}
 
 
 class ReplayContent(NamedTuple):
@@ -47,7 +46,6 @@ class ReplayContent(NamedTuple):
     config: ArenaConfig
     seed: int
     names: tuple[str, ...]
-    prey_names: tuple[str, ...]
     title: str
     choices: NDArray[np.int64]
     """(steps, H)."""
@@ -82,8 +80,6 @@ def encode_replay(match: ReplayContent) -> bytes:
         "withdrawals": match.withdrawals,
         "spans": spans,
     }
-    if config.prey:
-        header["prey_names"] = match.prey_names
     text = json.dumps(header, separators=(",", ":")).encode()
     body = b"".join(
         (
@@ -111,8 +107,8 @@ def decode_replay(content: bytes) -> ReplayContent:
     """
     form, body = _checked_body(content)
     reader = Reader(body)
-    header = _header_of(reader, _KEYS_WITH_PREY if form == _FORMAT_WITH_PREY else _KEYS)
-    config, seed, names, prey_names, title, steps, withdrawals, spans = _checked_header(header)
+    header = _header_of(reader)
+    config, seed, names, title, steps, withdrawals, spans = _checked_header(header)
     if form != _format_of(config):
         raise ReplayError(f"is of format {form}, which is not that of a match with {config.prey} prey")
     choices = reader.columns(config.hunters, steps)
@@ -127,9 +123,7 @@ def decode_replay(content: bytes) -> ReplayContent:
     digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
     states = unpack_states(config, commands, prey_commands, reader, spans)
     reader.end()
-    return ReplayContent(
-        config, seed, names, prey_names, title, choices, commands, prey_commands, digests, states, withdrawals
-    )
+    return ReplayContent(config, seed, names, title, choices, commands, prey_commands, digests, states, withdrawals)
 
 
 def _format_of(config: ArenaConfig) -> int:
@@ -168,15 +162,17 @@ def checked_text(what: str, text: object) -> str:
     return text
 
 
-def checked_names(what: str, names: object, count: int, kind: str) -> tuple[str, ...]:
-    """So many agents' names, each of which can be shown in one line.
+def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
+    """The agents' names, of the hunters by seat and of the prey by index, each of which can be shown in one line.
 
     Raises:
         ConfigError: for an argument that cannot be.
     """
-    if not isinstance(names, Sequence) or isinstance(names, str) or len(names) != count:
-        raise ConfigError(f"{what} must be {count}, one for each {kind}, got {repr(names)[: _LONGEST_TEXT + 10]}")
-    return tuple(checked_text(f"{what}[{place}]", name) for place, name in enumerate(names))
+    wanted = config.hunters + config.prey
+    if not isinstance(names, Sequence) or isinstance(names, str) or len(names) != wanted:
+        each = "hunter and each prey" if config.prey else "hunter"
+        raise ConfigError(f"names must be {wanted}, one for each {each}, got {repr(names)[: _LONGEST_TEXT + 10]}")
+    return tuple(checked_text(f"names[{agent}]", name) for agent, name in enumerate(names))
 
 
 def _checksum(content: bytes | memoryview) -> bytes:
@@ -212,7 +208,7 @@ def _checked_body(content: bytes) -> tuple[int, bytes]:
     return form, body
 
 
-def _header_of(reader: Reader, keys: set[str]) -> dict[str, Any]:
+def _header_of(reader: Reader) -> dict[str, Any]:
     (length,) = _LENGTH.unpack(reader.take(_LENGTH.size))
     if length > _LONGEST_HEADER:
         raise ReplayError(f"is damaged: its header is {length} bytes long, more than {_LONGEST_HEADER}")
@@ -225,26 +221,25 @@ def _header_of(reader: Reader, keys: set[str]) -> dict[str, Any]:
     if header.get("ruleset") != RULESET:
         ruleset = repr(header.get("ruleset"))[:_LONGEST_TEXT]
         raise ReplayError(f"was recorded under ruleset {ruleset}, and this is {RULESET!r}")
-    if header.keys() != keys:
-        odd = ", ".join(sorted(header.keys() ^ keys))
+    if header.keys() != _KEYS:
+        odd = ", ".join(sorted(header.keys() ^ _KEYS))
         raise ReplayError(f"has a header that cannot be used: {ascii(odd)[1:-1][:_LONGEST_REASON]} too many or missing")
     return header
 
 
 def _checked_header(
     header: dict[str, Any],
-) -> tuple[ArenaConfig, int, tuple[str, ...], tuple[str, ...], str, int, list[tuple[int, int]], int]:
+) -> tuple[ArenaConfig, int, tuple[str, ...], str, int, list[tuple[int, int]], int]:
     try:
         config = ArenaConfig.from_dict(header["config"])
         seed, title = checked_seed(header["seed"]), checked_text("title", header["title"])
         checked_text("name_prefix", config.name_prefix)
-        names = checked_names("names", header["names"], config.hunters, "hunter")
-        prey_names = checked_names("prey_names", header.get("prey_names", []), config.prey, "prey")
+        names = checked_names(header["names"], config)
         steps, spans = (_count(name, header[name]) for name in ("steps", "spans"))
         withdrawals = [
             (_count("withdrawals", step), _count("withdrawals", place)) for step, place in header["withdrawals"]
         ]
-        places, agents = {place for _, place in withdrawals}, config.hunters + config.prey
+        places, agents = {place for _, place in withdrawals}, len(names)
         in_order = withdrawals == sorted(withdrawals) and len(places) == len(withdrawals)
         if not in_order or any(step > steps or place >= agents for step, place in withdrawals):
             raise ConfigError("withdrawals must name agents, each once, in the order of the steps")
@@ -254,7 +249,7 @@ def _checked_header(
     if steps > config.max_steps:
         raise ReplayError(f"has a header that cannot be used: {steps} steps, and a match has {config.max_steps}")
     _require_few_spans(spans)
-    return config, seed, names, prey_names, title, steps, withdrawals, spans
+    return config, seed, names, title, steps, withdrawals, spans
 
 
 def _count(name: str, value: object) -> int:

@@ -38,10 +38,8 @@ class Replay:
     config: ArenaConfig
     seed: int
     names: tuple[str, ...]
-    """The hunters' agents by seat."""
+    """The agents', of the hunters by seat and then of the prey by index."""
     title: str = ""
-    prey_names: tuple[str, ...] = ()
-    """The prey's agents by index."""
     choices: list[NDArray[np.int64]] = field(default_factory=list)
     """The ranks of each step: (H,)."""
     commands: list[NDArray[np.float32]] = field(default_factory=list)
@@ -53,12 +51,17 @@ class Replay:
     states: list[QuantisedState] = field(default_factory=list)
     """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
     withdrawals: list[tuple[int, int]] = field(default_factory=list)
-    """(steps played before it, agent): R1.6, R12.5. Agents count the hunters by seat, then the prey by index."""
+    """(steps played before it, agent): R1.6, R12.5. Agents count as in `names`."""
 
     @property
-    def agents(self) -> tuple[str, ...]:
-        """All agents' names: of the hunters by seat, then of the prey by index."""
-        return self.names + self.prey_names
+    def hunter_names(self) -> tuple[str, ...]:
+        """By seat."""
+        return self.names[: self.config.hunters]
+
+    @property
+    def prey_names(self) -> tuple[str, ...]:
+        """By index."""
+        return self.names[self.config.hunters :]
 
     @property
     def steps(self) -> int:
@@ -132,7 +135,7 @@ class Replay:
         for step, engine in enumerate(self.engines()):
             if engine.digest() != self.digests[step]:
                 found = state_differences(
-                    self.config, self.agents, self.states[step], quantise(engine.state(), self.config)
+                    self.config, self.names, self.states[step], quantise(engine.state(), self.config)
                 )
                 raise ReplayError(
                     f"the replay does not play as it was recorded: {state_name(step)} is the first that differs: "
@@ -163,7 +166,6 @@ class Replay:
                     self.config,
                     self.seed,
                     self.names,
-                    self.prey_names,
                     self.title,
                     np.array(self.choices, dtype=np.int64).reshape(-1, hunters),
                     np.array(self.commands, dtype=np.float32).reshape(-1, hunters, 2),
@@ -200,7 +202,6 @@ class Replay:
             config=match.config,
             seed=match.seed,
             names=match.names,
-            prey_names=match.prey_names,
             title=match.title,
             choices=list(match.choices),
             commands=list(match.commands),

@@ -43,7 +43,7 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
             progress(step, replay.steps)
 
     def differences(step: int, state: QuantisedState) -> list[str]:
-        return state_differences(replay.config, replay.agents, replay.states[step], state)
+        return state_differences(replay.config, replay.names, replay.states[step], state)
 
     found = []
     if digests:
