@@ -199,7 +199,7 @@ class Engine:
                 target_network=_network(config.max_targets, seen),
                 # one rank more than is seen: a tie at the edge of the view has to be noticed
                 rival_network=_network(hunters, min(hunters, config.hunters_seen + 1)),
-                prey_commands=zeros(num_arenas if prey else 0, prey, 2, dtype=np.float32),
+                prey_commands=zeros(num_arenas, prey, 2, dtype=np.float32),
                 hunter_network=_network(hunters, min(hunters, hunters_seen_by_prey(config) + 1))
                 if prey
                 else _NO_NETWORK,
@@ -443,7 +443,8 @@ class Engine:
     def prey_active(self) -> NDArray[np.bool_]:
         """R12.3: which prey is not out: (B, P)."""
         slots = self._prey[:, :, _row(rows.PREY_SLOT)]
-        return np.greater_equal(slots.transpose(0, 2, 1).reshape(-1, self.config.prey)[: self.num_arenas], 0.0)
+        by_arena = slots.transpose(0, 2, 1).reshape(len(self.blocks) * LANES, self.config.prey)
+        return np.greater_equal(by_arena[: self.num_arenas], 0.0)
 
     def team_scores(self) -> NDArray[np.float64]:
         """R11.1: the sums of the scores of each team's hunters: (B, teams)."""
