@@ -309,7 +309,7 @@ def _log(agents: Sequence[str], logs: Mapping[str, str]) -> str:
     """What a party's instances have printed; of several, each under its name."""
     if len(agents) == 1:
         return logs.get(agents[0], "")
-    return "".join(f"{agent}:\n{logs[agent]}\n" for agent in agents if logs.get(agent))
+    return "\n".join(f"{agent}:\n{logs[agent].rstrip()}" for agent in agents if logs.get(agent))
 
 
 def _observation(vector: Any, info: dict[str, Any]) -> Observation:

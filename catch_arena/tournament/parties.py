@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Final, TypeVar
 
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import ConfigError
 from catch_arena.policy import Side
 
 SIDES: Final[tuple[Side, ...]] = ("hunter", "prey")
@@ -49,6 +48,14 @@ class Parties:
         return "hunter" if party < self.hunting else "prey"
 
     @property
+    def task(self) -> str:
+        """What entrants are there for, in words."""
+        teams = any(len(seats) > 1 for seats in self.seats)
+        hunters = f"{self.hunting} teams" if teams else f"{self.hunting} hunters"
+        prey = len(self) - self.hunting
+        return f"play the {hunters} and the {prey} prey" if prey else "be the teams" if teams else "fill the seats"
+
+    @property
     def by_seat(self) -> tuple[int, ...]:
         """The party of each seat."""
         party_of = {seat: party for party, seats in enumerate(self.seats) for seat in seats}
@@ -61,17 +68,3 @@ class Parties:
     def mapped_to_seats(self, by_party: Mapping[int, T]) -> dict[int, T]:
         """The same of some parties."""
         return {seat: by_party[party] for seat, party in enumerate(self.by_seat) if party in by_party}
-
-
-def with_teams(config: ArenaConfig, size: int, name: str) -> ArenaConfig:
-    """The arena with its hunters in teams of that size, neighbours by seat together.
-
-    Raises:
-        ConfigError: for a size that does not divide the hunters, or where there are teams already.
-    """
-    if config.teams is not None:
-        raise ConfigError(f"--team-size must be left out in {name}, which has teams, got {size}")
-    if size < 1 or config.hunters % size:
-        raise ConfigError(f"--team-size must divide the {config.hunters} hunters of {name}, got {size}")
-    seats = range(config.hunters)
-    return config.replace(teams=tuple(tuple(seats[begin : begin + size]) for begin in seats[::size]))
