@@ -19,6 +19,7 @@ from catch_arena.cli.app import (
     Scenario,
     Seed,
     SettingOption,
+    TeamSize,
     Trusted,
     arena,
     enter_agents,
@@ -35,7 +36,8 @@ if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.match import Forfeit
+    from catch_arena.tournament.match import Forfeit, MatchResult
+    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import Plan
     from catch_arena.tournament.secret import Secret
 
@@ -248,6 +250,7 @@ def match(
     agents: Agents,
     *,
     scenario: Scenario = "standard",
+    team_size: TeamSize = None,
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
@@ -256,24 +259,29 @@ def match(
     force: Force = False,
     settings: SettingOption = None,
 ) -> None:
-    """Play one match, seated in the order given, and record it."""
+    """Play one match, seated in the order given, and record it.
+
+    An agent for each hunter, or for each team where there are teams, and then one for each prey.
+    """
     from catch_arena.seeding import arena_seed
     from catch_arena.tournament.isolation.starting import play_entrants, sandbox_for
+    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 
-    config = arena(scenario, settings)
+    config = arena(scenario, settings, team_size)
+    parties = Parties.of(config)
     allowed = limits_or_trust(limits, isolation, agents, output, trusted=trusted)
-    players = enter_agents(agents, allowed)
+    players = enter_agents(agents, allowed, prey=config.prey > 0)
     require_enough(len(players), config, scenario)
-    if len(players) > config.hunters:
-        raise ConfigError(f"agents must be {config.hunters}, one for each hunter of {scenario}, got {len(players)}")
+    if len(players) > len(parties):
+        raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(players)}")
     output_file(output, force=force)
     drawn = arena_seed(seed)
     with sandbox_for(allowed) as sandbox:
         result = play_entrants(config, drawn, players, sandbox, title=scenario, record=output)
     names = [player.name for player in players]
     print_logs(names, result.logs)
-    print_ranking(result.ranks, result.scores, names, result.details)
+    print_result(parties, result, names)
     say(f"seed: {drawn}")
     say(f"replay: {output}")
 
@@ -283,6 +291,19 @@ def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
     for name, log in zip(names, logs, strict=True):
         if log:
             say(f"{name} printed:\n{log}", err=True)
+
+
+def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]) -> None:
+    """The result of a match by side: ranks, scores, and how agents failed; the catches of a team's hunters too."""
+    shown = list(names)
+    if result.catches:
+        for party, seats in enumerate(parties.seats[: parties.hunting]):
+            shown[party] += f" ({' + '.join(str(result.catches[seat]) for seat in seats)})"
+    for side in parties.sides:
+        cut = parties.on(side)
+        if side == "prey":
+            say("prey, by how often it was caught:")
+        print_ranking(result.ranks[cut], result.scores[cut], shown[cut], result.details[cut])
 
 
 def print_ranking(

@@ -11,6 +11,7 @@ from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import Block, Match, PlayedMatch, blocks_of
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
 from catch_arena.tournament.plans.swiss import pair_round
 from catch_arena.tournament.secret import Secret
@@ -175,12 +176,13 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str) -> None:
     Raises:
         ConfigError: with advice, where the entrants cannot fill the seats.
     """
-    if entrants >= config.hunters:
+    parties = Parties.of(config)
+    if entrants >= len(parties):
         return
-    fitting = [name for name, other in SCENARIOS.items() if 1 < other.hunters <= entrants]
+    fitting = [name for name, other in SCENARIOS.items() if 1 < len(Parties.of(other)) <= entrants]
     advice = f"; or try --scenario {fitting[0]}" if fitting else ""
     raise ConfigError(
-        f"agents must be at least {config.hunters} to fill the seats of {scenario}, got {entrants}: "
+        f"agents must be at least {len(parties)} to {parties.task} of {scenario}, got {entrants}: "
         f"name more of them (the same one may be named twice){advice}"
     )
 
