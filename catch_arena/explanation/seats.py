@@ -11,6 +11,21 @@ def labels(names: Sequence[str], kind: str = "hunter") -> tuple[str, ...]:
     return tuple(f"{name} ({kind}_{seat})" if names.count(name) > 1 else name for seat, name in enumerate(names))
 
 
+def prey_labels(replay: Replay) -> tuple[str, ...]:
+    """The prey's agents by index, each with what PettingZoo calls it."""
+    agents = zip(replay.prey_names, replay.config.prey_names, strict=True)
+    return tuple(name if name == agent else f"{name} ({agent})" for name, agent in agents)
+
+
+def team_label(replay: Replay, seats: Sequence[int]) -> str:
+    """A team: its only agent, with its seats if that plays in other teams too; or all its members."""
+    names = [replay.hunter_names[seat] for seat in seats]
+    if len(set(names)) > 1:
+        return " + ".join(labels(replay.hunter_names)[seat] for seat in seats)
+    alone = replay.hunter_names.count(names[0]) == len(seats)
+    return names[0] if alone else f"{names[0]} ({', '.join(replay.config.hunter_names[seat] for seat in seats)})"
+
+
 def how_it_left(replay: Replay, seat: int) -> str:
     """Of a hunter that has left: it was "withdrawn" (R1.6), which a replay lists, or "dropped out" (R1.7)."""
     return "withdrawn" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out"

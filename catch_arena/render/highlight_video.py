@@ -32,6 +32,7 @@ _CAPTION: Final = 0.13
 _ACCENT: Final[Color] = (255, 206, 84)
 HEADINGS: Final[dict[Kind, str]] = {
     "contest": "CONTEST",
+    "capture": "CAPTURE",
     "lead": "NEW LEADER",
     "streak": "STREAK",
     "finish": "FINISH",
