@@ -3,8 +3,10 @@
 import math
 from typing import Final
 
-from catch_arena.agents.nearest import Agent as Agent
+from catch_arena.agents.nearest import Agent
 from catch_arena.policy import PreyView, SeenBody
+
+__all__ = ["Agent", "Prey"]
 
 DIRECTIONS: Final = 24
 """How many are looked at, all round."""

@@ -56,6 +56,12 @@ class Parties:
         return f"play the {hunters} and the {prey} prey" if prey else "be the teams" if teams else "fill the seats"
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """What the parties are called in tables: their seats, prey by its index."""
+        hunting = ["+".join(map(str, seats)) for seats in self.seats[: self.hunting]]
+        return *hunting, *(f"prey {index}" for index in range(len(self) - self.hunting))
+
+    @property
     def by_seat(self) -> tuple[int, ...]:
         """The party of each seat."""
         party_of = {seat: party for party, seats in enumerate(self.seats) for seat in seats}

@@ -11,10 +11,11 @@ from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import Block, Match, PlayedMatch, blocks_of
-from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.parties import SIDES, Parties
 from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
 from catch_arena.tournament.plans.swiss import pair_round
 from catch_arena.tournament.secret import Secret
+from catch_arena.tournament.statistics.sides import on_side
 
 FORMATS: Final = ("round-robin", "balanced", "gauntlet", "swiss")
 
@@ -73,6 +74,8 @@ class Swiss:
     seats: int
     rounds: int
     secret: Secret
+    parties: Parties | None = None
+    """Where there is prey: each side is ranked by itself."""
 
     def __post_init__(self) -> None:
         _check(self.rounds, self.size, f"Swiss rounds of {self.entrants} entrants")
@@ -91,14 +94,23 @@ class Swiss:
         """One round."""
         if number >= self.rounds:
             return
-        matches = ((one.match.seating, one.result.ranks) for one in played)
+        before: Sequence[PlayedMatch] = list(played)
+        sides = (before,) if self.parties is None else [on_side(before, self.parties, side) for side in SIDES]
+        matches = ((one.match.seating, one.result.ranks) for side in sides for one in side)
         groups = pair_round(self.entrants, self.seats, matches, lambda one: self.secret.seed("standing", number, one))
         for index, group in enumerate(groups):
             yield _block(group, self.secret, number, index, len(groups))
 
 
-def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, seed: Secret | int) -> Plan:
-    """The plan of a format.
+def plan_of(
+    wanted: str | None,
+    entrants: int,
+    seats: int,
+    rounds: int | None,
+    seed: Secret | int,
+    parties: Parties | None = None,
+) -> Plan:
+    """The plan of a format. Its *seats* are an arena's parties (parties.py): one entrant plays each.
 
     Args:
         wanted: one of FORMATS; None is a round robin, or balanced blocks where that has too many matches.
@@ -106,6 +118,7 @@ def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, s
         seats: how many play in a match.
         rounds: None for 1, and in a Swiss for as many as leave but one unbeaten where matches are duels.
         seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed.
+        parties: those of the arena, where there is prey.
 
     Raises:
         ConfigError: for an argument that cannot be.
@@ -114,7 +127,8 @@ def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, s
         wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"
     require_choice("format", wanted, FORMATS)
     if wanted == "swiss":
-        return Swiss(entrants, seats, (entrants - 1).bit_length() or 1 if rounds is None else rounds, Secret.of(seed))
+        rounds = (entrants - 1).bit_length() or 1 if rounds is None else rounds
+        return Swiss(entrants, seats, rounds, Secret.of(seed), parties)
     makers = {"round-robin": round_robin, "balanced": balanced, "gauntlet": gauntlet}
     return makers[wanted](entrants, seats, 1 if rounds is None else rounds, seed)
 
