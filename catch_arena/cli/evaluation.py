@@ -105,7 +105,7 @@ def compare(
         say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
     share = found.share
     points = [f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high)]
-    say(f"{found.matches} matches in {found.blocks} blocks, {_opponents(len(Parties.of(config)), entrants)}")
+    say(f"{found.matches} matches in {found.blocks} blocks, {_opponents(Parties.of(config).group, entrants)}")
     say(
         f"share of {first.name}: {100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), "
         f"{points[0]} points ({points[1]} to {points[2]})"
@@ -190,8 +190,8 @@ def jobs_or_all(jobs: int | None) -> int:
     return usable_cores() if jobs is None else jobs
 
 
-def _opponents(parties: int, entrants: Sequence["Entrant"]) -> str:
+def _opponents(group: int, entrants: Sequence["Entrant"]) -> str:
     field = ", ".join(entrant.name for entrant in entrants[2:])
     if not field:
         return "against each other"
-    return f"{'in turn' if parties == len(entrants) - 1 else 'together'} against {field}"
+    return f"{'in turn' if group == len(entrants) - 1 else 'together'} against {field}"

@@ -123,7 +123,7 @@ def tournament(
     allowed = limits_or_trust(limits, isolation, agents, out, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
     players = enter_agents(agents, allowed, FirstLooks(out), prey=config.prey > 0)
-    require_enough(len(players), config, scenario)
+    require_enough(len(players), config, scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
     plays = _plan(players, parties, form, rounds, secret, until_separated, max_matches)
     worker = Worker(config, players, record, allowed)
@@ -215,12 +215,12 @@ def _plan(
     if until_separated is None:
         if max_matches is not None:
             raise ConfigError(f"--max-matches must come with --until-separated, got {max_matches} alone")
-        return plan_of(form, len(players), len(parties), rounds, seed, prey)
+        return plan_of(form, len(players), parties.group, rounds, seed, prey)
     if rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
 
     def of_rounds(count: int) -> FixedPlan:
-        made = plan_of(form, len(players), len(parties), count, seed)
+        made = plan_of(form, len(players), parties.group, count, seed, prey)
         if not isinstance(made, FixedPlan):
             raise ConfigError(f"--format must be another one with --until-separated, got {form}")
         return made

@@ -118,10 +118,11 @@ def audit(
     with sandbox_for(limits) as sandbox:
         look = inspector(sandbox)
         alike = enter([agent] * len(parties), look)
-        twins = enter([agent, agent, *islice(cycle(_OTHERS), len(parties) - 2)], look)
+        twins = enter([agent, agent, *islice(cycle(_OTHERS), parties.group - 2)], look)
     seat_matches = seat_plan(len(parties), matches, secret.part("audit seats"))
-    twin_blocks = max(_FEWEST_TWIN_BLOCKS, matches // 4 // len(parties))
-    twin_matches = tuple(round_robin(len(parties), len(parties), twin_blocks, secret.part("audit twins")))
+    twin_blocks = max(_FEWEST_TWIN_BLOCKS, matches // 4 // parties.block_size)
+    prey = parties if config.prey else None
+    twin_matches = tuple(round_robin(parties.group, parties.group, twin_blocks, secret.part("audit twins"), prey))
     total = len(seat_matches) + len(twin_matches)
 
     def outcomes(entrants: Sequence[Entrant], plan: Sequence[Match], before: int) -> dict[Side, Outcomes]:
@@ -133,7 +134,7 @@ def audit(
         played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=1, progress=show)
         for forfeit in (forfeit for one in played for forfeit in one.result.details if forfeit is not None):
             raise AgentError(f"{agent}: must be able to play, for an audit: {forfeit}")
-        return {side: Outcomes.of(len(parties), on_side(played, parties, side)) for side in parties.sides}
+        return {side: Outcomes.of(len(entrants), on_side(played, parties, side)) for side in parties.sides}
 
     identical, paired = outcomes(alike, seat_matches, 0), outcomes(twins, twin_matches, len(seat_matches))
     exact, drawn = permuted_steps(config, secret.seed("audit steps"))

@@ -28,7 +28,7 @@ _FIRST_BATCH: Final = 16
 
 @dataclass(frozen=True, slots=True)
 class ComparisonDesign:
-    """Who sits where in each block of a comparison. Its *seats* are the arena's parties (parties.py).
+    """Who sits where in each block of a comparison; its *seats* are as many as a block has players (`Parties.group`).
 
     A field that leaves one seat free is met by both in turn, each from every seat, on the same targets. Otherwise both
     sit in the same match, and share what the field leaves free.
@@ -44,10 +44,10 @@ class ComparisonDesign:
         if free < 1 or (free > 1 and free % 2):
             fitting = [str(size) for size in range(self.seats) if size == self.seats - 1 or not (self.seats - size) % 2]
             raise ConfigError(
-                f"the field must be of {' or '.join(fitting)} agents where {self.seats} play together, got {self.field}"
+                f"the field must be of {' or '.join(fitting)} agents where {self.seats} play a block, got {self.field}"
             )
         if self.seats < 2:
-            raise ConfigError(f"at least 2 agents must play in a match of the scenario, got {self.seats}")
+            raise ConfigError(f"the scenario must be for at least 2 agents, got {self.seats}")
 
     @property
     def in_turn(self) -> bool:
@@ -116,7 +116,7 @@ class _UntilDecided:
         secret: Secret,
         progress: Callable[[int, Sprt], None] | None,
     ) -> None:
-        plan = round_robin(design.seats, design.seats, max_blocks, secret.part("compare"))
+        plan = round_robin(design.seats, design.seats, max_blocks, secret.part("compare"), design.parties)
         self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks}
         self.size = plan.size * (2 if design.in_turn else 1)
         self.outcomes: list[float] = []
@@ -179,7 +179,7 @@ def compare(
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
     secret = Secret.of(seed)
     parties = Parties.of(config)
-    design = ComparisonDesign(len(parties), len(entrants) - _FIELD, parties if len(parties.sides) > 1 else None)
+    design = ComparisonDesign(parties.group, len(entrants) - _FIELD, parties if len(parties.sides) > 1 else None)
     plan = _UntilDecided(design, test, max_blocks, secret, progress)
     played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits)
     forfeits: dict[str, Counter[str]] = {}

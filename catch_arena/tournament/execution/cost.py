@@ -59,7 +59,7 @@ def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay |
     if worker.limits is None or not isolated:
         return None
     init_s, step_s, bank_s = worker.limits.init_s, worker.limits.step_ms / 1000.0, worker.limits.bank_s
-    in_block = len(Parties.of(worker.config))
+    in_block = Parties.of(worker.config).block_size
     in_blocks = -(-max_forfeits // in_block) * in_block
     return WorstDelay(
         agents=len(isolated),
@@ -97,10 +97,10 @@ def match_counts(plan: FixedPlan, entrants: int) -> tuple[tuple[int, int], tuple
     played = [0] * entrants
     met: Counter[tuple[int, ...]] = Counter()
     for block in plan.blocks():
-        group = sorted(block[0].seating)
-        for one in group:
-            played[one] += len(block)
-        for pair in combinations(group, 2):
-            met[pair] += len(block)
+        for match in block:
+            group = sorted(match.seating)
+            for one in group:
+                played[one] += 1
+            met.update(combinations(group, 2))
     together = [met[pair] for pair in combinations(range(entrants), 2)] or [0]
     return (min(played), max(played)), (min(together), max(together))

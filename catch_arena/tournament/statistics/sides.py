@@ -1,8 +1,8 @@
 """R12.7: the matches of an arena with prey, as one side's: what is known of it is made from its own results alone.
 
 Where a side has several parties in a match, they are compared in it. Where it has one, there is nobody to compare it
-with: then the matches of a block are taken for one, in which all who played that party in turn meet. They had the same
-targets, and each met the others.
+with: then the matches of a block in which the other side is the same are taken for one, in which those who played that
+party in turn meet (`Parties.seatings`). They had the same opponents, in the same places.
 """
 
 from collections.abc import Sequence
@@ -18,18 +18,22 @@ def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side) -> Sequ
     """The matches as one side's; without prey they are what they are.
 
     Args:
-        played: whole blocks.
+        played: in whole blocks.
         parties: those of the arena.
         side: which one.
     """
     if len(parties.sides) == 1:
         return played
     cut = parties.on(side)
-    found = [_cut(one, cut) for one in played]
     if len(parties.seats[cut]) > 1:
-        return found
-    found.sort(key=lambda one: one.match)
-    return [_joined(list(block), side) for _, block in groupby(found, key=lambda one: one.match.block)]
+        return [_cut(one, cut) for one in played]
+    other = parties.on("prey" if side == "hunter" else "hunter")
+
+    def opponents(one: PlayedMatch) -> tuple[int, tuple[int, ...]]:
+        return one.match.block, one.match.seating[other]
+
+    alike = groupby(sorted(played, key=lambda one: (*opponents(one), one.match.id)), key=opponents)
+    return [_joined([_cut(one, cut) for one in those], side) for _, those in alike]
 
 
 def _cut(one: PlayedMatch, cut: slice) -> PlayedMatch:
@@ -51,9 +55,9 @@ def _cut(one: PlayedMatch, cut: slice) -> PlayedMatch:
     )
 
 
-def _joined(block: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
+def _joined(those: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
     """Matches with one party each, as one match of them all."""
-    results = [one.result for one in block]
+    results = [one.result for one in those]
     scores = [score for result in results for score in result.scores]
     codes = [code for result in results for code in result.forfeits]
     details = [detail for result in results for detail in result.details]
@@ -61,10 +65,10 @@ def _joined(block: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
         lasted = [None if one is None else one.step for one in details]
     else:
         lasted = [None if code is None else 0 for code in codes]
-    first = block[0]
+    first = those[0]
     return replace(
         first,
-        match=replace(first.match, seating=tuple(index for one in block for index in one.match.seating)),
+        match=replace(first.match, seating=tuple(index for one in those for index in one.match.seating)),
         result=replace(
             first.result,
             scores=tuple(scores),
