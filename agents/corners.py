@@ -3,9 +3,11 @@
 import math
 from typing import Final
 
-from catch_arena.agents.contested import Agent as Agent
+from catch_arena.agents.contested import Agent
 from catch_arena.agents.flee import steer
 from catch_arena.policy import PreyView
+
+__all__ = ["Agent", "Prey"]
 
 WALL_M: Final = 1.0
 """How far from the walls its corners are."""
@@ -20,6 +22,7 @@ class Prey:
 
     def reset(self, seed: int) -> None:
         """No corner is its own yet."""
+        del seed
         self.corner: Point | None = None
 
     def act(self, view: PreyView) -> tuple[float, float]:

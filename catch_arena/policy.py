@@ -405,7 +405,8 @@ def limits_of(config: ArenaConfig, seat: int) -> AnyLimits:
 
 @runtime_checkable
 class Policy(Protocol):
-    """An agent that hunts. It may also name its `control` ("target" where it does not): the kind of action that it gives.
+    """An agent that hunts. It may also name its `control`, the kind of action that it gives ("target" where it does
+    not).
 
     target: an int, 0 = hold or a target's rank. velocity: two numbers in [-1, 1], linear and angular. full:
     {"cmd_vel": two such numbers, "catch": an int}.

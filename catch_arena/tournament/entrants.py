@@ -207,7 +207,7 @@ def look_for_prey(spec: str) -> tuple[bool, str | None]:
         found = agent_class(spec, "prey")
         for method, argument in (("reset", "seed"), ("act", "view")):
             if not callable(getattr(found, method, None)):
-                raise AgentError(f"{spec}: {_PREY} must have a method {method}(self, {argument})")  # noqa: TRY301
+                raise AgentError(f"{spec}: {_PREY} must have a method {method}(self, {argument})")
     except AgentError as error:
         return True, str(error)
     return True, None

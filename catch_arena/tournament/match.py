@@ -258,6 +258,11 @@ def play(
     )
 
 
+def players_of(block: Block) -> frozenset[int]:
+    """Who plays in any of its matches, by index among the entrants."""
+    return frozenset(index for match in block for index in match.seating)
+
+
 def blocks_of(matches: Iterable[Match]) -> list[Block]:
     """The matches by block, in the order of the plan."""
     return [tuple(block) for _, block in groupby(matches, key=lambda match: match.block)]

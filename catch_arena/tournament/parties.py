@@ -4,7 +4,7 @@ A match seats one entrant in each party, with an instance of it in each of the p
 first, and then the prey.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
@@ -48,12 +48,52 @@ class Parties:
         return "hunter" if party < self.hunting else "prey"
 
     @property
+    def group(self) -> int:
+        """How many entrants play a block (docs/tournaments.md): one for each party, and with prey two for a side that
+        has but one party.
+        """
+        return sum(self._players)
+
+    @property
+    def block_size(self) -> int:
+        """How many matches a block has."""
+        return sum(1 for _ in self.seatings(range(self.group)))
+
+    def seatings(self, circle: Sequence[T]) -> Iterator[tuple[T, ...]]:
+        """The matches of a block, by party: every rotation of its players, so that each plays each party.
+
+        With prey, where a side has one party, the next in the circle plays it too, against the same others on the
+        other side: else there would be nobody to compare it with.
+
+        Args:
+            circle: `group` players.
+        """
+        hunters, others = self._players
+        for turn in range(len(circle)):
+            order = (*circle[turn:], *circle[:turn])
+            for hunting in _lineups(order[:hunters], self.hunting):
+                for hunted in _lineups(order[hunters : hunters + others], len(self) - self.hunting):
+                    yield *hunting, *hunted
+
+    @property
+    def _players(self) -> tuple[int, int]:
+        """How many of a group hunt, and how many are prey, in each of its rotations."""
+        prey = len(self) - self.hunting
+        return (max(self.hunting, 2), max(prey, 2)) if prey else (self.hunting, 0)
+
+    @property
     def task(self) -> str:
         """What entrants are there for, in words."""
         teams = any(len(seats) > 1 for seats in self.seats)
         hunters = f"{self.hunting} teams" if teams else f"{self.hunting} hunters"
         prey = len(self) - self.hunting
         return f"play the {hunters} and the {prey} prey" if prey else "be the teams" if teams else "fill the seats"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the parties are called in tables: their seats, prey by its index."""
+        hunting = ["+".join(map(str, seats)) for seats in self.seats[: self.hunting]]
+        return *hunting, *(f"prey {index}" for index in range(len(self) - self.hunting))
 
     @property
     def by_seat(self) -> tuple[int, ...]:
@@ -68,3 +108,8 @@ class Parties:
     def mapped_to_seats(self, by_party: Mapping[int, T]) -> dict[int, T]:
         """The same of some parties."""
         return {seat: by_party[party] for seat, party in enumerate(self.by_seat) if party in by_party}
+
+
+def _lineups(players: tuple[T, ...], parties: int) -> Sequence[tuple[T, ...]]:
+    """Who plays the parties of a side: all these players, or one of them after the other."""
+    return [players] if len(players) == parties else [(one,) for one in players]

@@ -32,9 +32,7 @@ class Fault:
 
 # plain tuples: a trusted match makes thousands of them
 Observation = tuple[list[float], list[int]]
-"""What one seat is shown in a step: R7.1's or R12.4's vector, and R7.2's mask, which is empty under velocity control and
-for prey.
-"""
+"""What a seat is shown in a step: R7.1's or R12.4's vector, and R7.2's mask, which not every seat has (empty then)."""
 Answer = tuple[Any, float, Fault | None]
 """What it makes of that: its action, unchecked (None where there is a fault), how long that took [s], and its fault."""
 

@@ -15,7 +15,7 @@ from catch_arena.tournament.isolation.apart import Sabotage
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import is_suspect, play_apart, play_together
-from catch_arena.tournament.match import Block, Match, MatchResult, PlayedMatch
+from catch_arena.tournament.match import Block, Match, MatchResult, PlayedMatch, players_of
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Fault
 
@@ -47,7 +47,7 @@ class Worker:
         """Whose processes run in a block, and could do harm: the indices of isolated entrants that are started."""
         if self.limits is None:
             return []
-        return [index for index in block[0].seating if index not in excluded and is_suspect(self.entrants[index])]
+        return [index for index in players_of(block) if index not in excluded and is_suspect(self.entrants[index])]
 
     def play(self, matches: Iterable[Match], excluded: Excluded = MappingProxyType({})) -> list[RecordedMatch]:
         """One match after the other.
