@@ -33,6 +33,7 @@ from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
+    from catch_arena.live.session import SessionResult
     from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
@@ -303,7 +304,7 @@ def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
             say(f"{name} printed:\n{log}", err=True)
 
 
-def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]) -> None:
+def print_result(parties: "Parties", result: "MatchResult | SessionResult", names: Sequence[str]) -> None:
     """The result of a match by side: ranks, scores, and how agents failed; the catches of a team's hunters too."""
     shown = list(names)
     if result.catches:

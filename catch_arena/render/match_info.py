@@ -102,6 +102,11 @@ class MatchInfo:
         hunters = self.config.hunters
         return str(agent) if agent < hunters else f"P{agent - hunters}"
 
+    def called(self, agent: int) -> str:
+        """A hunter's side, or prey, as it is called."""
+        hunts = agent < self.config.hunters
+        return self.sides[self.side_by_seat[agent]].name if hunts else self.names[agent]
+
     def prey(self, name: str) -> int:
         """The agent that PettingZoo calls `prey_{index}`."""
         return self.config.hunters + int(name.removeprefix("prey_"))
