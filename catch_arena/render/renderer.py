@@ -92,7 +92,7 @@ class MatchRenderer:
         self._annotations: list[Annotation] = []
         self._timeline = timeline.Timeline(self.info.duration_ms)
         self._standings_animation = StandingsAnimation()
-        self._feed = EventFeed(self.info)
+        self._feed = EventFeed()
         self._standings: tuple[hud.AgentScore, ...] = ()
         self._scores: tuple[int, ...] = ()
         self._players: dict[int, int] = {}

@@ -58,3 +58,14 @@ def test_the_pointer_stays_in_the_picture(y):
     label = next(shape for shape in overlays.seat_pointer(viewport, (5.0, y), (255, 0, 0)) if isinstance(shape, Label))
     assert 0 < label.y < 720
     assert math.dist((label.x, label.y), viewport.to_pixels(5.0, y)) < 2.5 * viewport.hunter_length
+
+
+def test_a_team_wins_together_and_prey_is_told_how_often_it_was_caught():
+    info = MatchInfo.of(ArenaConfig(teams=((0, 1), (2, 3)), prey=1), ("you", "nearest", "patrol", "patrol", "flee"))
+    table = [(1, AgentScore(0, 9)), (2, AgentScore(2, 7)), (1, AgentScore(4, 3, hunted=True))]
+    texts = [one.text for one in overlays.result_overlay((720, 720), info, table, "") if isinstance(one, Label)]
+    assert texts[0] == "Your team wins"
+    assert texts[9:14] == ["1", "P0", "flee", "caught", "3"]
+    info = MatchInfo.of(ArenaConfig(prey=1), ("a", "b", "c", "d", "you"))
+    table = [(1, AgentScore(0, 9)), (1, AgentScore(4, 1, hunted=True))]
+    assert overlays.result_overlay((720, 720), info, table, "")[1].text == "You were caught 1 time"
