@@ -69,10 +69,11 @@ def fleeing(play) -> Replay:
 def hunted(play) -> Replay:
     """Two teams, prey that returns beside targets that wander, and a withdrawal on each side."""
     return play(
-        seed=5,
+        seed=6,
         teams=((0, 2), (1, 3)),
         prey=3,
-        initial_targets=6,
+        initial_targets=4,
+        spawn_frequency_hz=0.5,
         prey_returns_s=0.7,
         target_motion="wander",
         reach_m=0.8,

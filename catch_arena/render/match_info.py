@@ -69,7 +69,8 @@ class MatchInfo:
         agents = config.hunter_names + config.prey_names
         called = agents if names is None else tuple(names)
         if len(called) != len(agents):
-            raise ConfigError(f"names must be one for each of {len(agents)} agents, got {len(called)}")
+            prey = f" and {config.prey} prey" if config.prey else ""
+            raise ConfigError(f"names must be one for each of {config.hunters} hunters{prey}, got {len(called)}")
         hunters = called[: config.hunters]
         return cls(
             config,

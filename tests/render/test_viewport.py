@@ -106,7 +106,7 @@ def test_a_team_is_called_as_its_only_agent_or_by_its_colour():
     assert [side.name for side in info.sides] == ["a", "mint", "d"]
     assert [side.name for side in MatchInfo.of(config, ("a",) * 6).sides] == ["amber", "mint", "purple"]
     assert MatchInfo.of(config).side_by_seat == (0, 0, 1, 1, 2, 2)
-    many = MatchInfo.of(ArenaConfig(hunters=64, teams=tuple((seat,) for seat in range(64))))
+    many = MatchInfo.of(ArenaConfig(hunters=64, teams=tuple((seat,) for seat in range(64))), ("a",) * 64)
     assert [many.sides[team].name for team in (0, 8, 16)] == ["amber", "light amber", "dark amber"]
 
 

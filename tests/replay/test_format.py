@@ -128,9 +128,8 @@ def test_a_decoder_by_the_document_alone_reads_the_same(play, tmp_path, scenario
     assert np.array_equal(np.array(read["ranks"]).T, np.array(match.choices))
     for seat, columns in read["commands"].items():
         assert np.array_equal(np.array(columns).T, np.array(match.commands)[:, seat])
-    assert np.array_equal(
-        np.array(read["prey_commands"]).reshape(match.config.prey, 2, -1).transpose(2, 0, 1), match.prey_commands
-    )
+    of_prey = np.array(read["prey_commands"]).reshape(match.config.prey, 2, match.steps)
+    assert np.array_equal(of_prey.transpose(2, 0, 1), match.prey_commands)
     assert read["digests"] == match.digests
     assert read["states"] == [state.tolist() for state in match.states]
 

@@ -6,6 +6,7 @@ import re
 import pytest
 from typer.testing import CliRunner
 
+import catch_arena
 from catch_arena import Replay
 from catch_arena.cli import main
 from catch_arena.errors import ReplayError
@@ -232,7 +233,25 @@ def test_an_edited_action_of_prey_is_named_by_the_target_that_it_moves(hunted):
 def test_a_withdrawal_of_prey_that_was_taken_out_is_found(hunted):
     found = verify(altered(hunted, lambda match: match.withdrawals.remove((90, 5))))
 
-    assert found[0] == "step 91 is the first that differs"
+    assert found[0].startswith("step 91 is the first that differs")
+
+
+def test_an_edited_action_of_prey_whose_effect_ends_with_its_return_is_found():
+    """A hunter that reaches everything asks in step 10; where the prey had driven until then matters no more."""
+    env = catch_arena.parallel_env("tag", hunters=1, control="full", reach_m=100.0, max_cycles=40)
+    env.record()
+    env.reset(seed=2)
+    while env.agents:
+        asks = int(env.world().step == 9)
+        env.step({"hunter_0": {"cmd_vel": (0.0, 0.0), "catch": asks}, "prey_0": (0.5, 0.25)})
+    match = env.replay()
+    found = verify(altered(match, lambda match: match.prey_commands[4].__setitem__(0, (1.0, 0.25))))
+
+    assert verify(match) == []
+    assert found[0] == "step 5 is the first that differs; from step 10 on it plays as recorded"
+    assert any(line.startswith("step 5: target_turtle_1: x is ") for line in found)
+    (line,) = verify(altered(match, lambda match: match.digests.__setitem__(5, b"12345678")))
+    assert line == "step 5: its digest was altered: the match plays on as recorded"
 
 
 def test_altered_numbers_of_prey_are_told_by_its_name(hunted):
