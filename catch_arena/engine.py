@@ -33,7 +33,7 @@ from catch_arena.core.state import LANES, MOTIONS, SeatLimits, Settings, first_p
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.errors import ConfigError
-from catch_arena.layout import prey_width, width
+from catch_arena.layout import hunters_seen_by_prey, prey_seen_by_prey, prey_width, width
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.threads import Threads
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
@@ -53,6 +53,7 @@ _NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 _NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
 _NO_PREY: Final = np.zeros(0)
+_NO_NETWORK: Final = np.zeros((0, 2), dtype=np.int64)
 _network: Final = cache(selection_network)
 """For engines that copy it."""
 _SEES_ALL_ROUND: Final = -2.0
@@ -186,7 +187,8 @@ class Engine:
         kept = num_arenas if auto_reset else 0
         seen_by_prey = prey_width(config)
         team_play = config.teams is not None
-        scratch = scratch_shapes(hunters, prey, num_rows, width(config), team_play=team_play)
+        columns = max(hunters * width(config), prey * seen_by_prey)
+        scratch = scratch_shapes(hunters, prey, num_rows, columns, team_play=team_play)
         self._memory, sections = lay_out(
             Sections(
                 settings=np.array(settings_of(config, progress_wanted=infos_wanted), dtype=np.float64),
@@ -197,7 +199,11 @@ class Engine:
                 target_network=_network(config.max_targets, seen),
                 # one rank more than is seen: a tie at the edge of the view has to be noticed
                 rival_network=_network(hunters, min(hunters, config.hunters_seen + 1)),
-                prey_commands=zeros(num_arenas if prey else 0, prey, 2, dtype=np.float32),
+                prey_commands=zeros(num_arenas, prey, 2, dtype=np.float32),
+                hunter_network=_network(hunters, min(hunters, hunters_seen_by_prey(config) + 1))
+                if prey
+                else _NO_NETWORK,
+                prey_network=_network(prey, min(prey, prey_seen_by_prey(config) + 1)) if prey else _NO_NETWORK,
                 blocks=zeros(num_blocks, num_rows * LANES),
                 parts=zeros(with_infos, hunters, 1 + len(PART_NAMES)),
                 evidence=zeros(with_infos, hunters, len(rows.EVIDENCE)),
@@ -437,7 +443,8 @@ class Engine:
     def prey_active(self) -> NDArray[np.bool_]:
         """R12.3: which prey is not out: (B, P)."""
         slots = self._prey[:, :, _row(rows.PREY_SLOT)]
-        return np.greater_equal(slots.transpose(0, 2, 1).reshape(-1, self.config.prey)[: self.num_arenas], 0.0)
+        by_arena = slots.transpose(0, 2, 1).reshape(len(self.blocks) * LANES, self.config.prey)
+        return np.greater_equal(by_arena[: self.num_arenas], 0.0)
 
     def team_scores(self) -> NDArray[np.float64]:
         """R11.1: the sums of the scores of each team's hunters: (B, teams)."""

@@ -45,6 +45,9 @@ class Sections(NamedTuple):
     target_network: Annotated[NDArray[np.int64], 2]
     """(comparators, 2): see `ranking.selection_network`."""
     rival_network: Annotated[NDArray[np.int64], 2]
+    hunter_network: Annotated[NDArray[np.int64], 2]
+    """The same for what prey sees of hunters."""
+    prey_network: Annotated[NDArray[np.int64], 2]
     keys: Annotated[NDArray[np.int32], 2]
     """(T, numbers), as those that follow: see `workspace.Scratch`."""
     ages: Annotated[NDArray[np.float32], 2]
@@ -57,7 +60,7 @@ class Sections(NamedTuple):
     progress_references: Annotated[NDArray[np.float64], 2]
     team_rows: Annotated[NDArray[np.float64], 2]
     prey_references: Annotated[NDArray[np.float64], 2]
-    places: Annotated[NDArray[np.int64], 2]
+    gathered_prey: Annotated[NDArray[np.float64], 2]
     snapshot: Annotated[NDArray[np.float64], 2]
     prey_commands: Annotated[NDArray[np.float32], 3]
     """R12.2: (B, P, 2), the actions of the step that is played."""

@@ -573,4 +573,4 @@ def observe(
     write(block, s, width, lanes, slots, sections.teams, scratch, sections.observations.reshape(-1), first)
     write_masks(block, s, lanes, sections.masks[first:last])
     if s.prey > 0:
-        observe_as_prey(block, s, lanes, scratch, sections.prey_observations[first:last])
+        observe_as_prey(block, s, width, first, lanes, sections, scratch)

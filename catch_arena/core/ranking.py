@@ -25,7 +25,6 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
-    seat_at,
     seat_of,
     span,
 )
@@ -106,26 +105,26 @@ def _sorting_network(wires: int) -> list[tuple[int, int]]:
 
 
 @rule
-def body_at(block: Block, mine: int, other: int) -> BodyFeatures:
-    """R7.1, R12.4: what whoever has its body at `mine` sees of the body at `other`, lanes included."""
-    sine, cosine = block[SINE + mine], block[COSINE + mine]
-    other_sine, other_cosine = block[SINE + other], block[COSINE + other]
-    dx, dy = block[X + other] - block[X + mine], block[Y + other] - block[Y + mine]
+def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
+    """R7.1, R12.4: what one body sees of another; both begin with the rows of a body."""
+    sine, cosine = me[SINE + lane], me[COSINE + lane]
+    other_sine, other_cosine = other[SINE + lane], other[COSINE + lane]
+    dx, dy = other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane]
     return BodyFeatures(
         forward=cosine * dx + sine * dy,
         left=cosine * dy - sine * dx,
         present=1.0,
         heading_cos=other_cosine * cosine + other_sine * sine,
         heading_sin=other_sine * cosine - other_cosine * sine,
-        linear_velocity=block[SPEED + other],
+        linear_velocity=other[SPEED + lane],
     )
 
 
 @rule
 def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.int64]) -> TeamRivalFeatures:
     """R7.1, R7.4: what one seat sees of another hunter; `teams` as in `memory.Sections`."""
-    mine, its = seat_at(seat) + lane, seat_at(other) + lane
-    seen = body_at(block, mine, its)
+    me, rival = seat_of(block, seat), seat_of(block, other)
+    seen = body_at(me, rival, lane)
     return TeamRivalFeatures(
         forward=seen.forward,
         left=seen.left,
@@ -133,7 +132,7 @@ def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.i
         heading_cos=seen.heading_cos,
         heading_sin=seen.heading_sin,
         linear_velocity=seen.linear_velocity,
-        score_difference=block[SCORE + its] - block[SCORE + mine],
+        score_difference=rival[SCORE + lane] - me[SCORE + lane],
         mate=1.0 if teams[seat] == teams[other] else 0.0,
     )
 

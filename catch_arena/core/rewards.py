@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, phase, rare
+from catch_arena.core.jit import Block, inlined, phase, rare
 from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
     ALIVE,
@@ -134,23 +134,33 @@ def share_rewards(
 
 
 @phase
-def reward(
+def reward_hunters(
     block: Block,
     s: Settings,
     width: Width,
     lanes: int,
     teams: NDArray[np.int64],
+    in_teams: bool,
     scratch: Scratch,
     rewards: Rewards,
     parts: Parts,
 ) -> None:
-    """R6.2: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not."""
+    """R6.2: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        teams: see `memory.Sections`.
+        in_teams: whether there are teams: as it stands where this is called, so that nothing asks for it in the loops.
+        scratch: see `workspace.Scratch`.
+        rewards: the result, or none.
+        parts: the result, or none.
+    """
     catches = scratch.rows[:LANES]
     amounts = scratch.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
     parts_wanted = len(parts) > 0
-    shared = s.team_share > 0.0
-    if s.has_teams:
-        count_team_catches(block, s, width, teams, scratch.team_rows)
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         granted = 0.0
@@ -166,10 +176,9 @@ def reward(
             verdict = me[VERDICT + lane]
             granted = select(verdict == _GRANTED, 1.0, 0.0)
             of_team = granted
-            if s.has_teams:
+            if in_teams:
                 of_team = scratch.team_rows[teams[seat] * LANES + lane]
             rival = counts * (catches[lane] - of_team)
-            mate = counts * (of_team - granted)
             lost = select(verdict == _LOST_CONTEST, 1.0, 0.0)
             refused = (verdict > 0.0) & (verdict < _GRANTED) & (verdict != _LOST_CONTEST)
             rejected = select(refused, counts, 0.0)
@@ -188,11 +197,12 @@ def reward(
                 + s.progress_weight * progress
                 + s.time_weight * elapsed
             )
-            if s.has_teams:
+            mate = 0.0
+            if in_teams:
+                mate = counts * (of_team - granted)
                 total = total + s.mate_catch_weight * mate
-            if shared:
                 scratch.team_rows[(s.hunters + seat) * LANES + lane] = total
-            else:
+            if not (in_teams and s.team_share > 0.0):  # else `share_rewards` does it
                 me[RETURN + lane] = me[RETURN + lane] + total
             amounts[lane] = total
             if not parts_wanted:
@@ -210,5 +220,39 @@ def reward(
                 continue
             for column in range(1 + len(PART_NAMES)):
                 parts[lane, seat, column] = amounts[column * LANES + lane]
-    if shared:
+
+
+@rare
+def reward_teams(
+    block: Block,
+    s: Settings,
+    width: Width,
+    lanes: int,
+    teams: NDArray[np.int64],
+    scratch: Scratch,
+    rewards: Rewards,
+    parts: Parts,
+) -> None:
+    """R11.2: the same where there are teams; arguments as of `reward_hunters`."""
+    count_team_catches(block, s, width, teams, scratch.team_rows)
+    reward_hunters(block, s, width, lanes, teams, True, scratch, rewards, parts)
+    if s.team_share > 0.0:
         share_rewards(block, s, lanes, teams, scratch.team_rows, rewards, parts)
+
+
+@inlined
+def reward(
+    block: Block,
+    s: Settings,
+    width: Width,
+    lanes: int,
+    teams: NDArray[np.int64],
+    scratch: Scratch,
+    rewards: Rewards,
+    parts: Parts,
+) -> None:
+    """R6.2, R11.2: what each hunter gets for this step; arguments as of `reward_hunters`."""
+    if s.has_teams:
+        reward_teams(block, s, width, lanes, teams, scratch, rewards, parts)
+    else:
+        reward_hunters(block, s, width, lanes, teams, False, scratch, rewards, parts)

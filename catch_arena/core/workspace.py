@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.jit import Block, inlined
 from catch_arena.core.memory import Sections
-from catch_arena.core.state import ABSENT, LANES, RANKS_PER_WORD
+from catch_arena.core.state import ABSENT, LANES, RANKS_PER_WORD, WITHDRAWN
 from catch_arena.core.vectors import WIDE
 
 _MOST: Final = 64
@@ -22,6 +22,8 @@ _FEATURES: Final = (ABSENT + 1) * FEATURE_STRIDE * len(WIDE)
 _ORDER_ROWS: Final = _MOST // RANKS_PER_WORD
 _REFERENCE_ROWS: Final = 3
 _PREY_REFERENCE_ROWS: Final = 4
+GATHERED_SIZE: Final = WITHDRAWN + LANES
+"""Of the rows of one prey: a body's, and all up to that which hides a hunter."""
 
 
 class Scratch(NamedTuple):
@@ -51,15 +53,17 @@ class Scratch(NamedTuple):
     """
     prey_references: Block
     """R12.5's gain, by index: see `prey_reference_of`."""
-    places: NDArray[np.int64]
-    """Where in a block the bodies are, hunters' and prey's, that prey may see in one lane: see `prey_views`."""
+    gathered_prey: Block
+    """The bodies of prey, by index: see `gathered_of`."""
     snapshot: Block
     """The block as it was, where some of its arenas have ended."""
 
 
 def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_play: bool) -> dict[str, tuple[int, ...]]:
-    """The shapes of one thread's scratch memory, for blocks of so many rows and observations of so many columns."""
-    staging = len(WIDE) * hunters * columns + FEATURE_STRIDE  # with room for what is written too much
+    """The shapes of one thread's scratch memory, for blocks of so many rows and, in an arena, observations of so many
+    columns.
+    """
+    staging = len(WIDE) * columns + FEATURE_STRIDE  # with room for what is written too much
     return {
         "keys": (_MOST * LANES,),
         "ages": (_MOST * LANES,),
@@ -72,7 +76,7 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
         "progress_references": (hunters * _REFERENCE_ROWS * LANES,),
         "team_rows": (2 * hunters * LANES if team_play else 0,),
         "prey_references": (prey * _PREY_REFERENCE_ROWS * LANES,),
-        "places": (hunters + prey if prey else 0,),
+        "gathered_prey": (prey * GATHERED_SIZE,),
         "snapshot": (rows * LANES,),
     }
 
@@ -92,7 +96,7 @@ def scratch_of(sections: Sections, thread: int) -> Scratch:
         sections.progress_references[thread],
         sections.team_rows[thread],
         sections.prey_references[thread],
-        sections.places[thread],
+        sections.gathered_prey[thread],
         sections.snapshot[thread],
     )
 
@@ -115,3 +119,9 @@ def progress_reference_of(scratch: Scratch, seat: int) -> Block:
 def prey_reference_of(scratch: Scratch, index: int) -> Block:
     """R12.5's gain of one prey, four rows: see `prey.IN_PLAY` and those that follow."""
     return scratch.prey_references[_PREY_REFERENCE_ROWS * LANES * index : _PREY_REFERENCE_ROWS * LANES * (index + 1)]
+
+
+@inlined
+def gathered_of(scratch: Scratch, index: int) -> Block:
+    """R12.4: the body of one prey, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
+    return scratch.gathered_prey[GATHERED_SIZE * index : GATHERED_SIZE * (index + 1)]

@@ -164,10 +164,10 @@ class MatchWindow:
     def _end(self, world: World) -> None:
         """The standings, until the user has seen them."""
         table = [
-            (rank, hud.HunterScore(seat, hunter.score, hunter.withdrawn))
+            (rank, hud.AgentScore(seat, hunter.score, hunter.withdrawn))
             for seat, (rank, hunter) in enumerate(zip(self.ranks, world.hunters, strict=True))
         ]
-        table.sort(key=lambda line: (line[0], line[1].seat))
+        table.sort(key=lambda line: (line[0], line[1].agent))
         motion = self._motions[-1]
         while True:
             result = overlays.result_overlay(self._area, self._info, table, "R: again    Ctrl-S: save    Esc: end")

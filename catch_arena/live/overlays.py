@@ -63,7 +63,7 @@ def keys_overlay(area: tuple[int, int], title: str, rows: Rows, below: str) -> l
 
 
 def result_overlay(
-    area: tuple[int, int], info: MatchInfo, ranking: Sequence[tuple[int, hud.HunterScore]], below: str
+    area: tuple[int, int], info: MatchInfo, ranking: Sequence[tuple[int, hud.AgentScore]], below: str
 ) -> list[Shape]:
     """The final standings, by rank, as many as there is room for."""
     width, height = area
@@ -85,8 +85,8 @@ def result_overlay(
         chip = left + pad + 2.2 * size
         name = chip + hud.chip_width(info, size) + 0.7 * size
         shapes.append(Label(left + pad + 1.2 * size, y, str(rank), size, hud.DIM, 600, "right"))
-        shapes += hud.chip(chip, y, info, one.seat, size, faded=one.withdrawn)
-        shapes.append(Label(name, y, info.names[one.seat], size, hud.BRIGHT, 600, max_width=right - name - 2.4 * size))
+        shapes += hud.chip(chip, y, info, one.agent, size, faded=one.withdrawn)
+        shapes.append(Label(name, y, info.names[one.agent], size, hud.BRIGHT, 600, max_width=right - name - 2.4 * size))
         shapes.append(Label(right, y, str(one.score), size, hud.BRIGHT, 800, "right"))
         y += line
     shapes.append(
@@ -120,11 +120,11 @@ def seat_pointer(viewport: Viewport, position: tuple[float, float], color: Color
     ]
 
 
-def _verdict(info: MatchInfo, ranking: Sequence[tuple[int, hud.HunterScore]]) -> str:
+def _verdict(info: MatchInfo, ranking: Sequence[tuple[int, hud.AgentScore]]) -> str:
     first = [one for rank, one in ranking if rank == 1]
     if len(first) > 1:
         return f"{len(first)} share the first rank"
-    name = info.names[first[0].seat]
+    name = info.names[first[0].agent]
     return "You win" if name == "you" else f"{name} wins"
 
 
