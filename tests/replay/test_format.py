@@ -266,7 +266,10 @@ def test_every_flipped_bit_is_refused(small):
         (b"", "is not a Catch Arena replay"),
         (b"PK\x03\x04 something else", "is not a Catch Arena replay"),
         (b"\x89CATCH\r\n" + bytes(9), "is truncated"),
-        (b"\x89CATCH\r\n" + struct.pack("<IQ", 1, 5) + bytes(37), "is of format 1, and this version reads formats 2 and 3"),
+        (
+            b"\x89CATCH\r\n" + struct.pack("<IQ", 1, 5) + bytes(37),
+            "is of format 1, and this version reads formats 2 and 3",
+        ),
         (b"\x89CATCH\r\n" + struct.pack("<IQ", 2, 2**63) + bytes(37), "should be 9223372036854775860 bytes long"),
         (sealed(b"", packed_as=b"not zlib"), "its body does not unpack"),
         (sealed(b"", packed_as=zlib.compress(bytes(9))[:-1]), "is damaged"),
