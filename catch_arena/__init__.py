@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from catch_arena.explanation import explain_step as explain_step
     from catch_arena.policy import Limits as Limits
     from catch_arena.policy import Policy as Policy
+    from catch_arena.policy import PreyLimits as PreyLimits
+    from catch_arena.policy import PreyPolicy as PreyPolicy
+    from catch_arena.policy import PreyView as PreyView
     from catch_arena.policy import View as View
     from catch_arena.replay import Replay as Replay
     from catch_arena.scenarios import SCENARIOS as SCENARIOS
@@ -40,6 +43,9 @@ _HOMES = {
     "Gains": "config",
     "Limits": "policy",
     "Policy": "policy",
+    "PreyLimits": "policy",
+    "PreyPolicy": "policy",
+    "PreyView": "policy",
     "Replay": "player",  # replay/ has it; the player gives it a picture in notebooks
     "RewardWeights": "config",
     "Ruling": "verdicts",

@@ -143,7 +143,7 @@ def highlights(
 ) -> None:
     """Find the moments of a folder's matches that are worth seeing, and film them.
 
-    Close contests, changes of lead, streaks, the last seconds of close matches, and upsets; the best comes last.
+    Close contests, catches of prey, changes of lead, streaks, close finishes, and upsets; the best comes last.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.highlights import select_highlights

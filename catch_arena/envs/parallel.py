@@ -35,7 +35,7 @@ from catch_arena.envs.spaces import (
 )
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.layout import STATE_PREY_COLUMNS, state_columns
-from catch_arena.replay import Replay, checked_text
+from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import in_short
 from catch_arena.verdicts import REASONS, Verdict
@@ -301,7 +301,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         engine = self._engine
         engine.step(self._choices, self._hunter_commands, self._prey_commands)
         if self._replay is not None:
-            self._replay.append(self._choices[0], self._commands[0], engine)
+            prey_commands = None if self._prey_commands is None else self._prey_commands[0]
+            self._replay.append(self._choices[0], self._hunter_commands[0], engine, prey_commands)
         agents = self.agents
         ended = engine.ends.item()
         terminations = dict.fromkeys(agents, ended == rows.TERMINATED)
@@ -392,22 +393,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._engine.digest()
 
     def record(self, names: Sequence[str] | None = None, title: str = "") -> None:
-        """Keep every episode from the next reset on; `names` are the agents' names by seat.
+        """Keep every episode from the next reset on; `names` are those of `possible_agents`, in their order.
 
         Raises:
             ConfigError: for a name or a title that is not at most 200 printable characters.
         """
-        if self.config.prey:  # replays hold no actions of prey yet
-            raise ConfigError(f"record must be of an arena without prey, got prey={self.config.prey}")
         import catch_arena.player  # noqa: F401 - notebooks show the replay by it
 
-        names = tuple(names) if names is not None else self.config.hunter_names
-        if len(names) != self.config.hunters:
-            raise ConfigError(f"names must be {self.config.hunters}, one for each hunter, got {names!r}")
-        for seat, name in enumerate(names):
-            checked_text(f"names[{seat}]", name)
+        called = checked_names(self.possible_agents if names is None else names, self.config)
         checked_text("name_prefix", self.config.name_prefix)
-        self._record_as = (names, checked_text("title", title))
+        self._record_as = (called, checked_text("title", title))
 
     def replay(self) -> Replay:
         """The episode so far, where `record` was called before its reset."""

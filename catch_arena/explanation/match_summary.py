@@ -9,7 +9,8 @@ import numpy as np
 
 from catch_arena.core.jit import entry
 from catch_arena.core.random import service_lot, tie_lot
-from catch_arena.explanation.seats import find_seat, how_it_left, labels
+from catch_arena.explanation.captures import Capture, PreyRecord, PreySummary, captures_by
+from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels, team_label
 from catch_arena.explanation.sight import Sight
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Ruling, Verdict
@@ -28,6 +29,8 @@ class Claim:
     """At the step's beginning (R5.3); None under the policy `capstone`, which does not measure."""
     lot: int | None = None
     """Where a lot decided (R5.5, R5.9): its word, of which the lowest wins."""
+    mate: bool = False
+    """It lost to its own team-mate (R11.3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +85,8 @@ class HunterSummary:
     contests_lost: int = 0
     won_by_um: float | None = None
     """How much nearer than the nearest rival it was in the contests that it won, on average."""
+    contests_lost_to_mates: int = 0
+    """Of those that it lost (R11.3)."""
     lost_by_um: float | None = None
     """How much nearer the winner was in those that it lost, on average."""
     refused: dict[str, int] = field(default_factory=dict)
@@ -96,6 +101,16 @@ class HunterSummary:
 
 
 @dataclass(frozen=True, slots=True)
+class TeamSummary:
+    """What a team has (R11.1)."""
+
+    name: str
+    seats: tuple[int, ...]
+    score: int
+    rank: int
+
+
+@dataclass(frozen=True, slots=True)
 class Explanation:
     """The contests and refusals of a match, and a summary of each hunter that was asked about."""
 
@@ -107,14 +122,22 @@ class Explanation:
     duration_ms: int
     names: tuple[str, ...]
     """What the hunters are called, by seat."""
+    prey_names: tuple[str, ...]
+    """What prey is called, by index."""
     scores: tuple[int, ...]
     contests: tuple[Contest, ...]
     refusals: tuple[Refusals, ...]
     records: tuple[HunterSummary, ...]
+    teams: tuple[TeamSummary, ...]
+    """None where the scenario has no teams."""
+    captures: tuple[Capture, ...]
+    """Of prey, by the hunters that were asked about."""
+    prey: tuple[PreySummary, ...]
+    """By index; none where one hunter alone was asked about."""
 
     def lines(self) -> list[str]:
         """The match in words: a paragraph for each contest and each run of refusals in their order, then one for each
-        hunter.
+        hunter and each prey.
         """
         from catch_arena.explanation.sentences import paragraphs
 
@@ -140,18 +163,20 @@ def explain(
         ConfigError: for an unknown hunter.
     """
     chosen = range(replay.config.hunters) if hunter is None else (find_seat(replay, hunter),)
-    names = labels(replay.names)
+    names = labels(replay.hunter_names)
     contests: list[Contest] = []
     refusals: list[Refusals] = []
     running: dict[tuple[int, Verdict], Refusals] = {}
     refused = [Counter[str]() for _ in names]
     summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
     scores: tuple[int, ...] = ()
+    prey = PreyRecord(replay)
     sight = _SightOfMatch(replay) if replay.config.partial_view else None
     for step, world in enumerate(replay.worlds()):
         if sight is not None:
             sight.note(world, summaries)
         _note_departures(replay, world, summaries)
+        prey.note(world)
         found = contests_of(replay, world)
         contests += found
         _note_refusals(world, {claim.seat for contest in found for claim in contest.claims}, running, refusals)
@@ -172,10 +197,24 @@ def explain(
         steps=replay.steps,
         duration_ms=replay.steps * replay.config.control_period_ms,
         names=names,
+        prey_names=prey_labels(replay),
         scores=scores,
         contests=tuple(one for one in contests if any(claim.seat in chosen for claim in one.claims)),
         refusals=tuple(one for one in refusals if one.seat in chosen),
         records=tuple(summaries[seat] for seat in chosen),
+        teams=_teams(replay, scores),
+        captures=captures_by(prey.captures, chosen),
+        prey=tuple(prey.summaries) if hunter is None else (),
+    )
+
+
+def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
+    """R11.1: by the config's order."""
+    teams = replay.config.teams or ()
+    sums = [sum(scores[seat] for seat in seats) for seats in teams]
+    return tuple(
+        TeamSummary(team_label(replay, seats), seats, score, 1 + sum(other > score for other in sums))
+        for seats, score in zip(teams, sums, strict=True)
     )
 
 
@@ -205,8 +244,16 @@ def _contest(replay: Replay, world: World, target: str, asked: Sequence[Ruling])
         lots = {seat: int(_tie_lot(seed, step, number, seat)) for seat in tied}
     else:
         clause = "R5.4"
+    team = replay.config.team_by_seat
     claims = tuple(
-        Claim(ruling.hunter, ruling.verdict, ruling.distance_um, lots.get(ruling.hunter)) for ruling in asked
+        Claim(
+            ruling.hunter,
+            ruling.verdict,
+            ruling.distance_um,
+            lots.get(ruling.hunter),
+            ruling.verdict is Verdict.LOST_CONTEST and team[ruling.hunter] == team[asked[0].hunter],
+        )
+        for ruling in asked
     )
     return Contest(world.step, world.time_ms, target, clause, claims)
 
@@ -251,7 +298,7 @@ class _SightOfMatch:
 
     def __init__(self, replay: Replay) -> None:
         self._sight = Sight(replay.config)
-        self._seen: list[set[str]] = [set() for _ in replay.names]
+        self._seen: list[set[str]] = [set() for _ in replay.hunter_names]
 
     def note(self, world: World, summaries: Sequence[HunterSummary]) -> None:
         """One more state, and the catches that led to it."""
@@ -292,6 +339,7 @@ def _count_contests(summaries: Sequence[HunterSummary], contests: Sequence[Conte
         winner, *losers = contest.claims
         won[winner.seat].append(contest.margin_um or 0)
         for claim in losers:
+            summaries[claim.seat].contests_lost_to_mates += claim.mate
             lost[claim.seat].append((claim.distance_um or 0) - (winner.distance_um or 0))
     for summary in summaries:
         wins, losses = won[summary.seat], lost[summary.seat]

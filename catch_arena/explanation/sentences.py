@@ -3,10 +3,11 @@
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from catch_arena.explanation.captures import Capture, PreySummary
 from catch_arena.explanation.formatting import exact_length, metres
 from catch_arena.explanation.match_summary import Claim, Contest, Explanation, HunterSummary, Refusals
 from catch_arena.explanation.sight import Unseen
-from catch_arena.explanation.step_explanation import HunterAction, StepExplanation
+from catch_arena.explanation.step_explanation import HunterAction, PreyAction, StepExplanation
 from catch_arena.verdicts import REASONS, Verdict
 
 _EMPTY_RANK: Final = "a rank that no target in its view has"
@@ -19,6 +20,7 @@ def paragraphs(explanation: Explanation) -> list[str]:
     """A whole match: its heading, what happened, and the hunters, with an empty line between them."""
     events = [(one.step, 0, contest_sentence(one, explanation.names)) for one in explanation.contests]
     events += [(run.first_step, 1, _refusals(run, explanation)) for run in explanation.refusals]
+    events += [(one.step, 2, _capture(one, explanation)) for one in explanation.captures]
     found = [text for _, _, text in sorted(events)]
     if not explanation.contests:
         found.append(
@@ -32,6 +34,7 @@ def paragraphs(explanation: Explanation) -> list[str]:
         *found,
         "",
         *(_summary_sentence(summary, explanation.policy) for summary in explanation.records),
+        *map(_prey_sentence, explanation.prey),
     ]
 
 
@@ -41,6 +44,7 @@ def step_paragraphs(explanation: StepExplanation) -> list[str]:
     return [
         f"Step {explanation.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
         *(_asked(one, explanation) for one in explanation.asked),
+        *(_prey_in_step(one, explanation) for one in explanation.prey),
         *(_distances(target, explanation) for target in explanation.distances_um),
         *(contest_sentence(contest, explanation.names) for contest in explanation.contests),
     ]
@@ -63,7 +67,9 @@ def contest_sentence(contest: Contest, names: Sequence[str]) -> str:
     lost = (
         f"{_listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
     )
-    return f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}."
+    mates = [names[claim.seat] for claim in losers if claim.mate]
+    own = f", {_listed(mates)} to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)" if mates else ""
+    return f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}{own}."
 
 
 def _decision(contest: Contest, names: Sequence[str]) -> str:
@@ -105,10 +111,35 @@ def _refusals(run: Refusals, explanation: Explanation) -> str:
 def _opening(explanation: Explanation) -> str:
     scores = (f"{name} {score}" for name, score in zip(explanation.names, explanation.scores, strict=True))
     title = f"{explanation.title}: " if explanation.title else ""
+    sums = [f"{team.name} {team.score}" for team in sorted(explanation.teams, key=lambda team: team.rank)]
+    teams = f"Teams (R11.1): {_listed(sums)}. " if sums else ""
     return (
         f"{title}{_counted(explanation.steps, 'step')}, {_seconds(explanation.duration_ms)}, "
-        f"policy {explanation.policy}. Catches: {_listed(scores)}."
+        f"policy {explanation.policy}. {teams}Catches: {_listed(scores)}."
     )
+
+
+def _capture(one: Capture, explanation: Explanation) -> str:
+    place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
+    after = "; it did not return"
+    if one.returned_ms is not None:
+        after = f"; it returned at {_seconds(one.returned_ms)} as {one.returned_as}"
+    who = f"{explanation.names[one.seat]} caught {explanation.prey_names[one.prey]}, {one.target},{place}"
+    when = f"At {_seconds(one.time_ms)} (step {one.step})"
+    return f"{when} {who} after {_seconds(one.in_play_ms)} in play{after} (R12.3)."
+
+
+def _prey_sentence(summary: PreySummary) -> str:
+    parts = [
+        f"caught {_counted(summary.times_caught, 'time')}",
+        f"returned {_counted(summary.returns, 'time')}",
+        f"{_seconds(summary.in_play_ms)} in play",
+    ]
+    if summary.out:
+        parts.append("out at the end")
+    if summary.withdrawn_ms is not None:
+        parts.append(f"withdrawn at {_seconds(summary.withdrawn_ms)} (R12.5)")
+    return f"{summary.name}: {'; '.join(parts)}."
 
 
 def _summary_sentence(summary: HunterSummary, policy: str) -> str:
@@ -120,6 +151,8 @@ def _summary_sentence(summary: HunterSummary, policy: str) -> str:
         ):
             average = "" if by is None or policy != "nearest" else f", by {exact_length(by)} on average"
             parts.append(f"{_counted(count, 'contest')} {what}{average}")
+        if summary.contests_lost_to_mates:
+            parts[-1] += f", {summary.contests_lost_to_mates} of them to its own team-mates (R11.3)"
     if summary.refused:
         reasons = ", ".join(f"{count} {verdict}" for verdict, count in summary.refused.items())
         parts.append(f"{_counted(sum(summary.refused.values()), 'request')} refused ({reasons})")
@@ -139,6 +172,21 @@ def _asked(one: HunterAction, explanation: StepExplanation) -> str:
     who = seat if explanation.names[one.seat] == seat else f"{explanation.names[one.seat]} ({seat})"
     did = f"{who}, {one.control} control: {one.action}{chosen}."
     return " ".join((did, *filter(None, (_left(one), _requested(one, explanation), _sight(one, explanation)))))
+
+
+def _prey_in_step(one: PreyAction, explanation: StepExplanation) -> str:
+    """What a prey did, and what became of it."""
+    if one.withdrawn:
+        told = ["withdrawn (R12.5)."]
+    elif one.target is None:
+        told = ["out (R12.3)."]
+    else:
+        told = [f"{one.action}, as {one.target}."]
+    if one.caught_by is not None:
+        told.append(f"It was caught by {explanation.names[one.caught_by]} (R12.3).")
+    if one.returned_as is not None:
+        told.append(f"It returned as {one.returned_as}.")
+    return f"{one.name}: {' '.join(told)}"
 
 
 def _left(one: HunterAction) -> str:
@@ -189,7 +237,8 @@ def _distances(target: str, explanation: StepExplanation) -> str:
         for seat, (distance, name) in enumerate(zip(explanation.distances_um[target], explanation.names, strict=True))
     )
     told = _listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
-    return f"Distances to {target}: {told}."
+    player = f", which {explanation.played[target]} plays" if target in explanation.played else ""
+    return f"Distances to {target}{player}: {told}."
 
 
 def _listed(words: Iterable[str]) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.match_summary import Contest, contests_of, json_ready
-from catch_arena.explanation.seats import find_seat, how_it_left, labels
+from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels
 from catch_arena.explanation.sight import Sight, Unseen
 from catch_arena.replay import Replay
 from catch_arena.verdicts import REASONS, Ruling, Verdict
@@ -41,6 +41,23 @@ class HunterAction:
 
 
 @dataclass(frozen=True, slots=True)
+class PreyAction:
+    """What one prey did in a step, and what became of it."""
+
+    index: int
+    name: str
+    action: str
+    """In words."""
+    target: str | None
+    """Which it was when the step began; None while it was out."""
+    caught_by: int | None
+    """The seat of who caught it in this step."""
+    returned_as: str | None
+    """The target that it returned as at the step's end (R12.3)."""
+    withdrawn: bool
+
+
+@dataclass(frozen=True, slots=True)
 class StepExplanation:
     """One step; distances are those of the state that it was judged on (R5.1)."""
 
@@ -52,6 +69,10 @@ class StepExplanation:
     """What the hunters are called, by seat."""
     asked: tuple[HunterAction, ...]
     """A line for each hunter that was asked about."""
+    prey: tuple[PreyAction, ...]
+    """By index; none where one hunter alone was asked about."""
+    played: dict[str, str]
+    """For each target that prey plays: what this is called."""
     distances_um: dict[str, tuple[int, ...]]
     """For each target that these named or requested: every hunter's distance, by seat (R5.3)."""
     out_of_sight: dict[str, tuple[int, ...]]
@@ -97,8 +118,14 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         step=step,
         begin_ms=before.time_ms,
         end_ms=after.time_ms,
-        names=labels(replay.names),
+        names=labels(replay.hunter_names),
         asked=asked,
+        prey=_prey_actions(replay, before, after) if hunter is None else (),
+        played={
+            one.target: name
+            for one, name in zip(before.prey, prey_labels(replay), strict=True)
+            if one.target is not None
+        },
         distances_um={
             target.name: tuple(_distances(before, (target.x, target.y)))
             for target in before.targets
@@ -112,6 +139,21 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         contests=tuple(
             contest for contest in contests_of(replay, after) if any(claim.seat in chosen for claim in contest.claims)
         ),
+    )
+
+
+def _prey_actions(replay: Replay, before: World, after: World) -> tuple[PreyAction, ...]:
+    return tuple(
+        PreyAction(
+            index=index,
+            name=name,
+            action=replay.prey_action(before.step, index),
+            target=then.target,
+            caught_by=now.caught_by,
+            returned_as=None if now.target == then.target else now.target,
+            withdrawn=now.withdrawn,
+        )
+        for index, (name, then, now) in enumerate(zip(prey_labels(replay), before.prey, after.prey, strict=True))
     )
 
 

@@ -134,9 +134,7 @@ def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
 
 def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> MatchRenderer:
     """The renderer of a recorded match."""
-    return MatchRenderer(
-        MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay)), size, layout, replay.seed
-    )
+    return MatchRenderer(MatchInfo.of_replay(replay), size, layout, replay.seed)
 
 
 def checked_view(replay: Replay, hunter: int | str) -> int:

@@ -1,0 +1,88 @@
+"""What became of prey (chapter 12): who caught it, from where, and when it returned."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from catch_arena.explanation.seats import prey_labels
+from catch_arena.replay import Replay
+from catch_arena.world import World
+
+
+@dataclass(slots=True)
+class Capture:
+    """One prey was caught."""
+
+    prey: int
+    """Its index."""
+    step: int
+    """Counted from 1."""
+    time_ms: int
+    """When the step ended."""
+    seat: int
+    """Who caught it."""
+    target: str
+    """Which it was to the arbiter."""
+    distance_um: int | None
+    """At the step's beginning (R5.3); None under the policy `capstone`, which does not measure."""
+    in_play_ms: int
+    """For how long it had been in play."""
+    returned_ms: int | None = None
+    """When it returned (R12.3); None where it did not before the end."""
+    returned_as: str | None = None
+
+
+@dataclass(slots=True)
+class PreySummary:
+    """What became of one prey."""
+
+    index: int
+    name: str
+    times_caught: int = 0
+    returns: int = 0
+    in_play_ms: int = 0
+    """For how long in all (R12.5)."""
+    out: bool = False
+    """At the end."""
+    withdrawn_ms: int | None = None
+
+
+class PreyRecord:
+    """The captures of a match and a summary of each prey, as its worlds come."""
+
+    def __init__(self, replay: Replay) -> None:
+        self._period_ms = replay.config.control_period_ms
+        self._last: World | None = None
+        self._open: dict[int, Capture] = {}
+        self.captures: list[Capture] = []
+        self.summaries = [PreySummary(index, name) for index, name in enumerate(prey_labels(replay))]
+
+    def note(self, world: World) -> None:
+        """One more state."""
+        last, self._last = self._last, world
+        if last is None:
+            return
+        for summary, then, now in zip(self.summaries, last.prey, world.prey, strict=True):
+            if now.withdrawn and summary.withdrawn_ms is None:
+                summary.withdrawn_ms = last.time_ms
+            if then.target is not None and now.caught_by is not None:
+                self._note_capture(summary.index, last, world, now.caught_by)
+            elif then.target is not None and not now.withdrawn:
+                summary.in_play_ms += self._period_ms
+            summary.times_caught, summary.out = now.times_caught, now.target is None
+            if now.target is not None and summary.index in self._open:
+                capture = self._open.pop(summary.index)
+                capture.returned_ms, capture.returned_as = world.time_ms, now.target
+                summary.returns += 1
+
+    def _note_capture(self, index: int, before: World, after: World, seat: int) -> None:
+        target = next(one for one in before.targets if one.name == before.prey[index].target)
+        distance = next((one.distance_um for one in after.rulings if one.hunter == seat), None)
+        in_play_ms = before.time_ms - target.spawned_ms
+        capture = Capture(index, after.step, after.time_ms, seat, target.name, distance, in_play_ms)
+        self._open[index] = capture
+        self.captures.append(capture)
+
+
+def captures_by(captures: Sequence[Capture], seats: Sequence[int]) -> tuple[Capture, ...]:
+    """Those that these hunters made."""
+    return tuple(one for one in captures if one.seat in seats)
