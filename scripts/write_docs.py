@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from catch_arena.layout import SELF_COLUMNS, Column, columns, prey_columns, state_columns
-from catch_arena.policy import Limits
+from catch_arena.policy import Limits, PreyLimits
 from catch_arena.scenarios import scenario
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -101,9 +101,9 @@ def observation_page() -> str:
     )
 
 
-def limits_table() -> str:
+def limits_table(kind: type[Limits | PreyLimits]) -> str:
     """The fields of `view.limits` as a Markdown table, from the words below each of them in the source."""
-    (limits,) = ast.parse(inspect.getsource(Limits)).body
+    (limits,) = ast.parse(inspect.getsource(kind)).body
     lines = ["| field | unit | meaning |", "|---|---|---|"]
     for pair in pairwise(limits.body):
         match pair:
@@ -115,10 +115,12 @@ def limits_table() -> str:
 
 
 def agents_page(page: str) -> str:
-    """docs/agents.md with its table of limits as it should be."""
+    """docs/agents.md with its tables of limits as they should be."""
     begin, end = "<!-- made from catch_arena/policy.py by `make docs` -->\n\n", "\n\n<!-- end -->"
-    before, after = page.split(begin)
-    return f"{before}{begin}{limits_table()}{end}{after.partition(end)[2]}"
+    before, *parts = page.split(begin)
+    tables = map(limits_table, (Limits, PreyLimits))
+    made = (f"{begin}{table}{end}{part.partition(end)[2]}" for table, part in zip(tables, parts, strict=True))
+    return before + "".join(made)
 
 
 if __name__ == "__main__":

@@ -159,6 +159,7 @@ def play(
         each = "one for each hunter and each prey" if config.prey else "one for each hunter"
         raise ConfigError(f"players must be {len(seats)}, {each}, got {len(controls)}")
     control = tuple(controls[seat] for seat in range(config.hunters))
+    held = [*(_HOLD[word] for word in control), *(_HOLD["velocity"] for _ in range(config.prey))]
     env = CatchArenaEnv(config.replace(control=control, mask_in_observation=False))
     if record is not None:
         env.record(names, title)
@@ -185,7 +186,7 @@ def play(
                     continue
                 if on_forfeit is not None:
                     on_forfeit(one, how)
-                actions[agents[one]] = _HOLD[controls[one]]  # R1.6: it is among the env's agents for one more step
+                actions[agents[one]] = held[one]  # R1.6: it is among the env's agents for one more step
                 del playing[one]
                 env.withdraw(agents[one])
                 players.drop(one)

@@ -6,6 +6,7 @@ first, and then the prey.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import permutations
 from typing import Final, TypeVar
 
 from catch_arena.config import ArenaConfig
@@ -50,9 +51,9 @@ class Parties:
     @property
     def group(self) -> int:
         """How many entrants play a block (docs/tournaments.md): one for each party, and with prey two for a side that
-        has but one party.
+        has but one party; three, where both have one.
         """
-        return sum(self._players)
+        return 3 if self._one_against_one else sum(self._players)
 
     @property
     def block_size(self) -> int:
@@ -68,12 +69,20 @@ class Parties:
         Args:
             circle: `group` players.
         """
+        if self._one_against_one:
+            yield from permutations(circle, 2)
+            return
         hunters, others = self._players
         for turn in range(len(circle)):
             order = (*circle[turn:], *circle[:turn])
             for hunting in _lineups(order[:hunters], self.hunting):
                 for hunted in _lineups(order[hunters : hunters + others], len(self) - self.hunting):
                     yield *hunting, *hunted
+
+    @property
+    def _one_against_one(self) -> bool:
+        """Whether one party hunts one prey: all play all."""
+        return self.hunting == 1 and len(self) == 2 and len(self.sides) == 2
 
     @property
     def _players(self) -> tuple[int, int]:
