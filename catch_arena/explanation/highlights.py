@@ -40,6 +40,7 @@ class Catch(NamedTuple):
 
     time_ms: int
     """When it was judged: the step's beginning (R1.4)."""
+    seat: int
     side: int
     scores: tuple[int, ...]
     """By side."""
@@ -103,7 +104,7 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
         contests += contests_of(replay, world)
         prey.note(world)
         catches += [
-            Catch(world.time_ms - period_ms, world.hunters[ruling.hunter].team, world.team_scores)
+            Catch(world.time_ms - period_ms, ruling.hunter, world.hunters[ruling.hunter].team, world.team_scores)
             for ruling in world.rulings
             if ruling.success
         ]
@@ -262,14 +263,14 @@ def _leading(step: Sequence[Catch]) -> Catch | None:
 
 def _streaks(events: MatchEvents) -> Iterable[Highlight]:
     """The longer, the better: 1 - 2 / n for n catches in a row."""
-    if len(events.names) == 1:
+    if len(events.hunters) == 1:
         return
-    for side, run in groupby(events.catches, key=lambda catch: catch.side):
+    for seat, run in groupby(events.catches, key=lambda catch: catch.seat):
         row = list(run)
         if len(row) < STREAK:
             continue
         first, last = row[0], row[-1]
-        what = f"{events.names[side]} catches {len(row)} in a row"
+        what = f"{events.hunters[seat]} catches {len(row)} in a row"
         why = f"In {_seconds(last.time_ms - first.time_ms)}, and nobody else catches any between them (R6.1)"
         start_ms = max(row[-STREAK].time_ms - 1000, last.time_ms - LAST_MS, 0)
         end_ms = last.time_ms + _AFTER_MS

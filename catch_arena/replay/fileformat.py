@@ -26,7 +26,7 @@ LARGEST_FILE: Final = 1 << 26
 _MAGIC: Final = b"\x89CATCH\r\n"  # as PNG does it: a transfer that mangles bytes is noticed at once
 _FORMAT: Final = 2
 _FORMAT_WITH_PREY: Final = 3
-"""What a match without prey is kept in stays as it was, byte for byte."""
+"""A match without prey needs nothing that is new in it."""
 _PREFIX: Final = struct.Struct("<8sIQ")
 _LENGTH: Final = struct.Struct("<I")
 _CHECKSUM_BYTES: Final = 32

@@ -29,7 +29,7 @@ def match_with(
     rows = []
     for time_ms, side in catches:
         scores[side] += 1
-        rows.append(Catch(time_ms, side, tuple(scores)))
+        rows.append(Catch(time_ms, side, side, tuple(scores)))
     return MatchEvents(
         hunters=hunters or names,
         prey=("pip (prey_0)",),

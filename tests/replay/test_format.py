@@ -309,7 +309,7 @@ def test_what_is_no_replay_is_refused_with_its_reason(tmp_path, content, says):
     assert says in refusal(content, tmp_path)
 
 
-def test_a_match_without_prey_is_kept_in_the_format_that_versions_without_prey_read(small, small_hunted):
+def test_only_a_match_with_prey_is_kept_in_the_format_that_has_prey(small, small_hunted):
     assert (small[8], small_hunted[8]) == (2, 3)
 
 
