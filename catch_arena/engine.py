@@ -308,7 +308,7 @@ class Engine:
         """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each.
 
         Raises:
-            ConfigError: for an argument that cannot be.
+            ConfigError: for a number of seeds that is not that of the arenas, and a seed outside [0, 2^64).
         """
         chosen = np.arange(self.num_arenas) if arenas is None else np.asarray(arenas, dtype=np.int64)
         if len(seeds) != len(chosen):
@@ -692,7 +692,7 @@ def episode_seed(given: int | None, before: int | None) -> int:
             operating system's.
 
     Raises:
-        ConfigError: for a seed that cannot be.
+        ConfigError: for a seed outside [0, 2^64).
     """
     if given is not None:
         return checked_seed(given)

@@ -25,7 +25,9 @@ def conformance(
     only: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="A case, or all whose ids begin so; may be repeated.")
     ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="Show every failure in full, not one a kind.")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Show every failure in full, instead of one for each kind of mistake.")
+    ] = False,
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the report as JUnit XML.")] = None,
     force: Force = False,
     verdicts_only: Annotated[
@@ -57,7 +59,7 @@ def conformance(
     if junit is not None:
         output_file(junit, force=force)
     report = run_conformance(
-        None if arbiter is None else _callable(arbiter),
+        None if arbiter is None else _function(arbiter),
         arena=None if arena is None else _made(arena),
         only=only or (),
         evidence=not verdicts_only,
@@ -76,11 +78,26 @@ def conformance(
         raise typer.Exit(_EXIT_FAILED)
 
 
+def _function(spec: str) -> Any:
+    """The arbiter that «module:function» or «path.py:function» stands for.
+
+    Raises:
+        AgentError: where it cannot be loaded, or is a class.
+    """
+    found = _callable(spec)
+    if isinstance(found, type):
+        raise AgentError(
+            f"{spec}: is a class, and an arbiter is a function: "
+            "`catch-arena check-agent` tries an agent, and --arena an arena"
+        )
+    return found
+
+
 def _made(spec: str) -> Any:
     """What a class or a function without arguments makes.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: where it cannot be loaded, or raises.
     """
     make = _callable(spec)
     try:
@@ -93,7 +110,7 @@ def _callable(spec: str) -> Any:
     """What «module:function» or «path.py:function» stands for.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: where it cannot be loaded, or nothing there has that name.
     """
     from catch_arena.tournament.entrants import load_module
 

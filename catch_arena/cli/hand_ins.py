@@ -39,7 +39,7 @@ def check_agent(
         list[str] | None,
         typer.Option("--scenario", "-s", help="An arena to play in; may be repeated.", show_default="all"),
     ] = None,
-    seed: Annotated[int, typer.Option(help="The arena's.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of all random draws.")] = 0,
     limits: LimitOption = None,
     isolation: Isolation = None,
     trusted: Trusted = False,

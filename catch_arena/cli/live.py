@@ -44,7 +44,8 @@ Size = Annotated[str, typer.Option(metavar="WIDTHxHEIGHT", help="Of the window; 
 @main.command()
 def play(
     agents: Annotated[
-        list[str] | None, typer.Argument(metavar="[AGENT...]", help="More rivals.", show_default=False)
+        list[str] | None,
+        typer.Argument(metavar="[AGENT...]", help="Also rivals, as after --against.", show_default=False),
     ] = None,
     *,
     against: Annotated[

@@ -63,7 +63,7 @@ def tournament(
         ),
     ] = None,
     rounds: Annotated[
-        int | None, typer.Option(help="How often the format is gone through.", show_default="1, and enough in a swiss")
+        int | None, typer.Option(help="Number of rounds.", show_default="1, and enough in a swiss")
     ] = None,
     until_separated: Annotated[
         float | None,
@@ -321,6 +321,9 @@ def print_ranking(
     ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: "Sequence[Forfeit | None]"
 ) -> None:
     """The result of one match, and how agents failed; all by seat."""
+    from catch_arena.explanation.seats import with_seat
+
+    names = [with_seat(name, seat) for seat, name in enumerate(names)]
     lines = zip(ranks, scores, names, forfeits, strict=True)
     for rank, score, name, forfeit in sorted(lines, key=lambda line: line[0]):
         say(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))

@@ -288,7 +288,7 @@ def width_and_height(text: str) -> tuple[int, int]:
     """«1280x720» as two numbers.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for words of another form.
     """
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):

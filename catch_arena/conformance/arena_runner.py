@@ -24,12 +24,9 @@ class ArenaUnderTest(Protocol):
 
         Args:
             settings: as in ArenaConfig, of a turtlesim arena with one hunter, no initial targets and no spawns unless
-                they say so; a list of lists of seats for teams; and what fails when: `kill_down`, a list of steps,
-                from 0.
-            drop_outs: of [step, seat].
-            kill_refused: of [step, number].
-            spawn_down: of firings, from 1.
-            spawn_refused: of numbers.
+                they say so; a list of lists of seats for teams; and lists of what fails when: `kill_down`, steps from
+                0; `kill_refused`, [step, number]; `spawn_down`, firings from 1; `spawn_refused`, numbers; `drop_outs`,
+                [step, seat].
         """
 
     def place(self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]], /) -> None:

@@ -92,7 +92,7 @@ class VectorArena:
         overrides: fields of ArenaConfig.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an unknown scenario or setting, and numbers and flags that are none.
     """
 
     def __init__(
@@ -409,7 +409,7 @@ class VectorArena:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for an argument that cannot be.
+            ConfigError: for what was not saved from as many arenas of an equal config.
         """
         self._engine.restore(self._memory_of(saved, self.num_envs))
         self._begun = True
@@ -427,7 +427,7 @@ class VectorArena:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for an argument that cannot be.
+            ConfigError: for a row that is not there, and what is no saved row of an equal config.
         """
         arena = self._row(arena)
         self._engine.restore_row(arena, self._memory_of(saved, None))

@@ -126,7 +126,7 @@ def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
     """What is asked for or usual (width, height) [pixels], made even where the format needs it.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a size that no frame has.
     """
     width, height = checked_size(kind.size if size is None else size)
     return (width + width % 2, height + height % 2) if kind.even else (width, height)
@@ -172,7 +172,7 @@ def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s
     """The part of a match and its pace, if they can be.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a part that is not in the match, and fps or a speed that cannot be.
     """
     fps = frame_rate(kind, fps)
     pace = pace_of(speed)
@@ -190,7 +190,7 @@ def frame_rate(kind: Format, fps: int | None) -> int:
     """What is asked for or usual, if it can be.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for fps that the format does not have.
     """
     fps = kind.fps if fps is None else fps
     if isinstance(fps, bool) or not isinstance(fps, int) or not 1 <= fps <= kind.most_fps:
@@ -202,7 +202,7 @@ def pace_of(speed: float) -> Fraction:
     """Seconds of the match in a second of the video, if they can be.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a speed outside [SLOWEST, FASTEST].
     """
     if not SLOWEST <= speed <= FASTEST:
         raise ConfigError(f"speed must lie in [{float(SLOWEST):g}, {float(FASTEST):g}], got {speed!r}")

@@ -154,7 +154,7 @@ def checked_text(what: str, text: object) -> str:
     """A name or a title that can be shown in one line.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a text that is too long or cannot be printed.
     """
     if not isinstance(text, str) or len(text) > _LONGEST_TEXT or not text.isprintable():
         shown = repr(text)[: _LONGEST_TEXT + 10]

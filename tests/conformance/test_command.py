@@ -135,6 +135,7 @@ def test_a_report_without_failures_is_whole_xml():
         (["catch_arena:__doc__"], "has no function __doc__"),
         (["no_such_module:f"], "no_such_module: importing it raised ModuleNotFoundError"),
         (["missing.py:f"], "missing.py:f: no such file"),
+        (["catch_arena.agents.nearest:Agent"], "is a class, and an arbiter is a function: `catch-arena check-agent`"),
         (["broken.py:f"], "importing it raised ZeroDivisionError"),
         (["--arena", "broken_arena.py:make"], "broken_arena.py:make: making it raised ZeroDivisionError"),
         (["catch_arena:arbitrate", "--only", "reech"], "no case begins with 'reech': did you mean reach"),

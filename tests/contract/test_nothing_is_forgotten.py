@@ -1,4 +1,4 @@
-"""A setting, a column or a rule of motion that is declared, and that nobody reads, writes or plays, fails here.
+"""A setting, a column, a verdict or a rule of motion that is declared, and that nobody reads or plays, fails here.
 
 docs/architecture.md ("The house stays open") lists the files that each of them takes.
 """
@@ -19,6 +19,7 @@ import catch_arena
 from catch_arena.config import ArenaConfig, FaultRates, Gains, PreyRewardWeights, RewardWeights, TargetMotion
 from catch_arena.core.state import MOTIONS, Settings
 from catch_arena.layout import columns, prey_columns, state_columns
+from catch_arena.verdicts import REASONS, Verdict
 
 CORE = Path(catch_arena.__file__).parent / "core"
 
@@ -210,3 +211,8 @@ def note(values: dict[str, set[float]], table: Any, numbers: Any) -> None:
     plain: Callable[[str], str] = lambda name: re.sub(r"_\d+\.", ".", name)  # noqa: E731
     for column, number in zip(table, numbers.tolist(), strict=True):
         values.setdefault(plain(column.name), set()).add(number)
+
+
+def test_every_verdict_has_its_reason_and_cites_a_clause():
+    assert set(REASONS) == set(Verdict)
+    assert all(re.search(r"\(R\d+\.\d+\)$", reason) for reason in REASONS.values())

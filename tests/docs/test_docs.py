@@ -68,6 +68,7 @@ def test_the_made_pages_are_up_to_date():
     write_docs = runpy.run_path(str(ROOT / "scripts" / "write_docs.py"))
 
     assert (ROOT / "docs" / "observation.md").read_text() == write_docs["observation_page"]()
+    assert (ROOT / "docs" / "settings.md").read_text() == write_docs["settings_page"]()
     agents = (ROOT / "docs" / "agents.md").read_text()
     assert agents == write_docs["agents_page"](agents)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from catch_arena.explanation.captures import Capture
+from catch_arena.explanation.facts import Capture, Claim, Contest
 from catch_arena.explanation.highlights import (
     REPEAT_FACTOR,
     Catch,
@@ -16,7 +16,7 @@ from catch_arena.explanation.highlights import (
     win_rates,
     win_records,
 )
-from catch_arena.explanation.match_summary import Claim, Contest, explain
+from catch_arena.explanation.match_summary import explain
 from catch_arena.render.contact_sheet import same_picture
 from catch_arena.verdicts import Verdict
 
@@ -36,7 +36,6 @@ def match_with(
         names=names,
         entrants=names,
         duration_ms=duration_ms,
-        period_ms=100,
         reach_um=300_000,
         catches=tuple(rows),
         contests=tuple(contests),
@@ -44,9 +43,9 @@ def match_with(
     )
 
 
-def contest(margin_um: int, *, clause="R5.4", verdict=Verdict.GRANTED, at_ms=5100) -> Contest:
+def contest(margin_um: int, *, clause="R5.4", verdict=Verdict.GRANTED, at_ms=5000) -> Contest:
     claims = (Claim(1, verdict, 120_000), Claim(0, Verdict.LOST_CONTEST, 120_000 + margin_um))
-    return Contest(at_ms // 100, at_ms, "target_turtle_7", clause, claims)
+    return Contest(at_ms // 100 + 1, at_ms, "target_turtle_7", clause, claims)
 
 
 def of_kind(kind, *args, **kwargs) -> list[Highlight]:
@@ -95,7 +94,7 @@ def test_the_lead_changes_where_another_leads_alone_ties_between_or_not():
 def test_catches_of_one_step_count_together():
     """One who is caught up with in the very step in which it catches does not lose the lead in between."""
     apart = match_with([(1000, 0), (2000, 1), (2000, 0)])
-    together = tuple(one._replace(scores=(2, 1, 0)) if one.time_ms == 2000 else one for one in apart.catches)
+    together = tuple(one._replace(scores=(2, 1, 0)) if one.judged_ms == 2000 else one for one in apart.catches)
     assert of_kind("lead", replace(apart, catches=together)) == []
 
 

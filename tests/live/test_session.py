@@ -227,8 +227,8 @@ def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, tmp_path
     result = session(["watch", "bad.py", "idle", "--scenario", "duel"], *nothing(150))
     assert result.exit_code == 0, result.output
     assert result.stdout.splitlines() == [
-        "  1    0  idle",
-        "  2    0  bad: FORFEIT_CRASH in step 1: act raised ZeroDivisionError: division by zero",
+        "  1    0  idle (hunter_1)",
+        "  2    0  bad (hunter_0): FORFEIT_CRASH in step 1: act raised ZeroDivisionError: division by zero",
     ]
     assert "\nbad printed:\nTraceback" in result.stderr
 
@@ -251,7 +251,7 @@ def test_while_an_agent_hangs_the_window_hears_its_user(session, tmp_path):
     patient = ["--limit", "step_ms=1e6", "--limit", "bank_s=3600"]
     result = session(["watch", "hangs.py", "idle", "--scenario", "duel", *patient], *nothing(20))
     assert result.exit_code == 0, result.output
-    assert result.stdout.splitlines() == ["  1    0  hangs", "  1    0  idle"]
+    assert result.stdout.splitlines() == ["  1    0  hangs (hunter_0)", "  1    0  idle (hunter_1)"]
 
 
 def test_the_match_begins_again_while_an_agent_hangs(session, tmp_path):
@@ -268,7 +268,9 @@ def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path):
     short = ["--limit", "step_ms=100", "--limit", "bank_s=0.1", "--record", "r.replay"]
     result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], *nothing(400))
     assert result.exit_code == 0, result.output
-    assert "  2    0  hangs: FORFEIT_TIMEOUT in step 1: act took longer than step_ms (100 ms)" in result.stdout
+    assert (
+        "  2    0  hangs (hunter_0): FORFEIT_TIMEOUT in step 1: act took longer than step_ms (100 ms)" in result.stdout
+    )
     assert Replay.load(tmp_path / "r.replay").withdrawals == [(0, 0)]
 
 

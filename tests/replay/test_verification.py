@@ -204,6 +204,13 @@ def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path,
     assert lines[-1] == "catch-arena: 3 of 4 replays failed"
 
 
+def test_verify_says_by_its_exit_code_whether_a_file_was_altered_or_cannot_be_read(mixed, tmp_path):
+    """As diff does: 1 for another match, 2 for no match."""
+    altered(mixed, alter_action).save(tmp_path / "played.replay")
+    for name, code in (("played.replay", 1), ("none.replay", 2)):
+        assert CliRunner().invoke(main, ["verify", str(tmp_path / name)]).exit_code == code
+
+
 def test_verify_prints_no_more_than_a_screen_for_a_file(play, tmp_path):
     """Another seed: everything differs."""
     match = altered(play("crowd", max_cycles=2), lambda match: setattr(match, "seed", 99))

@@ -12,6 +12,7 @@ from oracle.arena import Command, OracleArena
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import EpisodeError
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_columns
 from catch_arena.verdicts import Ruling, Verdict
 
 Action = Any
@@ -64,6 +65,11 @@ class Evidence(NamedTuple):
     number: int | None
     distance_um: int | None
     winner: int | None
+
+
+def rows_by_name(names: Sequence[str], numbers: Sequence[float]) -> list[dict[str, float]]:
+    """Numbers that lie one behind the other, as many to a row as there are names."""
+    return [dict(zip(names, numbers[at : at + len(names)], strict=True)) for at in range(0, len(numbers), len(names))]
 
 
 class Adjudicator:
@@ -152,6 +158,20 @@ class Adjudicator:
     @property
     def scores(self) -> list[int]:
         return [int(self.hunter(seat).score) for seat in range(self.config.hunters)]
+
+    def own(self, seat: int = 0) -> dict[str, float]:
+        """What one hunter sees of itself, by its columns' names."""
+        return dict(zip(SELF_COLUMNS, self.observation(seat)[: len(SELF_COLUMNS)], strict=True))
+
+    def seen_targets(self, seat: int = 0) -> list[dict[str, float]]:
+        """What it sees of the target of each rank."""
+        names, first = target_columns(self.config), len(SELF_COLUMNS)
+        return rows_by_name(names, self.observation(seat)[first : first + len(names) * self.config.targets_seen])
+
+    def seen_rivals(self, seat: int = 0) -> list[dict[str, float]]:
+        """What it sees of the rival of each rank."""
+        first = len(SELF_COLUMNS) + len(target_columns(self.config)) * self.config.targets_seen
+        return rows_by_name(RIVAL_COLUMNS, self.observation(seat)[first:])
 
     time = property(lambda self: self.numbers()[0])
     steps = property(lambda self: self.numbers()[1])

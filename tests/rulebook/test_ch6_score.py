@@ -23,8 +23,8 @@ def test_r6_1_the_score_is_the_number_of_granted_catches(arena: ArenaFactory) ->
         match.step((STILL, 1), (STILL, 1))
         assert match.verdicts == [Verdict.GRANTED, Verdict.OUT_OF_REACH]
         assert match.scores == [catches, 0]
-        assert match.observation(0)[7] == catches
-        assert match.observation(1)[7] == 0.0
+        assert match.own(0)["score"] == catches
+        assert match.own(1)["score"] == 0.0
 
 
 @pytest.mark.rule("R6.1")
