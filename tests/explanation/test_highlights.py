@@ -190,8 +190,8 @@ def test_the_events_of_a_real_match_are_what_was_played(play):
 
 
 def test_prey_that_is_caught_is_worth_the_more_the_longer_it_had_got_away():
-    captures = [Capture(0, 51, 5100, 1, "target_turtle_1", 212_345, 5000, 7100, "target_turtle_9")]
-    captures.append(Capture(0, 401, 40_100, 2, "target_turtle_9", None, 30_000))
+    captures = [Capture(0, 51, 5000, 1, "target_turtle_1", 212_345, 5000, 7100, "target_turtle_9")]
+    captures.append(Capture(0, 401, 40_000, 2, "target_turtle_9", None, 30_000))
     one, other = of_kind("capture", match_with(captures=captures))
     assert (one.what, one.decisive_ms) == ("bob catches pip (prey_0)", 5000)
     assert one.why == "It had got away for 5.0 s, from 0.212345 m (R12.3)"
