@@ -1,5 +1,7 @@
 """`catch-arena ros`: the arena, and our own nodes, on a ROS 2 bus."""
 
+import json
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -55,6 +57,7 @@ Turtlesim = Annotated[
     str, typer.Option(metavar="PACKAGE", help="turtlesim, or turtlesim_msgs from Kilted on: where Pose is.")
 ]
 BRIDGE_URL = "ws://127.0.0.1:9090"
+_TURTLE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 NODE = "ros"
 """The word for a seat that a node drives."""
 
@@ -66,8 +69,8 @@ def serve(
         list[str] | None,
         typer.Option(
             metavar="SEAT=WHO",
-            help="Who drives a hunter: ros, ros:NAME (as it is called), or an agent, as in 1=patrol or 2=mine.py; may be "
-            "repeated.",
+            help="Who drives a hunter: ros, ros:NAME (as it is called), or an agent, as in 1=patrol or 2=mine.py; may "
+            "be repeated.",
             show_default="ros",
         ),
     ] = None,
@@ -136,6 +139,108 @@ def serve(
     say(f"{late.late} of {late.ticks} ticks were late by more than 5 ms, the worst by {late.latest_s * 1e3:.0f} ms")
     if record is not None:
         say(f"replay: {record}")
+
+
+@ros.command()
+def controller(
+    agent: Annotated[
+        str, typer.Argument(help="Who drives: a shipped name or a .py file, as in `catch-arena match`.")
+    ] = "nearest",
+    *,
+    turtle: Annotated[str, typer.Option(metavar="NAME", help="Which turtle it drives.")] = "turtle1",
+    bus: BusOption = None,
+    domain: Domain = None,
+    url: Url = BRIDGE_URL,
+    interfaces: Package = "my_robot_interfaces",
+    turtlesim: Turtlesim = "turtlesim",
+    trusted: Trusted = False,
+    limits: Limits = None,
+    isolation: Isolation = None,
+    settings: Settings = None,
+) -> None:
+    """Drive a turtle by an agent, in turtlesim or in `ros serve`, until Ctrl-C.
+
+    nearest is the exercise's catch_closest_turtle_first, first is the oldest first.
+    """
+    from catch_arena.ros.controller import PERIOD_S, Controller
+    from catch_arena.ros.pace import Pace
+    from catch_arena.tournament.isolation.starting import sandbox_for, start_players
+
+    allowed = limits_or_trust(limits, isolation, [agent], trusted=trusted)
+    config = arena("capstone", settings)
+    types = _interfaces(interfaces, turtlesim)
+    (entrant,) = enter_agents([agent], allowed)
+    with (
+        sandbox_for(allowed) as sandbox,
+        start_players([entrant], sandbox) as players,
+        _bus(bus, "turtle_controller", domain, url) as joined,
+    ):
+        node = Controller(joined, players, config, checked_turtle(turtle), types, say=say)
+        pace = Pace(PERIOD_S)
+        try:
+            while True:
+                pace.wait()
+                joined.spin()
+                node.tick()
+        finally:
+            node.stop()
+
+
+@ros.command()
+def spawner(
+    *,
+    turtle: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="A turtle that hunts; may be repeated.", show_default="turtle1"),
+    ] = None,
+    spawn_frequency: Annotated[float, typer.Option(help="Targets a second.")] = 0.5,
+    name_prefix: Annotated[str, typer.Option(metavar="TEXT", help="Of their names.")] = "target_turtle_",
+    reach: Annotated[float, typer.Option(metavar="METRES", help="Who is nearer than this catches.")] = 0.5,
+    seed: ArenaSeed = None,
+    bus: BusOption = None,
+    domain: Domain = None,
+    url: Url = BRIDGE_URL,
+    interfaces: Package = "my_robot_interfaces",
+    turtlesim: Turtlesim = "turtlesim",
+) -> None:
+    """Spawn targets in turtlesim and referee who catches them, until Ctrl-C.
+
+    With several turtles each asks its own service, as in /turtle2/catch_turtle.
+    """
+    from catch_arena.ros.pace import Pace
+    from catch_arena.ros.spawner import TICK_S, Spawner
+    from catch_arena.seeding import arena_seed
+
+    turtles = tuple(checked_turtle(name) for name in turtle or ("turtle1",))
+    config = arena(
+        "capstone",
+        [f"spawn_frequency_hz={spawn_frequency}", f"name_prefix={json.dumps(name_prefix)}", f"reach_m={reach}"],
+    )
+    types = _interfaces(interfaces, turtlesim)
+    with _bus(bus, "turtle_spawner", domain, url) as joined:
+        node = Spawner(joined, turtles, types, config, seed=arena_seed(seed), say=say)
+        pace = Pace(TICK_S)
+        if not node.ready:
+            say("waiting for turtlesim: /spawn and /kill")
+        while not node.ready:
+            pace.wait()
+            joined.spin()
+        node.begin()
+        while True:
+            pace.wait()
+            joined.spin()
+            node.tick()
+
+
+def checked_turtle(name: str) -> str:
+    """The name of a turtle, which stands in names of topics.
+
+    Raises:
+        ConfigError: for anything else.
+    """
+    if not _TURTLE.fullmatch(name):
+        raise ConfigError(f"--turtle must be letters, digits and underscores, as turtle1, got {name!r}")
+    return name
 
 
 def _seat(option: str) -> tuple[int, str]:

@@ -95,9 +95,14 @@ def serve_match(
                 node.wait()
             say("all seats are taken: the match begins")
             pace = Pace(pace.period_s)
-        while not node.over:
-            pace.wait()
-            node.tick()
+        try:
+            while not node.over:
+                pace.wait()
+                node.tick()
+        except KeyboardInterrupt:
+            if record is not None:
+                service.replay.save(record)
+            raise
         ranks, scores = node.standings()
         for _ in range(_LAST_TICKS):
             pace.wait()

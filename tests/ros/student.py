@@ -58,4 +58,4 @@ if __name__ == "__main__":
             controller.drive()
         time.sleep(0.1)
     controller.hear()
-    print(controller.caught)
+    sys.stdout.write(f"{controller.caught}\n")
