@@ -113,13 +113,13 @@ def serve(
     allowed = limits_or_trust(limits, isolation, list(specs.values()), trusted=trusted)
     if record is not None:
         output_file(record, force=force)
-    types = _interfaces(interfaces, turtlesim)
+    types = interfaces_of(interfaces, turtlesim)
     entrants = dict(zip(specs, enter_agents(list(specs.values()), allowed), strict=True)) if specs else {}
     names = [
         entrants[number].name if number in entrants else seats.get(number, NODE).partition(":")[2] or f"node_{number}"
         for number in range(config.hunters)
     ]
-    with _bus(bus, "catch_arena", domain, url) as joined:
+    with joined_bus(bus, "catch_arena", domain, url) as joined:
         served = serve_match(
             joined,
             config,
@@ -168,12 +168,12 @@ def controller(
 
     allowed = limits_or_trust(limits, isolation, [agent], trusted=trusted)
     config = arena("capstone", settings)
-    types = _interfaces(interfaces, turtlesim)
+    types = interfaces_of(interfaces, turtlesim)
     (entrant,) = enter_agents([agent], allowed)
     with (
         sandbox_for(allowed) as sandbox,
         start_players([entrant], sandbox) as players,
-        _bus(bus, "turtle_controller", domain, url) as joined,
+        joined_bus(bus, "turtle_controller", domain, url) as joined,
     ):
         node = Controller(joined, players, config, checked_turtle(turtle), types, say=say)
         pace = Pace(PERIOD_S)
@@ -216,8 +216,8 @@ def spawner(
         "capstone",
         [f"spawn_frequency_hz={spawn_frequency}", f"name_prefix={json.dumps(name_prefix)}", f"reach_m={reach}"],
     )
-    types = _interfaces(interfaces, turtlesim)
-    with _bus(bus, "turtle_spawner", domain, url) as joined:
+    types = interfaces_of(interfaces, turtlesim)
+    with joined_bus(bus, "turtle_spawner", domain, url) as joined:
         node = Spawner(joined, turtles, types, config, seed=arena_seed(seed), say=say)
         pace = Pace(TICK_S)
         if not node.ready:
@@ -260,7 +260,12 @@ def _arena(scenario: str | None, settings: list[str] | None, hunters: int) -> Ar
     return arena("standard", [f"hunters={hunters}", *(settings or ())])
 
 
-def _interfaces(package: str, turtlesim: str) -> "Interfaces":
+def interfaces_of(package: str, turtlesim: str) -> "Interfaces":
+    """The types of --interfaces and --turtlesim.
+
+    Raises:
+        ConfigError: for a name that no package can have.
+    """
     from catch_arena.ros.bus import checked_package
     from catch_arena.ros.interfaces import Interfaces
 
@@ -268,7 +273,12 @@ def _interfaces(package: str, turtlesim: str) -> "Interfaces":
 
 
 @contextmanager
-def _bus(backend: BusName | None, node: str, domain: int | None, url: str) -> "Iterator[Bus]":
+def joined_bus(backend: BusName | None, node: str, domain: int | None, url: str) -> "Iterator[Bus]":
+    """The bus of --bus, --domain and --url, which is left in the end.
+
+    Raises:
+        BusError: where it cannot be reached.
+    """
     from catch_arena.ros.bus import open_bus
 
     joined = open_bus(backend, node=node, domain=domain, url=url, say=lambda line: say(line, err=True))

@@ -1,6 +1,5 @@
 """The arena as nodes of a ROS 2 bus: turtlesim's part, the exercise's spawner's, and the arbiter's."""
 
-import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -19,15 +18,14 @@ from catch_arena.ros.interfaces import (
     Empty,
     Interfaces,
     Name,
-    RulingMessage,
     SpawnRequest,
     StandingMessage,
     Time,
 )
+from catch_arena.ros.rulings import ruling_message
 from catch_arena.ros.seats import RosSeat, seat_of
 from catch_arena.service import ArenaService, response
 from catch_arena.tournament.match import ranks_of
-from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
 TICK_MS: Final = 16
@@ -38,10 +36,8 @@ _MOVING: Final = 6
 """Ticks after which targets that move are told anew."""
 _MOST_WAITING: Final = 1000
 """Catch requests that are kept for the match's first step."""
-_LONGEST_TOLD: Final = 255
 _NOT_JUDGED: Final = CatchTurtleResponse(success=False)
 """What is answered where no hunter asks."""
-_CLAUSE: Final = re.compile(r"\((R\d+\.\d+)\)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +149,7 @@ class ArenaNode:
         asking = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
         for ruling in (*rulings, *hosted):
-            self._rulings(self._ruling(before, ruling))
+            self._rulings(ruling_message(ruling, before.time_ms, self._service.config.hunter_names))
         self._tell(world)
 
     def standings(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -193,22 +189,6 @@ class ArenaNode:
                 )
         self._scores = scores
         self._ticks += 1
-
-    def _ruling(self, before: World, ruling: Ruling) -> RulingMessage:
-        hunters = self._service.config.hunter_names
-        clause = _CLAUSE.search(ruling.reason)
-        return RulingMessage(
-            before.time_ms / 1000.0,
-            ruling.step,
-            hunters[ruling.hunter],
-            str(ruling.target)[:_LONGEST_TOLD],
-            ruling.verdict.name,
-            ruling.success,
-            -1.0 if ruling.distance_um is None else ruling.distance_um / 1e6,
-            "" if ruling.winner is None else hunters[ruling.winner],
-            clause[1] if clause else "",
-            ruling.reason,
-        )
 
     def _publishers(self, seat: RosSeat) -> frozenset[str] | None:
         found = [self._bus.publishers_of(topic) for topic in self._topics[seat.hunter]]

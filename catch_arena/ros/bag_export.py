@@ -79,8 +79,9 @@ def export_bag(
     with whole_bag(folder, storage, force=force) as bag:
         for topic, kind in topics.all():
             bag.announce(topic, kind)
-        for count, one in enumerate(bus_messages(replay, topics, progress), start=1):
+        for one in bus_messages(replay, topics, progress):
             bag.write(one)
+            count += 1
     return count
 
 
@@ -122,9 +123,7 @@ def _call(ruling: Ruling, time_ms: int, number: int) -> tuple[ServiceEvent, Serv
     stamp = Time(seconds, rest * _NS)
     client = (ruling.hunter + 1).to_bytes(16)
     return (
-        ServiceEvent(
-            EventInfo(REQUEST_RECEIVED, stamp, client, number), (CatchTurtleRequest(str(ruling.target)),), ()
-        ),
+        ServiceEvent(EventInfo(REQUEST_RECEIVED, stamp, client, number), (CatchTurtleRequest(str(ruling.target)),), ()),
         ServiceEvent(EventInfo(RESPONSE_SENT, stamp, client, number), (), (CatchTurtleResponse(ruling.success),)),
     )
 
@@ -147,7 +146,10 @@ def _moved(topics: BusTopics, motion: StepMotion, *, always: bool) -> Iterator[T
 
 
 def _poses(
-    topics: BusTopics, time_ms: int, hunters: tuple[HunterState, ...], poses: "list[tuple[float, float, float]] | tuple[tuple[float, float, float], ...]"
+    topics: BusTopics,
+    time_ms: int,
+    hunters: tuple[HunterState, ...],
+    poses: "list[tuple[float, float, float]] | tuple[tuple[float, float, float], ...]",
 ) -> Iterator[TimedMessage]:
     for topic, hunter, (x, y, theta) in zip(topics.poses, hunters, poses, strict=True):
         pose = Pose(x, y, theta, *hunter.pose[3:])

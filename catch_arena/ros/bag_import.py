@@ -225,7 +225,7 @@ def _opened(path: Path) -> Iterator[Reader]:
         raise ReplayError(f"{path}: {missing}") from error
     except (OSError, MemoryError) as error:
         raise ReplayError(f"{path}: cannot be read: {reason(error)}") from error
-    except Exception as error:  # noqa: BLE001 - rosbags has an error of its own for some damages, and none for others
+    except Exception as error:
         raise ReplayError(f"{path}: is no bag, or a damaged one: {one_line(reason(error))}") from error
 
 

@@ -62,7 +62,8 @@ def film_recording(
     config = scenario("standard", hunters=len(names), reach_m=reach_m)
     renderer = MatchRenderer(MatchInfo.of(config, names, title, clip.end_ms), within, layout)
     worlds = recorded_worlds(recording, judged)
-    return write_video(path, frames_of(worlds, renderer, clip), within, clip.fps, clip.frames, progress)
+    frames = frames_of(worlds, renderer, clip)
+    return write_video(path, frames, within, clip.fps, clip.frames, progress)
 
 
 @dataclass(slots=True)
