@@ -105,7 +105,6 @@ if __name__ == "__main__":
     referee = Spawner(int(domain), mistake) if own else Referee(int(domain), mistake)
     end = time.monotonic() + float(seconds)
     spawn = 0.0
-    print("ready", flush=True)
     while time.monotonic() < end:
         referee.hear()
         if own and time.monotonic() > spawn:
