@@ -131,7 +131,9 @@ def grade(
     else:
         for test in exercise.tests:
             if test.cases:
-                raise ConfigError(f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents")
+                raise ConfigError(
+                    f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents"
+                )
         everybody = [agent, *(opponent for test in exercise.tests for opponent in test.opponents)]
         allowed = limits_or_trust(limits, isolation, everybody, spec, exercise.seed_file, junit, json, trusted=trusted)
         name, digest = _grade_agent(exercise, agent, allowed, max_forfeits, spec, grades)

@@ -70,10 +70,12 @@ def conformance(
     if junit is not None:
         output_file(junit, force=force)
     if arbiter is not None and is_service(arbiter):
+        from catch_arena.ros.node_cases import run_on_node
+
         if arena is not None or exact_lots:
             raise ConfigError("--arena and --exact-lots must be left out with a service, which answers yes or no")
         with node_under_test(arbiter, bus, domain, url, interfaces, turtlesim) as node:
-            report = node.run(select_cases(only or ()))
+            report = run_on_node(node, select_cases(only or ()))
     else:
         report = run_conformance(
             None if arbiter is None else _callable(arbiter),

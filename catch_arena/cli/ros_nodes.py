@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
 from catch_arena.cli.ros import BusName, interfaces_of, joined_bus
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -37,4 +38,4 @@ def node_under_test(
         raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
     types = interfaces_of(interfaces, turtlesim)
     with joined_bus(bus, "catch_arena", domain, url) as joined:
-        yield NodeUnderTest(joined, service, types)
+        yield NodeUnderTest(joined, service, types, lambda line: say(line, err=True))

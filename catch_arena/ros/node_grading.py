@@ -7,7 +7,8 @@ from catch_arena.conformance.answers import counted
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.report import Report
 from catch_arena.errors import ConfigError
-from catch_arena.ros.node_under_test import NodeUnderTest, can_be_asked
+from catch_arena.ros.node_cases import can_be_asked, run_on_node
+from catch_arena.ros.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
 from catch_arena.tournament.grading import Spec, Test
 
@@ -44,7 +45,7 @@ def grade_node(spec: Spec, node: NodeUnderTest) -> Iterator[NodeGrade]:
         BusError: where the service is not there, or no longer answers.
     """
     for test, cases in [(test, _cases(test)) for test in spec.tests]:
-        yield _grade(test, node.run(cases))
+        yield _grade(test, run_on_node(node, cases))
 
 
 def _cases(test: Test) -> list[ArbiterCase | ArenaCase]:
@@ -60,6 +61,9 @@ def _cases(test: Test) -> list[ArbiterCase | ArenaCase]:
 
 
 def _grade(test: Test, report: Report) -> NodeGrade:
+    played = sum(result.played for result in report.results)
+    if not played:
+        raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")
     by_clause: dict[str, list[str]] = {}
     for failure in report.failures:
         by_clause.setdefault(failure.case.clauses[0], []).append(failure.case.id)
@@ -67,8 +71,8 @@ def _grade(test: Test, report: Report) -> NodeGrade:
         test=test.name,
         points=0.0 if report.failures else test.points,
         possible=test.points,
-        cases=len(report.results),
-        passed=len(report.results) - len(report.failures),
+        cases=played,
+        passed=played - len(report.failures),
         failures=tuple(f"{clause}: {counted(len(ids), 'case')}: {', '.join(ids)}" for clause, ids in by_clause.items()),
         hints=tuple(f"it looks like «{one.looks_like}». {one.rule}" for one in report.diagnoses),
     )

@@ -1,5 +1,5 @@
-"""Bags as others would read and write them: MCAP record by record from its specification, and rosbags with types that are
-written out here.
+"""Bags as others would read and write them: MCAP record by record from its specification, and rosbags with types that
+are written out here.
 """
 
 import struct
@@ -75,7 +75,7 @@ _QOS = Qos(
     _ALWAYS,
     QosLiveliness.AUTOMATIC,
     _ALWAYS,
-    False,  # noqa: FBT003
+    avoid_ros_namespace_conventions=False,
 )
 
 

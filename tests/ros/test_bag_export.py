@@ -25,9 +25,28 @@ def replays(tmp_path_factory):
     """A contest of three, a single hunter after moving targets, and faults."""
     folder = tmp_path_factory.mktemp("replays")
     played = {
-        "three": ["nearest", "nearest", "contested", "--set", "hunters=3", "--set", "time_limit_s=12", "--set", "initial_targets=6"],
+        "three": [
+            "nearest",
+            "nearest",
+            "contested",
+            "--set",
+            "hunters=3",
+            "--set",
+            "time_limit_s=12",
+            "--set",
+            "initial_targets=6",
+        ],
         "one": ["nearest", "--set", "hunters=1", "--set", "target_motion=wander", "--set", "time_limit_s=6"],
-        "faults": ["nearest", "nearest", "--set", "hunters=2", "--set", "time_limit_s=8", "--set", "faults.kill_refused=0.5"],
+        "faults": [
+            "nearest",
+            "nearest",
+            "--set",
+            "hunters=2",
+            "--set",
+            "time_limit_s=8",
+            "--set",
+            "faults.kill_refused=0.5",
+        ],
     }
     for name, words in played.items():
         made = run("match", *words, "--seed", "5", "--trusted", "-o", folder / f"{name}.replay")
