@@ -102,6 +102,7 @@ class Spawner(Referee):
 if __name__ == "__main__":
     domain, seconds, mistake = sys.argv[1:]
     own = mistake.startswith("its_own_list")
+    mistake = mistake.removeprefix("its_own_list").strip()
     referee = Spawner(int(domain), mistake) if own else Referee(int(domain), mistake)
     end = time.monotonic() + float(seconds)
     spawn = 0.0
