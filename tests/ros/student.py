@@ -6,10 +6,6 @@ Arguments: domain, turtle, service, seconds. Prints how many catches it was told
 import math
 import sys
 import time
-from pathlib import Path
-
-if __package__ in {None, ""}:
-    sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from ros import cdr, wire
 
