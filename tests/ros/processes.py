@@ -15,6 +15,7 @@ def started(script, *arguments):
     command = ["-m", "catch_arena"] if script is None else [HERE / script]
     environment = os.environ | {
         "PYTHONPATH": os.pathsep.join(str(HERE.parents[level]) for level in (0, 1)),
+        "PYTHONUNBUFFERED": "1",
         "ROS_LOCALHOST_ONLY": "1",
     }
     with subprocess.Popen(
