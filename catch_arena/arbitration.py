@@ -84,7 +84,7 @@ def arbitrate(
         if isinstance(name, str) and row[arbiter.REQUEST_TARGET] > 0:
             (x, y), (target_x, target_y) = places[seat], alive[name]
             row[arbiter.REQUEST_NUMBER] = numbers[name]
-            row[arbiter.REQUEST_DISTANCE] = arbiter.distance_um(target_x - x, target_y - y)
+            row[arbiter.REQUEST_DISTANCE] = arbiter.measure_um(target_x - x, target_y - y)
             row[arbiter.REQUEST_KILL_REFUSED] = name in refused
     arbiter.judge(
         table,

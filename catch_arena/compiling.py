@@ -30,7 +30,7 @@ _NOTE: Final = None if CACHE_DIRECTORY is None else CACHE_DIRECTORY.parent / "co
 """How long it took here the last time [s]: whatever the state of the sources, it will be much the same."""
 
 
-class Estimate(event.Listener):
+class CompileClock(event.Listener):
     """How long compiling takes. It hears of each function that Numba compiles, and of none that comes from its cache:
     nobody else knows for certain what is kept for this Python, this Numba and this processor.
 
@@ -73,32 +73,32 @@ class Estimate(event.Listener):
 @contextmanager
 def progress_shown() -> Iterator[None]:
     """Whoever waits for the compiler in this block reads how long, on the standard error stream."""
-    estimate = Estimate(INNER, _last_time_s())
+    clock = CompileClock(INNER, _last_time_s())
     over = threading.Event()
-    teller = threading.Thread(target=_tell, args=(estimate, over), daemon=True)
+    teller = threading.Thread(target=_tell, args=(clock, over), daemon=True)
     teller.start()
     try:
-        with event.install_listener("numba:compile", estimate):
+        with event.install_listener("numba:compile", clock):
             yield
-        _remember(estimate.elapsed_s)
+        _remember(clock.elapsed_s)
     finally:
         over.set()
         teller.join()
 
 
-def _tell(estimate: Estimate, over: threading.Event) -> None:
-    while estimate.elapsed_s < _QUIET_S:
+def _tell(clock: CompileClock, over: threading.Event) -> None:
+    while clock.elapsed_s < _QUIET_S:
         if over.wait(_FRAME_S):
             return
     if sys.stderr.isatty():
-        _draw(estimate, over)
+        _draw(clock, over)
         return
-    sys.stderr.write(f"{_WHAT} ({_OFTEN}; about {estimate.total_s:.0f} s)\n")
+    sys.stderr.write(f"{_WHAT} ({_OFTEN}; about {clock.total_s:.0f} s)\n")
     while not over.wait(_LINE_S):
-        sys.stderr.write(f"{_WHAT}: {estimate.elapsed_s:.0f} of about {estimate.total_s:.0f} s\n")
+        sys.stderr.write(f"{_WHAT}: {clock.elapsed_s:.0f} of about {clock.total_s:.0f} s\n")
 
 
-def _draw(estimate: Estimate, over: threading.Event) -> None:
+def _draw(clock: CompileClock, over: threading.Event) -> None:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 
@@ -108,7 +108,7 @@ def _draw(estimate: Estimate, over: threading.Event) -> None:
     with Progress(*columns, console=console, auto_refresh=False, transient=True) as bar:
         task = bar.add_task("")
         while True:
-            elapsed, total = estimate.elapsed_s, estimate.total_s
+            elapsed, total = clock.elapsed_s, clock.total_s
             text = f"{elapsed:.0f} of about {total:.0f} s"
             bar.update(task, total=total, completed=elapsed, description=text, refresh=True)
             if over.wait(_FRAME_S):

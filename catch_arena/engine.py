@@ -38,7 +38,13 @@ from catch_arena.threads import Threads
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, TargetState, World
 
-_HUNTER_DIGEST: Final = [row // LANES for row in rows.HUNTER_DIGEST]
+
+def _row(place: int) -> int:
+    """Which row one of core/state.py's places is: there they are in numbers, LANES to a row."""
+    return place // LANES
+
+
+_HUNTER_DIGEST: Final = [_row(row) for row in rows.HUNTER_DIGEST]
 _HUNTERS_A_PART: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
@@ -59,38 +65,38 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
     motion = MOTIONS[config.target_motion]
     return Settings(
         hunters=config.hunters,
-        slots=config.max_targets,
+        max_targets=config.max_targets,
         targets_seen=config.targets_seen,
         hunters_seen=config.hunters_seen,
         policy=POLICIES[config.policy],
         progress_wanted=int(progress_wanted or config.rewards.progress != 0.0),
         target_budget=math.inf if config.target_budget is None else float(config.target_budget),
-        side=float(config.side_m),
+        side_m=float(config.side_m),
         kp_v=float(config.gains.kp_v),
         ki_v=float(config.gains.ki_v),
         kp_w=float(config.gains.kp_w),
         ki_w=float(config.gains.ki_w),
-        period=float(config.control_period_ms),
+        period_ms=float(config.control_period_ms),
         period_s=config.control_period_ms / 1000.0,
-        time_limit=float(config.time_limit_ms),
-        spawn_period=float(config.spawn_period_ms),
-        spawn_low=_SPAWN_LOW_M,
-        spawn_high=high,
-        spawn_last=math.nextafter(high, 0.0),
-        start_radius=0.3 * config.side_m if config.start_radius_m is None else float(config.start_radius_m),
+        time_limit_ms=float(config.time_limit_ms),
+        spawn_period_ms=float(config.spawn_period_ms),
+        spawn_low_m=_SPAWN_LOW_M,
+        spawn_high_m=high,
+        spawn_last_m=math.nextafter(high, 0.0),
+        start_radius_m=0.3 * config.side_m if config.start_radius_m is None else float(config.start_radius_m),
         initial_targets=config.initial_targets,
         slot_size=slot_rows(motion) * LANES,
         target_motion=motion,
-        target_speed=float(config.target_speed_mps),
-        target_turn_rate=float(config.target_turn_rate_radps),
-        wander_period=float(config.wander_period_ms),
+        target_speed_mps=float(config.target_speed_mps),
+        target_turn_rate_radps=float(config.target_turn_rate_radps),
+        wander_period_ms=float(config.wander_period_ms),
         alarm_um=float(config.alarm_um),
         partial_view=int(config.partial_view),
         view_radius_um=math.inf if config.view_radius_um is None else float(config.view_radius_um),
         view_cosine=_SEES_ALL_ROUND
         if config.view_angle_deg == 360.0
         else sincos(config.view_angle_deg * PI / 360.0)[1],
-        view_noise=float(config.view_noise_m),
+        view_noise_m=float(config.view_noise_m),
         dropout_rate=float(config.dropout_rate),
         kill_down_rate=float(config.faults.kill_down),
         kill_refused_rate=float(config.faults.kill_refused),
@@ -150,12 +156,12 @@ class Engine:
         self.auto_reset = auto_reset
         hunters, seen = config.hunters, config.targets_seen
         slot = slot_rows(MOTIONS[config.target_motion])
-        blocks, block = -(-num_arenas // LANES), block_rows(hunters, config.max_targets, slot, seen)
-        self._shares = blocks * LANES * hunters // _HUNTERS_A_PART
+        num_blocks, num_rows = -(-num_arenas // LANES), block_rows(hunters, config.max_targets, slot, seen)
+        self._shares = num_blocks * LANES * hunters // _HUNTERS_A_PART
         self.threads = Threads(max(1, min(num_threads, self._shares)))
         with_infos = num_arenas if infos_wanted else 0
         kept = num_arenas if auto_reset else 0
-        scratch = scratch_shapes(hunters, block, width(config))
+        scratch = scratch_shapes(hunters, num_rows, width(config))
         self._memory, sections = lay_out(
             Sections(
                 settings=np.array(settings_of(config, progress_wanted=infos_wanted), dtype=np.float64),
@@ -165,7 +171,7 @@ class Engine:
                 target_network=_network(config.max_targets, seen),
                 # one rank more than is seen: a tie at the edge of the view has to be noticed
                 rival_network=_network(hunters, min(hunters, config.hunters_seen + 1)),
-                blocks=zeros(blocks, block * LANES),
+                blocks=zeros(num_blocks, num_rows * LANES),
                 parts=zeros(with_infos, hunters, 1 + len(PART_NAMES)),
                 evidence=zeros(with_infos, hunters, len(rows.EVIDENCE)),
                 observations=zeros(num_arenas, hunters, width(config), dtype=np.float32),
@@ -177,8 +183,8 @@ class Engine:
                 **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
             )
         )
-        self.memory = sections.blocks
-        """core/state.py's blocks."""
+        self.blocks = sections.blocks
+        """The arenas' memory: see core/state.py."""
         self.observations = sections.observations
         """R7.1: (B, H, D)."""
         self.masks = sections.masks
@@ -201,20 +207,20 @@ class Engine:
         self.evidence = sections.evidence
         """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
         self._widths = (SINGLE, SINGLE) if num_arenas == 1 else (HALF, WIDE)
-        self._fields = self.memory.reshape(blocks, block, LANES)  # the same memory: [block, row, lane]
+        self._fields = self.blocks.reshape(num_blocks, num_rows, LANES)  # the same memory: [block, row, lane]
         self._hunters = self._fields[:, rows.ARENA_ROWS : rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS].reshape(
-            blocks, hunters, rows.HUNTER_ROWS, LANES
+            num_blocks, hunters, rows.HUNTER_ROWS, LANES
         )
         first = rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS
-        spare = num_arenas - (blocks - 1) * LANES
+        spare = num_arenas - (num_blocks - 1) * LANES
         digest = rows.MOVING_TARGET_DIGEST if config.targets_move else rows.TARGET_DIGEST
-        self._target_digest = [row // LANES for row in digest]
-        self._hunters[-1, :, rows.WITHDRAWN // LANES, spare:] = 1.0  # in lanes that are no arenas nobody does anything
+        self._target_digest = [_row(row) for row in digest]
+        self._hunters[-1, :, _row(rows.WITHDRAWN), spare:] = 1.0  # in lanes that are no arenas nobody does anything
         self._targets = self._fields[:, first : first + config.max_targets * slot].reshape(
-            blocks, config.max_targets, slot, LANES
+            num_blocks, config.max_targets, slot, LANES
         )
         self._target_orders = self._fields[:, first + config.max_targets * slot :].reshape(
-            blocks, hunters, target_order_rows(seen), LANES
+            num_blocks, hunters, target_order_rows(seen), LANES
         )
 
     # playing
@@ -238,7 +244,7 @@ class Engine:
             self.parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         if arenas is None:
-            self._observe(0, len(self.memory), resets)
+            self._observe(0, len(self.blocks), resets)
             return
         if not len(chosen):
             return
@@ -260,7 +266,7 @@ class Engine:
             requests: of a single arena, in the place of what the hunters ask for: a table of `arbiter`, (n, columns),
                 of which REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all else is written.
         """
-        blocks, parts = len(self.memory), self._shares
+        blocks, parts = len(self.blocks), self._shares
         if self.threads.size == 1:
             tick.run(*self._widths, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
             return
@@ -273,7 +279,7 @@ class Engine:
 
     def observe(self, arena: int | None = None) -> None:
         """Write observations and masks as things stand, of all arenas or of those in one arena's block."""
-        first, last = (0, len(self.memory)) if arena is None else (arena // LANES, arena // LANES + 1)
+        first, last = (0, len(self.blocks)) if arena is None else (arena // LANES, arena // LANES + 1)
         self._observe(first, last, _NO_RESETS)
 
     def _observe(self, first: int, last: int, resets: NDArray[np.uint64]) -> None:
@@ -283,9 +289,9 @@ class Engine:
     def withdraw(self, arena: int, seat: int) -> None:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
         me = self._hunters[arena // LANES, seat, :, arena % LANES]
-        me[rows.WITHDRAWN // LANES] = 1.0
+        me[_row(rows.WITHDRAWN)] = 1.0
         for row in rows.AT_REST:
-            me[row // LANES] = 0.0
+            me[_row(row)] = 0.0
         self.observe(arena)
 
     def place(
@@ -303,11 +309,11 @@ class Engine:
         for seat, (x, y, theta) in enumerate(hunters):
             me = self._hunters[block, seat, :, lane]
             # 0.0 is added so that no zero has a sign
-            me[[row // LANES for row in (rows.X, rows.Y, rows.THETA)]] = x + 0.0, y + 0.0, wrap(theta + 0.0)
+            me[[_row(row) for row in (rows.X, rows.Y, rows.THETA)]] = x + 0.0, y + 0.0, wrap(theta + 0.0)
             for row in (*rows.AT_REST, rows.AT_WALL):
-                me[row // LANES] = 0.0
+                me[_row(row)] = 0.0
         self._targets[block, :, :, lane] = 0.0
-        self._fields[block, rows.ALIVE // LANES, lane] = 0.0
+        self._fields[block, _row(rows.ALIVE), lane] = 0.0
         for x, y in targets:
             spawner.spawn_at(self._memory, arena, float(x), float(y), 0.0)
         self.observe(arena)
@@ -337,7 +343,7 @@ class Engine:
         return np.equal(self._ended(), rows.TRUNCATED)
 
     def _ended(self) -> NDArray[np.float64]:
-        return self._fields[:, rows.ENDED // LANES].reshape(-1)[: self.num_arenas]
+        return self._fields[:, _row(rows.ENDED)].reshape(-1)[: self.num_arenas]
 
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
         """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
@@ -345,15 +351,15 @@ class Engine:
 
     def active(self) -> NDArray[np.bool_]:
         """R1.6, R1.7: who takes part: (B, H)."""
-        withdrawn = self._hunters[:, :, rows.WITHDRAWN // LANES]
+        withdrawn = self._hunters[:, :, _row(rows.WITHDRAWN)]
         return np.equal(withdrawn.transpose(0, 2, 1).reshape(-1, self.config.hunters)[: self.num_arenas], 0.0)
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: the verdicts of the last step with their evidence, by seat."""
         found = []
-        steps = int(self._fields[arena // LANES, rows.STEP // LANES, arena % LANES])
+        steps = int(self._fields[arena // LANES, _row(rows.STEP), arena % LANES])
         for seat, me in enumerate(self.hunter_rows(arena).tolist()):
-            number, verdict, distance, winner = (me[row // LANES] for row in rows.EVIDENCE)
+            number, verdict, distance, winner = (me[_row(row)] for row in rows.EVIDENCE)
             if verdict == NO_REQUEST:
                 continue
             step = steps if verdict == Verdict.MATCH_OVER else steps - 1
@@ -365,25 +371,25 @@ class Engine:
         """One arena as people read it."""
         block, lane = divmod(arena, LANES)
         own = self._fields[block, : rows.ARENA_ROWS, lane]
-        alive = int(own[rows.ALIVE // LANES])
+        alive = int(own[_row(rows.ALIVE)])
         return World(
-            time_ms=int(own[rows.TIME // LANES]),
-            step=int(own[rows.STEP // LANES]),
+            time_ms=int(own[_row(rows.TIME)]),
+            step=int(own[_row(rows.STEP)]),
             side_m=self.config.side_m,
             hunters=tuple(
                 HunterState(
                     name=name,
-                    x=me[rows.X // LANES],
-                    y=me[rows.Y // LANES],
-                    theta=me[rows.THETA // LANES],
-                    linear_velocity=me[rows.SPEED // LANES],
-                    angular_velocity=me[rows.TURN_RATE // LANES],
-                    score=int(me[rows.SCORE // LANES]),
-                    active_target=self.config.target_name(int(me[rows.ACTIVE // LANES]))
-                    if me[rows.ACTIVE // LANES]
+                    x=me[_row(rows.X)],
+                    y=me[_row(rows.Y)],
+                    theta=me[_row(rows.THETA)],
+                    linear_velocity=me[_row(rows.SPEED)],
+                    angular_velocity=me[_row(rows.TURN_RATE)],
+                    score=int(me[_row(rows.SCORE)]),
+                    active_target=self.config.target_name(int(me[_row(rows.ACTIVE)]))
+                    if me[_row(rows.ACTIVE)]
                     else None,
-                    at_wall=me[rows.AT_WALL // LANES] > 0,
-                    withdrawn=me[rows.WITHDRAWN // LANES] > 0,
+                    at_wall=me[_row(rows.AT_WALL)] > 0,
+                    withdrawn=me[_row(rows.WITHDRAWN)] > 0,
                 )
                 for name, me in zip(self.config.hunter_names, self.hunter_rows(arena).tolist(), strict=True)
             ),
@@ -404,23 +410,23 @@ class Engine:
                 ].T.tolist()
             ),
             rulings=self.rulings(arena),
-            spawned=int(own[rows.SPAWNED // LANES]),
+            spawned=int(own[_row(rows.SPAWNED)]),
         )
 
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
         block, lane = divmod(arena, LANES)
         view = self._target_orders[block, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_PER_WORD
-        for rank in range(int(self.hunter_rows(arena)[seat, rows.SEEN // LANES])):
+        for rank in range(int(self.hunter_rows(arena)[seat, _row(rows.SEEN)])):
             slot = view[rank]
-            if self.config.target_name(int(self._targets[block, slot, rows.NUMBER // LANES, lane])) == name:
+            if self.config.target_name(int(self._targets[block, slot, _row(rows.NUMBER), lane])) == name:
                 return rank + 1
         return 0
 
     def seeds(self) -> NDArray[np.uint64]:
         """The seeds of the episodes under way: (B,)."""
         high, low = (
-            self._fields[:, row // LANES].reshape(-1)[: self.num_arenas].astype(np.uint64)
+            self._fields[:, _row(row)].reshape(-1)[: self.num_arenas].astype(np.uint64)
             for row in (rows.SEED_HIGH, rows.SEED_LOW)
         )
         return (high << np.uint64(32)) | low
@@ -429,7 +435,7 @@ class Engine:
         """A.8: the numbers of one arena's state, in the order in which the digest reads them."""
         block, lane = divmod(arena, LANES)
         own = self._fields[block, :, lane]
-        alive = int(own[rows.ALIVE // LANES])
+        alive = int(own[_row(rows.ALIVE)])
         return np.concatenate(
             (
                 own[: rows.ARENA_DIGEST_ROWS],
@@ -446,11 +452,11 @@ class Engine:
 
     def save(self) -> NDArray[np.float64]:
         """R10.2: the state of all arenas; `restore` takes it back, here or in an engine of an equal config and size."""
-        return self.memory.copy()
+        return self.blocks.copy()
 
     def restore(self, saved: NDArray[np.float64]) -> None:
         """Go on from a saved state."""
-        self.memory[:] = saved
+        self.blocks[:] = saved
         self.observe()
 
     def save_row(self, arena: int) -> NDArray[np.float64]:

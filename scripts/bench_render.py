@@ -24,13 +24,14 @@ from catch_arena import Replay, parallel_env
 from catch_arena.render import scene, shapes
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.encoders import FORMATS, video_file
-from catch_arena.render.libraries import pygame
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.motion import frame_spans, step_motion
+from catch_arena.render.optional_imports import pygame
 from catch_arena.render.raster import Pixels
 from catch_arena.render.renderer import ArenaPainter
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import clip_of, render_replay, rendered_frames, renderer_for
-from catch_arena.render.viewport import OUTSIDE, MatchInfo, Pose, Viewport
+from catch_arena.render.viewport import OUTSIDE, Pose, Viewport
 
 
 @dataclass(frozen=True)

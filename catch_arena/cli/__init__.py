@@ -2,11 +2,11 @@
 the results are.
 """
 
-from catch_arena.cli import checks as _checks  # noqa: F401
 from catch_arena.cli import conformance as _conformance  # noqa: F401
 from catch_arena.cli import evaluation as _evaluation  # noqa: F401
 from catch_arena.cli import exports as _exports  # noqa: F401
-from catch_arena.cli import lists as _lists  # noqa: F401
+from catch_arena.cli import hand_ins as _hand_ins  # noqa: F401
+from catch_arena.cli import listings as _listings  # noqa: F401
 from catch_arena.cli import live as _live  # noqa: F401
 from catch_arena.cli import matches as _matches  # noqa: F401
 from catch_arena.cli import replays as _replays  # noqa: F401

@@ -72,7 +72,7 @@ Agents = Annotated[
     ),
 ]
 Scenario = Annotated[str, typer.Option("--scenario", "-s", help="The arena to play in (see `catch-arena scenarios`).")]
-Settings = Annotated[
+SettingOption = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
@@ -80,7 +80,7 @@ Settings = Annotated[
         help="Change a setting, as in time_limit_s=30 or faults.kill_down=0.2; may be repeated.",
     ),
 ]
-Limits = Annotated[
+LimitOption = Annotated[
     list[str] | None,
     typer.Option(
         "--limit",

@@ -10,11 +10,11 @@ from rich.console import Console
 from catch_arena.cli.app import (
     MAX_FORFEITS,
     Isolation,
-    Limits,
+    LimitOption,
     MaxForfeits,
     Scenario,
     Seed,
-    Settings,
+    SettingOption,
     Trusted,
     arena,
     enter_agents,
@@ -55,10 +55,10 @@ def compare(
     seed: Seed = None,
     jobs: Jobs = None,
     trusted: Trusted = False,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
     max_forfeits: MaxForfeits = MAX_FORFEITS,
-    settings: Settings = None,
+    settings: SettingOption = None,
 ) -> None:
     """Play A and B until a sequential test knows which is stronger.
 
@@ -132,13 +132,13 @@ def audit(
     seed: Seed = None,
     jobs: Jobs = None,
     trusted: Trusted = False,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
     out: Annotated[Path, typer.Option(help="The folder for audit.json, of which the report tells.")] = Path(
         "out/tournament"
     ),
     force: Force = False,
-    settings: Settings = None,
+    settings: SettingOption = None,
 ) -> None:
     """Ask whether the arena is fair: to seats, to labels, to the order of requests.
 

@@ -9,9 +9,9 @@ from catch_arena.cli.app import (
     Agents,
     ArenaSeed,
     Isolation,
-    Limits,
+    LimitOption,
     Scenario,
-    Settings,
+    SettingOption,
     Trusted,
     arena,
     enter_agents,
@@ -58,12 +58,12 @@ def play(
     seat: Annotated[int, typer.Option(help="Yours.")] = 0,
     seed: ArenaSeed = None,
     trusted: Trusted = False,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
-    settings: Settings = None,
+    settings: SettingOption = None,
 ) -> None:
     """Take a seat yourself, with turtlesim's keys or a gamepad, against agents.
 
@@ -84,12 +84,12 @@ def watch(
     scenario: Scenario = "standard",
     seed: ArenaSeed = None,
     trusted: Trusted = False,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
-    settings: Settings = None,
+    settings: SettingOption = None,
 ) -> None:
     """Watch agents play, live; fewer than the scenario has seats for sit in several."""
     allowed = limits_or_trust(limits, isolation, agents, trusted=trusted)

@@ -14,11 +14,11 @@ from catch_arena.cli.app import (
     Agents,
     ArenaSeed,
     Isolation,
-    Limits,
+    LimitOption,
     MaxForfeits,
     Scenario,
     Seed,
-    Settings,
+    SettingOption,
     Trusted,
     arena,
     enter_agents,
@@ -77,7 +77,7 @@ def tournament(
         str | None, typer.Option(help="A running Ray cluster; all its cores play.", show_default="Ray starts here")
     ] = None,
     trusted: Trusted = False,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
     max_forfeits: MaxForfeits = MAX_FORFEITS,
     out: Annotated[
@@ -93,7 +93,7 @@ def tournament(
         bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 from the first match on, until Ctrl-C.")
     ] = False,
     plan: Annotated[bool, typer.Option("--plan", help="Say what would be played and what it costs; no more.")] = False,
-    settings: Settings = None,
+    settings: SettingOption = None,
 ) -> None:
     """Play groups of agents in every seating, and rank them.
 
@@ -250,11 +250,11 @@ def match(
     scenario: Scenario = "standard",
     seed: ArenaSeed = None,
     trusted: Trusted = False,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="The replay to write.")] = Path("match.replay"),
     force: Force = False,
-    settings: Settings = None,
+    settings: SettingOption = None,
 ) -> None:
     """Play one match, seated in the order given, and record it."""
     from catch_arena.seeding import arena_seed

@@ -105,7 +105,7 @@ def serve(
     from catch_arena.ros.serving import serve_match
     from catch_arena.seeding import arena_seed
 
-    seats = dict(_seat(option) for option in seat or ())
+    seats = _seats(seat or [])
     config = _arena(scenario, settings, max(seats, default=0) + 1)
     if seats and max(seats) >= config.hunters:
         raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario}, got {max(seats)}")
@@ -243,11 +243,17 @@ def checked_turtle(name: str) -> str:
     return name
 
 
-def _seat(option: str) -> tuple[int, str]:
-    number, equals, who = option.partition("=")
-    if not equals or not who or not number.isdecimal():
-        raise ConfigError(f"--seat must be SEAT=WHO, as 0=ros or 1=patrol, got {option!r}")
-    return int(number), who
+def _seats(options: list[str]) -> dict[int, str]:
+    """Who drives which hunter."""
+    seats: dict[int, str] = {}
+    for option in options:
+        number, equals, who = option.partition("=")
+        if not equals or not who or not (number.isascii() and number.isdecimal()):
+            raise ConfigError(f"--seat must be SEAT=WHO, as 0=ros or 1=patrol, got {option!r}")
+        if int(number) in seats:
+            raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {who}")
+        seats[int(number)] = who
+    return seats
 
 
 def _is_node(who: str) -> bool:

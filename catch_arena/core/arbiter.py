@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import entry, rare, rule
-from catch_arena.core.random import service_lot, ticket
+from catch_arena.core.random import service_lot, tie_lot
 from catch_arena.core.vectors import floor, sqrt
 from catch_arena.verdicts import Verdict
 
@@ -21,7 +21,7 @@ RequestTable = NDArray[np.int64]
 REQUEST_SEAT: Final = 0
 REQUEST_TARGET: Final = 1  # which target is asked for: any number that tells targets apart, or one of the three below
 REQUEST_NUMBER: Final = 2  # its spawn number, for the lot
-REQUEST_DISTANCE: Final = 3  # [micrometres]; -1 where reach was not tested (an output there)
+REQUEST_DISTANCE: Final = 3  # [micrometres]; `judge` writes -1 where reach was not tested
 REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn
 REQUEST_KILL_REFUSED: Final = 5  # flag: the simulator would refuse this kill
 REQUEST_REACH: Final = 6  # [micrometres]: of the hunter that asks
@@ -53,25 +53,25 @@ _GRANTED: Final = int(Verdict.GRANTED)
 
 
 @rule
-def micrometres(metres: float) -> float:
+def to_micrometres(metres: float) -> float:
     """R5.3: in whole micrometres."""
     return floor(1000000.0 * metres + 0.5)
 
 
 @rule
-def distance_um(dx: float, dy: float) -> float:
+def measure_um(dx: float, dy: float) -> float:
     """R5.3: the distance between two centres in whole micrometres."""
-    return micrometres(sqrt(dx * dx + dy * dy))
+    return to_micrometres(sqrt(dx * dx + dy * dy))
 
 
 @rule
-def within_reach(um: float, reach_um: float) -> bool:
+def within_reach(distance_um: float, reach_um: float) -> bool:
     """R5.3: strictly less than reach."""
-    return um < reach_um
+    return distance_um < reach_um
 
 
 @rule
-def common_checks(target: int, inactive: bool, over: bool) -> int:
+def first_tests(target: int, inactive: bool, over: bool) -> int:
     """R5.2, R9.1: the tests that every policy makes first; 0 where none fails."""
     if over:
         return _MATCH_OVER
@@ -83,11 +83,11 @@ def common_checks(target: int, inactive: bool, over: bool) -> int:
 
 
 @rule
-def eligibility(
-    target: int, micrometres: int, reach_um: int, inactive: bool, duplicate: bool, over: bool, service_up: bool
+def first_failed_test(
+    target: int, distance_um: int, reach_um: int, inactive: bool, duplicate: bool, over: bool, service_up: bool
 ) -> int:
     """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way."""
-    failed = common_checks(target, inactive, over)
+    failed = first_tests(target, inactive, over)
     if failed != _ELIGIBLE:
         return failed
     if duplicate:
@@ -98,7 +98,7 @@ def eligibility(
         return _ALREADY_CAUGHT
     if not service_up:
         return _SERVICE_DOWN
-    if not within_reach(micrometres, reach_um):
+    if not within_reach(distance_um, reach_um):
         return _OUT_OF_REACH
     return _ELIGIBLE
 
@@ -106,7 +106,7 @@ def eligibility(
 @rule
 def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
     """R9.1: the original's service says yes to everybody whom it can answer at all."""
-    failed = common_checks(target, inactive, over)
+    failed = first_tests(target, inactive, over)
     if failed != _ELIGIBLE:
         return failed
     if not service_up:
@@ -121,27 +121,35 @@ def is_preferred(
     step: int,
     number: int,
     seat: int,
-    micrometres: int,
-    rival: int,
-    rival_micrometres: int,
+    distance_um: int,
+    rival_seat: int,
+    rival_distance_um: int,
 ) -> bool:
     """R5.4, R5.5, R5.9: whether a seat is preferred to a rival for the target that both may catch."""
     if policy == FIRST_COME:
         mine = service_lot(seed, step, seat)
-        other = service_lot(seed, step, rival)
+        other = service_lot(seed, step, rival_seat)
     else:
-        if micrometres != rival_micrometres:
-            return micrometres < rival_micrometres
-        mine = ticket(seed, step, number, seat)
-        other = ticket(seed, step, number, rival)
-    if mine != other:
-        return bool(mine < other)
-    return seat < rival
+        if distance_um != rival_distance_um:
+            return distance_um < rival_distance_um
+        mine = tie_lot(seed, step, number, seat)
+        other = tie_lot(seed, step, number, rival_seat)
+    return bool(mine < other)  # those of two seats are never equal: A.5's mix is a permutation
 
 
 @entry
 def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
-    """R5.1 to R5.7: writes the verdict and the winner of every request of one step."""
+    """R5.1 to R5.7: writes the verdict and the winner of every request of one step.
+
+    Args:
+        requests: the request table; REQUEST_VERDICT and REQUEST_WINNER are written, and REQUEST_DISTANCE becomes -1
+            where reach was not tested.
+        policy: NEAREST, FIRST_COME or CAPSTONE (R5.9, R9.1).
+        seed: the arena's, from which lots are drawn (A.5).
+        step: how many steps were played before this one.
+        over: whether the episode has ended (R1.5).
+        service_up: whether the kill service answers in this step (R8.3).
+    """
     for i in range(len(requests)):
         duplicate = False
         for j in range(i):
@@ -150,7 +158,7 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
         if policy == CAPSTONE:
             verdict = capstone_verdict(requests[i, REQUEST_TARGET], inactive, over, service_up)
         else:
-            verdict = eligibility(
+            verdict = first_failed_test(
                 requests[i, REQUEST_TARGET],
                 requests[i, REQUEST_DISTANCE],
                 requests[i, REQUEST_REACH],
@@ -170,7 +178,15 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
 
 @rare
 def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uint64, step: int) -> None:
-    """R5.4 to R5.7: the verdicts of all requests that may catch the same target as the request `first`."""
+    """R5.4 to R5.7: the verdicts of all requests that may catch the same target as one of them.
+
+    Args:
+        requests: the request table; those that may catch a target have the verdict _ELIGIBLE so far.
+        first: the row of the first request of this contest.
+        policy: NEAREST or FIRST_COME (R5.9).
+        seed: the arena's, from which lots are drawn (A.5).
+        step: how many steps were played before this one.
+    """
     best = first
     claimants = 0
     for i in range(len(requests)):

@@ -16,8 +16,8 @@ from catch_arena.core.arbiter import (
     REQUEST_VERDICT,
     REQUEST_WINNER,
     RequestTable,
-    distance_um,
     judge,
+    measure_um,
 )
 from catch_arena.core.jit import Block, inlined, phase
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
@@ -61,17 +61,13 @@ _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 
 
 @inlined
-def clear_evidence(block: Block, s: Settings, width: Width, asked: Block) -> None:
-    """No verdict yet; `asked` counts the requests of each lane."""
+def clear_evidence(block: Block, s: Settings, width: Width) -> None:
+    """No verdict yet."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        requests = 0.0
         judged = False
         for seat in range(s.hunters):
-            me = seat_of(block, seat)
-            requests = requests + select(me[REQUESTED_SLOT + lane] == float(NO_TARGET), 0.0, 1.0)
-            judged = judged | (me[VERDICT + lane] > 0.0)
-        asked[lane] = requests
+            judged = judged | (seat_of(block, seat)[VERDICT + lane] > 0.0)
         if any_of(judged):  # most steps leave nothing to be cleared
             for seat in range(s.hunters):
                 me = seat_of(block, seat)
@@ -79,6 +75,17 @@ def clear_evidence(block: Block, s: Settings, width: Width, asked: Block) -> Non
                 me[VERDICT + lane] = 0.0
                 me[DISTANCE_UM + lane] = -1.0
                 me[WINNER + lane] = -1.0
+
+
+@inlined
+def count_requests(block: Block, s: Settings, width: Width, counts: Block) -> None:
+    """How many requests each lane has: `counts`, one row, is the result."""
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        count = 0.0
+        for seat in range(s.hunters):
+            count = count + select(seat_of(block, seat)[REQUESTED_SLOT + lane] == float(NO_TARGET), 0.0, 1.0)
+        counts[lane] = count
 
 
 @phase
@@ -125,7 +132,7 @@ def fill_requests(
             number = targets[NUMBER + at]
             requests[i, REQUEST_NUMBER] = int(number)
             requests[i, REQUEST_DISTANCE] = int(
-                distance_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
+                measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
             )
             requests[i, REQUEST_KILL_REFUSED] = int(kill_refused(seed, step, number, s.kill_refused_rate))
 
@@ -192,7 +199,7 @@ def resolve_requests(
     lanes: int,
     targets: Block,
     limits: NDArray[np.float64],
-    named: RequestTable,
+    requests_by_name: RequestTable,
     scratch: Scratch,
 ) -> None:
     """R1.4's phases 3 and 4 in every lane in which somebody asks for a target.
@@ -204,17 +211,18 @@ def resolve_requests(
         lanes: how many lanes are arenas.
         targets: the slots of the block.
         limits: see `memory.Sections`.
-        named: requests that take the place of what the hunters ask for, in a block of one arena: their seats and
-            slots, or the codes of `arbiter`; or none.
+        requests_by_name: requests that take the place of what the hunters ask for, in a block of one arena: their
+            seats and slots, or the codes of `arbiter`; or none.
         scratch: see `workspace.Scratch`.
     """
-    asked = scratch.rows[:LANES]
-    clear_evidence(block, s, width, asked)
+    counts = scratch.rows[:LANES]
+    clear_evidence(block, s, width)
+    count_requests(block, s, width, counts)
     for lane in range(lanes):
-        if len(named) == 0 and asked[lane] == 0.0:
+        if len(requests_by_name) == 0 and counts[lane] == 0.0:
             continue
-        requests = named
-        if len(named) == 0:
+        requests = requests_by_name
+        if len(requests_by_name) == 0:
             requests = scratch.requests[: collect_requests(block, s, lane, scratch.requests)]
         fill_requests(block, s, lane, targets, limits, requests)
         judge_requests(block, s, lane, requests)

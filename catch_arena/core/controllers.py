@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.arbiter import NO_SUCH_RANK, distance_um, micrometres, within_reach
+from catch_arena.core.arbiter import NO_SUCH_RANK, measure_um, to_micrometres, within_reach
 from catch_arena.core.jit import Block, inlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.rewards import set_progress_reference
@@ -121,7 +121,7 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: Se
         me[DISTANCE_INTEGRAL + lane] = select(holds, 0.0, distance_integral)
         me[BEARING_INTEGRAL + lane] = select(holds, 0.0, bearing_integral)
         me[ACTIVE + lane] = number
-        near = within_reach(micrometres(distance), limits.reach_um)
+        near = within_reach(to_micrometres(distance), limits.reach_um)
         wanted = me[REQUESTED_SLOT + lane]
         me[REQUESTED_SLOT + lane] = select(near | (wanted < 0.0), wanted, float(NO_TARGET))
 
@@ -134,8 +134,8 @@ def request_nearest(me: Block, order: Block, targets: Block, lanes: int, s: Sett
         if me[SEEN + lane] > 0.0:
             slot = slot_at_rank(order, 0, lane)
             at = slot * s.slot_size + lane
-            um = distance_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
-            if within_reach(um, limits.reach_um):
+            distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
+            if within_reach(distance_um, limits.reach_um):
                 me[REQUESTED_SLOT + lane] = slot
 
 

@@ -56,7 +56,7 @@ _MATCH_OVER: Final = float(Verdict.MATCH_OVER)
 
 
 @rare
-def finish(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
+def write_record(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
     """An episode in figures, (H, RECORD_COLUMNS), as it stands in one lane."""
     for seat in range(s.hunters):
         me = seat_of(block, seat)
@@ -86,13 +86,13 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
             me[Y + lane] = start_poses[seat, 1]
             me[THETA + lane] = wrap(start_poses[seat, 2])
         elif s.hunters == 1:
-            me[X + lane] = s.side / 2.0
-            me[Y + lane] = s.side / 2.0
+            me[X + lane] = s.side_m / 2.0
+            me[Y + lane] = s.side_m / 2.0
         else:
             angle = wrap(turn + TAU * seat / s.hunters)
             sine, cosine = sincos(angle)
-            me[X + lane] = s.side / 2.0 + s.start_radius * cosine
-            me[Y + lane] = s.side / 2.0 + s.start_radius * sine
+            me[X + lane] = s.side_m / 2.0 + s.start_radius_m * cosine
+            me[Y + lane] = s.side_m / 2.0 + s.start_radius_m * sine
             me[THETA + lane] = wrap(angle + PI)
         me[REQUESTED_SLOT + lane] = NO_TARGET
         me[DISTANCE_UM + lane] = -1.0
@@ -107,11 +107,11 @@ def end_test(block: Block, s: Settings, width: Width) -> None:
     """R1.1, R1.5, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        time = block[TIME + lane] + s.period
+        time = block[TIME + lane] + s.period_ms
         finished = (block[SPAWNED + lane] >= s.target_budget) & (block[ALIVE + lane] == 0.0)
         block[TIME + lane] = time
         block[STEP + lane] = block[STEP + lane] + 1.0
-        block[ENDED + lane] = select(finished, TERMINATED, select(time >= s.time_limit, TRUNCATED, RUNNING))
+        block[ENDED + lane] = select(finished, TERMINATED, select(time >= s.time_limit_ms, TRUNCATED, RUNNING))
 
 
 @phase
@@ -170,6 +170,6 @@ def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sect
         for seat in range(s.hunters):
             for column in range(seen.shape[1]):
                 last_seen[seat, column] = seen[seat, column]
-        finish(block, s, lane, sections.records[first + lane])
+        write_record(block, s, lane, sections.records[first + lane])
         seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         begin(block, s, lane, sections.start_poses, next_seed(seed))

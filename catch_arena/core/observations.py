@@ -93,11 +93,11 @@ def update_heading(me: Block, width: Width) -> None:
 
 
 @phase
-def compute_ages(arena: Block, targets: Block, width: Width, slots: int, s: Settings, ages: Numbers) -> None:
+def compute_ages(block: Block, targets: Block, width: Width, slots: int, s: Settings, ages: Numbers) -> None:
     """R7.1: how long each target has been there.
 
     Args:
-        arena: the block, for its row TIME [ms].
+        block: the block, for its row TIME [ms].
         targets: the slots of the block.
         width: how many lanes a group has.
         slots: how many slots are in use in any lane.
@@ -108,22 +108,22 @@ def compute_ages(arena: Block, targets: Block, width: Width, slots: int, s: Sett
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
             appeared = targets[slot * s.slot_size + APPEARED + lane]
-            ages[slot * LANES + lane] = single((arena[TIME + lane] - appeared) / 1000.0)
+            ages[slot * LANES + lane] = single((block[TIME + lane] - appeared) / 1000.0)
 
 
 @phase
-def compute_time_left(arena: Block, s: Settings, width: Width, time_left: Block) -> None:
+def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block) -> None:
     """R7.1: until the time limit.
 
     Args:
-        arena: the block, for its row TIME [ms].
+        block: the block, for its row TIME [ms].
         s: the settings.
         width: how many lanes a group has.
         time_left: the result [s], one row, (LANES,).
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        remaining = s.time_limit - arena[TIME + lane]
+        remaining = s.time_limit_ms - block[TIME + lane]
         time_left[lane] = select(remaining > 0.0, remaining / 1000.0, 0.0)
 
 
@@ -268,8 +268,8 @@ def blur_key_at(block: Block, seat: int, kind: np.uint64, lane: int) -> np.uint6
 @phase
 def write_blurred(key: np.uint64, forward: float, left: float, s: Settings, out: Numbers, at: int) -> None:
     """R7.6: where one thing is seen that is so far ahead and to the left [m]: two columns from out[at] on."""
-    out[at] = np.float32(forward + blur(key, 0, s.view_noise))
-    out[at + 1] = np.float32(left + blur(key, 1, s.view_noise))
+    out[at] = np.float32(forward + blur(key, 0, s.view_noise_m))
+    out[at + 1] = np.float32(left + blur(key, 1, s.view_noise_m))
 
 
 @phase
@@ -373,7 +373,7 @@ def write_rivals(
         else:
             seen = rival_at(block, seat, other, lane)
             put_rows(out, at, FEATURE_STRIDE, seen)
-            if s.view_noise > 0.0:
+            if s.view_noise_m > 0.0:
                 key = draw(blur_key_at(block, seat, RIVAL_KIND, lane), np.uint64(other))
                 write_blurred(key, seen.forward, seen.left, s, out, at)
         at += RIVAL_WIDTH
@@ -468,7 +468,7 @@ def write(
                 compute_moving_target_features(me, targets, ages, first, width, slots, s, features)
             if not few_of_many:
                 compute_rival_features(block, seat, first, width, s, scratch.rival_features)
-            if s.view_noise > 0.0:
+            if s.view_noise_m > 0.0:
                 blur_targets(block, seat, targets, targets_seen, first, width, s, features)
                 if not few_of_many:
                     blur_rivals(block, seat, rivals_seen, first, width, s, scratch.rival_features)

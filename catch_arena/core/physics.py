@@ -137,7 +137,7 @@ def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, sc
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         before = ticks_until(block[TIME + lane])
-        ticks = ticks_until(block[TIME + lane] + s.period) - before
+        ticks = ticks_until(block[TIME + lane] + s.period_ms) - before
         until_stale = ticks_until(block[TIME + lane] + WATCHDOG_MS) - before
         due[lane] = ticks
         fresh[lane] = select(until_stale < ticks, until_stale, ticks)
@@ -145,10 +145,10 @@ def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, sc
         any_stale = any_stale | any_of(until_stale < ticks)
     fewest, most = fewest_and_most(fresh, lanes)
     for seat in range(s.hunters):
-        move_body(seat_of(block, seat), width, s.side, fewest, most, fresh)
+        move_body(seat_of(block, seat), width, s.side_m, fewest, most, fresh)
     if any_stale:
         drop_stale_commands(block, s, width, stale)
     if s.target_motion != STILL:
         fewest, most = fewest_and_most(due, lanes)
         for slot in range(most_alive(block, lanes)):
-            move_body(body_of(targets, slot, s), width, s.side, fewest, most, due)
+            move_body(body_of(targets, slot, s), width, s.side_m, fewest, most, due)

@@ -18,7 +18,7 @@ _ONE: Final = np.uint64(1)
 
 START: Final = np.uint64(1)
 PLACE: Final = np.uint64(2)
-TICKET: Final = np.uint64(3)
+TIE_LOT: Final = np.uint64(3)
 SERVICE_LOT: Final = np.uint64(4)
 KILL_DOWN: Final = np.uint64(5)
 KILL_REFUSED: Final = np.uint64(6)
@@ -27,7 +27,7 @@ SPAWN_REFUSED: Final = np.uint64(8)
 NEXT_EPISODE: Final = np.uint64(9)
 BATCH_ROW: Final = np.uint64(10)
 WANDERING: Final = np.uint64(11)
-THREAT: Final = np.uint64(12)
+THREAT_LOT: Final = np.uint64(12)
 VIEW_NOISE: Final = np.uint64(13)
 DROPOUT: Final = np.uint64(14)
 
@@ -65,9 +65,9 @@ def fraction(bits: np.uint64) -> float:
 
 
 @rule
-def ticket(seed: np.uint64, step: float, number: float, seat: int) -> np.uint64:
-    """R5.5: a hunter's ticket in the lot for one target; the lowest wins."""
-    return draw(draw(draw(stream(seed, TICKET), np.uint64(step)), np.uint64(number)), np.uint64(seat))
+def tie_lot(seed: np.uint64, step: float, number: float, seat: int) -> np.uint64:
+    """R5.5: a hunter's tie_lot in the lot for one target; the lowest wins."""
+    return draw(draw(draw(stream(seed, TIE_LOT), np.uint64(step)), np.uint64(number)), np.uint64(seat))
 
 
 @rule
@@ -109,7 +109,7 @@ def wander_draw(seed: np.uint64, number: float, period: float) -> float:
 @rule
 def threat_lot(seed: np.uint64, step: float, number: float, seat: int) -> np.uint64:
     """R3.10: of several hunters equally near to a target the one with the lowest is its threat."""
-    return draw(draw(draw(stream(seed, THREAT), np.uint64(step)), np.uint64(number)), np.uint64(seat))
+    return draw(draw(draw(stream(seed, THREAT_LOT), np.uint64(step)), np.uint64(number)), np.uint64(seat))
 
 
 @rule

@@ -220,7 +220,7 @@ def hide_rivals(block: Block, seat: int, width: Width, s: Settings, reach_um: fl
 
 @phase
 def rank_targets(
-    arena: Block,
+    block: Block,
     me: Block,
     targets: Block,
     width: Width,
@@ -233,7 +233,7 @@ def rank_targets(
     """R7.1, R7.5: the alive targets by distance, then by spawn number; slots are in spawning order.
 
     Args:
-        arena: the block, for its row ALIVE.
+        block: the block, for its row ALIVE.
         me: the rows of the seat that sees them; SEEN is written: how many have a rank.
         targets: the slots of the block.
         width: how many lanes a group has.
@@ -246,13 +246,13 @@ def rank_targets(
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         x, y = me[X + lane], me[Y + lane]
-        alive = truncate(arena[ALIVE + lane])
+        alive = truncate(block[ALIVE + lane])
         for slot in range(slots):
             at = slot * s.slot_size + lane
             keys[slot * LANES + lane] = select(
                 alive > slot, key_of(targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y, slot), FAR
             )
-        seen = arena[ALIVE + lane]
+        seen = block[ALIVE + lane]
         me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
     if s.partial_view:
         hide_targets(me, targets, width, slots, s, reach_um, keys)

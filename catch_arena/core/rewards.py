@@ -58,12 +58,12 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
 
 @rare
 def renew_progress_reference(
-    arena: Block, me: Block, targets: Block, lane: int, s: Settings, limits: SeatLimits, reference: Block
+    block: Block, me: Block, targets: Block, lane: int, s: Settings, limits: SeatLimits, reference: Block
 ) -> None:
     """The same in one lane where targets have just left: among those that are alive after the commit."""
     reference[2 * LANES + lane] = -1.0
     nearest = FAR
-    for slot in range(int(arena[ALIVE + lane])):
+    for slot in range(int(block[ALIVE + lane])):
         at = slot * s.slot_size + lane
         dx = targets[TARGET_X + at] - me[X + lane]
         dy = targets[TARGET_Y + at] - me[Y + lane]

@@ -43,65 +43,65 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
 
 @phase
 def add_target(
-    arena: Block, targets: Block, lane: int, s: Settings, x: float, y: float, theta: float, time_ms: float
+    block: Block, targets: Block, lane: int, s: Settings, x: float, y: float, theta: float, time_ms: float
 ) -> None:
     """R3.4, R3.8, R8.2: a target of the latest number at the end of the alive list, at rest."""
-    slot = int(arena[ALIVE + lane]) * s.slot_size + lane
-    targets[slot + NUMBER] = arena[NUMBERS + lane]
+    slot = int(block[ALIVE + lane]) * s.slot_size + lane
+    targets[slot + NUMBER] = block[NUMBERS + lane]
     targets[slot + APPEARED] = time_ms
     targets[slot + BODY + X] = x
     targets[slot + BODY + Y] = y
     targets[slot + BODY + THETA] = theta if s.target_motion == STILL else wrap(theta)
-    arena[ALIVE + lane] += 1.0
-    arena[SPAWNED + lane] += 1.0
+    block[ALIVE + lane] += 1.0
+    block[SPAWNED + lane] += 1.0
 
 
 @rare
-def remove_target(arena: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
+def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
     """R8.2: one target leaves the alive list; those behind it move up, so that the order stays."""
-    last = int(arena[ALIVE + lane]) - 1
+    last = int(block[ALIVE + lane]) - 1
     for at in range(slot * s.slot_size + lane, last * s.slot_size, LANES):
         targets[at] = targets[at + s.slot_size]
     for at in range(last * s.slot_size + lane, (last + 1) * s.slot_size, LANES):
         targets[at] = 0.0
-    arena[ALIVE + lane] = last
+    block[ALIVE + lane] = last
 
 
 @phase
-def spawn_next(arena: Block, targets: Block, lane: int, seed: np.uint64, s: Settings, time_ms: float) -> None:
+def spawn_next(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings, time_ms: float) -> None:
     """R3.3: the place of the next number, taken."""
-    arena[NUMBERS + lane] += 1.0
-    x, y, theta = spawn_pose(seed, arena[NUMBERS + lane], s.spawn_low, s.spawn_high, s.spawn_last)
-    add_target(arena, targets, lane, s, x, y, theta, time_ms)
+    block[NUMBERS + lane] += 1.0
+    x, y, theta = spawn_pose(seed, block[NUMBERS + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
+    add_target(block, targets, lane, s, x, y, theta, time_ms)
 
 
 @phase
-def fire(arena: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) -> None:
+def fire(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) -> None:
     """R3.1, R3.5, R3.6, R8.3: one firing of the spawn timer."""
-    arena[FIRINGS + lane] += 1.0
-    if arena[SPAWNED + lane] >= s.target_budget:
+    block[FIRINGS + lane] += 1.0
+    if block[SPAWNED + lane] >= s.target_budget:
         return
-    if arena[ALIVE + lane] >= s.slots:
-        arena[SKIPPED_FULL + lane] += 1.0
-    elif spawn_service_down(seed, arena[FIRINGS + lane], s.spawn_down_rate):
-        arena[SKIPPED_DOWN + lane] += 1.0
-    elif spawn_refused(seed, arena[NUMBERS + lane] + 1.0, s.spawn_refused_rate):
-        arena[NUMBERS + lane] += 1.0
-        arena[SPAWNS_REFUSED + lane] += 1.0
+    if block[ALIVE + lane] >= s.max_targets:
+        block[SKIPPED_FULL + lane] += 1.0
+    elif spawn_service_down(seed, block[FIRINGS + lane], s.spawn_down_rate):
+        block[SKIPPED_DOWN + lane] += 1.0
+    elif spawn_refused(seed, block[NUMBERS + lane] + 1.0, s.spawn_refused_rate):
+        block[NUMBERS + lane] += 1.0
+        block[SPAWNS_REFUSED + lane] += 1.0
     else:
-        spawn_next(arena, targets, lane, seed, s, arena[FIRINGS + lane] * s.spawn_period)
+        spawn_next(block, targets, lane, seed, s, block[FIRINGS + lane] * s.spawn_period_ms)
 
 
 @phase
-def spawn_through(arena: Block, targets: Block, lanes: int, s: Settings) -> None:
+def spawn_through(block: Block, targets: Block, lanes: int, s: Settings) -> None:
     """R1.4's phase 5, its spawning half: all firings in (t, t + period].
 
     Targets and hunters do not touch each other, and a target that appears stands still until the next step (R3.8), so
     that these firings may follow the step's ticks.
     """
     for lane in range(lanes):
-        while (arena[FIRINGS + lane] + 1.0) * s.spawn_period <= arena[TIME + lane] + s.period:
-            fire(arena, targets, lane, seed_of(arena[SEED_HIGH + lane], arena[SEED_LOW + lane]), s)
+        while (block[FIRINGS + lane] + 1.0) * s.spawn_period_ms <= block[TIME + lane] + s.period_ms:
+            fire(block, targets, lane, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), s)
 
 
 @entry
@@ -114,7 +114,7 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
     sections = sections_of(memory)
     s = settings_in(sections.settings)
     block, lane = sections.blocks[arena // LANES], arena % LANES
-    if block[ALIVE + lane] >= s.slots:
+    if block[ALIVE + lane] >= s.max_targets:
         return 0
     block[NUMBERS + lane] += 1.0
     add_target(block, targets_of(block, s), lane, s, x, y, theta, block[TIME + lane])

@@ -120,39 +120,39 @@ TRUNCATED: Final = 2.0
 
 
 class Settings(NamedTuple):
-    """The config in SI units and as scalars."""
+    """The config as the core reads it: scalars, each in the unit that its name ends in; flags are 0 or 1."""
 
     hunters: int
-    slots: int
+    max_targets: int
     targets_seen: int
     hunters_seen: int
     policy: int
     progress_wanted: int
     target_budget: float
-    side: float
+    side_m: float
     kp_v: float
     ki_v: float
     kp_w: float
     ki_w: float
-    period: float
+    period_ms: float
     period_s: float
-    time_limit: float
-    spawn_period: float
-    spawn_low: float
-    spawn_high: float
-    spawn_last: float
-    start_radius: float
+    time_limit_ms: float
+    spawn_period_ms: float
+    spawn_low_m: float
+    spawn_high_m: float
+    spawn_last_m: float
+    start_radius_m: float
     initial_targets: int
     slot_size: int
     target_motion: int
-    target_speed: float
-    target_turn_rate: float
-    wander_period: float
+    target_speed_mps: float
+    target_turn_rate_radps: float
+    wander_period_ms: float
     alarm_um: float
     partial_view: int
     view_radius_um: float
     view_cosine: float
-    view_noise: float
+    view_noise_m: float
     dropout_rate: float
     kill_down_rate: float
     kill_refused_rate: float
@@ -167,7 +167,7 @@ class Settings(NamedTuple):
 
 
 class SeatLimits(NamedTuple):
-    """R2.5, R2.7, R5.3: what one hunter can."""
+    """R2.5, R2.7, R5.3: what one hunter can: speeds [m/s], a turn rate [rad/s], a reach [micrometres]."""
 
     max_speed: float
     min_speed: float
@@ -195,9 +195,9 @@ def slot_rows(motion: int) -> int:
 
 
 @rule
-def block_rows(hunters: int, slots: int, rows_of_slot: int, targets_seen: int) -> int:
+def block_rows(hunters: int, max_targets: int, rows_of_slot: int, targets_seen: int) -> int:
     """How many rows a block has."""
-    return ARENA_ROWS + hunters * HUNTER_ROWS + slots * rows_of_slot + hunters * target_order_rows(targets_seen)
+    return ARENA_ROWS + hunters * HUNTER_ROWS + max_targets * rows_of_slot + hunters * target_order_rows(targets_seen)
 
 
 @inlined
@@ -210,15 +210,15 @@ def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
 def targets_of(block: Block, s: Settings) -> Block:
     """The target slots of a block: slot n begins at n * s.slot_size."""
     first = (ARENA_ROWS + s.hunters * HUNTER_ROWS) * LANES
-    return block[first : first + s.slots * s.slot_size]
+    return block[first : first + s.max_targets * s.slot_size]
 
 
 @phase
-def most_alive(arena: Block, lanes: int) -> int:
+def most_alive(block: Block, lanes: int) -> int:
     """How many targets are alive in the lane that has most; `lanes`, how many lanes are arenas."""
     most = 0.0
     for lane in range(lanes):
-        most = arena[ALIVE + lane] if arena[ALIVE + lane] > most else most
+        most = block[ALIVE + lane] if block[ALIVE + lane] > most else most
     return int(most)
 
 
@@ -240,7 +240,7 @@ def seat_of(block: Block, seat: int) -> Block:
 def target_order_of(block: Block, seat: int, s: Settings) -> Block:
     """The targets in the order in which one seat sees them: see `slot_at_rank`."""
     rows = target_order_rows(s.targets_seen)
-    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + seat * rows) * LANES + s.slots * s.slot_size
+    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + seat * rows) * LANES + s.max_targets * s.slot_size
     return block[first : first + rows * LANES]
 
 
@@ -258,5 +258,7 @@ def slot_in_word(word: int, rank: int) -> int:
 
 @rule
 def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
-    """The slot or seat at a rank, counted from 0, in a view or another order that is kept in this way."""
+    """The slot or seat at a rank, in a view or another order that is kept in this way. Ranks count from 0 here,
+    and from 1 in actions, whose 0 is hold (R4.1).
+    """
     return slot_in_word(word_of_rank(packed, rank, lane), rank)

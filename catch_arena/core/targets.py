@@ -5,7 +5,7 @@ Blocks of LANES arenas; metres, radians, seconds.
 
 from typing import Final
 
-from catch_arena.core.arbiter import distance_um
+from catch_arena.core.arbiter import measure_um
 from catch_arena.core.jit import Block, inlined, phase, rare, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.random import seed_of, threat_lot, wander_draw
@@ -61,10 +61,10 @@ def steered(east: float, north: float, sine: float, cosine: float, most: float) 
 @rare
 def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) -> None:
     """R3.9: the draw of the period that a target is in, where its last one has ended; it is kept until it ends."""
-    period = floor((block[TIME + lane] - targets[APPEARED + at]) / s.wander_period)
+    period = floor((block[TIME + lane] - targets[APPEARED + at]) / s.wander_period_ms)
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     targets[WANDER + at] = wander_draw(seed, targets[NUMBER + at], period)
-    targets[WANDER_ENDS + at] = targets[APPEARED + at] + (period + 1.0) * s.wander_period
+    targets[WANDER_ENDS + at] = targets[APPEARED + at] + (period + 1.0) * s.wander_period_ms
 
 
 @phase
@@ -88,7 +88,7 @@ def threat_by_lot(block: Block, targets: Block, lane: int, at: int, s: Settings,
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         dx, dy = targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]
-        if me[WITHDRAWN + lane] > 0.0 or distance_um(dx, dy) != threats[lane]:
+        if me[WITHDRAWN + lane] > 0.0 or measure_um(dx, dy) != threats[lane]:
             continue
         step, number = block[STEP + lane], targets[NUMBER + at]
         if chosen < 0 or threat_lot(seed, step, number, seat) < threat_lot(seed, step, number, chosen):
@@ -118,7 +118,7 @@ def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Setti
         for seat in range(s.hunters):
             me = seat_of(block, seat)
             dx, dy = x - me[X + lane], y - me[Y + lane]
-            um = select(me[WITHDRAWN + lane] > 0.0, _NOBODY, distance_um(dx, dy))
+            um = select(me[WITHDRAWN + lane] > 0.0, _NOBODY, measure_um(dx, dy))
             nearer = um < nearest
             tied = (tied | (um == nearest)) & (um >= nearest)
             east = select(nearer, dx, east)
@@ -143,8 +143,8 @@ def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, th
         x, y = targets[TARGET_X + at], targets[TARGET_Y + at]
         sine, cosine = targets[BODY + SINE + at], targets[BODY + COSINE + at]
         held = targets[BODY + AT_WALL + at] > 0.0
-        east, north = s.side / 2.0 - x, s.side / 2.0 - y
-        speed = s.target_speed
+        east, north = s.side_m / 2.0 - x, s.side_m / 2.0 - y
+        speed = s.target_speed_mps
         steers = held
         if s.target_motion == FLEEING:
             threatened = threats[lane] < s.alarm_um
@@ -152,14 +152,14 @@ def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, th
             distance = sqrt(dx * dx + dy * dy)
             apart = distance > 0.0
             away = select(apart, distance, 1.0)
-            east = select(threatened, select(apart, dx / away, cosine) + 2.0 * push(x, s.side), east)
-            north = select(threatened, select(apart, dy / away, sine) + 2.0 * push(y, s.side), north)
-            speed = select(threatened, s.target_speed, s.target_speed / 2.0)
+            east = select(threatened, select(apart, dx / away, cosine) + 2.0 * push(x, s.side_m), east)
+            north = select(threatened, select(apart, dy / away, sine) + 2.0 * push(y, s.side_m), north)
+            speed = select(threatened, s.target_speed_mps, s.target_speed_mps / 2.0)
             steers = steers | threatened
         alive = block[ALIVE + lane] > slot
-        turn_rate = targets[WANDER + at] * s.target_turn_rate
+        turn_rate = targets[WANDER + at] * s.target_turn_rate_radps
         if any_of(steers & alive):
-            turn_rate = select(steers, steered(east, north, sine, cosine, s.target_turn_rate), turn_rate)
+            turn_rate = select(steers, steered(east, north, sine, cosine, s.target_turn_rate_radps), turn_rate)
         targets[BODY + SPEED + at] = select(alive, speed, 0.0)
         targets[BODY + TURN_RATE + at] = select(alive, turn_rate, 0.0)
 

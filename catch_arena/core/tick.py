@@ -37,7 +37,7 @@ def play(
     last: int,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
-    named: RequestTable,
+    requests_by_name: RequestTable,
     sections: Sections,
     scratch: Scratch,
 ) -> None:
@@ -54,7 +54,7 @@ def play(
     apply_actions(block, s, width, lanes, controls, limits, choices[first:last], commands[first:last], scratch)
     if s.target_motion != STILL:
         command_targets(block, s, width, lanes, targets, scratch.rows)
-    resolve_requests(block, s, width, lanes, targets, limits, named, scratch)
+    resolve_requests(block, s, width, lanes, targets, limits, requests_by_name, scratch)
     move(block, s, width, lanes, targets, scratch.rows)
     spawn_through(block, targets, lanes, s)
     end_test(block, s, width)
@@ -70,13 +70,13 @@ def run(
     view_width: Width,
     memory: Bytes,
     thread: int,
-    begin_block: int,
-    end_block: int,
+    first_block: int,
+    stop_block: int,
     resets: NDArray[np.uint64],
     playing: bool,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
-    named: RequestTable,
+    requests_by_name: RequestTable,
 ) -> None:
     """Episodes begin where that is asked for, then one step of every arena (R1.4) where there is play, and then all
     observe.
@@ -86,13 +86,13 @@ def run(
         view_width: how many lanes observe at a time.
         memory: see core/memory.py.
         thread: whose scratch memory is used, from 0 up.
-        begin_block: the first block.
-        end_block: the block after the last one.
+        first_block: the first block.
+        stop_block: the block after the last one.
         resets: (n, 2), arenas and the seeds with which they begin.
         playing: whether a step is played, or the arenas only observe.
         choices: (B, H), ranks or 0; may be empty where no seat's control reads them.
         commands: (B, H, 2), fractions of the limits in [-1, 1]; may be empty in the same way.
-        named: requests by name, of a single arena: see `catching.resolve_requests`; they are judged in place.
+        requests_by_name: of a single arena: see `catching.resolve_requests`; they are judged in place.
     """
     sections = sections_of(memory)
     s = settings_in(sections.settings)
@@ -100,15 +100,15 @@ def run(
     for i in range(len(resets)):
         arena = int(resets[i, 0])
         begin(sections.blocks[arena // LANES], s, arena % LANES, sections.start_poses, resets[i, 1])
-    for index in range(begin_block, end_block):
+    for index in range(first_block, stop_block):
         block = sections.blocks[index]
         first = index * LANES
         last = min(first + LANES, len(sections.ends))
         if playing:
-            play(block, s, width, first, last, choices, commands, named, sections, scratch)
+            play(block, s, width, first, last, choices, commands, requests_by_name, sections, scratch)
         renewing = playing and len(sections.records) > 0 and some_ended(block, last - first)
-        for last_view in range(1 if renewing else 0, -1, -1):  # one call of `observe` is compiled once
+        for views_left in range(1 if renewing else 0, -1, -1):  # one call of `observe` is compiled once
             observe(block, s, view_width, first, last, sections, scratch)
-            if last_view > 0:
+            if views_left > 0:
                 begin_again(block, s, first, last, sections)
         write_evidence(block, s, last - first, sections.evidence[first:last])

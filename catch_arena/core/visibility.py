@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.core.arbiter import distance_um, within_reach
+from catch_arena.core.arbiter import measure_um, within_reach
 from catch_arena.core.jit import rule
 from catch_arena.core.random import VIEW_NOISE, draw, fraction, stream
 from catch_arena.core.state import Settings
@@ -27,9 +27,9 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s
         reach_um: its own reach [micrometres].
         s: the settings.
     """
-    um = distance_um(dx, dy)
+    distance_um = measure_um(dx, dy)
     in_front = cosine * dx + sine * dy >= sqrt(dx * dx + dy * dy) * s.view_cosine
-    return ((um < s.view_radius_um) & in_front) | within_reach(um, reach_um)
+    return ((distance_um < s.view_radius_um) & in_front) | within_reach(distance_um, reach_um)
 
 
 @rule

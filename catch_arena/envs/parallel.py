@@ -86,7 +86,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 f"{suggest(render_mode, RENDER_MODES)}"
             )
         if render_mode is not None:
-            import catch_arena.render.libraries  # noqa: F401 - where they are missing, it is said now
+            import catch_arena.render.optional_imports  # noqa: F401 - where they are missing, it is said now
         self.config = config
         self.render_mode = render_mode
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1000 / config.control_period_ms))}

@@ -312,7 +312,7 @@ class VectorArena:
         Raises:
             ConfigError: for an argument that cannot be.
         """
-        self._engine.restore(self._memory_of(saved, self.num_envs, self._engine.memory.shape))
+        self._engine.restore(self._memory_of(saved, self.num_envs, self._engine.blocks.shape))
         self._begun = True
         self._ended[:] = False
         return self._handed_out((self._engine.observations, dict(self._infos)))

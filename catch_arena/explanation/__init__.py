@@ -2,7 +2,7 @@
 
 from catch_arena.explanation.match_summary import Claim, Contest, Explanation, HunterSummary, Refusals, explain
 from catch_arena.explanation.sight import Unseen
-from catch_arena.explanation.steps import HunterAction, StepExplanation, explain_step
+from catch_arena.explanation.step_explanation import HunterAction, StepExplanation, explain_step
 
 __all__ = [
     "Claim",

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final, Literal, NamedTuple, get_args
 
-from catch_arena.explanation.lengths import metres, short_length
+from catch_arena.explanation.formatting import metres, short_length
 from catch_arena.explanation.match_summary import Contest, contests_of
 from catch_arena.explanation.seats import labels
 from catch_arena.replay import Replay
@@ -182,7 +182,7 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
             what = f"{first} beats {second} by lot"
-            why = f"Both were {distances}: the lowest ticket wins (R5.5)"
+            why = f"Both were {distances}: the lowest lot wins (R5.5)"
         else:
             what = f"{first} beats {second} by {short_length(margin_um)}"
             why = f"It was {distances}, the other {metres(loser.distance_um)}: the smaller distance decides (R5.4)"

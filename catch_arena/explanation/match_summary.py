@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 
 from catch_arena.core.jit import entry
-from catch_arena.core.random import service_lot, ticket
-from catch_arena.explanation.seats import how_it_left, labels, seat_of
+from catch_arena.core.random import service_lot, tie_lot
+from catch_arena.explanation.seats import find_seat, how_it_left, labels
 from catch_arena.explanation.sight import Sight
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Ruling, Verdict
@@ -139,7 +139,7 @@ def explain(
         ReplayError: where the match does not play as recorded.
         ConfigError: for an unknown hunter.
     """
-    chosen = range(replay.config.hunters) if hunter is None else (seat_of(replay, hunter),)
+    chosen = range(replay.config.hunters) if hunter is None else (find_seat(replay, hunter),)
     names = labels(replay.names)
     contests: list[Contest] = []
     refusals: list[Refusals] = []
@@ -202,7 +202,7 @@ def _contest(replay: Replay, world: World, target: str, asked: Sequence[Ruling])
     elif len(tied) > 1:
         clause = "R5.5"
         number = int(target.removeprefix(replay.config.name_prefix))
-        lots = {seat: int(_ticket(seed, step, number, seat)) for seat in tied}
+        lots = {seat: int(_tie_lot(seed, step, number, seat)) for seat in tied}
     else:
         clause = "R5.4"
     claims = tuple(
@@ -212,9 +212,9 @@ def _contest(replay: Replay, world: World, target: str, asked: Sequence[Ruling])
 
 
 @entry
-def _ticket(seed: np.uint64, step: int, number: int, seat: int) -> np.uint64:
+def _tie_lot(seed: np.uint64, step: int, number: int, seat: int) -> np.uint64:
     """R5.5: the core's own rule, with a door to Python."""
-    return ticket(seed, step, number, seat)
+    return tie_lot(seed, step, number, seat)
 
 
 @entry

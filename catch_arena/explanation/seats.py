@@ -16,7 +16,7 @@ def how_it_left(replay: Replay, seat: int) -> str:
     return "withdrawn" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out"
 
 
-def seat_of(replay: Replay, hunter: int | str) -> int:
+def find_seat(replay: Replay, hunter: int | str) -> int:
     """The seat that is meant by a seat's number, by `hunter_{seat}` or by an agent's name.
 
     Raises:

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from catch_arena.explanation.lengths import exact_length, metres
+from catch_arena.explanation.formatting import exact_length, metres
 from catch_arena.explanation.match_summary import Claim, Contest, Explanation, HunterSummary, Refusals
 from catch_arena.explanation.sight import Unseen
-from catch_arena.explanation.steps import HunterAction, StepExplanation
+from catch_arena.explanation.step_explanation import HunterAction, StepExplanation
 from catch_arena.verdicts import REASONS, Verdict
 
 _EMPTY_RANK: Final = "a rank that no target in its view has"
@@ -71,7 +71,7 @@ def _decision(contest: Contest, names: Sequence[str]) -> str:
         return "The smaller distance decides (R5.4)"
     lots = _listed(f"{names[claim.seat]} {claim.lot:016x}" for claim in contest.claims if claim.lot is not None)
     if contest.clause == "R5.5":
-        return f"An exact tie is drawn by lot, and the lowest ticket wins (R5.5): {lots}"
+        return f"An exact tie is drawn by lot, and the lowest lot wins (R5.5): {lots}"
     return f"The step's lots decide, and the lowest is served first (R5.9): {lots}"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core.arbiter import distance_um
+from catch_arena.core.arbiter import measure_um
 from catch_arena.core.math import sincos
 from catch_arena.core.ranking import key_of
 from catch_arena.core.visibility import is_seen
@@ -68,7 +68,7 @@ class Sight:
         for target, seen in zip(world.targets, self.of(world, seat), strict=True):
             if seen:
                 continue
-            um = int(distance_um(target.x - me.x, target.y - me.y))
+            um = int(measure_um(target.x - me.x, target.y - me.y))
             off = math.remainder(math.atan2(target.y - me.y, target.x - me.x) - me.theta, 2.0 * math.pi)
             too_far = config.view_radius_um is not None and um >= config.view_radius_um
             # one that is near enough can only be outside the cone

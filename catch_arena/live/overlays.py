@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.render import hud
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Box, Color, Label, Polygon, Shape
 from catch_arena.render.text import text_width
-from catch_arena.render.viewport import MatchInfo, Viewport
+from catch_arena.render.viewport import Viewport
 
 _KEY: Final[Color] = (58, 67, 118)
 

@@ -12,7 +12,7 @@ from catch_arena.live.match_window import MatchWindow, QuitRequested, RestartReq
 from catch_arena.live.patient_players import PatientPlayers
 from catch_arena.live.user_input import InputState
 from catch_arena.policy import View
-from catch_arena.render.viewport import MatchInfo
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.text import printable_lines
 from catch_arena.tournament.entrants import Entrant

@@ -3,7 +3,7 @@
 from enum import Enum, auto
 from typing import Any, Final
 
-from catch_arena.render.libraries import pygame
+from catch_arena.render.optional_imports import pygame
 
 _AHEAD: Final = {pygame.K_UP, pygame.K_w, pygame.K_KP8}
 _BACK: Final = {pygame.K_DOWN, pygame.K_s, pygame.K_KP2, pygame.K_KP5}

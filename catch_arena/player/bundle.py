@@ -19,8 +19,8 @@ from catch_arena.config import ArenaConfig
 from catch_arena.explanation.match_summary import Contest, contests_of
 from catch_arena.explanation.seats import labels
 from catch_arena.explanation.sentences import contest_sentence
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Color
-from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.world import World
 

@@ -9,9 +9,10 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
-from catch_arena.explanation.lengths import short_length
+from catch_arena.explanation.formatting import short_length
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Color, Label, Ring, Shape, Stroke, mix
-from catch_arena.render.viewport import GROUND, MatchInfo, Pose, Viewport
+from catch_arena.render.viewport import GROUND, Pose, Viewport
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 

@@ -7,6 +7,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.encoders import Progress
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.mosaic import fit_grid
 from catch_arena.render.raster import Canvas
 from catch_arena.render.renderer import MatchRenderer, checked_size, png
@@ -15,7 +16,6 @@ from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.text import printable, text_width
 from catch_arena.render.timing import Snapshots
 from catch_arena.render.video import duration_ms, rendered_frames
-from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 
 SIZE: Final = (1600, 1320)

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.files import regular_file, room, unwritable
-from catch_arena.render.libraries import cv2
-from catch_arena.render.palette import ColorHistogram
+from catch_arena.render.gif_palette import ColorHistogram
+from catch_arena.render.optional_imports import cv2
 
 Pixels = NDArray[np.uint8]
 Progress = Callable[[int, int], None]

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from catch_arena.explanation.lengths import short_length
+from catch_arena.explanation.formatting import short_length
 from catch_arena.render.annotations import Annotation
 from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, chip, chip_width, clock, font_size
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width
-from catch_arena.render.viewport import MatchInfo
 
 MOST_ITEMS: Final = 8
 """Items; a card shows as many of them as it has room for."""

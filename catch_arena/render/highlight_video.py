@@ -12,7 +12,8 @@ from catch_arena.errors import ConfigError
 from catch_arena.explanation.highlights import Highlight, Kind
 from catch_arena.render import hud
 from catch_arena.render.encoders import Pixels, Progress, format_of
-from catch_arena.render.libraries import cv2
+from catch_arena.render.match_info import MatchInfo
+from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Box, Color, Label, Shape
@@ -20,7 +21,6 @@ from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.text import text_width
 from catch_arena.render.timing import Clip, ClipSequence
 from catch_arena.render.video import RenderReport, duration_ms, frame_rate, frame_size, rendered_frames, write_video
-from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 
 SLOW: Final = Fraction(1, 4)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, Literal, NamedTuple
 
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, mix
 from catch_arena.render.text import printable, text_width
-from catch_arena.render.viewport import MatchInfo
 
 Layout = Literal["broadcast", "arena"]
 """With a panel of standings and a timeline beside the arena, or with one line over it."""

@@ -10,7 +10,8 @@ from typing import Final, NamedTuple
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.render import hud
 from catch_arena.render.encoders import Pixels, Progress, format_of
-from catch_arena.render.libraries import cv2
+from catch_arena.render.match_info import MatchInfo
+from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Label, Shape
@@ -25,7 +26,6 @@ from catch_arena.render.video import (
     rendered_frames,
     write_video,
 )
-from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 
 MOST: Final = 64

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from catch_arena.render import scene, shapes
 from catch_arena.render.hud import Rect
-from catch_arena.render.libraries import cv2, pygame
+from catch_arena.render.optional_imports import cv2, pygame
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.viewport import OUTSIDE, Pose, Viewport
 

@@ -11,13 +11,14 @@ from catch_arena.errors import ConfigError, suggest
 from catch_arena.render import hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.event_feed import EventFeed, feed_shapes
-from catch_arena.render.libraries import cv2
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.motion import TICK_MS, Poses, StepMotion, poses_of, step_motion
+from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
-from catch_arena.render.viewport import MatchInfo, Viewport
+from catch_arena.render.viewport import Viewport
 from catch_arena.world import World
 
 SMALLEST: Final = 320

@@ -9,9 +9,10 @@ from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.render.annotations import Annotation, annotation_shapes
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.motion import Poses
 from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
-from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, MatchInfo, Pose, Viewport
+from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, Pose, Viewport
 from catch_arena.world import HunterState, TargetState
 
 WALL: Final[Color] = (112, 127, 255)

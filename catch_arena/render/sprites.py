@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.render import text
-from catch_arena.render.libraries import cv2, pygame
+from catch_arena.render.optional_imports import cv2, pygame
 from catch_arena.render.shapes import INK, TURTLE_PARTS, Label, Points, Ring, Turtle, ellipse, mix
 
 PHASES: Final = 2

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from catch_arena.render.hud import BRIGHT, CARD, DIM, ROW, TRACK, HunterScore, Rect, font_size, legible, ranked
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape, Turtle, mix
-from catch_arena.render.viewport import MatchInfo
 
 CLIMB_MS: Final = 400.0
 """How long a line takes to its new position, and a bar to its new length."""

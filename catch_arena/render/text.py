@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.render.libraries import cv2, pygame
+from catch_arena.render.optional_imports import cv2, pygame
 
 Coverage = NDArray[np.uint8]
 """(height, width), 0 to 255."""

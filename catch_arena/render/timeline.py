@@ -10,9 +10,9 @@ from itertools import pairwise
 from typing import Final, NamedTuple
 
 from catch_arena.render.hud import CARD, DIM, TRACK, Rect, font_size, legible
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Path, Shape, Stroke, mix
 from catch_arena.render.text import text_width, truncated
-from catch_arena.render.viewport import MatchInfo
 
 COLUMNS: Final = 220
 """However long the match, the timeline is kept and drawn in so many parts."""

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.errors import ConfigError
-from catch_arena.explanation.seats import seat_of
+from catch_arena.explanation.seats import find_seat
 from catch_arena.render import hud
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.motion import frame_spans
 from catch_arena.render.renderer import MatchRenderer, checked_size
 from catch_arena.render.timing import Clip, FrameTiming
-from catch_arena.render.viewport import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.world import World
 
@@ -146,7 +146,7 @@ def checked_view(replay: Replay, hunter: int | str) -> int:
     Raises:
         ConfigError: for an unknown hunter, or where hunters see everything.
     """
-    seat = seat_of(replay, hunter)
+    seat = find_seat(replay, hunter)
     if not replay.config.partial_view:
         raise ConfigError(
             f"view_of needs a match whose hunters do not see everything (view_radius_m, view_angle_deg), got {hunter!r}"

@@ -1,13 +1,10 @@
-"""How a match is shown: who has which name and colour, and where in a picture the arena's square lies."""
+"""Where in a picture the arena's square lies, how large things are in it, and the colours of all but the hunters."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
-from catch_arena.config import ArenaConfig
-from catch_arena.errors import ConfigError
-from catch_arena.render.shapes import INK, WHITE, Color, mix
+from catch_arena.render.shapes import Color
 
 Pose = tuple[float, float, float]
 """x [m], y [m], theta [rad]."""
@@ -21,52 +18,10 @@ TARGET: Final[Color] = (240, 234, 255)
 TARGET_TRAIL: Final[Color] = (180, 165, 120)
 """Sand: what a moving target leaves."""
 
-HUNTER_COLORS: Final[tuple[Color, ...]] = (
-    (241, 160, 28),
-    (59, 253, 189),
-    (255, 80, 160),
-    (215, 255, 101),
-    (214, 25, 30),
-    (114, 190, 255),
-    (31, 130, 74),
-    (119, 29, 127),
-)
-"""Eight that stay apart, from each other, the ground and what targets leave, for the colour-blind too; a test measures
-it.
-"""
-
 HUNTER_LENGTH_M: Final = 0.66
 TARGET_LENGTH_M: Final = 0.44
 MARGIN: Final = 0.03
 """Room outside the walls, as a part of the side: a turtle at a wall is seen whole."""
-
-
-@dataclass(frozen=True, slots=True)
-class MatchInfo:
-    """What does not change during a match: its arena, and how each seat is called and coloured."""
-
-    config: ArenaConfig
-    names: tuple[str, ...]
-    """By seat."""
-    title: str = ""
-    duration_ms: int = 0
-    """Of the match: the length of the timeline."""
-
-    @classmethod
-    def of(
-        cls, config: ArenaConfig, names: Sequence[str] | None = None, title: str = "", duration_ms: int | None = None
-    ) -> "MatchInfo":
-        """Those of one match; agents without names are called as PettingZoo calls them."""
-        seat_names = config.hunter_names if names is None else tuple(names)
-        if len(seat_names) != config.hunters:
-            raise ConfigError(f"names must be one for each of {config.hunters} hunters, got {len(seat_names)}")
-        return cls(config, seat_names, title, config.time_limit_ms if duration_ms is None else duration_ms)
-
-    def color(self, seat: int) -> Color:
-        """A seat's colour: eight, then the same eight lighter, then darker, and again."""
-        color = HUNTER_COLORS[seat % len(HUNTER_COLORS)]
-        shade = seat // len(HUNTER_COLORS) % 3
-        return (color, mix(color, WHITE, 0.42), mix(color, INK, 0.3))[shade]
 
 
 @dataclass(frozen=True)

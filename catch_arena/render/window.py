@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from catch_arena.errors import OutputError
 from catch_arena.render.hud import PANEL
-from catch_arena.render.libraries import pygame
+from catch_arena.render.optional_imports import pygame
 
 _FPS: Final = 60
 _POLL_S: Final = 0.02

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, ReplayError
-from catch_arena.replay.columns import Reader, pack_columns
+from catch_arena.replay.codec import Reader, pack_columns
 from catch_arena.replay.quantisation import QuantisedState, driven_seats, pack_states, state_length, unpack_states
 from catch_arena.seeding import checked_seed
 

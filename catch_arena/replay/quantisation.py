@@ -16,7 +16,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.jit import entry
 from catch_arena.core.math import sincos
 from catch_arena.errors import ReplayError
-from catch_arena.replay.columns import Reader, pack_columns
+from catch_arena.replay.codec import Reader, pack_columns
 
 QuantisedState = NDArray[np.int64]
 """One state: the numbers of `Engine.state()`, those that have a unit other than ms in whole millionths of it."""

@@ -15,9 +15,9 @@ from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
-from catch_arena.replay.differences import on_one_line, state_differences, state_name
 from catch_arena.replay.fileformat import LARGEST_FILE, ReplayContent, decode_replay, encode_replay
 from catch_arena.replay.quantisation import QuantisedState, quantise
+from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
 from catch_arena.world import World
 
 

@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from catch_arena.replay.differences import first_lines, on_one_line, state_differences, state_name
 from catch_arena.replay.quantisation import QuantisedState, quantise
 from catch_arena.replay.recording import Replay
+from catch_arena.replay.state_differences import first_lines, on_one_line, state_differences, state_name
 
 
 def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -> list[str]:

@@ -31,9 +31,9 @@ from catch_arena.world import World
 TICK_MS: Final = 16
 """The arena's control period on a bus: turtlesim's own tick (R1.2), 62.5 a second."""
 _SECOND: Final = 1000 // TICK_MS
-"""In ticks: what listeners may have missed is told again, and who has gone is looked for."""
-_MOVING: Final = 6
-"""Ticks after which targets that move are told anew."""
+"""In ticks: what listeners may have missed is told again."""
+_OFTEN: Final = 6
+"""In ticks: targets that move are told anew, and who has gone is looked for."""
 _MOST_WAITING: Final = 1000
 """Catch requests that are kept for the match's first step."""
 _NOT_JUDGED: Final = CatchTurtleResponse(success=False)
@@ -111,7 +111,7 @@ class ArenaNode:
         self._service.reset(seed)
         if self._agents is not None:
             self._agents.begin(self._service.seed)
-        self._scores = ()
+        self._scores = (0,) * len(self._names)
 
     @property
     def over(self) -> bool:
@@ -168,9 +168,10 @@ class ArenaNode:
             seconds, rest = divmod(world.time_ms, 1000)
             self._clock(Clock(Time(seconds, rest * 1_000_000)))
         now = self._ticks % _SECOND
-        if now == 0 or (self._service.config.targets_move and self._ticks % _MOVING == 0):
+        often = self._ticks % _OFTEN == 0
+        if now == 0 or (often and self._service.config.targets_move):
             self._alive(world.alive_turtles)
-        if now == 0:
+        if often:
             for seat in self.seats:
                 seat.look_for(self._publishers(seat))
         scores = tuple(hunter.score for hunter in world.hunters)

@@ -7,6 +7,7 @@ its response begin with the client's id and a number; nodes with Fast DDS put bo
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from itertools import count
@@ -27,7 +28,7 @@ from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
 from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
-from catch_arena.ros.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
+from catch_arena.ros.dds_peers import FAST_DDS, PeerWatch, dds_name, is_fast_dds
 from catch_arena.ros.interfaces import PRIMITIVES, MessageType, ServiceType
 
 _LOCALHOST: Final = """<CycloneDDS><Domain>
@@ -68,7 +69,8 @@ class DdsBus:
     def __init__(self, domain: int, *, localhost: bool, say: Say) -> None:
         try:
             if localhost and domain not in _domains:
-                _domains[domain] = Domain(domain, _LOCALHOST)
+                with suppress(DDSException):  # this process is in it already
+                    _domains[domain] = Domain(domain, _LOCALHOST)
             user = Policy.Userdata(b"enclave=/;")  # what ROS looks for in a participant that is one of its own
             self._participant = DomainParticipant(domain, qos=Qos(user))
         except DDSException as error:
@@ -163,7 +165,7 @@ class DdsBus:
         return ".".join(f"{byte:x}" for byte in head + next(self._ids).to_bytes(4, "big"))
 
     def _writer(self, topic: str, kind: MessageType, *policies: Any, header: bool = False) -> DataWriter[Any]:
-        self._watch.expect(topic, dds_name(kind))
+        self._watch.expect(topic, kind)
         qos = _qos(DEPTH if not header else _SERVICE_DEPTH, Policy.WriterDataLifecycle(autodispose=False), *policies)
         return DataWriter(self._participant, self._topic(topic, kind, header=header), qos=qos)
 
@@ -176,7 +178,7 @@ class DdsBus:
         *policies: Any,
         header: bool = False,
     ) -> "_Reader":
-        self._watch.expect(topic, dds_name(kind))
+        self._watch.expect(topic, kind)
         reader: DataReader[Any] = DataReader(
             self._participant, self._topic(topic, kind, header=header), qos=_qos(depth, *policies)
         )
@@ -290,12 +292,6 @@ class _DdsClient:
         del peer
         if sample.client == self._own and (call := self._calls.pop(sample.number, None)) is not None:
             call.response = from_sample(self._kind.response, sample)
-
-
-def dds_name(kind: MessageType) -> str:
-    """What DDS calls a type: turtlesim::msg::dds_::Pose_."""
-    package, folder, name = kind.name.split("/")
-    return f"{package}::{folder}::dds_::{name}_"
 
 
 def ros_name(topic: str) -> str:

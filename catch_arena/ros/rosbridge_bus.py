@@ -6,6 +6,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import suppress
 from itertools import count
 from typing import Any, Final
@@ -53,15 +54,17 @@ class RosbridgeBus:
         self._unreadable: set[str] = set()
         self._ids = count(1)
         self._closing = False
+        self._connection: ClientConnection | None = None
+        first: Future[None] = Future()
+        self._thread = threading.Thread(target=self._receive, args=(first,), name="rosbridge", daemon=True)
+        self._thread.start()
         try:
-            self._connection: ClientConnection | None = self._connect()
+            first.result()
         except (OSError, ValueError, WebSocketException) as error:
             raise BusError(
                 f"no rosbridge server answers at {url} ({one_line(str(error))}): start one where ROS is, "
                 "with ros2 launch rosbridge_server rosbridge_websocket_launch.xml"
             ) from None
-        self._thread = threading.Thread(target=self._receive, name="rosbridge", daemon=True)
-        self._thread.start()
 
     @property
     def backend(self) -> Backend:
@@ -145,9 +148,6 @@ class RosbridgeBus:
                 connection.close()
         self._thread.join(_CLOSE_S)
 
-    def _connect(self) -> ClientConnection:
-        return connect(self._url, open_timeout=_OPEN_S, close_timeout=_CLOSE_S, max_size=_LONGEST, compression=None)
-
     def _handle(self, key: tuple[str, str], depth: int, handle: Callable[[dict[str, Any]], None]) -> None:
         with self._come:
             self._inboxes[key] = deque(maxlen=depth)
@@ -164,26 +164,31 @@ class RosbridgeBus:
             with suppress(OSError, WebSocketException):
                 connection.send(json.dumps(frame))
 
-    def _receive(self) -> None:
+    def _receive(self, first: "Future[None]") -> None:
         """The thread: frames into their inboxes, of which a full one loses its oldest."""
         while not self._closing:
-            connection = self._connection
-            if connection is None:
-                time.sleep(_AGAIN_S)
-                with suppress(OSError, WebSocketException):
-                    self._connection = connection = self._connect()
+            try:
+                with connect(
+                    self._url, open_timeout=_OPEN_S, close_timeout=_CLOSE_S, max_size=_LONGEST, compression=None
+                ) as connection:
                     for frame in self._announced:
                         connection.send(json.dumps(frame))
-                    self._note("rosbridge: the server is back")
-                continue
-            try:
-                for text in connection:
-                    self._sort_in(text)
-            except (OSError, WebSocketException):
-                pass
+                    self._connection = connection
+                    if first.done():
+                        self._note("rosbridge: the server is back")
+                    else:
+                        first.set_result(None)
+                    for text in connection:
+                        self._sort_in(text)
+            except (OSError, ValueError, WebSocketException) as error:
+                if not first.done():
+                    first.set_exception(error)
+                    return
+            if self._connection is not None and not self._closing:
+                self._note("warning: rosbridge: the connection is lost; it is tried again every second")
             self._connection = None
             if not self._closing:
-                self._note("warning: rosbridge: the connection is lost; it is tried again every second")
+                time.sleep(_AGAIN_S)
 
     def _sort_in(self, text: str | bytes) -> None:
         try:

@@ -9,7 +9,7 @@ What is in which folder:
 And in which file, from one match up:
 - entrants: who plays. players, match: one match, and its result.
 - store: what was planned and played. agent_logs, export, standings_files: what is written beside it.
-- agent_check, grading: one agent. comparison: two. audit, permutations: whether the arena is fair.
+- agent_check, grading: one agent. comparison: two. audit, invariance: whether the arena is fair.
 
 Nothing here draws, prints or reads options: the command line does (cli/).
 """

@@ -13,17 +13,17 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.invariance import Step, lots, names_matter, order_matters, with_labels
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 from catch_arena.tournament.match import Match
-from catch_arena.tournament.permutations import Step, lots, names_matter, order_matters, with_labels
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret
-from catch_arena.tournament.statistics.distributions import chi_squared_tail
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import holm, p_values
+from catch_arena.tournament.statistics.tail_probabilities import chi_squared_tail
 
 LEVEL: Final = 0.01
 """A fair arena fails an audit so often: all its tests together, corrected for their number (Holm 1979)."""

@@ -96,7 +96,7 @@ def _time_from(saved: NDArray[np.float64], engine: catch_arena.Engine, step: Cal
     """
     spent = []
     for _ in range(1 + max(1, _LARGE // engine.num_arenas)):
-        engine.memory[:] = saved
+        engine.blocks[:] = saved
         spent.append(_time(step))
     return statistics.mean(spent[1:])
 
@@ -141,7 +141,7 @@ def _at_play(envs: int) -> tuple[catch_arena.Engine, Callable[[], None]]:
 
 def _measured(envs: int, variants: Mapping[str, Any], rounds: int) -> dict[str, Any]:
     engine, step = _at_play(envs)
-    saved = engine.memory.copy()
+    saved = engine.blocks.copy()
     output = np.empty(sum(array.nbytes for array in (engine.observations, engine.masks, engine.rewards)), np.uint8)
     state = saved.copy()
     spent: dict[str, list[float]] = {name: [] for name in (*variants, "fill", "touch")}

@@ -13,7 +13,7 @@ from report.synthetic import tournament
 import catch_arena
 from catch_arena.explanation import explain
 from catch_arena.player import bundle_text, player_html
-from catch_arena.render import viewport
+from catch_arena.render import match_info, viewport
 from catch_arena.report import REPORT, watch, write_report
 from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
@@ -147,7 +147,7 @@ def test_the_arena_has_the_colours_of_the_videos(player):
     pixels = picture(player, "canvas.arena")
     assert share_of(pixels, viewport.GROUND) > 0.5
     for seat in range(8):
-        shell = np.array(viewport.HUNTER_COLORS[seat]) * 0.96 + 5  # render.sprites has the parts
+        shell = np.array(match_info.HUNTER_COLORS[seat]) * 0.96 + 5  # render.sprites has the parts
         assert share_of(pixels, shell) * pixels.shape[0] * pixels.shape[1] > 30, seat
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.render import hud, viewport
+from catch_arena.render import hud, match_info, viewport
 from catch_arena.render.encoders import FORMATS, video_file
 from catch_arena.render.video import render_replay
 from catch_arena.replay import Replay
@@ -91,7 +91,7 @@ def test_a_match_moves_as_a_picture(page, serve, tmp_path, match, ending):
 def test_colours_are_right_within_three_levels(page, serve, tmp_path, ending):
     """A patch of every colour that matters, written by the encoder and read from the browser's screen."""
     colors = [
-        *viewport.HUNTER_COLORS,
+        *match_info.HUNTER_COLORS,
         viewport.GROUND,
         viewport.TARGET,
         hud.PANEL,

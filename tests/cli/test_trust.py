@@ -11,7 +11,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.render.libraries import pygame
+from catch_arena.render.optional_imports import pygame
 
 MARK = "CATCH_ARENA_TEST_MARK"
 AGENT = f"""

@@ -7,8 +7,8 @@ from oracle.arena import judge
 from rulebook.adjudicators import ADJUDICATORS
 
 from catch_arena.arbitration import arbitrate
+from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import ArbiterCase
-from catch_arena.conformance.files import load_cases
 from catch_arena.testing import run_conformance
 
 

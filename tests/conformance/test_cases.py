@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 from conformance.shapes import reach_of, shape
-from oracle.arithmetic import LOT, TICKET, draw, key
+from oracle.arithmetic import SERVICE_LOT, TIE_LOT, draw, key
 
+from catch_arena.conformance.case_files import load_cases, read_cases
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
-from catch_arena.conformance.files import load_cases, read_cases
 from catch_arena.errors import ConfigError
 from catch_arena.verdicts import Verdict
 
@@ -94,15 +94,15 @@ def would_apply(case: ArbiterCase, place: int) -> set[Verdict]:
 
 
 def test_the_lots_are_drawn_as_the_appendix_says():
-    """A.5: the lowest ticket of the target under `nearest`, the lowest lot of the step under `first_come`."""
+    """A.5: the lowest lot for the target under `nearest`, the lowest lot of the step under `first_come`."""
     lots = 0
     for case in ARBITER_CASES:
         seed, step = case.circumstances["seed"], case.circumstances["step"]
         for lot in case.lots:
             number = list(case.targets).index(str(lot.target)) + 1
-            words = draw(draw(key(seed, TICKET), step), number)
+            words = draw(draw(key(seed, TIE_LOT), step), number)
             if case.circumstances["policy"] == "first_come":
-                words = draw(key(seed, LOT), step)
+                words = draw(key(seed, SERVICE_LOT), step)
             assert lot.drawn == min(lot.seats, key=lambda seat, words=words: draw(words, seat)), case.id
             lots += 1
     assert lots > 20

@@ -5,8 +5,8 @@ from fnmatch import fnmatchcase
 import pytest
 from conformance.wrong_arbiters import WRONG, PlainArbiter
 
+from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import ArbiterCase
-from catch_arena.conformance.files import load_cases
 from catch_arena.testing import run_conformance
 
 

@@ -7,8 +7,9 @@ import pytest
 from catch_arena.config import ArenaConfig
 from catch_arena.live import overlays
 from catch_arena.render.hud import HunterScore
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label
-from catch_arena.render.viewport import MatchInfo, Viewport
+from catch_arena.render.viewport import Viewport
 
 AREAS = [(320, 240), (720, 720), (2160, 2160)]
 INFO = MatchInfo.of(ArenaConfig(), ("you", "nearest", "patrol", "a name that is longer than any card is wide " * 3))

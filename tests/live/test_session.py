@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 from catch_arena import explain
 from catch_arena.cli import main
 from catch_arena.live import match_window
-from catch_arena.render.libraries import pygame
+from catch_arena.render.optional_imports import pygame
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 from catch_arena.scenarios import SCENARIOS

@@ -3,7 +3,7 @@
 import pytest
 
 from catch_arena.live.user_input import InputState, UserCommand, user_command
-from catch_arena.render.libraries import pygame
+from catch_arena.render.optional_imports import pygame
 
 
 def key(code: int, *, down: bool = True, mod: int = 0, typed: str = ""):

@@ -17,15 +17,15 @@ from oracle.arithmetic import (
     ERROR,
     KILL_DOWN,
     KILL_REFUSED,
-    LOT,
     PI,
     PLACE,
+    SERVICE_LOT,
     SPAWN_DOWN,
     SPAWN_REFUSED,
     START_TURN,
     TAU,
-    THREAT,
-    TICKET,
+    THREAT_LOT,
+    TIE_LOT,
     WANDER,
     atan2,
     clamp,
@@ -143,12 +143,12 @@ def contest_winner(eligible: Sequence[Request], number: int, policy: str, seed: 
     """R5.4, R5.5, R5.9: the seat that wins one target."""
     seats = [request.seat for request in eligible]
     if policy == "first_come":
-        lots = draw(key(seed, LOT), step)
+        lots = draw(key(seed, SERVICE_LOT), step)
         return min(seats, key=lambda seat: (draw(lots, seat), seat))
     nearest = min(request.distance_um for request in eligible if request.distance_um is not None)
     tied = [request.seat for request in eligible if request.distance_um == nearest]
-    tickets = draw(draw(key(seed, TICKET), step), number)
-    return min(tied, key=lambda seat: (draw(tickets, seat), seat))
+    lots = draw(draw(key(seed, TIE_LOT), step), number)
+    return min(tied, key=lambda seat: (draw(lots, seat), seat))
 
 
 def decide_contests(requests: Sequence[Request], refused: Iterable[int], policy: str, seed: int, step: int) -> None:
@@ -463,7 +463,7 @@ class OracleArena:
 
     def _threat(self, target: Target) -> Hunter | None:
         """R3.10: the hunter that the target flees from, if there is one."""
-        lots = draw(draw(key(self.seed, THREAT), self.steps), target.number)
+        lots = draw(draw(key(self.seed, THREAT_LOT), self.steps), target.number)
         found = [
             (micrometres(distance(target.x, target.y, hunter.x, hunter.y)), draw(lots, hunter.seat), hunter.seat)
             for hunter in self.hunters

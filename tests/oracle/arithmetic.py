@@ -127,8 +127,8 @@ GOLDEN: Final = 0x9E3779B97F4A7C15
 
 START_TURN: Final = 1
 PLACE: Final = 2
-TICKET: Final = 3
-LOT: Final = 4
+TIE_LOT: Final = 3
+SERVICE_LOT: Final = 4
 KILL_DOWN: Final = 5
 KILL_REFUSED: Final = 6
 SPAWN_DOWN: Final = 7
@@ -136,7 +136,7 @@ SPAWN_REFUSED: Final = 8
 NEXT_SEED: Final = 9
 ROW_SEED: Final = 10
 WANDER: Final = 11
-THREAT: Final = 12
+THREAT_LOT: Final = 12
 ERROR: Final = 13
 DROPOUT: Final = 14
 

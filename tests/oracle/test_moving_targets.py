@@ -5,7 +5,7 @@ from random import Random
 
 import pytest
 from oracle.arena import GRANTED, OracleArena, Target
-from oracle.arithmetic import PI, THREAT, WANDER, draw, fraction, key, wrap
+from oracle.arithmetic import PI, THREAT_LOT, WANDER, draw, fraction, key, wrap
 from oracle.quiet import drive, quiet, rest
 
 MIDDLE = 5.5444445610046385
@@ -288,7 +288,7 @@ def test_r3_10_of_equally_near_threats_one_is_drawn_by_lot() -> None:
         arena.place([(6.5, 5.5, 0.0), (4.5, 5.5, 0.0), (5.5, 4.4, 0.0)], [(5.5, 5.5)])
         step = arena.steps
         rest(arena)
-        lots = draw(draw(key(seed, THREAT), step), arena.alive[0].number)
+        lots = draw(draw(key(seed, THREAT_LOT), step), arena.alive[0].number)
         from_ahead = draw(lots, 0) < draw(lots, 1)
         assert (arena.alive[0].w != 0.0) == from_ahead
         counts[from_ahead] += 1

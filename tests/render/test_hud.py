@@ -7,8 +7,8 @@ from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart
 
 from catch_arena.config import ArenaConfig
 from catch_arena.render import hud
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Label
-from catch_arena.render.viewport import MatchInfo
 
 
 def overlap(a: hud.Rect, b: hud.Rect) -> bool:

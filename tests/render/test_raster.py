@@ -171,7 +171,7 @@ def test_nothing_is_printed_no_display_is_opened_and_the_environment_stays_as_it
 import os
 from catch_arena import ArenaConfig, Engine
 from catch_arena.render.renderer import ArenaPainter
-from catch_arena.render.libraries import pygame
+from catch_arena.render.optional_imports import pygame
 engine = Engine(ArenaConfig())
 engine.reset([1])
 assert ArenaPainter(ArenaConfig()).paint(engine.world()).any()

@@ -7,8 +7,9 @@ import pytest
 from render.pictured import a_world, kinds, shapes_of
 
 from catch_arena.render import scene
+from catch_arena.render.match_info import HUNTER_COLORS
 from catch_arena.render.shapes import Label, Ring, Sector, Turtle
-from catch_arena.render.viewport import HUNTER_COLORS, TARGET, Viewport
+from catch_arena.render.viewport import TARGET, Viewport
 
 
 def test_y_points_up_and_the_arena_lies_in_the_middle():

@@ -7,7 +7,8 @@ import pytest
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
-from catch_arena.render.viewport import GROUND, HUNTER_COLORS, TARGET, TARGET_TRAIL, TRACE, MatchInfo
+from catch_arena.render.match_info import HUNTER_COLORS, MatchInfo
+from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE
 
 
 def test_names_must_fit_the_seats():

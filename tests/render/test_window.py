@@ -7,7 +7,7 @@ import pytest
 
 import catch_arena
 from catch_arena.errors import OutputError
-from catch_arena.render.libraries import pygame
+from catch_arena.render.optional_imports import pygame
 from catch_arena.render.window import Window
 
 FRAME = np.full((320, 400, 3), 77, dtype=np.uint8)

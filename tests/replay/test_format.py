@@ -25,7 +25,7 @@ import catch_arena
 from catch_arena import Replay
 from catch_arena.engine import Engine
 from catch_arena.errors import OutputError, ReplayError
-from catch_arena.replay.columns import Reader, pack_columns
+from catch_arena.replay.codec import Reader, pack_columns
 from catch_arena.replay.fileformat import decode_replay
 from catch_arena.replay.verification import verify
 

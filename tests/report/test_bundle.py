@@ -12,7 +12,7 @@ import catch_arena
 from catch_arena.explanation import explain
 from catch_arena.player import bundle_text
 from catch_arena.player.bundle import GRID, TURN, encode_bundle
-from catch_arena.render.viewport import MatchInfo
+from catch_arena.render.match_info import MatchInfo
 
 
 @pytest.fixture(scope="module")

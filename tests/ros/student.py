@@ -4,12 +4,9 @@ Arguments: domain, turtle, service, seconds. Prints how many catches it was told
 """
 
 import math
+import signal
 import sys
 import time
-from pathlib import Path
-
-if __package__ in {None, ""}:
-    sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from ros import cdr, wire
 
@@ -52,7 +49,9 @@ if __name__ == "__main__":
     domain, turtle, service, seconds = sys.argv[1:]
     controller = Controller(int(domain), turtle, service)
     end = time.monotonic() + float(seconds)
-    while time.monotonic() < end:
+    ended = []
+    signal.signal(signal.SIGTERM, lambda *_: ended.append(True))
+    while time.monotonic() < end and not ended:
         controller.hear()
         if controller.pose and controller.turtles:
             controller.drive()

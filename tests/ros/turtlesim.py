@@ -6,9 +6,6 @@ Arguments: domain, seconds. It has the physics of one turtle, turtle1, and the n
 import math
 import sys
 import time
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from ros import cdr, wire
 

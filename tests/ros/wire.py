@@ -1,9 +1,10 @@
 """A node that speaks bytes: DDS carries them, and whoever uses this makes and reads each of them (ros.cdr)."""
 
+from contextlib import suppress
 from types import SimpleNamespace
 
 from cyclonedds._clayer import ddspy_take, ddspy_write
-from cyclonedds.core import Policy, Qos
+from cyclonedds.core import DDSException, Policy, Qos
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.idl.annotations import final
@@ -65,7 +66,8 @@ class Node:
 
     def __init__(self, domain):
         if domain not in _domains:
-            _domains[domain] = Domain(domain, LOOPBACK)
+            with suppress(DDSException):  # this process has it already
+                _domains[domain] = Domain(domain, LOOPBACK)
         self.participant = DomainParticipant(domain)
 
     def writer(self, topic, kind):

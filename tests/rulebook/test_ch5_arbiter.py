@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracle.arithmetic import KILL_REFUSED, LOT, TICKET, draw, fraction, key
+from oracle.arithmetic import KILL_REFUSED, SERVICE_LOT, TIE_LOT, draw, fraction, key
 from rulebook.conftest import Arbiter, ArenaFactory, oracle_arbiter
 
 from catch_arena.arbitration import arbitrate
@@ -429,9 +429,9 @@ def test_r5_4_less_than_a_micrometre_does_not_decide(arbiter: Arbiter) -> None:
 # ---- R5.5 ----
 
 
-def ticket(seed: int, step: int, number: int, seat: int) -> int:
-    """R5.5's ticket, from the appendix."""
-    return draw(draw(draw(key(seed, TICKET), step), number), seat)
+def tie_lot(seed: int, step: int, number: int, seat: int) -> int:
+    """R5.5's lot, from the appendix."""
+    return draw(draw(draw(key(seed, TIE_LOT), step), number), seat)
 
 
 @pytest.mark.rule("R5.5")
@@ -443,7 +443,7 @@ def test_r5_5_of_a_tie_the_lowest_ticket_wins(arbiter: Arbiter) -> None:
         targets = {f"t{place}": (0.0, 0.0) if place == number else (9.0, 9.0) for place in (1, 2, 3)}
         requests = [(seat, f"t{number}") for seat in (2, 0, 1)]
         rulings = arbiter(hunters=hunters, targets=targets, requests=requests, seed=seed, step=step)
-        expected = min(range(3), key=lambda seat: ticket(seed, step, number, seat))
+        expected = min(range(3), key=lambda seat: tie_lot(seed, step, number, seat))
         assert {ruling.winner for ruling in rulings} == {expected}
         seen.add(expected)
     assert seen == {0, 1, 2}
@@ -461,7 +461,7 @@ def test_r5_5_in_an_arena_the_ticket_bears_seed_step_number_and_seat(arena: Aren
             match.place(hunters=[(5.0, 5.0, 0.0)] * 3, targets=[*[(9.0, 9.0)] * (4 - step), (5.1, 5.0)])
             number = 5 - step
             match.step((STILL, 1), (STILL, 1), (STILL, 0))
-            expected = min((0, 1), key=lambda seat: ticket(seed, step, number, seat))
+            expected = min((0, 1), key=lambda seat: tie_lot(seed, step, number, seat))
             assert match.verdicts[expected] is Verdict.GRANTED
             assert match.evidence()[1 - expected] == (Verdict.LOST_CONTEST, number, 100_000, expected)
             winners.append(expected)
@@ -637,7 +637,7 @@ def test_r5_8_what_was_caught_earlier_is_already_caught(arbiter: Arbiter) -> Non
 
 def lot(seed: int, step: int, seat: int) -> int:
     """R5.9's lot, from the appendix."""
-    return draw(draw(key(seed, LOT), step), seat)
+    return draw(draw(key(seed, SERVICE_LOT), step), seat)
 
 
 @pytest.mark.rule("R5.9")

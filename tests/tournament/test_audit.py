@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from catch_arena import scenario
 from catch_arena.cli import main
-from catch_arena.tournament import permutations
+from catch_arena.tournament import invariance
 from catch_arena.tournament.audit import (
     LEVEL,
     corrected,
@@ -18,7 +18,7 @@ from catch_arena.tournament.audit import (
     seat_plan,
     seats_differ,
 )
-from catch_arena.tournament.permutations import Step, lots
+from catch_arena.tournament.invariance import Step, lots
 from catch_arena.tournament.statistics.outcomes import Outcomes
 
 DUEL = scenario("duel")
@@ -94,7 +94,7 @@ def test_what_is_always_so_is_no_chance():
 
 def test_an_arbiter_that_serves_whoever_comes_first_is_found_out(monkeypatch):
     """A test double: the first of those who may have the target gets it."""
-    true = permutations.arbitrate
+    true = invariance.arbitrate
 
     def partial(*, hunters, requests, **settings):
         asked = {seat: place for place, (seat, _) in reversed(list(enumerate(requests)))}
@@ -105,20 +105,20 @@ def test_an_arbiter_that_serves_whoever_comes_first_is_found_out(monkeypatch):
             **settings,
         )
 
-    monkeypatch.setattr(permutations, "arbitrate", partial)
+    monkeypatch.setattr(invariance, "arbitrate", partial)
     (order, _), _ = permuted_steps(scenario("standard"), 0)
     assert not order.passed
 
 
 def test_an_arbiter_that_prefers_a_seat_is_found_out(monkeypatch):
     """A test double: seat 0 reaches further than the others."""
-    true = permutations.arbitrate
+    true = invariance.arbitrate
 
     def partial(*, hunters, targets, **settings):
         target = next(iter(targets.values()))
         return true(hunters=[target, *hunters[1:]], targets=targets, **settings)
 
-    monkeypatch.setattr(permutations, "arbitrate", partial)
+    monkeypatch.setattr(invariance, "arbitrate", partial)
     (_, labels), _ = permuted_steps(scenario("standard"), 0)
     assert not labels.passed
 

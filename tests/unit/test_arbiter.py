@@ -80,7 +80,7 @@ def prefers(policy: int, one: int, other: int) -> bool:
 
 @pytest.mark.parametrize("policy", [NEAREST, FIRST_COME])
 def test_of_two_hunters_equally_near_one_is_preferred_and_nobody_to_itself(policy):
-    """R5.5, R5.9: tickets of two seats are never equal, since A.5's mix is a permutation; so nothing else shows it."""
+    """R5.5, R5.9: the lots of two seats are never equal, since A.5's mix is a permutation; so nothing else shows it."""
     for one in range(16):
         for other in range(16):
             assert prefers(policy, one, other) + prefers(policy, other, one) == (one != other)

@@ -25,25 +25,25 @@ def now(monkeypatch):
 
 def test_the_machine_s_own_speed_replaces_the_first_guess(now):
     """Half of the functions in 15 s, and then 40 % of the time for all together."""
-    estimate = compiling.Estimate({"a", "b", "c", "d"}, None)
-    assert (estimate.elapsed_s, estimate.total_s) == (0.0, 20.0)
-    estimate.on_start(None)
+    clock = compiling.CompileClock({"a", "b", "c", "d"}, None)
+    assert (clock.elapsed_s, clock.total_s) == (0.0, 20.0)
+    clock.on_start(None)
     now.s += 15.0
     for name in ("a", "somebody else's", "a", "b"):
-        estimate.on_end(ended(name))
-    assert estimate.elapsed_s == 15.0
-    assert estimate.total_s == pytest.approx(15.0 / 0.5 / 0.6)
+        clock.on_end(ended(name))
+    assert clock.elapsed_s == 15.0
+    assert clock.total_s == pytest.approx(15.0 / 0.5 / 0.6)
 
 
 def test_what_the_last_time_took_is_believed_until_it_is_over(now):
     """And never is more done than there is."""
-    estimate = compiling.Estimate({"a", "b"}, 12.5)
-    estimate.on_start(None)
+    clock = compiling.CompileClock({"a", "b"}, 12.5)
+    clock.on_start(None)
     now.s += 9.0
-    estimate.on_end(ended("a"))
-    assert estimate.total_s == 12.5
+    clock.on_end(ended("a"))
+    assert clock.total_s == 12.5
     now.s += 9.0
-    assert estimate.total_s == 18.0
+    assert clock.total_s == 18.0
 
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")

@@ -5,7 +5,8 @@ import time
 import numpy as np
 
 from catch_arena.render.hud import CARD, PANEL
-from catch_arena.render.viewport import GROUND, HUNTER_COLORS
+from catch_arena.render.match_info import HUNTER_COLORS
+from catch_arena.render.viewport import GROUND
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.tournament.statistics.distributions import student_critical
 from catch_arena.tournament.statistics.outcomes import Floats, sums_by
+from catch_arena.tournament.statistics.tail_probabilities import student_critical
 
 RESAMPLES: Final = 2000
 """How often the blocks are drawn again."""

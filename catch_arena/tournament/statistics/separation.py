@@ -9,9 +9,9 @@ import numpy as np
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import PlayedMatch
-from catch_arena.tournament.statistics.distributions import fair_coin_tail, student_tail
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
 from catch_arena.tournament.statistics.ratings import Ratings, rate
+from catch_arena.tournament.statistics.tail_probabilities import fair_coin_tail, student_tail
 
 _LEVEL: Final = 0.05
 _FIRST_LOOK: Final = 8

@@ -1,4 +1,6 @@
-"""Chapter 5 once more, plain and slow, with every rule in a place of its own: a known mistake is a rule exchanged."""
+"""The third arbiter, beside the core's and the oracle's: chapter 5 plain and slow, every rule in a place of its own.
+A known mistake is one of its rules replaced.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.render.libraries import cv2
+from catch_arena.render.optional_imports import cv2
 
 Pixels = NDArray[np.uint8]
 Codes = NDArray[np.uint16]

@@ -1,4 +1,4 @@
-"""`catch-arena check-agent` and `grade`: one agent, looked at on its own."""
+"""`catch-arena check-agent` and `grade`: one agent that was handed in, looked at on its own."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -8,8 +8,8 @@ import typer
 from catch_arena.cli.app import (
     MAX_FORFEITS,
     Isolation,
-    Limits,
-    Settings,
+    LimitOption,
+    SettingOption,
     Trusted,
     arena,
     limits_or_trust,
@@ -46,10 +46,10 @@ def check_agent(
         typer.Option("--scenario", "-s", help="An arena to play in; may be repeated.", show_default="all"),
     ] = None,
     seed: Annotated[int, typer.Option(help="The arena's.")] = 0,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
     trusted: Trusted = False,
-    settings: Settings = None,
+    settings: SettingOption = None,
 ) -> None:
     """Let an agent play itself, and say what is wrong with it.
 
@@ -87,7 +87,7 @@ def grade(
         typer.Option(metavar="FILE", help="Write the seeds of all matches as JSON: for teachers, not for students."),
     ] = None,
     force: Force = False,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
     trusted: Trusted = False,
     max_forfeits: Annotated[

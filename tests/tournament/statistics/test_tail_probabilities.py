@@ -1,10 +1,10 @@
-"""The distributions, beside SciPy's."""
+"""The tails of distributions, beside SciPy's."""
 
 import numpy as np
 import pytest
 from scipy import special
 
-from catch_arena.tournament.statistics.distributions import (
+from catch_arena.tournament.statistics.tail_probabilities import (
     chi_squared_tail,
     fair_coin_tail,
     incomplete_beta,

@@ -4,10 +4,10 @@ from dataclasses import asdict, dataclass
 from itertools import islice
 from typing import Any
 
-from catch_arena.core.arbiter import distance_um
+from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.match_summary import Contest, contests_of, json_ready
-from catch_arena.explanation.seats import how_it_left, labels, seat_of
+from catch_arena.explanation.seats import find_seat, how_it_left, labels
 from catch_arena.explanation.sight import Sight, Unseen
 from catch_arena.replay import Replay
 from catch_arena.verdicts import REASONS, Ruling, Verdict
@@ -86,7 +86,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     if not 1 <= step <= replay.steps:
         has = f"from 1 to {replay.steps}" if replay.steps else "one of the match, which has none"
         raise ConfigError(f"step must be {has}, got {step}")
-    chosen = range(replay.config.hunters) if hunter is None else (seat_of(replay, hunter),)
+    chosen = range(replay.config.hunters) if hunter is None else (find_seat(replay, hunter),)
     before, after = islice(replay.worlds(), step - 1, step + 1)
     sight = Sight(replay.config)
     rulings = {ruling.hunter: ruling for ruling in after.rulings}
@@ -138,4 +138,4 @@ def _asked(replay: Replay, sight: Sight, worlds: tuple[World, World], seat: int,
 
 
 def _distances(world: World, place: tuple[float, float]) -> list[int]:
-    return [int(distance_um(place[0] - hunter.x, place[1] - hunter.y)) for hunter in world.hunters]
+    return [int(measure_um(place[0] - hunter.x, place[1] - hunter.y)) for hunter in world.hunters]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from catch_arena.render.palette import ColorHistogram
+from catch_arena.render.gif_palette import ColorHistogram
 
 
 def shown(histogram: ColorHistogram, codes: np.ndarray) -> np.ndarray:

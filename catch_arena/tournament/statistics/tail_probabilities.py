@@ -1,4 +1,4 @@
-"""The three distributions that tests of significance ask for, on arrays.
+"""The tails of the three distributions that tests of significance ask for, on arrays.
 
 SciPy has them too, and takes 140 MB of disk and a quarter of a second of every start (Numba imports it where it is
 installed); the tests compare with it.

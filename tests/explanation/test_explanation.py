@@ -13,12 +13,12 @@ from typer.testing import CliRunner
 from catch_arena import Verdict, arbitrate, explain, explain_step
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
-from catch_arena.explanation.lengths import short_length
+from catch_arena.explanation.formatting import short_length
 from catch_arena.explanation.sight import Sight
 
 TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
 CLOSE = {"hunters": 3, "hunter_poses": TIED, "initial_targets": 3, "reach_m": 3.0, "max_cycles": 20}
-TICKET, SERVICE_LOT = 3, 4
+TIE_LOT, SERVICE_LOT = 3, 4
 
 
 @pytest.fixture(scope="module")
@@ -102,10 +102,10 @@ def test_an_exact_tie_tells_the_tickets_of_the_lot(play):
     tied = [claim for claim in tie.claims if claim.lot is not None]
     assert len(tied) == 2
     for claim in tied:
-        assert claim.lot == draw(draw(draw(key(match.seed, TICKET), tie.step - 1), number), claim.seat)
+        assert claim.lot == draw(draw(draw(key(match.seed, TIE_LOT), tie.step - 1), number), claim.seat)
     assert tied[0].lot < tied[1].lot
     assert tied[0].verdict is Verdict.GRANTED
-    (line,) = [line for line in explain(match).lines() if "lowest ticket wins (R5.5)" in line]
+    (line,) = [line for line in explain(match).lines() if "lowest lot wins (R5.5)" in line]
     assert all(f"hunter_{claim.seat} {claim.lot:016x}" in line for claim in tied)
     assert "just as far" in line
 

@@ -19,7 +19,7 @@ from catch_arena.conformance.cases import (
     ExpectedRuling,
     Lot,
 )
-from catch_arena.conformance.tables import (
+from catch_arena.conformance.toml_reader import (
     Table,
     flag,
     listed,

@@ -1,0 +1,60 @@
+"""Recorded matches, as fixtures for the tests of replays and of explanations."""
+
+from collections.abc import Callable
+
+import pytest
+
+import catch_arena
+from catch_arena.replay import Replay
+
+
+@pytest.fixture(scope="session")
+def play() -> Callable[..., Replay]:
+    """Plays a match of random actions, or with `chase` one in which everybody chases the nearest target; whoever is
+    in `withdraw`, a mapping of steps to agents, leaves.
+    """
+
+    def played(scenario="standard", *, seed=1, names=None, title="", chase=False, withdraw=None, **overrides) -> Replay:
+        env = catch_arena.parallel_env(scenario, **overrides)
+        env.record(names, title)
+        env.reset(seed=seed)
+        for index, agent in enumerate(env.possible_agents):
+            env.action_space(agent).seed(index)
+        while env.agents:
+            for agent in (withdraw or {}).get(env.world().step, ()):
+                env.withdraw(agent)
+            env.step({agent: 1 if chase else env.action_space(agent).sample() for agent in env.agents})
+        return env.replay()
+
+    return played
+
+
+@pytest.fixture(scope="session")
+def mixed(play) -> Replay:
+    """Every kind of control, every fault, and a withdrawal."""
+    return play(
+        "faulty",
+        seed=6,
+        control=("target", "velocity", "full", "target"),
+        max_cycles=80,
+        names=("a", "b", "c", "d"),
+        title="a test",
+        withdraw={39: ["hunter_2"]},
+    )
+
+
+@pytest.fixture(scope="session")
+def fleeing(play) -> Replay:
+    """Targets that flee, hunters that see a part, are not equal and drop out, and two kinds of control."""
+    return play(
+        seed=4,
+        target_motion="flee",
+        control=("target", "full", "target", "velocity"),
+        view_radius_m=3.0,
+        view_angle_deg=120.0,
+        max_speed_mps=(2.0, 3.0, 1.5, 2.5),
+        reach_m=(0.3, 0.5, 0.4, 0.9),
+        dropout_rate=0.005,
+        max_cycles=120,
+        names=("a", "b", "c", "d"),
+    )
