@@ -2,22 +2,25 @@
 
 import json
 import os
-import subprocess
-import sys
-from contextlib import contextmanager
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from itertools import count
-from pathlib import Path
+from time import monotonic
 from xml.etree import ElementTree as ET
 
 import pytest
 from ros.bridge import running_bridge
+from ros.processes import started
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
+from catch_arena.messages import CatchTurtleResponse
+from catch_arena.ros.bus import open_bus
+from catch_arena.ros.interfaces import Interfaces
 from catch_arena.ros.node_cases import can_be_asked
 from catch_arena.testing import select_cases
 
-REFEREE = Path(__file__).parent / "referee.py"
 SPEC = """
 title = "The referee"
 [[test]]
@@ -29,126 +32,143 @@ name = "names"
 cases = ["names.unknown", "names.caught-in-the-last-step", "names.ones-own"]
 points = 2
 """
-
-
 _numbers = count(os.getpid())
 
 
-@pytest.fixture
-def domain():
-    """One of its own for each test, also where other processes run some."""
-    return 20 + next(_numbers) % 200
+def tried(mistake, *words):
+    """What a command says, in a domain of its own beside a referee: (exit code, stdout, stderr)."""
+    domain = 20 + next(_numbers) % 200
+    with ExitStack() as stack:
+        if mistake is not None:
+            stack.enter_context(started("referee.py", domain, 120, mistake))
+        command = stack.enter_context(started(None, *words, "--bus", "cyclonedds", "--domain", domain))
+        stdout, stderr = command.communicate(timeout=110)
+    assert "Traceback" not in stderr
+    return command.returncode, stdout, stderr
 
 
-@contextmanager
-def referee(domain, mistake):
-    process = subprocess.Popen([sys.executable, str(REFEREE), str(domain), "120", mistake])
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
+def conformance(mistake, *only):
+    return tried(mistake, "conformance", "ros:/catch_turtle", *(word for one in only for word in ("--only", one)))
 
 
-def run(domain, *words):
-    """A command, in a process of its own: DDS's domains are configured once in each."""
-    return subprocess.run(
-        [sys.executable, "-m", "catch_arena", *map(str, words), "--bus", "cyclonedds"],
-        env={**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_LOCALHOST_ONLY": "1", "COLUMNS": "100"},
-        capture_output=True,
-        text=True,
-        timeout=110,
-        check=False,
-    )
+JOBS = {
+    "right": lambda _: conformance("right", "basics", "identity", "names.255", "names.256", "reach.3", "reach.299"),
+    "at": lambda _: conformance("up_to_and_at", "reach.300000", "reach.aslant"),
+    "yes": lambda _: conformance("says_yes", "names.unknown", "names.ones-own", "reach.no-square"),
+    "twice": lambda _: conformance("catches_twice", "names.unknown", "names.caught-in"),
+    "own list": lambda _: conformance("its_own_list", "reach.3", "reach.299", "names.unknown", "names.caught-in"),
+    "own list, yes": lambda _: conformance("its_own_list says_yes", "reach.300000-is-out", "names.unknown"),
+    "silent": lambda _: conformance("silent", "basics", "reach"),
+    "nobody": lambda _: conformance(None, "basics"),
+    "graded": lambda folder: tried(
+        "floats",
+        *("grade", "ros:/catch_turtle", "--spec", folder / "spec.toml"),
+        *("--json", folder / "g.json", "--junit", folder / "g.xml"),
+    ),
+}
 
 
-def test_a_right_referee_passes_every_case_that_it_can_be_asked_also_the_second_time(domain):
-    with referee(domain, "right"):
-        whole = run(domain, "conformance", "ros:/catch_turtle")
-        again = run(domain, "conformance", "ros:/catch_turtle", "--only", "names", "--only", "identity")
-    asked = sum(map(can_be_asked, select_cases()))
-    assert asked > 40
-    assert f"cases: {asked} passed, 0 failed, " in whole.stdout, whole.stderr
-    assert whole.returncode == 0
-    assert again.returncode == 0, again.stdout
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("nodes")
+    (made / "spec.toml").write_text(SPEC)
+    return made
+
+
+@pytest.fixture(scope="module")
+def outcomes(folder):
+    """Of all jobs: they mostly wait, so some run at a time."""
+    with ThreadPoolExecutor(4) as pool:
+        running = {name: pool.submit(job, folder) for name, job in JOBS.items()}
+        return {name: one.result() for name, one in running.items()}
+
+
+def test_a_right_referee_passes_what_it_is_asked(outcomes):
+    code, stdout, stderr = outcomes["right"]
+    assert code == 0, stdout + stderr
+    assert "cases: 17 passed, 0 failed" in stdout
 
 
 @pytest.mark.parametrize(
-    ("mistake", "groups", "told"),
+    ("job", "told"),
     [
-        ("up_to_and_at", ["reach"], 'looks like "within reach is tested with <="'),
-        ("floats", ["reach"], 'looks like "reach is tested in floats"'),
-        ("no_reach", ["reach.t", "basics"], 'looks like "reach is not tested"'),
-        ("capital_letters", ["names.c", "names.u"], 'looks like "capital letters do not matter in names"'),
-        ("any_length", ["names.25"], 'looks like "a name may be as long as it likes"'),
-        ("says_no", ["basics"], "refused where GRANTED is right"),
-        ("says_yes", ["names.u", "names.ones-own"], "granted where UNKNOWN_TARGET is right"),
-        ("catches_twice", ["names.u", "names.caught-in"], "granted where ALREADY_CAUGHT is right"),
+        ("at", 'looks like "within reach is tested with <="'),
+        ("yes", 'looks like "the policy is always capstone"'),
+        ("twice", 'looks like "ALREADY_CAUGHT is never said"'),
     ],
 )
-def test_a_wrong_referee_is_told_its_mistake(domain, mistake, groups, told):
-    with referee(domain, mistake):
-        tried = run(domain, "conformance", "ros:/catch_turtle", *(word for one in groups for word in ("--only", one)))
-    assert tried.returncode == 1, tried.stderr
-    assert told in tried.stdout
-    assert "Traceback" not in tried.stderr
+def test_a_wrong_referee_is_told_its_mistake(outcomes, job, told):
+    code, stdout, stderr = outcomes[job]
+    assert code == 1, stderr
+    assert told in stdout
 
 
-@pytest.mark.parametrize(("mistake", "code"), [("its_own_list", 0), ("its_own_list says_yes", 1)])
-def test_the_exercises_spawner_which_keeps_the_list_is_asked_for_its_own_targets(domain, mistake, code):
-    words = ["--only", "reach.3", "--only", "reach.299999", "--only", "names.unknown", "--only", "names.caught-in"]
-    with referee(domain, mistake):
-        tried = run(domain, "conformance", "ros:/catch_turtle", *words)
-    assert tried.returncode == code, tried.stdout + tried.stderr
-    assert "the node publishes /alive_turtles itself" in tried.stderr
-    assert ("0 failed" in tried.stdout) == (code == 0)
+def test_the_exercises_spawner_which_keeps_the_list_is_asked_for_its_own_targets(outcomes):
+    right, wrong = outcomes["own list"], outcomes["own list, yes"]
+    for _, _, stderr in (right, wrong):
+        assert "the node publishes /alive_turtles itself" in stderr
+    assert right[0] == 0, right
+    assert "cases: 7 passed, 0 failed" in right[1]
+    assert wrong[0] == 1, wrong
+    assert "cases: 0 passed, 2 failed" in wrong[1]
 
 
-def test_the_marks_say_which_clause_failed(domain, tmp_path):
-    (tmp_path / "spec.toml").write_text(SPEC)
-    files = ["--spec", tmp_path / "spec.toml", "--json", tmp_path / "g.json", "--junit", tmp_path / "g.xml"]
-    with referee(domain, "floats"):
-        graded = run(domain, "grade", "ros:/catch_turtle", *files)
-    assert graded.returncode == 1, graded.stderr
-    assert "failed  0/4  within reach: 3 of 4 cases\n        R5.3: 1 case: reach.300000-that-floats-call-less\n" in (
-        graded.stdout
+def test_the_marks_say_which_clause_failed(outcomes, folder):
+    code, stdout, stderr = outcomes["graded"]
+    assert code == 1, stderr
+    assert (
+        "failed  0/4  within reach: 2 of 3 cases\n        R5.3: 1 case: reach.300000-that-floats-call-less\n" in stdout
     )
-    assert "hint: it looks like «reach is tested in floats». Within reach is distance_um < reach_um" in graded.stdout
-    assert "passed  2/2  names: 4 of 4 cases" in graded.stdout
-    assert graded.stdout.endswith("The referee: ros:/catch_turtle has 2 of 6 points\n")
-    told = json.loads((tmp_path / "g.json").read_text())
+    assert "hint: it looks like «reach is tested in floats». Within reach is distance_um < reach_um" in stdout
+    assert "passed  2/2  names: 4 of 4 cases" in stdout
+    assert stdout.endswith("The referee: ros:/catch_turtle has 2 of 6 points\n")
+    told = json.loads((folder / "g.json").read_text())
     assert (told["agent"], told["points"], told["possible"]) == ("ros:/catch_turtle", 2.0, 6.0)
     assert [test["failures"] for test in told["tests"]] == [["R5.3: 1 case: reach.300000-that-floats-call-less"], []]
-    suite = ET.parse(tmp_path / "g.xml").getroot()  # noqa: S314 - our own
+    suite = ET.parse(folder / "g.xml").getroot()  # noqa: S314 - our own
     assert [len(case.findall("failure")) for case in suite.findall("testcase")] == [1, 0]
 
 
-def test_a_node_that_never_answers_is_given_up_in_one_line(domain):
-    with referee(domain, "silent"):
-        tried = run(domain, "conformance", "ros:/catch_turtle", "--only", "basics", "--only", "reach")
-    assert tried.returncode == 2
-    assert tried.stderr.endswith(
-        "catch-arena: the node has not answered 3 requests one after the other: it is given up\n"
-    )
+def test_a_node_that_never_answers_is_given_up_in_one_line(outcomes):
+    code, _, stderr = outcomes["silent"]
+    assert code == 2
+    assert stderr == "catch-arena: the node has not answered 3 requests one after the other: it is given up\n"
 
 
-def test_where_nobody_serves_it_one_line_says_so(domain):
-    tried = run(domain, "conformance", "ros:/catch_turtle", "--only", "basics")
-    assert tried.returncode == 2
-    assert tried.stderr == (
-        "catch-arena: nobody serves /catch_turtle on this bus: does the node run, in the same domain?\n"
-    )
+def test_where_nobody_serves_it_one_line_says_so(outcomes):
+    code, _, stderr = outcomes["nobody"]
+    assert code == 2
+    assert stderr == ("catch-arena: nobody serves /catch_turtle on this bus: does the node run, in the same domain?\n")
+
+
+@pytest.mark.nightly
+def test_a_right_referee_passes_every_case_that_it_can_be_asked():
+    asked = sum(map(can_be_asked, select_cases()))
+    assert asked > 40
+    code, stdout, stderr = conformance("right")
+    assert f"cases: {asked} passed, 0 failed, " in stdout, stderr
+    assert code == 0
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("mistake", "only", "told"),
+    [
+        ("floats", ["reach"], 'looks like "reach is tested in floats"'),
+        ("no_reach", ["reach.t", "basics"], 'looks like "reach is not tested"'),
+        ("capital_letters", ["names.c", "names.u"], 'looks like "capital letters do not matter in names"'),
+        ("any_length", ["names.25"], 'looks like "names of 256 characters are allowed"'),
+        ("says_no", ["basics"], "refused where GRANTED is right"),
+    ],
+)
+def test_other_mistakes_are_told_too(mistake, only, told):
+    code, stdout, stderr = conformance(mistake, *only)
+    assert code == 1, stderr
+    assert told in stdout
 
 
 def test_over_rosbridge_a_right_node_passes_too():
     """A server behind the bridge, which a student would run beside rosbridge_server."""
-    import threading
-    from time import monotonic
-
-    from catch_arena.messages import CatchTurtleResponse
-    from catch_arena.ros.bus import open_bus
-    from catch_arena.ros.interfaces import Interfaces
-
     types = Interfaces()
     state = {"pose": (0.0, 0.0), "turtles": {}, "end": monotonic() + 60}
 
@@ -204,7 +224,10 @@ def test_options_for_arbiters_are_refused_with_a_service(option):
 @pytest.mark.parametrize(
     ("test", "why"),
     [
-        ('name = "a"', 'a: cases must be given for a node, as in cases = ["reach", "names"]'),
+        (
+            'name = "a"\nsettings = { hunters = 1 }',
+            'a: cases must be given for a node, as in cases = ["reach", "names"]',
+        ),
         ('name = "a"\ncases = ["rech"]', "a: no case begins with 'rech': did you mean reach?"),
         ('name = "a"\ncases = ["ties"]', "a: none of its cases can be asked of a service"),
         ('name = "a"\ncases = ["reach"]\nmatches = 3', "test[1].matches must be left out beside cases"),
