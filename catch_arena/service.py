@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from catch_arena.arbitration import rulings_of, target_asked_for
 from catch_arena.config import ArenaConfig, Control
-from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, distance_um, within_reach
+from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, measure_um, within_reach
 from catch_arena.engine import Engine, episode_seed
 from catch_arena.envs.spaces import require_pose
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
@@ -242,7 +242,7 @@ class ArenaService:
             if control == "full":
                 continue
             for target in world.targets:
-                um = distance_um(target.x - hunter.x, target.y - hunter.y)
+                um = measure_um(target.x - hunter.x, target.y - hunter.y)
                 if not within_reach(um, self._config.reaches_um[seat]):
                     continue
                 rank = self._engine.rank_of(0, seat, target.name)

@@ -12,8 +12,8 @@ import typer
 from catch_arena.cli.app import (
     ArenaSeed,
     Isolation,
-    Limits,
-    Settings,
+    LimitOption,
+    SettingOption,
     Trusted,
     arena,
     enter_agents,
@@ -92,13 +92,13 @@ def serve(
     interfaces: Package = "my_robot_interfaces",
     turtlesim: Turtlesim = "turtlesim",
     trusted: Trusted = False,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
     record: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Keep the replay here; nobody may /spawn, /kill or /reset then.")
     ] = None,
     force: Force = False,
-    settings: Settings = None,
+    settings: SettingOption = None,
 ) -> None:
     """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle (docs/ros2.md)."""
     from catch_arena.cli.matches import print_ranking
@@ -154,9 +154,9 @@ def controller(
     interfaces: Package = "my_robot_interfaces",
     turtlesim: Turtlesim = "turtlesim",
     trusted: Trusted = False,
-    limits: Limits = None,
+    limits: LimitOption = None,
     isolation: Isolation = None,
-    settings: Settings = None,
+    settings: SettingOption = None,
 ) -> None:
     """Drive a turtle by an agent, in turtlesim or in `ros serve`, until Ctrl-C.
 
