@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import Final
 
 from catch_arena.arbitration import arbitrate
-from catch_arena.explanation.lengths import metres
+from catch_arena.explanation.formatting import metres
 from catch_arena.ros.recording import Asked, Recording
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling, Verdict
