@@ -10,6 +10,7 @@ from ros import cdr, wire
 from ros.processes import started
 
 from catch_arena.errors import BusError, ConfigError
+from catch_arena.messages import Turtle, TurtleArray
 from catch_arena.ros import bus, dds_peers
 from catch_arena.ros.bus import open_bus
 from catch_arena.ros.interfaces import TWIST, Interfaces
@@ -103,6 +104,32 @@ def test_services_answer_with_the_header_of_the_request(echo):
 def test_a_name_of_ten_megabytes_is_answered(echo):
     """It is carried in pieces."""
     assert called(echo.catch, lambda writer: writer.text("x" * 10_000_001)).number("?") is True
+
+
+def test_a_zero_byte_in_a_name_ends_nobody(echo):
+    """C's strings end there; whether it arrives or not, what follows does."""
+    echo.turtles.write(cdr.turtles([("a\0b", 1.0, 2.0, 3.0)]))
+    echo.turtles.write(cdr.turtles([("c", 1.0, 2.0, 3.0)]))
+    assert (
+        "'c'"
+        in until(lambda: [name for data in echo.out.take() for name, *_ in cdr.read_turtles(data) if "'c'" in name])[0]
+    )
+
+
+def test_what_cannot_be_sent_is_left_out():
+    """With a line; the next is sent."""
+    said = []
+    ours = open_bus("cyclonedds", domain=DOMAIN, localhost=True, say=said.append)
+    send = ours.publisher("/names", TYPES.turtle_array)
+    reader = wire.Node(DOMAIN).reader("rt/names", wire.turtles())
+    until(reader.matched)
+    time.sleep(0.1)
+    for name in ("a\0b", "c"):
+        send(TurtleArray((Turtle(name, 1.0, 2.0, 3.0),)))
+    names = until(lambda: [one[0] for data in reader.take() for one in cdr.read_turtles(data)])
+    assert names[-1] == "c"
+    assert len(names) + len(said) == 2
+    ours.close()
 
 
 def test_what_is_no_utf8_is_left_out_and_the_next_is_heard(echo):
