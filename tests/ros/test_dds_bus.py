@@ -155,6 +155,43 @@ def test_a_truncated_message_never_leaves_its_sender(data):
         writer.write(data)
 
 
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"\x00",
+        b"\x00\x01\x00\x00",
+        b"\x00\x01\x00\x00\xff\xff\xff\xff",
+        b"\xff\xff\xff\xff" + 40 * b"x",
+        cdr.turtles([("abc", 1.0, 2.0, 3.0)])[:-9],
+        cdr.pose((1, 2, 3, 4, 5)),
+        cdr.Writer().number("I", 1).number("I", 2**32 - 1).whole(),
+        cdr.Writer().number("I", 2**31).text("abc").whole(),
+    ],
+)
+def test_bytes_that_are_no_such_message_are_left_out_and_the_next_is_heard(echo, data):
+    """Cut off, of another type, with lengths that cannot be: as packets that no library has looked at."""
+    writer = echo.keep.writer("rt/turtles", wire.turtles())
+    until(writer.matched)
+    writer.write(cdr.turtles([("first", 1.0, 2.0, 3.0)]))
+    assert "'first'" in heard(echo)[0]
+    writer.inject(DOMAIN, 2, data)
+    time.sleep(0.05)
+    for name in ("taken for the one that was injected", "next"):
+        writer.write(cdr.turtles([(name, 1.0, 2.0, 3.0)]))
+    until(lambda: any("'next'" in one[0] for sent in echo.out.take() for one in cdr.read_turtles(sent)))
+
+
+def test_an_injected_message_arrives_where_it_is_whole(echo):
+    """So that the test above tests something."""
+    writer = echo.keep.writer("rt/turtles", wire.turtles())
+    until(writer.matched)
+    writer.write(cdr.turtles([("first", 1.0, 2.0, 3.0)]))
+    assert "'first'" in heard(echo)[0]
+    writer.inject(DOMAIN, 2, cdr.turtles([("injected", 1.0, 2.0, 3.0)]))
+    assert "'injected'" in heard(echo)[0]
+
+
 def test_a_foreign_type_on_a_topic_is_told_in_one_line():
     """DDS does not bring them together; whoever wonders why is told the names."""
     said = []
