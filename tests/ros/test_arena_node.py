@@ -242,6 +242,20 @@ def test_where_the_bus_does_not_tell_who_asks_the_shared_service_says_so():
     assert any("/hunter_0/catch_turtle" in line for line in match.said)
 
 
+def test_a_person_only_drives_and_what_is_in_reach_is_asked_for_them():
+    """As turtle_teleop_key does it; R4.4. The rulings tell it, also in a step in which another node asks."""
+    match = Match(hunters=2, hunter_poses=((2.0, 2.0, 0.0), (8.0, 8.0, 0.0)), people=[0])
+    first = match.service.spawn(2.5, 2.0)
+    match.drive(match.a, 2.0, turtle="hunter_0")
+    match.drive(match.b, turtle="hunter_1")
+    for _ in range(10):
+        match.ask(match.b, "nonsense")
+        match.tick()
+
+    assert match.hunter(0).score == 1
+    assert [(one.hunter, one.target) for one in match.sent("/rulings") if one.success] == [("hunter_0", first)]
+
+
 # what strangers send
 
 
