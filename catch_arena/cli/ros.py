@@ -24,6 +24,7 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
+from catch_arena.text import name_fault
 
 if TYPE_CHECKING:
     from catch_arena.ros.bus import Bus
@@ -108,7 +109,9 @@ def serve(
     seats = _seats(seat or [])
     config = _arena(scenario, settings, max(seats, default=0) + 1)
     if seats and max(seats) >= config.hunters:
-        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario}, got {max(seats)}")
+        raise ConfigError(
+            f"--seat must be from 0 to {config.hunters - 1} in {scenario or 'standard'}, got {max(seats)}"
+        )
     nodes = {number: who.partition(":")[::2] for number, who in seats.items() if who.partition(":")[0] in {NODE, HUMAN}}
     specs = {number: who for number, who in sorted(seats.items()) if number not in nodes}
     allowed = limits_or_trust(limits, isolation, list(specs.values()), trusted=trusted)
@@ -254,6 +257,9 @@ def _seats(options: list[str]) -> dict[int, str]:
             raise ConfigError(f"--seat must be SEAT=WHO, as 0=ros or 1=patrol, got {option!r}")
         if int(number) in seats:
             raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {who}")
+        fault = name_fault(who)
+        if fault is not None:
+            raise ConfigError(f"--seat {number}: {fault}")
         seats[int(number)] = who
     return seats
 

@@ -161,9 +161,10 @@ class ArenaNode:
         self._tell(world)
 
     def standings(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """R6.1: ranks and scores, by seat."""
+        """R6.1: ranks and scores, by seat; agents that have failed come last."""
         scores = tuple(hunter.score for hunter in self._service.world.hunters)
-        return ranks_of(scores), scores
+        failed = self._agents.forfeits if self._agents is not None else {}
+        return ranks_of(scores, [failed.get(seat) for seat in range(len(scores))]), scores
 
     # telling
 
@@ -190,8 +191,7 @@ class ArenaNode:
         if often:
             for seat in self.seats:
                 seat.look_for(self._publishers(seat))
-        scores = tuple(hunter.score for hunter in world.hunters)
-        ranks = ranks_of(scores)
+        ranks, scores = self.standings()
         for number, hunter in enumerate(world.hunters):
             if scores != self._scores or now == number:  # each in a tick of its own: nobody's queue overflows
                 self._standings(

@@ -502,6 +502,7 @@ def test_an_agent_that_fails_is_withdrawn_and_the_others_play_on():
     assert match.hunter(1).withdrawn
     assert match.hunter(0).linear_velocity == 1.0
     assert any(line.startswith("hunter_1 is out: ") for line in match.said)
+    assert match.node.standings() == ((1, 2), (0, 0))
     while not match.node.over:
         match.tick()
     assert verify(match.service.replay) == []
