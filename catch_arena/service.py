@@ -14,6 +14,7 @@ from catch_arena.envs.spaces import require_pose
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
 from catch_arena.replay import Replay
+from catch_arena.replay.fileformat import checked_text
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
@@ -72,11 +73,15 @@ class ArenaService:
         """Keep every episode from the next reset on; `names` are the players' names by seat.
 
         Raises:
-            ConfigError: under the policy `capstone`, where a name that no rank stands for may be granted and scored.
+            ConfigError: for a name or a title that is not at most 200 printable characters, and under the policy
+                `capstone`, where a name that no rank stands for may be granted and scored.
         """
         if self._config.policy == "capstone":
             raise ConfigError("a recorded match must be of another policy than capstone, whose grants need no target")
-        self._record_as = (tuple(names), title)
+        for seat, name in enumerate(names):
+            checked_text(f"names[{seat}]", name)
+        checked_text("name_prefix", self._config.name_prefix)
+        self._record_as = (tuple(names), checked_text("title", title))
 
     @property
     def replay(self) -> Replay:

@@ -24,6 +24,7 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
+from catch_arena.text import name_fault
 
 if TYPE_CHECKING:
     from catch_arena.ros.bus import Bus
@@ -58,8 +59,8 @@ Turtlesim = Annotated[
 ]
 BRIDGE_URL = "ws://127.0.0.1:9090"
 _TURTLE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-NODE = "ros"
-"""The word for a seat that a node drives."""
+NODE, HUMAN = "ros", "human"
+"""The words for seats that nodes drive: one that asks for its targets, and one that only drives."""
 
 
 @ros.command()
@@ -69,8 +70,8 @@ def serve(
         list[str] | None,
         typer.Option(
             metavar="SEAT=WHO",
-            help="Who drives a hunter: ros, ros:NAME (as it is called), or an agent, as in 1=patrol or 2=mine.py; may "
-            "be repeated.",
+            help="Who drives a hunter: ros, a node; human, a node that only drives, as turtle_teleop_key; ros:NAME and "
+            "human:NAME give a name; or an agent, as in 1=patrol or 2=mine.py. May be repeated.",
             show_default="ros",
         ),
     ] = None,
@@ -108,15 +109,18 @@ def serve(
     seats = _seats(seat or [])
     config = _arena(scenario, settings, max(seats, default=0) + 1)
     if seats and max(seats) >= config.hunters:
-        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario}, got {max(seats)}")
-    specs = {number: who for number, who in sorted(seats.items()) if not _is_node(who)}
+        raise ConfigError(
+            f"--seat must be from 0 to {config.hunters - 1} in {scenario or 'standard'}, got {max(seats)}"
+        )
+    nodes = {number: who.partition(":")[::2] for number, who in seats.items() if who.partition(":")[0] in {NODE, HUMAN}}
+    specs = {number: who for number, who in sorted(seats.items()) if number not in nodes}
     allowed = limits_or_trust(limits, isolation, list(specs.values()), trusted=trusted)
     if record is not None:
         output_file(record, force=force)
     types = interfaces_of(interfaces, turtlesim)
     entrants = dict(zip(specs, enter_agents(list(specs.values()), allowed), strict=True)) if specs else {}
     names = [
-        entrants[number].name if number in entrants else seats.get(number, NODE).partition(":")[2] or f"node_{number}"
+        entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
         for number in range(config.hunters)
     ]
     with joined_bus(bus, "catch_arena", domain, url) as joined:
@@ -127,6 +131,7 @@ def serve(
             entrants,
             allowed,
             names=names,
+            people=[number for number, (word, _) in nodes.items() if word == HUMAN],
             interfaces=types,
             speed=speed,
             wait=wait,
@@ -252,12 +257,11 @@ def _seats(options: list[str]) -> dict[int, str]:
             raise ConfigError(f"--seat must be SEAT=WHO, as 0=ros or 1=patrol, got {option!r}")
         if int(number) in seats:
             raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {who}")
+        fault = name_fault(who)
+        if fault is not None:
+            raise ConfigError(f"--seat {number}: {fault}")
         seats[int(number)] = who
     return seats
-
-
-def _is_node(who: str) -> bool:
-    return who == NODE or who.startswith(f"{NODE}:")
 
 
 def _arena(scenario: str | None, settings: list[str] | None, hunters: int) -> ArenaConfig:

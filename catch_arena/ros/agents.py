@@ -46,6 +46,8 @@ class AgentSeats:
         self._cmd_vel: dict[str, Twist] = {}
         self._goals: dict[str, str] = {}
         self._playing: list[int] = []
+        self.forfeits: dict[int, int] = {}
+        """The step in which each seat failed that did: they are ranked last."""
 
     def begin(self, seed: int) -> None:
         """A match begins."""
@@ -54,6 +56,7 @@ class AgentSeats:
         limits = [replace(Limits.of(config, seat), control_period_ms=ASK_EVERY_MS) for seat in seats]
         self._forget()
         self._playing = list(self._hunters)
+        self.forfeits.clear()
         for seat, fault in self._players.reset([agent_seed(seed, seat) for seat in seats], limits).items():
             self._forfeit(seat, f"{fault.code}: {fault.reason}")
 
@@ -107,6 +110,7 @@ class AgentSeats:
     def _forfeit(self, seat: int, why: str) -> None:
         hunter = self._hunters[seat]
         self._playing.remove(seat)
+        self.forfeits[seat] = self._service.world.step
         self._players.drop(seat)
         self._cmd_vel.pop(hunter, None)
         self._goals.pop(hunter, None)

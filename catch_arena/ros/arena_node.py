@@ -1,10 +1,10 @@
 """The arena as nodes of a ROS 2 bus: turtlesim's part, the exercise's spawner's, and the arbiter's."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from catch_arena.errors import ActionError, EpisodeError
+from catch_arena.errors import ActionError, BusError, EpisodeError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse
 from catch_arena.ros.agents import AgentSeats
 from catch_arena.ros.bus import Bus, Request, Say
@@ -17,6 +17,7 @@ from catch_arena.ros.interfaces import (
     Clock,
     Empty,
     Interfaces,
+    MessageType,
     Name,
     SpawnRequest,
     StandingMessage,
@@ -26,6 +27,7 @@ from catch_arena.ros.rulings import ruling_message
 from catch_arena.ros.seats import RosSeat, seat_of
 from catch_arena.service import ArenaService, response
 from catch_arena.tournament.match import ranks_of
+from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 
 TICK_MS: Final = 16
@@ -90,8 +92,8 @@ class ArenaNode:
             poses[only.hunter].append("/turtle1/pose")
         self._poses = [[bus.publisher(topic, interfaces.pose) for topic in poses[hunter]] for hunter in hunters]
         self._alive = bus.publisher("/alive_turtles", interfaces.turtle_array)
-        self._rulings = bus.publisher("/rulings", RULING)
-        self._standings = bus.publisher("/standings", STANDING)
+        self._rulings = self._own("/rulings", RULING)
+        self._standings = self._own("/standings", STANDING)
         self._clock = bus.publisher("/clock", CLOCK) if clock else None
         for seat in self.seats:
             for topic in self._topics[seat.hunter]:
@@ -145,6 +147,9 @@ class ArenaNode:
         rulings = self._service.step(commands, requests, goals)
         for one, ruling in zip(asked, rulings, strict=False):
             one.request.answer(response(ruling))
+            if ruling.verdict is Verdict.OUT_OF_REACH and one.hunter not in self._told:
+                self._told.add(one.hunter)
+                self._say(f"{ruling}; --set reach_m=0.5 is the reach that many solutions of the exercise have in mind")
         world = self._service.world
         asking = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
@@ -153,11 +158,20 @@ class ArenaNode:
         self._tell(world)
 
     def standings(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """R6.1: ranks and scores, by seat."""
+        """R6.1: ranks and scores, by seat; agents that have failed come last."""
         scores = tuple(hunter.score for hunter in self._service.world.hunters)
-        return ranks_of(scores), scores
+        failed = self._agents.forfeits if self._agents is not None else {}
+        return ranks_of(scores, [failed.get(seat) for seat in range(len(scores))]), scores
 
     # telling
+
+    def _own(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
+        """A topic with a type of ours, which a ROS on the other side may not have."""
+        try:
+            return self._bus.publisher(topic, kind)
+        except BusError as error:
+            self._say(f"warning: {topic} is not published: {error}")
+            return lambda _: None
 
     def _tell(self, world: World) -> None:
         """Poses, and what has changed; and now and then what has not, for those that came late."""
@@ -174,8 +188,7 @@ class ArenaNode:
         if often:
             for seat in self.seats:
                 seat.look_for(self._publishers(seat))
-        scores = tuple(hunter.score for hunter in world.hunters)
-        ranks = ranks_of(scores)
+        ranks, scores = self.standings()
         for number, hunter in enumerate(world.hunters):
             if scores != self._scores or now == number:  # each in a tick of its own: nobody's queue overflows
                 self._standings(

@@ -83,6 +83,7 @@ class DdsBus:
         self._readers: list[_Reader] = []
         self._topics: dict[str, _Reader] = {}
         self._late: list[_Reply] = []
+        self._unsent: set[str] = set()
         self._ids = count(1)
         self._watch = PeerWatch(self._participant, say)
 
@@ -96,7 +97,7 @@ class DdsBus:
         writer = self._writer(f"rt{_absolute(topic)}", kind)
 
         def publish(message: Any) -> None:
-            writer.write(to_sample(kind, message))
+            self._write(writer, to_sample(kind, message))
 
         return publish
 
@@ -115,7 +116,7 @@ class DdsBus:
         writer = self._writer(f"rr{name}Reply", kind.response, user, header=True)
 
         def on_sample(sample: Any, peer: Peer | None) -> None:
-            reply = _Reply(writer, kind.response, sample.client, sample.number, peer)
+            reply = _Reply(self._write, writer, kind.response, sample.client, sample.number, peer)
             on_request(Request(from_sample(kind.request, sample), peer, lambda response: self._answer(reply, response)))
 
         self._reader(f"rq{name}Request", kind.request, _SERVICE_DEPTH, on_sample, user, header=True)
@@ -158,6 +159,16 @@ class DdsBus:
         reply.sample = to_sample(reply.kind, response, client=reply.client, number=reply.number)
         if not reply.send():
             self._late.append(reply)
+
+    def _write(self, writer: DataWriter[Any], sample: Any) -> None:
+        """What cannot be sent, as a text with a zero byte in it, is left out: a stranger's name may have one."""
+        try:
+            writer.write(sample)
+        except DDSException as error:
+            topic = ros_name(writer.topic.name)
+            if topic not in self._unsent:
+                self._unsent.add(topic)
+                self._say(f"warning: a message on {topic} cannot be sent ({_code(error)})")
 
     def _next_id(self) -> str:
         """What tells which reader and which writer belong to one end of a service."""
@@ -234,6 +245,7 @@ class _Reader:
 class _Reply:
     """A response that is to go to one client."""
 
+    write: Callable[[DataWriter[Any], Any], None]
     writer: DataWriter[Any]
     kind: MessageType
     client: int
@@ -248,7 +260,7 @@ class _Reply:
         self.since = self.since or now
         if self.peer is not None and now < self.since + _REPLY_WAIT_S and self.peer not in self._readers():
             return False
-        self.writer.write(self.sample)
+        self.write(self.writer, self.sample)
         return True
 
     def _readers(self) -> set[Peer]:

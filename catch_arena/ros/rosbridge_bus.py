@@ -51,6 +51,7 @@ class RosbridgeBus:
         self._handlers: dict[tuple[str, str], Callable[[dict[str, Any]], None]] = {}
         self._announced: list[dict[str, Any]] = []
         self._notes: deque[str] = deque(maxlen=100)
+        self._complaints: deque[str] = deque(maxlen=100)
         self._unreadable: set[str] = set()
         self._ids = count(1)
         self._closing = False
@@ -194,17 +195,21 @@ class RosbridgeBus:
         try:
             frame = json.loads(text)
         except (ValueError, RecursionError):
-            return self._note("warning: rosbridge sent what is no JSON")
+            self._note("warning: rosbridge sent what is no JSON")
+            return
         if not isinstance(frame, dict):
-            return None
+            return
         if frame.get("op") == "status":
-            return self._note(f"warning: rosbridge: {one_line(str(frame.get('msg')))}")
+            line = f"warning: rosbridge: {one_line(str(frame.get('msg')))}"
+            if line not in self._complaints:
+                self._complaints.append(line)
+                self._note(line)
+            return
         key = str(frame.get("op")), str(frame.get("service", frame.get("topic")))
         with self._come:
             if key in self._inboxes:
                 self._inboxes[key].append(frame)
                 self._come.notify()
-        return None
 
     def _note(self, line: str) -> None:
         with self._come:

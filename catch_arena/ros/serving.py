@@ -1,6 +1,6 @@
 """One match on a ROS 2 bus, from the first node that is waited for to the last answer."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,6 +42,7 @@ def serve_match(
     limits: AgentLimits | None,
     *,
     names: Sequence[str],
+    people: Collection[int] = (),
     interfaces: Interfaces,
     speed: float = 1.0,
     wait: bool = True,
@@ -58,6 +59,7 @@ def serve_match(
         agents: by seat; nodes drive the others.
         limits: those of isolated agents, None where all are trusted.
         names: the players', by seat.
+        people: seats whose nodes only drive, as a keyboard's does: what is in reach is asked for them (R4.4).
         interfaces: the packages of the types.
         speed: of the arena's clock, to the wall's; where it is not 1, /clock tells the arena's.
         wait: whether the match begins when all seats are taken.
@@ -73,7 +75,8 @@ def serve_match(
     if not 0.0 < speed <= FASTEST:
         raise ConfigError(f"--speed must be above 0 and at most {FASTEST:g}, got {speed:g}")
     control: tuple[Control, ...] = tuple(
-        agents[seat].control if seat in agents else "full" for seat in range(config.hunters)
+        agents[seat].control if seat in agents else "velocity" if seat in people else "full"
+        for seat in range(config.hunters)
     )
     service = ArenaService(config.replace(control_period_ms=TICK_MS, observed_targets=None), control=control)
     if record is not None:

@@ -14,14 +14,14 @@ TYPES = Interfaces()
 class Match:
     """The arena's node, and one bus for each of the test's own nodes, `a`, `b` and `c`."""
 
-    def __init__(self, hunters=1, players=None, names=None, clock=False, record=False, **settings):
+    def __init__(self, hunters=1, players=None, names=None, clock=False, record=False, people=(), **settings):
         settings = {"initial_targets": 0, "spawn_frequency_hz": 0.001} | settings
         controls = dict(players.controls) if players else {}
         self.service = ArenaService(
             "standard",
             hunters=hunters,
             control_period_ms=TICK_MS,
-            control=tuple(controls.get(seat, "full") for seat in range(hunters)),
+            control=tuple(controls.get(seat, "velocity" if seat in people else "full") for seat in range(hunters)),
             **settings,
         )
         names = names or [f"p{seat}" for seat in range(hunters)]

@@ -3,9 +3,10 @@
 import math
 
 import pytest
+from ros.local import LocalBus
 from ros.match import TYPES, Match
 
-from catch_arena.errors import ConfigError, EpisodeError
+from catch_arena.errors import BusError, ConfigError, EpisodeError
 from catch_arena.messages import CatchTurtleResponse
 from catch_arena.policy import View
 from catch_arena.replay.verification import verify
@@ -97,6 +98,39 @@ def test_rulings_tell_verdict_distance_winner_and_clause():
         (2, "hunter_0", "turtle1", "UNKNOWN_TARGET", False, -1.0, "", "R5.2"),
     ]
     assert match.sent("/rulings")[0].time == 0.016
+
+
+def test_a_reach_that_is_too_short_for_a_students_node_is_told_once():
+    """Many solutions stop half a metre away, and would ask for ever."""
+    match = Match(hunter_poses=ONE)
+    name = match.service.spawn(2.45, 2.0)
+    for _ in range(3):
+        match.ask(match.a, name)
+        match.tick()
+    (line,) = [line for line in match.said if "reach" in line]
+    assert "0.450000 m away: OUT_OF_REACH" in line
+    assert "--set reach_m=0.5" in line
+
+
+def test_where_our_own_types_are_not_known_the_rest_is_published(monkeypatch):
+    """ROS on the other side may not have our package."""
+    publisher = LocalBus.publisher
+
+    def refuse(self, topic, kind):
+        if kind.name.startswith("catch_arena_interfaces/"):
+            raise BusError(f"{kind.name} is not known to this ROS")
+        return publisher(self, topic, kind)
+
+    monkeypatch.setattr(LocalBus, "publisher", refuse)
+    match = Match(hunter_poses=ONE)
+    answer = match.ask(match.a, match.service.spawn(2.1, 2.0))
+    match.tick()
+
+    assert answer.response == YES
+    assert match.said == [
+        f"warning: {topic} is not published: catch_arena_interfaces/msg/{kind} is not known to this ROS"
+        for topic, kind in (("/rulings", "Ruling"), ("/standings", "Standing"))
+    ]
 
 
 def test_the_clock_is_the_arenas():
@@ -206,6 +240,20 @@ def test_where_the_bus_does_not_tell_who_asks_the_shared_service_says_so():
 
     assert (shared.response, own.response) == (NO, YES)
     assert any("/hunter_0/catch_turtle" in line for line in match.said)
+
+
+def test_a_person_only_drives_and_what_is_in_reach_is_asked_for_them():
+    """As turtle_teleop_key does it; R4.4. The rulings tell it, also in a step in which another node asks."""
+    match = Match(hunters=2, hunter_poses=((2.0, 2.0, 0.0), (8.0, 8.0, 0.0)), people=[0])
+    first = match.service.spawn(2.5, 2.0)
+    match.drive(match.a, 2.0, turtle="hunter_0")
+    match.drive(match.b, turtle="hunter_1")
+    for _ in range(10):
+        match.ask(match.b, "nonsense")
+        match.tick()
+
+    assert match.hunter(0).score == 1
+    assert [(one.hunter, one.target) for one in match.sent("/rulings") if one.success] == [("hunter_0", first)]
 
 
 # what strangers send
@@ -454,6 +502,7 @@ def test_an_agent_that_fails_is_withdrawn_and_the_others_play_on():
     assert match.hunter(1).withdrawn
     assert match.hunter(0).linear_velocity == 1.0
     assert any(line.startswith("hunter_1 is out: ") for line in match.said)
+    assert match.node.standings() == ((1, 2), (0, 0))
     while not match.node.over:
         match.tick()
     assert verify(match.service.replay) == []

@@ -26,6 +26,7 @@ def run(*arguments):
         (("serve", "--seat", "-1=ros"), "--seat must be SEAT=WHO"),
         (("serve", "--seat", "0="), "--seat must be SEAT=WHO"),
         (("serve", "--seat", "0=ros", "--seat", "0=nearest"), "--seat 0 must be given once"),
+        (("serve", "--seat", "0=ros:\x1b[31m"), "--seat 0: its name must be of characters that can be printed"),
         (("serve", "-s", "duel", "--seat", "2=ros"), "--seat must be from 0 to 1 in duel, got 2"),
         (("serve", "--seat", "999=ros"), "hunters must be a whole number from 1 to 64"),
         (("serve", "--domain", "233"), "the domain id must be a whole number from 0 to 232, got 233"),

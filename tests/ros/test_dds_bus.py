@@ -10,6 +10,7 @@ from ros import cdr, wire
 from ros.processes import started
 
 from catch_arena.errors import BusError, ConfigError
+from catch_arena.messages import Turtle, TurtleArray
 from catch_arena.ros import bus, dds_peers
 from catch_arena.ros.bus import open_bus
 from catch_arena.ros.interfaces import TWIST, Interfaces
@@ -105,6 +106,32 @@ def test_a_name_of_ten_megabytes_is_answered(echo):
     assert called(echo.catch, lambda writer: writer.text("x" * 10_000_001)).number("?") is True
 
 
+def test_a_zero_byte_in_a_name_ends_nobody(echo):
+    """C's strings end there; whether it arrives or not, what follows does."""
+    echo.turtles.write(cdr.turtles([("a\0b", 1.0, 2.0, 3.0)]))
+    echo.turtles.write(cdr.turtles([("c", 1.0, 2.0, 3.0)]))
+    assert (
+        "'c'"
+        in until(lambda: [name for data in echo.out.take() for name, *_ in cdr.read_turtles(data) if "'c'" in name])[0]
+    )
+
+
+def test_what_cannot_be_sent_is_left_out():
+    """With a line; the next is sent."""
+    said = []
+    ours = open_bus("cyclonedds", domain=DOMAIN, localhost=True, say=said.append)
+    send = ours.publisher("/names", TYPES.turtle_array)
+    reader = wire.Node(DOMAIN).reader("rt/names", wire.turtles())
+    until(reader.matched)
+    time.sleep(0.1)
+    for name in ("a\0b", "c"):
+        send(TurtleArray((Turtle(name, 1.0, 2.0, 3.0),)))
+    names = until(lambda: [one[0] for data in reader.take() for one in cdr.read_turtles(data)])
+    assert names[-1] == "c"
+    assert len(names) + len(said) == 2
+    ours.close()
+
+
 def test_what_is_no_utf8_is_left_out_and_the_next_is_heard(echo):
     """On topics and services, and each is told once; a request that cannot be read has no answer."""
     asks, _ = echo.catch
@@ -126,6 +153,43 @@ def test_a_truncated_message_never_leaves_its_sender(data):
     writer = node.writer("rt/turtles", wire.turtles())
     with pytest.raises(AssertionError):
         writer.write(data)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"\x00",
+        b"\x00\x01\x00\x00",
+        b"\x00\x01\x00\x00\xff\xff\xff\xff",
+        b"\xff\xff\xff\xff" + 40 * b"x",
+        cdr.turtles([("abc", 1.0, 2.0, 3.0)])[:-9],
+        cdr.pose((1, 2, 3, 4, 5)),
+        cdr.Writer().number("I", 1).number("I", 2**32 - 1).whole(),
+        cdr.Writer().number("I", 2**31).text("abc").whole(),
+    ],
+)
+def test_bytes_that_are_no_such_message_are_left_out_and_the_next_is_heard(echo, data):
+    """Cut off, of another type, with lengths that cannot be: as packets that no library has looked at."""
+    writer = echo.keep.writer("rt/turtles", wire.turtles())
+    until(writer.matched)
+    writer.write(cdr.turtles([("first", 1.0, 2.0, 3.0)]))
+    assert "'first'" in heard(echo)[0]
+    writer.inject(DOMAIN, 2, data)
+    time.sleep(0.05)
+    for name in ("taken for the one that was injected", "next"):
+        writer.write(cdr.turtles([(name, 1.0, 2.0, 3.0)]))
+    until(lambda: any("'next'" in one[0] for sent in echo.out.take() for one in cdr.read_turtles(sent)))
+
+
+def test_an_injected_message_arrives_where_it_is_whole(echo):
+    """So that the test above tests something."""
+    writer = echo.keep.writer("rt/turtles", wire.turtles())
+    until(writer.matched)
+    writer.write(cdr.turtles([("first", 1.0, 2.0, 3.0)]))
+    assert "'first'" in heard(echo)[0]
+    writer.inject(DOMAIN, 2, cdr.turtles([("injected", 1.0, 2.0, 3.0)]))
+    assert "'injected'" in heard(echo)[0]
 
 
 def test_a_foreign_type_on_a_topic_is_told_in_one_line():
