@@ -60,7 +60,7 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
         if mistakes:
             kind = _Kind(mistakes[-1].looks_like, mistakes[-1].rule, known=True, conceptual=mistakes[-1].conceptual)
         else:
-            kind = _LOT if search.has_inconsistent_lots(result) else _alike(result.failure)
+            kind = _LOT if search.has_inconsistent_lots(result) else _alike(result.failure, strictness)
         groups.setdefault(kind, []).append((len(mistakes) > 1, result.failure))
     diagnoses = []
     for kind, members in groups.items():
@@ -78,10 +78,14 @@ def _difficulty(failure: Failure) -> tuple[bool, bool, int]:
     return changed, False, len(case.play)
 
 
-def _alike(failure: Failure) -> _Kind:
+def _alike(failure: Failure, strictness: Strictness) -> _Kind:
     """What a failure has in common with others that no known mistake explains."""
     difference = failure.main_difference
     if isinstance(difference, WrongRuling):
+        if strictness.success_only:
+            right, got = cast(Verdict, difference.right.verdict), difference.given.success
+            looks_like = f"{'granted' if got else 'refused'} where {right.name} is right ({failure.case.clauses[0]})"
+            return _Kind(looks_like, meaning(right), conceptual=False)
         return _Kind(*_ruling_mistake(difference.right, difference.given, failure.case.clauses[0]), conceptual=False)
     if isinstance(difference, WrongReading):
         return _Kind(*_reading_mistake(difference, failure.case))
