@@ -9,7 +9,6 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
 from itertools import count
 from typing import Any, Final
 from uuid import UUID
@@ -19,8 +18,6 @@ from cyclonedds.core import InstanceState as Instances
 from cyclonedds.core import SampleState as Samples
 from cyclonedds.core import ViewState as Views
 from cyclonedds.domain import Domain, DomainParticipant
-from cyclonedds.idl import make_idl_struct, types
-from cyclonedds.idl.annotations import final
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
@@ -28,8 +25,9 @@ from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
 from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
-from catch_arena.ros.dds_peers import FAST_DDS, PeerWatch, dds_name, is_fast_dds
-from catch_arena.ros.interfaces import PRIMITIVES, MessageType, ServiceType
+from catch_arena.ros.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
+from catch_arena.ros.dds_types import from_sample, idl_struct, ros_name, to_sample
+from catch_arena.ros.interfaces import MessageType, ServiceType
 
 _LOCALHOST: Final = """<CycloneDDS><Domain>
 <General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
@@ -42,14 +40,6 @@ _SERVICE_DEPTH: Final = 64
 """Requests that may come between two steps: a whole class asks in one."""
 _REPLY_WAIT_S: Final = 0.1
 """A client may be asking before its reader of responses is known here: so long a response waits for it."""
-_MISSING_MEMBER: Final = "structure_needs_at_least_one_member"
-"""The byte that ROS puts into what has no fields."""
-_DUMMY: Final = {_MISSING_MEMBER: 0}
-_PRIMITIVES: Final[dict[str, Any]] = {word: getattr(types, word, None) for word in PRIMITIVES} | {
-    "bool": bool,
-    "string": str,
-}
-_sequence: Final[Any] = types.sequence
 _domains: Final[dict[int, Domain]] = {}
 """Of this process: a domain is configured once."""
 
@@ -304,46 +294,6 @@ class _DdsClient:
         del peer
         if sample.client == self._own and (call := self._calls.pop(sample.number, None)) is not None:
             call.response = from_sample(self._kind.response, sample)
-
-
-def ros_name(topic: str) -> str:
-    """A DDS topic as ROS calls it."""
-    return topic[2:].removesuffix("Request" if topic.startswith("rq") else "Reply" if topic.startswith("rr") else "")
-
-
-@cache
-def idl_struct(kind: MessageType, *, header: bool = False) -> Any:
-    """The package's own type of a message; with what a request or a response begins with."""
-    fields: dict[str, Any] = {"client": types.uint64, "number": types.int64} if header else {}
-    for name, word, is_sequence in kind.fields:
-        one: Any = _PRIMITIVES[word] if isinstance(word, str) else idl_struct(word)
-        fields[name] = _sequence[one] if is_sequence else one
-    if not kind.fields:
-        fields[_MISSING_MEMBER] = types.uint8
-    return final(make_idl_struct(kind.name.rpartition("/")[2], dds_name(kind), fields))
-
-
-def to_sample(kind: MessageType, message: Any, **header: int) -> Any:
-    """A message as the package wants it."""
-    values: dict[str, Any] = {**header} if kind.fields else {**header, **_DUMMY}
-    for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
-        if isinstance(word, str):
-            values[name] = list(value) if is_sequence else value
-        else:
-            values[name] = [to_sample(word, one) for one in value] if is_sequence else to_sample(word, value)
-    return idl_struct(kind, header=bool(header))(**values)
-
-
-def from_sample(kind: MessageType, sample: Any) -> Any:
-    """A message from what the package gives."""
-    values = []
-    for name, word, is_sequence in kind.fields:
-        value = getattr(sample, name)
-        if isinstance(word, str):
-            values.append(tuple(value) if is_sequence else value)
-        else:
-            values.append(tuple(from_sample(word, one) for one in value) if is_sequence else from_sample(word, value))
-    return kind.make(*values)
 
 
 def _participants(data_of: Callable[[int], Any], handles: Sequence[int]) -> set[UUID]:

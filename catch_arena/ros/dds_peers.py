@@ -11,6 +11,7 @@ from cyclonedds.core import Policy
 from cyclonedds.domain import DomainParticipant
 
 from catch_arena.ros.bus import Say
+from catch_arena.ros.dds_types import dds_name
 from catch_arena.ros.interfaces import MessageType
 from catch_arena.ros.type_hashes import type_hash
 
@@ -91,12 +92,6 @@ class PeerWatch:
 def is_fast_dds(participant: UUID) -> bool:
     """By the vendor in its id."""
     return participant.bytes[:2] == _FAST_DDS_VENDOR
-
-
-def dds_name(kind: MessageType) -> str:
-    """What DDS calls a type: turtlesim::msg::dds_::Pose_."""
-    package, folder, name = kind.name.split("/")
-    return f"{package}::{folder}::dds_::{name}_"
 
 
 def _announced_hash(endpoint: Any) -> str | None:

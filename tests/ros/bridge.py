@@ -77,7 +77,8 @@ class Bridge:
     def raw(self, text):
         """Send something to all clients, whatever it is."""
         for socket in list(self._clients):
-            socket.send(text)
+            with suppress(WebSocketException):  # it may just be going
+                socket.send(text)
 
     def hang_up(self):
         """On all clients."""

@@ -7,8 +7,7 @@ import pytest
 from ros import cdr
 
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros import dds_bus
-from catch_arena.ros.dds_peers import dds_name
+from catch_arena.ros import dds_types
 from catch_arena.ros.interfaces import (
     CLOCK,
     EMPTY,
@@ -35,12 +34,12 @@ BEGIN = "00010000 0807060504030201 0500000000000000"
 
 
 def encoded(kind, message, **header):
-    return dds_bus.to_sample(kind, message, **header).serialize(use_version_2=False)
+    return dds_types.to_sample(kind, message, **header).serialize(use_version_2=False)
 
 
 def decoded(kind, data, *, header=False):
-    sample = dds_bus.idl_struct(kind, header=header).deserialize(data)
-    message = dds_bus.from_sample(kind, sample)
+    sample = dds_types.idl_struct(kind, header=header).deserialize(data)
+    message = dds_types.from_sample(kind, sample)
     return (message, sample.client, sample.number) if header else message
 
 
@@ -159,7 +158,7 @@ def test_types_have_the_names_that_ros_gives_them_on_dds():
     """With the student's own package, and turtlesim's newer one."""
     types = Interfaces("my_package", "turtlesim_msgs")
 
-    assert dds_name(types.pose) == "turtlesim_msgs::msg::dds_::Pose_"
-    assert dds_name(types.turtle_array) == "my_package::msg::dds_::TurtleArray_"
-    assert dds_name(types.catch_turtle.request) == "my_package::srv::dds_::CatchTurtle_Request_"
-    assert dds_name(EMPTY.response) == "std_srvs::srv::dds_::Empty_Response_"
+    assert dds_types.dds_name(types.pose) == "turtlesim_msgs::msg::dds_::Pose_"
+    assert dds_types.dds_name(types.turtle_array) == "my_package::msg::dds_::TurtleArray_"
+    assert dds_types.dds_name(types.catch_turtle.request) == "my_package::srv::dds_::CatchTurtle_Request_"
+    assert dds_types.dds_name(EMPTY.response) == "std_srvs::srv::dds_::Empty_Response_"

@@ -13,6 +13,7 @@ from catch_arena.errors import BusError, ConfigError
 from catch_arena.messages import Turtle, TurtleArray
 from catch_arena.ros import bus, dds_peers
 from catch_arena.ros.bus import open_bus
+from catch_arena.ros.dds_types import dds_name
 from catch_arena.ros.interfaces import TWIST, Interfaces
 from catch_arena.ros.type_hashes import type_hash
 
@@ -235,8 +236,8 @@ def test_fast_dds_is_told_apart_by_its_ids_and_only_where_services_are_concerned
     """One line, with the two ways out, however often its nodes appear."""
     looking, said = watch
     shown = [
-        ("rq/catch_turtleRequest", dds_peers.dds_name(TYPES.catch_turtle.request)),
-        ("rt/alive_turtles", dds_peers.dds_name(TYPES.turtle_array)),
+        ("rq/catch_turtleRequest", dds_name(TYPES.catch_turtle.request)),
+        ("rt/alive_turtles", dds_name(TYPES.turtle_array)),
         ("rt/other", "U_"),
     ]
     for topic, kind in shown:
@@ -253,7 +254,7 @@ def test_fast_dds_is_told_apart_by_its_ids_and_only_where_services_are_concerned
 def test_other_fields_under_the_same_name_are_told_where_a_node_announces_them(watch):
     """From Iron on; older nodes announce nothing, and an equal announcement is no news."""
     looking, said = watch
-    name = dds_peers.dds_name(TYPES.turtle_array)
+    name = dds_name(TYPES.turtle_array)
     for announced in (b"", f"typehash={type_hash(TYPES.turtle_array)};".encode()):
         looking._check(endpoint("rt/alive_turtles", name, b"\x01\x10", announced))
     assert said == []

@@ -15,10 +15,10 @@ from websockets.sync.client import connect
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 
-ARENA = ("--seed", 5, "--set", "time_limit_s=4", "--set", "initial_targets=8")
+ARENA = ("--seed", 5, "--set", "time_limit_s=4", "--set", "initial_targets=16")
 
 
-def finished(process, seconds=60):
+def finished(process, seconds=120):
     out, err = process.communicate(timeout=seconds)
     return out, err, process.returncode
 

@@ -178,7 +178,10 @@ def test_a_flood_leaves_the_newest(bridge, joined):
     until(joined, lambda: bridge[0].frames)
     for number in range(2000):
         bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": to_json(TWIST, TwistMessage.of(number, 0.0))}))
-    time.sleep(0.5)
+    inbox = ours._inboxes["publish", "/t"]
+    end = time.monotonic() + 20
+    while time.monotonic() < end and not (inbox and inbox[-1]["msg"]["linear"]["x"] == 1999):
+        time.sleep(0.01)
     ours.spin()
     assert heard == list(range(1990, 2000))
 
