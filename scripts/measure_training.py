@@ -1,6 +1,6 @@
 """The numbers in docs/training.md: what it takes to keep a state, and how fast a learner's loop is.
 
-The second part needs stable-baselines3 and sb3-contrib (`pip install '.[sb3]'`), and is left out where they are missing.
+The second part needs `pip install '.[sb3]'`, and is left out where that is missing.
 """
 
 import argparse

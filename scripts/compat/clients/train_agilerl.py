@@ -2,7 +2,7 @@
 
 import numpy as np
 from agilerl.algorithms import IPPO, MADDPG
-from agilerl.components.multi_agent_replay_buffer import MultiAgentReplayBuffer
+from agilerl.components.replay_buffer import ReplayBuffer
 from agilerl.training.train_multi_agent_off_policy import train_multi_agent_off_policy
 from agilerl.training.train_multi_agent_on_policy import train_multi_agent_on_policy
 from agilerl.vector.pz_async_vec_env import AsyncPettingZooVecEnv
@@ -27,13 +27,8 @@ if __name__ == "__main__":
     try:
         agents, _ = train_multi_agent_on_policy(env, "duel", "IPPO", [IPPO(**spaces, learn_step=60)], **quiet)
         assert agents[0].steps[-1] >= 240
-        memory = MultiAgentReplayBuffer(
-            1000,
-            field_names=["obs", "action", "reward", "next_obs", "done"],
-            agent_ids=plain.possible_agents,
-        )
         learner = MADDPG(**spaces, batch_size=32, learn_step=20)
-        agents, _ = train_multi_agent_off_policy(env, "duel", "MADDPG", [learner], memory, **quiet)
+        agents, _ = train_multi_agent_off_policy(env, "duel", "MADDPG", [learner], ReplayBuffer(1000), **quiet)
         assert agents[0].steps[-1] >= 240
         assert np.isfinite(agents[0].scores).all() if agents[0].scores else True
     finally:

@@ -38,11 +38,11 @@ before = [[weights.detach().clone() for weights in one.policy.parameters()] for 
 both = MultiAgentOffPolicyAlgorithm(algorithms=learners, env=env)
 collector = Collector(both, DummyVectorEnv([make, make]), VectorReplayBuffer(4000, 2), exploration_noise=True)
 collector.reset()
-for _ in range(3):
-    found = collector.collect(n_step=240)
+for _ in range(2):
+    found = collector.collect(n_step=120)
     with both.policy.torch_train_mode() if hasattr(both.policy, "torch_train_mode") else torch.enable_grad():
         both.policy.is_within_training_step = True
         both.update(buffer=collector.buffer, sample_size=64)
-assert found.n_collected_steps >= 240
+assert found.n_collected_steps >= 120
 for one, old in zip(learners, before, strict=True):
     assert any((weights != was).any() for weights, was in zip(one.policy.parameters(), old, strict=True))
