@@ -115,6 +115,7 @@ class VectorArena:
         self.num_envs: Final = num_envs
         self.num_hunters: Final = self.config.hunters
         self.num_prey: Final = self.config.prey
+        self.auto_reset: Final = auto_reset
         self._copy = copy
         self._kinds: Final = set(CONTROLS if any_control else self.config.controls)
         self._begun = False

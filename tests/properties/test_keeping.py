@@ -160,3 +160,21 @@ def test_a_state_goes_between_arenas_that_reset_by_themselves_and_that_do_not():
         other.restore_row(2, one.save_row(0))
         assert other.digest(2) == one.digest(0)
         one.restore(other.save())
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])  # noqa: S301 - our own
+def test_an_aec_env_is_copied_and_pickled_between_two_turns(again):
+    """With the actions that have been given and not yet played."""
+    env = catch_arena.env("standard")
+    env.reset(seed=3)
+    for _ in range(4 * 5 + 2):
+        env.step(1)
+    twin = again(env)
+    for one in (env, twin):
+        assert one.agent_selection == "hunter_2"
+        for _ in range(10):
+            one.step(2)
+    assert env.unwrapped.digest() == twin.unwrapped.digest() == twin.digest()
+    assert twin.world().step == 8
+    twin.step(1)
+    assert env.agent_selection != twin.agent_selection
