@@ -14,8 +14,8 @@ ARENAS = {
 }
 """Prey drives at random."""
 HUNTERS = {
-    "nearest target": {},
-    "random ranks": {},
+    "nearest target": {"control": "target"},
+    "random ranks": {"control": "target"},
     "random velocities": {"control": "velocity"},
     "random velocities and ranks": {"control": "full"},
 }
