@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from catch_arena.arbitration import arbitrate as arbitrate
+    from catch_arena.batch_policy import BatchView as BatchView
     from catch_arena.config import ArenaConfig as ArenaConfig
     from catch_arena.config import FaultRates as FaultRates
     from catch_arena.config import Gains as Gains
@@ -20,8 +21,12 @@ if TYPE_CHECKING:
     from catch_arena.errors import CatchArenaError as CatchArenaError
     from catch_arena.explanation import explain as explain
     from catch_arena.explanation import explain_step as explain_step
+    from catch_arena.layout import columns as columns
     from catch_arena.policy import Limits as Limits
     from catch_arena.policy import Policy as Policy
+    from catch_arena.policy import PreyLimits as PreyLimits
+    from catch_arena.policy import PreyPolicy as PreyPolicy
+    from catch_arena.policy import PreyView as PreyView
     from catch_arena.policy import View as View
     from catch_arena.replay import Replay as Replay
     from catch_arena.scenarios import SCENARIOS as SCENARIOS
@@ -34,12 +39,16 @@ if TYPE_CHECKING:
 _HOMES = {
     "ArenaConfig": "config",
     "ArenaService": "service",
+    "BatchView": "batch_policy",
     "CatchArenaError": "errors",
     "Engine": "engine",
     "FaultRates": "config",
     "Gains": "config",
     "Limits": "policy",
     "Policy": "policy",
+    "PreyLimits": "policy",
+    "PreyPolicy": "policy",
+    "PreyView": "policy",
     "Replay": "player",  # replay/ has it; the player gives it a picture in notebooks
     "RewardWeights": "config",
     "Ruling": "verdicts",
@@ -49,6 +58,7 @@ _HOMES = {
     "View": "policy",
     "World": "world",
     "arbitrate": "arbitration",
+    "columns": "layout",
     "env": "envs.aec",
     "explain": "explanation",
     "explain_step": "explanation",

@@ -12,15 +12,15 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from catch_arena.config import ArenaConfig
-from catch_arena.layout import SELF_COLUMNS, Column, columns, state_columns
-from catch_arena.policy import Limits
+from catch_arena.layout import SELF_COLUMNS, Column, columns, prey_columns, state_columns
+from catch_arena.policy import Limits, PreyLimits
 from catch_arena.scenarios import scenario
 
 DOCS = Path(__file__).parent.parent / "docs"
 
-HEAD = """# What a hunter sees
+HEAD = """# What an agent sees
 
-Made from `catch_arena/layout.py` by `make docs`; do not edit. The clauses are R7.1 to R7.6.
+Made from `catch_arena/layout.py` by `make docs`; do not edit. The clauses are R7.1 to R7.6, and R12.4 for prey.
 
 An observation is one float32 vector. `catch_arena.View(observation, mask, limits)` gives it names. Numbers are SI
 units in the hunter's own frame (forward, left), except its own
@@ -32,7 +32,16 @@ and of `rival_2` and `rival_3` repeat those of the first.
 """
 
 
-MOVING = """Each target has three columns more there (R7.4), and so it has in the global view; of `target_1`:
+MOVING = """Each target has three columns more there, and where there is prey (R7.4), and so it has in the global view;
+of `target_1`:
+"""
+
+TEAMS = """Each rival has one column more where there are teams (R7.4). In `pairs`, of `rival_1`:
+"""
+
+PREY = """Prey has a vector of its own, in its own frame (R12.4). It sees all round, everywhere, and without noise: at
+most eight hunters and eight other prey, the nearest first. While it is out everything is zero but for `time_left` and
+`times_caught`. In `herd`, where 4 hunters chase 4 prey:
 """
 
 PARTIAL = """A scenario may limit what hunters see to a radius and a cone (R7.5), and blur it (R7.6). The columns stay:
@@ -42,6 +51,10 @@ what holds.
 
 STATE = """`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then
 `max_targets` places for targets in spawning order.
+"""
+
+STATE_OF_PREY = """
+Where there is prey, each prey follows, by index. In `herd`:
 """
 
 
@@ -85,6 +98,10 @@ def observation_page() -> str:
     seats = (*(f"hunter_{i}." for i in range(1, 10)), *(f"target_{i}." for i in range(2, 17)), "target_1")
     moving = columns(scenario("standard", target_motion="wander"))
     of_moving_target = tuple(column for column in moving if column.name.startswith("target_1."))
+    pairs = columns(scenario("pairs"))
+    of_team_rival = [column for column in pairs if column.name.startswith("rival_1.")]
+    herd = scenario("herd")
+    of_prey = [column for column in state_columns(herd) if column.name.startswith("prey_0.")]
     return "\n".join(
         (
             HEAD,
@@ -92,11 +109,22 @@ def observation_page() -> str:
             "\n## Where targets move\n",
             MOVING,
             table(of_moving_target, skip_repeats=(), first=len(SELF_COLUMNS)),
+            "\n## Where there are teams\n",
+            TEAMS,
+            table(tuple(of_team_rival), skip_repeats=(), first=pairs.index(of_team_rival[0])),
+            "\n## What prey sees\n",
+            PREY,
+            table(
+                prey_columns(herd),
+                skip_repeats=tuple(f"{kind}_{i}." for kind in ("hunter", "prey") for i in range(2, 9)),
+            ),
             "\n## What is not seen\n",
             PARTIAL.rstrip(),
             "\n## The global view\n",
             STATE,
             table(state_columns(config), skip_repeats=tuple(s for s in seats if s != "target_1")),
+            STATE_OF_PREY,
+            table(tuple(of_prey), skip_repeats=(), first=state_columns(herd).index(of_prey[0])),
             "",
         )
     )
@@ -119,20 +147,22 @@ def split_unit(words: str) -> tuple[str, str]:
     return (words, "") if unit is None else (words.replace(unit[0], "", 1), unit[1])
 
 
-def limits_table() -> str:
+def limits_table(kind: type[Limits | PreyLimits]) -> str:
     """The fields of `view.limits` as a Markdown table, from the words below each of them in the source."""
     lines = ["| field | unit | meaning |", "|---|---|---|"]
-    for name, words in words_below(Limits).items():
+    for name, words in words_below(kind).items():
         meaning, unit = split_unit(words)
         lines.append(f"| `{name}` | {unit} | {meaning} |")
     return "\n".join(lines)
 
 
 def agents_page(page: str) -> str:
-    """docs/agents.md with its table of limits as it should be."""
+    """docs/agents.md with its tables of limits as they should be."""
     begin, end = "<!-- made from catch_arena/policy.py by `make docs` -->\n\n", "\n\n<!-- end -->"
-    before, after = page.split(begin)
-    return f"{before}{begin}{limits_table()}{end}{after.partition(end)[2]}"
+    before, *parts = page.split(begin)
+    tables = map(limits_table, (Limits, PreyLimits))
+    made = (f"{begin}{table}{end}{part.partition(end)[2]}" for table, part in zip(tables, parts, strict=True))
+    return before + "".join(made)
 
 
 class Setting(NamedTuple):

@@ -88,6 +88,14 @@ Agents = Annotated[
         "cmd:COMMAND (docs/isolation.md).",
     ),
 ]
+TeamSize = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        help="Make teams of N hunters in a scenario that has none; an agent plays all hunters of its team.",
+        show_default="no teams",
+    ),
+]
 Scenario = Annotated[str, typer.Option("--scenario", "-s", help="The arena to play in (see `catch-arena scenarios`).")]
 SettingOption = Annotated[
     list[str] | None,
@@ -167,8 +175,8 @@ def _common(
     del version
 
 
-def arena(name: str, settings: list[str] | None) -> ArenaConfig:
-    """The scenario with the changes of --set.
+def arena(name: str, settings: list[str] | None, team_size: int | None = None) -> ArenaConfig:
+    """The scenario with the changes of --set, and the teams of --team-size.
 
     Raises:
         ConfigError: for an unknown scenario or setting, and a value that it cannot have.
@@ -184,7 +192,22 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
             parts[part] = value
         else:
             raise ConfigError(f"--set {group}=... and --set {key}=... must not both be given")
-    return scenario(name, **overrides)
+    config = scenario(name, **overrides)
+    return config if team_size is None else _with_teams(config, team_size, name)
+
+
+def _with_teams(config: ArenaConfig, size: int, name: str) -> ArenaConfig:
+    """The arena with its hunters in teams of that size, neighbours by seat together.
+
+    Raises:
+        ConfigError: for a size that does not divide the hunters, or where there are teams already.
+    """
+    if config.teams is not None:
+        raise ConfigError(f"--team-size must be left out in {name}, which has teams, got {size}")
+    if size < 1 or config.hunters % size:
+        raise ConfigError(f"--team-size must divide the {config.hunters} hunters of {name}, got {size}")
+    seats = range(config.hunters)
+    return config.replace(teams=tuple(tuple(seats[begin : begin + size]) for begin in seats[::size]))
 
 
 def secret_of(seed: str | None) -> Secret:
@@ -255,7 +278,7 @@ def say_level(limits: AgentLimits | None) -> None:
 
 
 def enter_agents(
-    specs: Sequence[str], limits: AgentLimits | None, looks: "FirstLooks | None" = None
+    specs: Sequence[str], limits: AgentLimits | None, looks: "FirstLooks | None" = None, *, prey: bool = False
 ) -> "tuple[Entrant, ...]":
     """The agents that these specs stand for, looked at where they will play. Warns on stderr of those that cannot play,
     and of what this system cannot limit.
@@ -264,6 +287,7 @@ def enter_agents(
         specs: as on the command line.
         limits: those of isolated agents, None where all are trusted.
         looks: what is known of earlier looks, where one may have ended the command.
+        prey: whether they play prey too.
 
     Raises:
         AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
@@ -282,6 +306,8 @@ def enter_agents(
     for player in players:
         if player.fault is not None:
             say(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)
+        elif prey and player.prey_fault is not None:
+            say(f"warning: {player.name} forfeits its matches as prey: {player.prey_fault}", err=True)
     if limits is not None and not all(is_shipped(player.spec) for player in players):
         for line in missing_protections():
             say(f"warning: {line}", err=True)

@@ -41,8 +41,16 @@ def _contest(replay: Replay, world: World, target: str, asked: Sequence[Ruling])
         lots = {seat: int(_tie_lot(seed, step, number, seat)) for seat in tied}
     else:
         clause = "R5.4"
+    team = replay.config.team_by_seat
     claims = tuple(
-        Claim(ruling.hunter, ruling.verdict, ruling.distance_um, lots.get(ruling.hunter)) for ruling in asked
+        Claim(
+            ruling.hunter,
+            ruling.verdict,
+            ruling.distance_um,
+            lots.get(ruling.hunter),
+            ruling.verdict is Verdict.LOST_CONTEST and team[ruling.hunter] == team[asked[0].hunter],
+        )
+        for ruling in asked
     )
     return Contest(world.step, world.time_ms - replay.config.control_period_ms, target, clause, claims)
 

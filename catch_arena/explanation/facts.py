@@ -17,6 +17,8 @@ class Claim:
     """At the step's beginning (R5.3); None under the policy `capstone`, which does not measure."""
     lot: int | None = None
     """Where a lot decided (R5.5, R5.9): its word, of which the lowest wins."""
+    mate: bool = False
+    """It lost to its own team-mate (R11.3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +75,8 @@ class HunterSummary:
     contests_lost: int = 0
     won_by_um: float | None = None
     """How much nearer than the nearest rival it was in the contests that it won, on average."""
+    contests_lost_to_mates: int = 0
+    """Of those that it lost (R11.3)."""
     lost_by_um: float | None = None
     """How much nearer the winner was in those that it lost, on average."""
     refused: dict[str, int] = field(default_factory=dict)
@@ -84,6 +88,54 @@ class HunterSummary:
     withdrawn_ms: int | None = None
     dropped_out: bool = False
     """It left by chance (R1.7), and was not withdrawn (R1.6)."""
+
+
+@dataclass(frozen=True, slots=True)
+class TeamSummary:
+    """What a team has (R11.1)."""
+
+    name: str
+    seats: tuple[int, ...]
+    score: int
+    rank: int
+
+
+@dataclass(slots=True)
+class Capture:
+    """One prey was caught (R12.3)."""
+
+    prey: int
+    """Its index."""
+    step: int
+    """Counted from 1."""
+    judged_ms: int
+    """When the catch was judged: the step's beginning (R1.4)."""
+    seat: int
+    """Who caught it."""
+    target: str
+    """Which it was to the arbiter."""
+    distance_um: int | None
+    """At the step's beginning (R5.3); None under the policy `capstone`, which does not measure."""
+    in_play_ms: int
+    """For how long it had been in play."""
+    returned_ms: int | None = None
+    """When it returned; None where it did not before the end."""
+    returned_as: str | None = None
+
+
+@dataclass(slots=True)
+class PreySummary:
+    """What became of one prey."""
+
+    index: int
+    name: str
+    times_caught: int = 0
+    returns: int = 0
+    in_play_ms: int = 0
+    """For how long in all (R12.5)."""
+    out: bool = False
+    """At the end."""
+    withdrawn_ms: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +162,23 @@ class HunterAction:
     """How many targets it saw (R7.5)."""
     unseen: tuple[Unseen, ...]
     """Those that it did not, the nearest first."""
+
+
+@dataclass(frozen=True, slots=True)
+class PreyAction:
+    """What one prey did in a step, and what became of it."""
+
+    index: int
+    name: str
+    action: str
+    """In words."""
+    target: str | None
+    """Which it was when the step began; None while it was out."""
+    caught_by: int | None
+    """The seat of who caught it in this step."""
+    returned_as: str | None
+    """The target that it returned as at the step's end (R12.3)."""
+    withdrawn: bool
 
 
 def json_ready(value: Any) -> Any:

@@ -7,10 +7,26 @@ from typing import Any, Final
 
 import numpy as np
 
+from catch_arena.explanation.captures import PreyRecord, captures_by
 from catch_arena.explanation.contests import contests_of
-from catch_arena.explanation.facts import Contest, HunterSummary, Refusals, json_ready
-from catch_arena.explanation.seats import find_seat, how_it_left, labels
-from catch_arena.explanation.sentences import contest_sentence, opening_sentence, refusals_sentence, summary_sentence
+from catch_arena.explanation.facts import (
+    Capture,
+    Contest,
+    HunterSummary,
+    PreySummary,
+    Refusals,
+    TeamSummary,
+    json_ready,
+)
+from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels, team_label
+from catch_arena.explanation.sentences import (
+    capture_sentence,
+    contest_sentence,
+    opening_sentence,
+    prey_sentence,
+    refusals_sentence,
+    summary_sentence,
+)
 from catch_arena.explanation.sight import Sight
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Verdict
@@ -31,30 +47,42 @@ class Explanation:
     duration_ms: int
     names: tuple[str, ...]
     """What the hunters are called, by seat."""
+    prey_names: tuple[str, ...]
+    """What prey is called, by index."""
     scores: tuple[int, ...]
     contests: tuple[Contest, ...]
     refusals: tuple[Refusals, ...]
     records: tuple[HunterSummary, ...]
+    teams: tuple[TeamSummary, ...]
+    """None where the scenario has no teams."""
+    captures: tuple[Capture, ...]
+    """Of prey, by the hunters that were asked about."""
+    prey: tuple[PreySummary, ...]
+    """By index; none where one hunter alone was asked about."""
 
     def lines(self) -> list[str]:
         """The match in words: a paragraph for each contest and each run of refusals in their order, then one for each
-        hunter, with an empty line between them.
+        hunter and each prey, with an empty line between them.
         """
         events = [(one.step, 0, contest_sentence(one, self.names)) for one in self.contests]
         events += [
             (run.first_step, 1, refusals_sentence(run, self.names[run.seat], self.reaches_um[run.seat]))
             for run in self.refusals
         ]
+        events += [(one.step, 2, capture_sentence(one, self.names, self.prey_names)) for one in self.captures]
         found = [text for _, _, text in sorted(events)]
         if not self.contests:
             everybody = len(self.records) == len(self.names)
             found.append(_NO_CONTEST if everybody else f"No contest of {self.records[0].name}.")
         return [
-            opening_sentence(self.title, self.steps, self.duration_ms, self.policy, self.names, self.scores),
+            opening_sentence(
+                self.title, self.steps, self.duration_ms, self.policy, self.names, self.scores, self.teams
+            ),
             "",
             *found,
             "",
             *(summary_sentence(summary, self.policy) for summary in self.records),
+            *map(prey_sentence, self.prey),
         ]
 
     def to_dict(self) -> dict[str, Any]:
@@ -77,18 +105,20 @@ def explain(
         ConfigError: for an unknown hunter.
     """
     chosen = range(replay.config.hunters) if hunter is None else (find_seat(replay, hunter),)
-    names = labels(replay.names)
+    names = labels(replay.hunter_names)
     contests: list[Contest] = []
     refusals: list[Refusals] = []
     running: dict[tuple[int, Verdict], Refusals] = {}
     refused = [Counter[str]() for _ in names]
     summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
     scores: tuple[int, ...] = ()
+    prey = PreyRecord(replay)
     sight = _SightOfMatch(replay) if replay.config.partial_view else None
     for step, world in enumerate(replay.worlds()):
         if sight is not None:
             sight.note(world, summaries)
         _note_departures(replay, world, summaries)
+        prey.note(world)
         found = contests_of(replay, world)
         contests += found
         judged_ms = world.time_ms - replay.config.control_period_ms
@@ -111,10 +141,24 @@ def explain(
         steps=replay.steps,
         duration_ms=replay.steps * replay.config.control_period_ms,
         names=names,
+        prey_names=prey_labels(replay),
         scores=scores,
         contests=tuple(one for one in contests if any(claim.seat in chosen for claim in one.claims)),
         refusals=tuple(one for one in refusals if one.seat in chosen),
         records=tuple(summaries[seat] for seat in chosen),
+        teams=_teams(replay, scores),
+        captures=captures_by(prey.captures, chosen),
+        prey=tuple(prey.summaries) if hunter is None else (),
+    )
+
+
+def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
+    """R11.1: by the config's order."""
+    teams = replay.config.teams or ()
+    sums = [sum(scores[seat] for seat in seats) for seats in teams]
+    return tuple(
+        TeamSummary(team_label(replay, seats), seats, score, 1 + sum(other > score for other in sums))
+        for seats, score in zip(teams, sums, strict=True)
     )
 
 
@@ -149,7 +193,7 @@ class _SightOfMatch:
 
     def __init__(self, replay: Replay) -> None:
         self._sight = Sight(replay.config)
-        self._seen: list[set[str]] = [set() for _ in replay.names]
+        self._seen: list[set[str]] = [set() for _ in replay.hunter_names]
 
     def note(self, world: World, summaries: Sequence[HunterSummary]) -> None:
         """One more state, and the catches that led to it."""
@@ -190,6 +234,7 @@ def _count_contests(summaries: Sequence[HunterSummary], contests: Sequence[Conte
         winner, *losers = contest.claims
         won[winner.seat].append(contest.margin_um or 0)
         for claim in losers:
+            summaries[claim.seat].contests_lost_to_mates += claim.mate
             lost[claim.seat].append((claim.distance_um or 0) - (winner.distance_um or 0))
     for summary in summaries:
         wins, losses = won[summary.seat], lost[summary.seat]

@@ -3,7 +3,17 @@
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from catch_arena.explanation.facts import Claim, Contest, HunterAction, HunterSummary, Refusals
+from catch_arena.explanation.facts import (
+    Capture,
+    Claim,
+    Contest,
+    HunterAction,
+    HunterSummary,
+    PreyAction,
+    PreySummary,
+    Refusals,
+    TeamSummary,
+)
 from catch_arena.explanation.formatting import exact_length, metres, seconds
 from catch_arena.explanation.seats import with_seat
 from catch_arena.explanation.sight import Unseen
@@ -15,12 +25,21 @@ _MOST_UNSEEN: Final = 3
 
 
 def opening_sentence(
-    title: str, steps: int, duration_ms: int, policy: str, names: Sequence[str], scores: Sequence[int]
+    title: str,
+    steps: int,
+    duration_ms: int,
+    policy: str,
+    names: Sequence[str],
+    scores: Sequence[int],
+    teams: Sequence[TeamSummary],
 ) -> str:
     """A whole match: how long it was, and who caught how many."""
     caught = (f"{with_seat(name, seat)} {score}" for seat, (name, score) in enumerate(zip(names, scores, strict=True)))
     heading = f"{title}: " if title else ""
-    return f"{heading}{_counted(steps, 'step')}, {seconds(duration_ms)}, policy {policy}. Catches: {_listed(caught)}."
+    sums = [f"{team.name} {team.score}" for team in sorted(teams, key=lambda team: team.rank)]
+    of_teams = f"Teams (R11.1): {_listed(sums)}. " if sums else ""
+    length = f"{_counted(steps, 'step')}, {seconds(duration_ms)}"
+    return f"{heading}{length}, policy {policy}. {of_teams}Catches: {_listed(caught)}."
 
 
 def contest_sentence(contest: Contest, names: Sequence[str]) -> str:
@@ -40,7 +59,9 @@ def contest_sentence(contest: Contest, names: Sequence[str]) -> str:
     lost = (
         f"{_listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
     )
-    return f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}."
+    mates = [names[claim.seat] for claim in losers if claim.mate]
+    own = f", {_listed(mates)} to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)" if mates else ""
+    return f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}{own}."
 
 
 def _decision(contest: Contest, names: Sequence[str]) -> str:
@@ -82,6 +103,31 @@ def refusals_sentence(run: Refusals, name: str, reach_um: int) -> str:
     return f"{asked}: {run.verdict.name}, {REASONS[run.verdict]}{limit}."
 
 
+def capture_sentence(one: Capture, names: Sequence[str], prey_names: Sequence[str]) -> str:
+    """Who caught a prey, from where, and when it returned."""
+    place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
+    after = "; it did not return"
+    if one.returned_ms is not None:
+        after = f"; it returned at {seconds(one.returned_ms)} as {one.returned_as}"
+    who = f"{names[one.seat]} caught {prey_names[one.prey]}, {one.target},{place}"
+    when = f"At {seconds(one.judged_ms)} (step {one.step})"
+    return f"{when} {who} after {seconds(one.in_play_ms)} in play{after} (R12.3)."
+
+
+def prey_sentence(summary: PreySummary) -> str:
+    """What became of one prey."""
+    parts = [
+        f"caught {_counted(summary.times_caught, 'time')}",
+        f"returned {_counted(summary.returns, 'time')}",
+        f"{seconds(summary.in_play_ms)} in play",
+    ]
+    if summary.out:
+        parts.append("out at the end")
+    if summary.withdrawn_ms is not None:
+        parts.append(f"withdrawn at {seconds(summary.withdrawn_ms)} (R12.5)")
+    return f"{summary.name}: {'; '.join(parts)}."
+
+
 def summary_sentence(summary: HunterSummary, policy: str) -> str:
     """What became of one hunter."""
     parts = [_counted(summary.catches, "catch", "catches")]
@@ -92,6 +138,8 @@ def summary_sentence(summary: HunterSummary, policy: str) -> str:
         ):
             average = "" if by is None or policy != "nearest" else f", by {exact_length(by)} on average"
             parts.append(f"{_counted(count, 'contest')} {what}{average}")
+        if summary.contests_lost_to_mates:
+            parts[-1] += f", {summary.contests_lost_to_mates} of them to its own team-mates (R11.3)"
     if summary.refused:
         reasons = ", ".join(f"{count} {verdict}" for verdict, count in summary.refused.items())
         parts.append(f"{_counted(sum(summary.refused.values()), 'request')} refused ({reasons})")
@@ -113,6 +161,21 @@ def action_sentences(
     did = f"{with_seat(names[one.seat], one.seat)}, {one.control} control: {one.action}{chosen}."
     sight = _sight(one, view_radius_m, view_angle_deg)
     return " ".join((did, *filter(None, (_left(one), _requested(one, names), sight))))
+
+
+def prey_action_sentences(one: PreyAction, names: Sequence[str]) -> str:
+    """What one prey did in a step, and what became of it."""
+    if one.withdrawn:
+        told = ["withdrawn (R12.5)."]
+    elif one.target is None:
+        told = ["out (R12.3)."]
+    else:
+        told = [f"{one.action}, as {one.target}."]
+    if one.caught_by is not None:
+        told.append(f"It was caught by {names[one.caught_by]} (R12.3).")
+    if one.returned_as is not None:
+        told.append(f"It returned as {one.returned_as}.")
+    return f"{one.name}: {' '.join(told)}"
 
 
 def _left(one: HunterAction) -> str:
@@ -154,7 +217,9 @@ def _out_of_sight(one: Unseen) -> str:
     return f"{one.target}, {metres(one.distance_um)} away, {' and '.join(why)}"
 
 
-def distances_sentence(target: str, distances_um: Sequence[int], names: Sequence[str], unseen_by: Sequence[int]) -> str:
+def distances_sentence(
+    target: str, distances_um: Sequence[int], names: Sequence[str], unseen_by: Sequence[int], prey: str | None
+) -> str:
     """How far everybody was from one target.
 
     Args:
@@ -162,13 +227,15 @@ def distances_sentence(target: str, distances_um: Sequence[int], names: Sequence
         distances_um: by seat [micrometres].
         names: what the hunters are called, by seat.
         unseen_by: the seats that did not see it.
+        prey: what the prey that plays it is called, where one does.
     """
     ranked = sorted(
         (distance, name, " (out of its sight)" if seat in unseen_by else "")
         for seat, (distance, name) in enumerate(zip(distances_um, names, strict=True))
     )
     told = _listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
-    return f"Distances to {target}: {told}."
+    player = f", which {prey} plays" if prey is not None else ""
+    return f"Distances to {target}{player}: {told}."
 
 
 def _listed(words: Iterable[str]) -> str:

@@ -8,10 +8,15 @@ from typing import Any
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.contests import contests_of
-from catch_arena.explanation.facts import Contest, HunterAction, json_ready
+from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import seconds
-from catch_arena.explanation.seats import find_seat, how_it_left, labels
-from catch_arena.explanation.sentences import action_sentences, contest_sentence, distances_sentence
+from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels
+from catch_arena.explanation.sentences import (
+    action_sentences,
+    contest_sentence,
+    distances_sentence,
+    prey_action_sentences,
+)
 from catch_arena.explanation.sight import Sight
 from catch_arena.replay import Replay
 from catch_arena.verdicts import REASONS, Ruling
@@ -30,6 +35,10 @@ class StepExplanation:
     """What the hunters are called, by seat."""
     asked: tuple[HunterAction, ...]
     """A line for each hunter that was asked about."""
+    prey: tuple[PreyAction, ...]
+    """By index; none where one hunter alone was asked about."""
+    played: dict[str, str]
+    """For each target that prey plays: what this is called."""
     distances_um: dict[str, tuple[int, ...]]
     """For each target that these named or requested: every hunter's distance, by seat (R5.3)."""
     out_of_sight: dict[str, tuple[int, ...]]
@@ -44,8 +53,9 @@ class StepExplanation:
         return [
             f"Step {self.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
             *(action_sentences(one, self.names, self.view_radius_m, self.view_angle_deg) for one in self.asked),
+            *(prey_action_sentences(one, self.names) for one in self.prey),
             *(
-                distances_sentence(target, distances_um, self.names, self.out_of_sight[target])
+                distances_sentence(target, distances_um, self.names, self.out_of_sight[target], self.played.get(target))
                 for target, distances_um in self.distances_um.items()
             ),
             *(contest_sentence(contest, self.names) for contest in self.contests),
@@ -100,8 +110,14 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         step=step,
         begin_ms=before.time_ms,
         end_ms=after.time_ms,
-        names=labels(replay.names),
+        names=labels(replay.hunter_names),
         asked=asked,
+        prey=_prey_actions(replay, before, after) if hunter is None else (),
+        played={
+            one.target: name
+            for one, name in zip(before.prey, prey_labels(replay), strict=True)
+            if one.target is not None
+        },
         distances_um={
             target.name: tuple(_distances(before, (target.x, target.y)))
             for target in before.targets
@@ -115,6 +131,21 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         contests=tuple(
             contest for contest in contests_of(replay, after) if any(claim.seat in chosen for claim in contest.claims)
         ),
+    )
+
+
+def _prey_actions(replay: Replay, before: World, after: World) -> tuple[PreyAction, ...]:
+    return tuple(
+        PreyAction(
+            index=index,
+            name=name,
+            action=replay.prey_action(before.step, index),
+            target=then.target,
+            caught_by=now.caught_by,
+            returned_as=None if now.target == then.target else now.target,
+            withdrawn=now.withdrawn,
+        )
+        for index, (name, then, now) in enumerate(zip(prey_labels(replay), before.prey, after.prey, strict=True))
     )
 
 

@@ -79,7 +79,7 @@ def contact_sheet(
         )
     sprites = SpriteCache()
     sheet = Canvas.blank(width, height, hud.PANEL, sprites)
-    info = MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay))
+    info = MatchInfo.of_replay(replay)
     sheet.draw(_heading(hud.Rect(0, 0, width, head), info, replay.seed))
     lines = round(_LINES * grid.side)
     renderer = MatchRenderer(info, (grid.side, grid.side + grid.extra - lines), "arena", sprites=sprites)

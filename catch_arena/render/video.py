@@ -17,6 +17,7 @@ from catch_arena.render.motion import frame_spans
 from catch_arena.render.renderer import MatchRenderer, checked_size
 from catch_arena.render.timing import Clip, FrameTiming
 from catch_arena.replay import Replay
+from catch_arena.world import World
 
 SLOWEST: Final = Fraction(1, 100)
 FASTEST: Final = Fraction(100)
@@ -134,9 +135,7 @@ def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
 
 def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> MatchRenderer:
     """The renderer of a recorded match."""
-    return MatchRenderer(
-        MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay)), size, layout, replay.seed
-    )
+    return MatchRenderer(MatchInfo.of_replay(replay), size, layout, replay.seed)
 
 
 def checked_view(replay: Replay, hunter: int | str) -> int:
@@ -159,11 +158,16 @@ def duration_ms(replay: Replay) -> int:
 
 
 def rendered_frames(replay: Replay, renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
+    """The frames of a recorded match; see `frames_of`."""
+    return frames_of(replay.worlds(), renderer, timing)
+
+
+def frames_of(worlds: Iterable[World], renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
     """The frames, one after the other, in the renderer's own buffer: the next one overwrites it.
 
     Steps before the first frame are played too, so that their trails and catches are there.
     """
-    for span in frame_spans(replay.worlds(), timing):
+    for span in frame_spans(worlds, timing):
         renderer.enter(span.motion)
         for frame in span.frames:
             time_ms = timing.time_ms(frame)

@@ -1,12 +1,13 @@
 """Rulebook R10.2: a match as its header, its seed and its actions, with a digest of every state and its numbers."""
 
+import copy
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from html import escape
 from io import BytesIO
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,13 @@ from catch_arena.replay.quantisation import quantise
 from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
 from catch_arena.world import World
 
+_NO_PREY: Final = np.zeros((0, 2), dtype=np.float32)
+
+
+def _in_words(command: NDArray[np.float32]) -> str:
+    linear, angular = command.tolist()
+    return f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"
+
 
 @dataclass(slots=True)
 class Replay(ReplayContent):
@@ -26,6 +34,16 @@ class Replay(ReplayContent):
 
     html_formatter: ClassVar[Callable[["Replay"], str] | None] = None
     """Makes the HTML that a notebook shows: `catch_arena.player`, which stands above, sets it when it is imported."""
+
+    @property
+    def hunter_names(self) -> tuple[str, ...]:
+        """By seat."""
+        return self.names[: self.config.hunters]
+
+    @property
+    def prey_names(self) -> tuple[str, ...]:
+        """By index."""
+        return self.names[self.config.hunters :]
 
     @property
     def steps(self) -> int:
@@ -39,20 +57,48 @@ class Replay(ReplayContent):
         ranked = f"rank {rank}" if rank else "nothing" if control == "full" else "hold"
         if control == "target":
             return ranked
-        linear, angular = self.commands[step][seat].tolist()
-        commanded = f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"
+        commanded = _in_words(self.commands[step][seat])
         return commanded if control == "velocity" else f"{commanded}, catch {ranked}"
+
+    def prey_action(self, step: int, index: int) -> str:
+        """What a prey did in a step, likewise."""
+        return _in_words(self.prey_commands[step][index])
+
+    def withdrawn_before(self, step: int) -> list[int]:
+        """Which agents were withdrawn when so many steps had been played."""
+        return [agent for before, agent in self.withdrawals if before == step]
 
     def note(self, engine: Engine) -> None:
         """One more state: the first one after the reset, the others by `append`."""
         self.digests.append(engine.digest())
         self.states.append(quantise(engine.state(), self.config))
 
-    def append(self, choices: NDArray[np.int64], commands: NDArray[np.float32], engine: Engine) -> None:
-        """One more step: its actions, which are copied, and the state that it led to."""
+    def append(
+        self,
+        choices: NDArray[np.int64],
+        commands: NDArray[np.float32],
+        engine: Engine,
+        prey_commands: NDArray[np.float32] | None = None,
+    ) -> None:
+        """One more step: its actions, which are copied, and the state that it led to.
+
+        Args:
+            choices: (H,).
+            commands: (H, 2).
+            engine: whose first arena is recorded.
+            prey_commands: (P, 2), where there is prey.
+        """
         self.choices.append(choices.copy())
         self.commands.append(commands.copy())
+        self.prey_commands.append(_NO_PREY if prey_commands is None else prey_commands.copy())
         self.note(engine)
+
+    def copy(self) -> "Replay":
+        """The match so far; the steps that are appended to one of the two do not appear in the other."""
+        twin = copy.copy(self)
+        for name in ("choices", "commands", "prey_commands", "digests", "states", "withdrawals"):
+            setattr(twin, name, list(getattr(self, name)))
+        return twin
 
     def engines(self) -> Iterator[Engine]:
         """The match again, checked against nothing: one engine, at every step's boundary, steps + 1 of them."""
@@ -60,10 +106,13 @@ class Replay(ReplayContent):
         engine.reset([self.seed])
         yield engine
         for step in range(self.steps):
-            for before, seat in self.withdrawals:
-                if before == step:
-                    engine.withdraw(0, seat)
-            engine.step(self.choices[step][None], self.commands[step][None])
+            for agent in self.withdrawn_before(step):
+                if agent < self.config.hunters:
+                    engine.withdraw(0, agent)
+                else:
+                    engine.withdraw_prey(0, agent - self.config.hunters)
+            prey_commands = self.prey_commands[step][None] if self.config.prey else None
+            engine.step(self.choices[step][None], self.commands[step][None], prey_commands)
             yield engine
 
     def worlds(self) -> Iterator[World]:

@@ -7,16 +7,51 @@ from functools import cached_property
 from pathlib import Path
 
 from catch_arena.errors import ReplayError, StoreError, reason
+from catch_arena.policy import Side
 from catch_arena.replay import Replay
 from catch_arena.tournament.audit import FILE as AUDIT
 from catch_arena.tournament.audit import Audit
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.rows import DamagedError
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
 from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.standings import Standing, standings
 from catch_arena.tournament.store import Store, Tournament
+
+
+@dataclass(frozen=True)
+class SideData:
+    """What the matches say of one side (R12.7); without prey there is but that of the hunters."""
+
+    side: Side
+    entrants: Sequence[Entrant]
+    played: Sequence[PlayedMatch]
+    """As of `on_side`."""
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The entrants' names, as matches number them."""
+        return [entrant.name for entrant in self.entrants]
+
+    @cached_property
+    def outcomes(self) -> Outcomes:
+        """The matches as arrays."""
+        return Outcomes.of(len(self.names), self.played)
+
+    @cached_property
+    def standings(self) -> list[Standing]:
+        """The best first."""
+        return standings(self.entrants, self.played)
+
+    @cached_property
+    def encounters(self) -> dict[tuple[str, str], Encounter]:
+        """Each against each, by their names."""
+        found = head_to_head(self.entrants, self.played, self.side)
+        return {(one.name, one.other): one for one in found}
 
 
 @dataclass(frozen=True)
@@ -56,19 +91,30 @@ class ReportData:
         return [entrant.name for entrant in self.tournament.entrants]
 
     @cached_property
+    def parties(self) -> Parties:
+        """Those of a match."""
+        return Parties.of(self.tournament.config)
+
+    @cached_property
+    def sides(self) -> list[SideData]:
+        """The hunters' first."""
+        entrants = self.tournament.entrants
+        return [SideData(side, entrants, on_side(self.played, self.parties, side)) for side in self.parties.sides]
+
+    @property
     def outcomes(self) -> Outcomes:
-        """The matches as arrays."""
-        return Outcomes.of(len(self.names), self.played)
+        """The matches as arrays, as the hunters'."""
+        return self.sides[0].outcomes
 
-    @cached_property
+    @property
     def standings(self) -> list[Standing]:
-        """The best first."""
-        return standings(self.tournament.entrants, self.played)
+        """Of the hunters, the best first."""
+        return self.sides[0].standings
 
-    @cached_property
+    @property
     def encounters(self) -> dict[tuple[str, str], Encounter]:
-        """Each against each, by their names."""
-        return {(one.name, one.other): one for one in head_to_head(self.tournament.entrants, self.played)}
+        """Of the hunters, each against each, by their names."""
+        return self.sides[0].encounters
 
     @property
     def audit(self) -> Audit | None:

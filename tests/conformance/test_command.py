@@ -84,7 +84,7 @@ def test_an_arena_can_be_named_alone(conformance, tmp_path):
     )
     result = conformance("--arena", "mine.py:oracle", "--only", "spawning", "--only", "reach.in-a-corner")
     assert result.exit_code == 0, result.output
-    assert result.output == "cases: 23 passed, 0 failed\n"
+    assert result.output == "cases: 25 passed, 0 failed\n"
 
 
 def test_the_cases_can_be_listed_and_one_be_played(conformance):
