@@ -18,11 +18,14 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test quick extras hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
+.PHONY: help compat demo test quick extras hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
 	clean setup always
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
+
+compat: $(VENV)/ready ## train with each library that others use, in an environment of its own (gigabytes; docs/compatibility.md)
+	$(BIN)/python scripts/compat --page $(CLIENTS)
 
 demo: $(VENV)/ready ## a tournament of seven agents: the report, a video of the final, and the best moments (out/demo)
 	$(BIN)/python scripts/demo.py --out out/demo
@@ -39,7 +42,7 @@ extras: $(VENV)/ready-extras ## the tests that need large packages: Ray, moviepy
 hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and each other, at each level of isolation
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
 
-nightly: long laws interpreted boundscheck coverage mutate ## what takes long: the six targets that follow
+nightly: long laws interpreted boundscheck coverage mutate compat ## what takes long: the six targets that follow, and compat
 
 long: $(VENV)/ready-dev ## the tests that make test leaves out
 	$(BIN)/pytest $(WORKERS) -m nightly tests

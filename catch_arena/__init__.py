@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from catch_arena.arbitration import arbitrate as arbitrate
+    from catch_arena.batch_policy import BatchView as BatchView
     from catch_arena.config import ArenaConfig as ArenaConfig
     from catch_arena.config import FaultRates as FaultRates
     from catch_arena.config import Gains as Gains
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from catch_arena.errors import CatchArenaError as CatchArenaError
     from catch_arena.explanation import explain as explain
     from catch_arena.explanation import explain_step as explain_step
+    from catch_arena.layout import columns as columns
     from catch_arena.policy import Limits as Limits
     from catch_arena.policy import Policy as Policy
     from catch_arena.policy import PreyLimits as PreyLimits
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "ArenaConfig": "config",
     "ArenaService": "service",
+    "BatchView": "batch_policy",
     "CatchArenaError": "errors",
     "Engine": "engine",
     "FaultRates": "config",
@@ -55,6 +58,7 @@ _HOMES = {
     "View": "policy",
     "World": "world",
     "arbitrate": "arbitration",
+    "columns": "layout",
     "env": "envs.aec",
     "explain": "explanation",
     "explain_step": "explanation",

@@ -189,6 +189,10 @@ class ArenaConfig:
     prey_rewards: PreyRewardWeights = field(default_factory=PreyRewardWeights)
     faults: FaultRates = field(default_factory=FaultRates)
 
+    def __deepcopy__(self, memo: object) -> "ArenaConfig":
+        """Itself, since nothing in it changes."""
+        return self
+
     def __post_init__(self) -> None:
         _require_integer("hunters", self.hunters, 1, MAX_HUNTERS)
         _require_number("side_m", self.side_m, at_least=2.0, at_most=5000.0)
@@ -403,7 +407,7 @@ class ArenaConfig:
 
     @property
     def prey_names(self) -> tuple[str, ...]:
-        """R12.1: those that are hunted, by index."""
+        """R12.1, R12.7: those that are hunted, by index."""
         return tuple(f"prey_{index}" for index in range(self.prey))
 
     @property

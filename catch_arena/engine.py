@@ -2,7 +2,6 @@
 arbitration) check what people give.
 """
 
-import copy
 import gc
 import hashlib
 import math
@@ -24,7 +23,7 @@ from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import RECORD_COLUMNS
 from catch_arena.core.jit import INTERPRETED
 from catch_arena.core.math import PI, sincos, wrap
-from catch_arena.core.memory import DTYPES, Sections, lay_out, zeros
+from catch_arena.core.memory import DTYPES, Bytes, Sections, copy_of, lay_out, place_of, sections_of, whole_lines, zeros
 from catch_arena.core.prey import PREY_PART_NAMES, PREY_RECORD_COLUMNS
 from catch_arena.core.random import advance_seeds, derive_row_seeds
 from catch_arena.core.ranking import selection_network
@@ -189,11 +188,13 @@ class Engine:
         team_play = config.teams is not None
         columns = max(hunters * width(config), prey * seen_by_prey)
         scratch = scratch_shapes(hunters, prey, num_rows, columns, team_play=team_play)
-        self._memory, sections = lay_out(
+        memory, sections = lay_out(
             Sections(
                 settings=np.array(settings_of(config, progress_wanted=infos_wanted), dtype=np.float64),
                 start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
-                controls=np.array([CONTROLS[control] for control in config.controls]),
+                controls=np.tile(
+                    np.array([CONTROLS[control] for control in config.controls], np.int8), (num_arenas, 1)
+                ),
                 limits=limits_of(config),
                 teams=np.array([min(config.team_seats[team]) for team in config.team_by_seat]),
                 target_network=_network(config.max_targets, seen),
@@ -215,19 +216,31 @@ class Engine:
                 rewards=zeros(num_arenas - with_infos, hunters, dtype=np.float32),
                 prey_rewards=zeros(num_arenas - with_infos, prey, dtype=np.float32),
                 last_observations=zeros(kept, hunters, width(config), dtype=np.float32),
+                last_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
                 records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
                 prey_last_observations=zeros(kept, prey, seen_by_prey, dtype=np.float32),
                 prey_records=zeros(kept, prey, PREY_RECORD_COLUMNS, dtype=np.float32),
                 **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
             )
         )
+        self._look_at(memory, sections)
+        spare = num_arenas - (num_blocks - 1) * LANES
+        self._hunters[-1, :, _row(rows.WITHDRAWN), spare:] = 1.0  # in lanes that are no arenas nobody does anything
+
+    def _look_at(self, memory: Bytes, sections: Sections) -> None:
+        """Give the parts of the memory their names."""
+        self._memory = memory
         self.blocks = sections.blocks
         """The arenas' memory: see core/state.py."""
+        self.controls = sections.controls
+        """R4.1, R4.4: how each hunter is driven, in the numbers of `controllers.CONTROLS`: (B, H). The config's, until
+        somebody writes others; what they read of `choices` and `commands` must then be there.
+        """
         self.observations = sections.observations
         """R7.1: (B, H, D)."""
         self.masks = sections.masks
         """R7.2: (B, H, K + 1)."""
-        self.rewards: NDArray[Any] = sections.parts[:, :, 0] if infos_wanted else sections.rewards
+        self.rewards: NDArray[Any] = sections.parts[:, :, 0] if self.infos_wanted else sections.rewards
         """R6.2: (B, H), float64 with the parts and float32 without."""
         self.parts = sections.parts[:, :, 1:]
         """R6.2: the parts of the last reward, unweighted, in the order of `rewards.PART_NAMES`: (B, H, 7), or (0, H, 7)
@@ -237,11 +250,13 @@ class Engine:
         """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
         self.last_observations = sections.last_observations
         """With auto_reset the last observations of the latest episode that ended in each arena: (B, H, D)."""
+        self.last_masks = sections.last_masks
+        """And the masks that belong to them: (B, H, K + 1)."""
         self.records = sections.records
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
         self.prey_observations = sections.prey_observations
         """R12.4: (B, P, E)."""
-        self.prey_rewards: NDArray[Any] = sections.prey_parts[:, :, 0] if infos_wanted else sections.prey_rewards
+        self.prey_rewards: NDArray[Any] = sections.prey_parts[:, :, 0] if self.infos_wanted else sections.prey_rewards
         """R12.5: (B, P), as `rewards`."""
         self.prey_parts = sections.prey_parts[:, :, 1:]
         """R12.5: the parts of the last reward, unweighted, in the order of `prey.PREY_PART_NAMES`: (B, P, 3), or
@@ -252,29 +267,36 @@ class Engine:
         self.prey_records = sections.prey_records
         """With auto_reset as `records`, in the columns of core/prey.py: (B, P, PREY_RECORD_COLUMNS)."""
         self._prey_commands = sections.prey_commands
-        begin, end = (section.ctypes.data - self._memory.ctypes.data for section in (sections.parts, sections.ends))
+        begin, end = place_of("parts", memory), place_of("ends", memory)
         self.outputs = self._memory[begin:end].view(np.float32)
         """`parts`, `evidence`, `observations`, `masks`, `prey_parts` and `prey_observations` as they lie one behind the
         other: copied, all at once.
         """
         self.evidence = sections.evidence
         """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
+        begin = place_of("blocks", memory)
+        self._kept, self._kept_by_all = memory[begin:], place_of("last_observations", memory) - begin
+        of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
+        self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if section.size]
+        """What stands of each arena beside the blocks: (B, bytes) each."""
+        config, hunters, prey = self.config, self.config.hunters, self.config.prey
+        num_blocks, num_rows = len(self.blocks), self.blocks.shape[1] // LANES
+        slot = slot_rows(config.targets_move)
+        prey_begin = first_prey_row(hunters, config.max_targets, slot, config.targets_seen)
         self._team_by_seat = config.team_by_seat
-        self._widths = (SINGLE, SINGLE) if num_arenas == 1 else (HALF, WIDE)
+        self._widths = (SINGLE, SINGLE) if self.num_arenas == 1 else (HALF, WIDE)
         self._fields = self.blocks.reshape(num_blocks, num_rows, LANES)  # the same memory: [block, row, lane]
         self._hunters = self._fields[:, rows.ARENA_ROWS : rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS].reshape(
             num_blocks, hunters, rows.HUNTER_ROWS, LANES
         )
         first = rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS
-        spare = num_arenas - (num_blocks - 1) * LANES
         digest = rows.MOVING_TARGET_DIGEST if config.targets_move else rows.TARGET_DIGEST
         self._target_digest = [_row(row) for row in digest]
-        self._hunters[-1, :, _row(rows.WITHDRAWN), spare:] = 1.0  # in lanes that are no arenas nobody does anything
         self._targets = self._fields[:, first : first + config.max_targets * slot].reshape(
             num_blocks, config.max_targets, slot, LANES
         )
         self._target_orders = self._fields[:, first + config.max_targets * slot : prey_begin].reshape(
-            num_blocks, hunters, target_order_rows(seen), LANES
+            num_blocks, hunters, target_order_rows(config.targets_seen), LANES
         )
         self._prey = self._fields[:, prey_begin:].reshape(num_blocks, prey, rows.PREY_ROWS, LANES)
 
@@ -286,7 +308,7 @@ class Engine:
         """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each.
 
         Raises:
-            ConfigError: for an argument that cannot be.
+            ConfigError: for a number of seeds that is not that of the arenas, and a seed outside [0, 2^64).
         """
         chosen = np.arange(self.num_arenas) if arenas is None else np.asarray(arenas, dtype=np.int64)
         if len(seeds) != len(chosen):
@@ -590,36 +612,66 @@ class Engine:
 
     # keeping
 
-    def save(self) -> NDArray[np.float64]:
-        """R10.2: the state of all arenas; `restore` takes it back, here or in an engine of an equal config and size."""
-        return self.blocks.copy()
+    def save(self) -> Bytes:
+        """R10.2: all arenas, with what was told of their last step; `restore` takes it back, here or in an engine of an
+        equal config and size. What only `auto_reset` keeps comes last.
+        """
+        return self._kept.copy()
 
-    def restore(self, saved: NDArray[np.float64]) -> None:
+    def restore(self, saved: Bytes) -> None:
         """Go on from a saved state."""
-        self.blocks[:] = saved
-        self.observe()
+        size = min(len(saved), len(self._kept))
+        self._kept[:size] = saved[:size]
 
-    def save_row(self, arena: int) -> NDArray[np.float64]:
-        """R10.2: the state of one arena, which any row of an engine of an equal config can take."""
-        return self._fields[arena // LANES, :, arena % LANES].copy()
+    def save_row(self, arena: int) -> Bytes:
+        """R10.2: the same of one arena, which any row of an engine of an equal config can take."""
+        column = self._fields[arena // LANES, :, arena % LANES].copy()
+        return np.concatenate((column.view(np.uint8), *[told[arena] for told in self._told]))
 
-    def restore_row(self, arena: int, saved: NDArray[np.float64]) -> None:
+    def restore_row(self, arena: int, saved: Bytes) -> None:
         """Go on, in one arena, from a saved state."""
-        self._fields[arena // LANES, :, arena % LANES] = saved
-        self.observe(arena)
+        begin = self._fields.shape[1] * 8
+        self._fields[arena // LANES, :, arena % LANES] = saved[:begin].view(np.float64)
+        for told in self._told:
+            end = begin + told.shape[1]
+            if end > len(saved):  # of an engine without auto_reset
+                break
+            told[arena] = saved[begin:end]
+            begin = end
+
+    def saved_sizes(self, *, row: bool) -> tuple[int, int]:
+        """How long a saved state can be, of a row or of all: without what only `auto_reset` keeps, and with it."""
+        figures = self.config.hunters * RECORD_COLUMNS, self.config.prey * PREY_RECORD_COLUMNS
+        records = [self.num_arenas * count * np.dtype(np.float32).itemsize for count in figures]
+        views = (self.observations, self.masks, self.prey_observations)
+        own = [*records, *(section.nbytes for section in views)]
+        if not row:
+            return self._kept_by_all, self._kept_by_all + sum(map(whole_lines, own))
+        told = self._fields.shape[1] * self._fields.itemsize + sum(told.shape[1] for told in self._told)
+        of_ends = sum(own) // self.num_arenas
+        return (told - of_ends, told) if self.auto_reset else (told, told + of_ends)
 
     def clone(self) -> "Engine":
         """An engine of its own in the same state."""
-        return copy.deepcopy(self)
+        twin = object.__new__(Engine)
+        twin.config, twin.num_arenas = self.config, self.num_arenas
+        twin.infos_wanted, twin.auto_reset = self.infos_wanted, self.auto_reset
+        twin._shares, twin.threads = self._shares, Threads(self.threads.size)
+        memory = copy_of(self._memory)
+        twin._look_at(memory, sections_of(memory))
+        return twin
+
+    def __deepcopy__(self, memo: object) -> "Engine":
+        return self.clone()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copied and pickled by what it is made from: its arrays share their memory, which a plain copy would part."""
+        """Pickled by what it is made from: its arrays share their memory, which a plain pickle would part."""
         make = partial(
             Engine, infos_wanted=self.infos_wanted, auto_reset=self.auto_reset, num_threads=self.threads.size
         )
         return make, (self.config, self.num_arenas), self._memory
 
-    def __setstate__(self, state: NDArray[np.uint8]) -> None:
+    def __setstate__(self, state: Bytes) -> None:
         """Take over what another engine holds."""
         self._memory[:] = state
 
@@ -640,7 +692,7 @@ def episode_seed(given: int | None, before: int | None) -> int:
             operating system's.
 
     Raises:
-        ConfigError: for a seed that cannot be.
+        ConfigError: for a seed outside [0, 2^64).
     """
     if given is not None:
         return checked_seed(given)

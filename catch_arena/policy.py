@@ -9,13 +9,13 @@ from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, runtime_
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError
 from catch_arena.layout import (
-    BODY_COLUMNS,
-    MOVING_TARGET_COLUMNS,
-    PREY_SELF_COLUMNS,
-    RIVAL_COLUMNS,
-    SELF_COLUMNS,
-    TARGET_COLUMNS,
-    TEAM_RIVAL_COLUMNS,
+    BodyFeatures,
+    MovingTargetFeatures,
+    PreySelfFeatures,
+    RivalFeatures,
+    SelfFeatures,
+    TargetFeatures,
+    TeamRivalFeatures,
     hunters_seen_by_prey,
     prey_seen_by_prey,
 )
@@ -23,13 +23,13 @@ from catch_arena.layout import (
 Side = Literal["hunter", "prey"]
 """R12.7: what an agent plays."""
 
-_OWN: Final = len(SELF_COLUMNS)
-_STILL_TARGET: Final = len(TARGET_COLUMNS)
-_MOVING_TARGET: Final = len(MOVING_TARGET_COLUMNS)
-_RIVAL: Final = len(RIVAL_COLUMNS)
-_TEAM_RIVAL: Final = len(TEAM_RIVAL_COLUMNS)
-_PREY: Final = len(PREY_SELF_COLUMNS)
-_BODY: Final = len(BODY_COLUMNS)
+_OWN: Final = len(SelfFeatures._fields)
+_STILL_TARGET: Final = len(TargetFeatures._fields)
+_MOVING_TARGET: Final = len(MovingTargetFeatures._fields)
+_RIVAL: Final = len(RivalFeatures._fields)
+_TEAM_RIVAL: Final = len(TeamRivalFeatures._fields)
+_PREY: Final = len(PreySelfFeatures._fields)
+_BODY: Final = len(BodyFeatures._fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -306,29 +306,40 @@ class View(_Body):
         self.mask = mask
         """R7.2: 1 where a choice is legal; `mask[0]`, hold, always is."""
         self.limits = limits
-        (
-            self.x,
-            self.y,
-            self.heading_cos,
-            self.heading_sin,
-            self.linear_velocity,
-            self.angular_velocity,
-            self.time_left,
-            self.score,
-            self.distance_integral,
-            self.bearing_integral,
-        ) = observation[:_OWN]
+        own = SelfFeatures(*observation[:_OWN])
+        self.x = own.x
+        """In the world frame [m], as `y`."""
+        self.y = own.y
+        self.heading_cos = own.heading_cos
+        """Of its heading in the world frame."""
+        self.heading_sin = own.heading_sin
+        self.linear_velocity = own.linear_velocity
+        """Ahead [m/s]."""
+        self.angular_velocity = own.angular_velocity
+        """To the left [rad/s]."""
+        self.time_left = own.time_left
+        """Until the time limit [s]."""
+        self.score = own.score
+        """Granted catches so far."""
+        self.distance_integral = own.distance_integral
+        """R4.3's linear integral [m s]."""
+        self.bearing_integral = own.bearing_integral
+        """R4.3's angular integral [rad s]."""
 
     @cached_property
     def targets(self) -> tuple[SeenTarget, ...]:
         """The targets in view, nearest first."""
         seen = []
         values, at, columns = self.observation, _OWN, _target_columns(self.limits)
+        features = MovingTargetFeatures if self.limits.targets_move else TargetFeatures
         for rank in range(1, self.limits.targets_seen + 1):
-            forward, left, present, age, active, *motion = values[at : at + columns]
-            if not present:
+            its: TargetFeatures | MovingTargetFeatures = features(*values[at : at + columns])
+            if not its.present:
                 break
-            seen.append(SeenTarget(rank, forward, left, age, active > 0, *motion))
+            motion = (
+                (its.heading_cos, its.heading_sin, its.linear_velocity) if isinstance(its, MovingTargetFeatures) else ()
+            )
+            seen.append(SeenTarget(rank, its.forward, its.left, its.age, its.active > 0, *motion))
             at += columns
         return tuple(seen)
 
@@ -337,12 +348,14 @@ class View(_Body):
         """The rivals in view, nearest first."""
         seen = []
         values, at = self.observation, _OWN + _target_columns(self.limits) * self.limits.targets_seen
-        columns = _TEAM_RIVAL if self.limits.teams else _RIVAL
+        features, columns = (TeamRivalFeatures, _TEAM_RIVAL) if self.limits.teams else (RivalFeatures, _RIVAL)
         for rank in range(1, self.limits.hunters_seen + 1):
-            forward, left, present, cosine, sine, velocity, difference, *mate = values[at : at + columns]
-            if not present:
+            its: RivalFeatures | TeamRivalFeatures = features(*values[at : at + columns])
+            if not its.present:
                 break
-            seen.append(SeenHunter(rank, forward, left, cosine, sine, velocity, int(difference), mate == [1.0]))
+            motion = its.heading_cos, its.heading_sin, its.linear_velocity
+            mate = isinstance(its, TeamRivalFeatures) and its.mate > 0
+            seen.append(SeenHunter(rank, its.forward, its.left, *motion, int(its.score_difference), mate))
             at += columns
         return tuple(seen)
 
@@ -359,18 +372,22 @@ class PreyView(_Body):
         self.observation = observation
         """R12.4's vector as it was given, for policies that learn."""
         self.limits = limits
-        (
-            self.x,
-            self.y,
-            self.heading_cos,
-            self.heading_sin,
-            self.linear_velocity,
-            self.angular_velocity,
-            self.time_left,
-            self.times_caught,
-            alive,
-        ) = observation[:_PREY]
-        self.alive = alive > 0
+        own = PreySelfFeatures(*observation[:_PREY])
+        self.x = own.x
+        """In the world frame [m], as `y`."""
+        self.y = own.y
+        self.heading_cos = own.heading_cos
+        """Of its heading in the world frame."""
+        self.heading_sin = own.heading_sin
+        self.linear_velocity = own.linear_velocity
+        """Ahead [m/s]."""
+        self.angular_velocity = own.angular_velocity
+        """To the left [rad/s]."""
+        self.time_left = own.time_left
+        """Until the time limit [s]."""
+        self.times_caught = own.times_caught
+        """So far."""
+        self.alive = own.alive > 0
         """Whether it is in play; while it is out, its action is ignored."""
 
     @cached_property
@@ -386,10 +403,10 @@ class PreyView(_Body):
     def _seen(self, at: int, most: int) -> tuple[SeenBody, ...]:
         seen = []
         for rank in range(1, most + 1):
-            forward, left, present, cosine, sine, velocity = self.observation[at : at + _BODY]
-            if not present:
+            its = BodyFeatures(*self.observation[at : at + _BODY])
+            if not its.present:
                 break
-            seen.append(SeenBody(rank, forward, left, cosine, sine, velocity))
+            seen.append(SeenBody(rank, its.forward, its.left, its.heading_cos, its.heading_sin, its.linear_velocity))
             at += _BODY
         return tuple(seen)
 

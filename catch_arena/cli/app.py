@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, Final, cast
 
 import typer
 from typer.core import TyperGroup
@@ -31,8 +31,25 @@ _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 """Click's, which newer versions of typer carry inside."""
 
 
+GROUPS: Final = {
+    "Play": ("match", "play", "watch", "agents", "scenarios"),
+    "Look": ("explain", "verify", "diff", "render", "highlights", "mosaic", "sheet"),
+    "Tournaments": ("tournament", "report", "export", "compare", "audit"),
+    "Teach": ("check-agent", "grade", "conformance"),
+}
+"""Every command, as the help of the program lists them."""
+
+
 class _Commands(TyperGroup):
     """Turns our errors into one line and an exit code, and shows what mistakes quote as it is written."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """In the order of GROUPS, each in the box of its own."""
+        del ctx
+        for group, names in GROUPS.items():
+            for name in names:
+                self.commands[name].rich_help_panel = group  # type: ignore[attr-defined]
+        return [name for names in GROUPS.values() for name in names]
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Read the command line and run the command, help and mistakes included."""
@@ -85,7 +102,7 @@ SettingOption = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Change a setting, as in time_limit_s=30 or faults.kill_down=0.2; may be repeated.",
+        help="Change a setting (docs/settings.md), as in time_limit_s=30 or faults.kill_down=0.2; may be repeated.",
     ),
 ]
 LimitOption = Annotated[
@@ -133,7 +150,10 @@ Seed = Annotated[
     ),
 ]
 ArenaSeed = Annotated[
-    int | None, typer.Option(metavar="NUMBER", help="The arena's; agents can guess a small one.", show_default="drawn")
+    int | None,
+    typer.Option(
+        metavar="NUMBER", help="Seed of all random draws; agents can guess a small one.", show_default="drawn"
+    ),
 ]
 
 
@@ -159,7 +179,7 @@ def arena(name: str, settings: list[str] | None, team_size: int | None = None) -
     """The scenario with the changes of --set, and the teams of --team-size.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an unknown scenario or setting, and a value that it cannot have.
     """
     overrides: dict[str, Any] = {}
     for key, value in _pairs("--set", settings):
@@ -195,7 +215,7 @@ def secret_of(seed: str | None) -> Secret:
     process may read.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for digits or a number that are no seed.
     """
     if seed is None:
         return Secret.of(None)
@@ -228,7 +248,7 @@ def limits_or_trust(
         trusted: of --trusted.
 
     Raises:
-        ConfigError: for an argument that cannot be, and a level that this machine cannot hold.
+        ConfigError: for an unknown limit, a level that this machine cannot hold, and either beside --trusted.
         AgentError: for a spec that names no agent.
     """
     from catch_arena.tournament.entrants import resolve_spec
@@ -270,7 +290,7 @@ def enter_agents(
         prey: whether they play prey too.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
     """
     from catch_arena.tournament.entrants import enter, is_shipped
     from catch_arena.tournament.isolation.processes import missing_protections

@@ -33,6 +33,7 @@ from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
+    from catch_arena.live.session import SessionResult
     from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
@@ -62,7 +63,7 @@ def tournament(
         ),
     ] = None,
     rounds: Annotated[
-        int | None, typer.Option(help="How often the format is gone through.", show_default="1, and enough in a swiss")
+        int | None, typer.Option(help="Number of rounds.", show_default="1, and enough in a swiss")
     ] = None,
     until_separated: Annotated[
         float | None,
@@ -303,7 +304,7 @@ def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
             say(f"{name} printed:\n{log}", err=True)
 
 
-def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]) -> None:
+def print_result(parties: "Parties", result: "MatchResult | SessionResult", names: Sequence[str]) -> None:
     """The result of a match by side: ranks, scores, and how agents failed; the catches of a team's hunters too."""
     shown = list(names)
     if result.catches:
@@ -320,6 +321,9 @@ def print_ranking(
     ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: "Sequence[Forfeit | None]"
 ) -> None:
     """The result of one match, and how agents failed; all by seat."""
+    from catch_arena.explanation.seats import with_seat
+
+    names = [with_seat(name, seat) for seat, name in enumerate(names)]
     lines = zip(ranks, scores, names, forfeits, strict=True)
     for rank, score, name, forfeit in sorted(lines, key=lambda line: line[0]):
         say(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import NO_SUCH_RANK, measure_um, to_micrometres, within_reach
-from catch_arena.core.jit import Block, inlined, phase, rule
+from catch_arena.core.jit import Block, inlined, phase, rare, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.rewards import set_progress_reference
 from catch_arena.core.state import (
@@ -36,7 +36,7 @@ from catch_arena.core.state import (
     target_order_of,
     targets_of,
 )
-from catch_arena.core.vectors import Width, group, select, sqrt
+from catch_arena.core.vectors import SINGLE, Width, group, select, sqrt
 from catch_arena.core.workspace import Scratch, progress_reference_of
 
 TARGET_CONTROL: Final = 0
@@ -165,32 +165,95 @@ def drive_by_command(me: Block, commands: NDArray[np.float32], width: Width, lan
 
 
 @inlined
+def steer_seat(
+    me: Block,
+    order: Block,
+    targets: Block,
+    seat: int,
+    control: int,
+    width: Width,
+    lanes: int,
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+    s: Settings,
+    limits: SeatLimits,
+    goals: Block,
+) -> None:
+    """R4.1, R4.4: one seat by one control, in all lanes."""
+    if control == TARGET_CONTROL:
+        choose(me, order, targets, choices[:, seat], lanes, s, goals)
+        drive_to_goal(me, goals, width, s, limits)
+    elif control == VELOCITY_CONTROL:
+        request_nearest(me, order, targets, lanes, s, limits)
+        drive_by_command(me, commands[:, seat], width, lanes, limits)
+    else:
+        choose(me, order, targets, choices[:, seat], lanes, s, goals)
+        mark_active(me, goals, width)
+        drive_by_command(me, commands[:, seat], width, lanes, limits)
+
+
+@rare
+def steer_lane_by_lane(
+    me: Block,
+    order: Block,
+    targets: Block,
+    seat: int,
+    controls: NDArray[np.int8],
+    choices: NDArray[np.int64],
+    commands: NDArray[np.float32],
+    s: Settings,
+    limits: SeatLimits,
+    goals: Block,
+) -> None:
+    """The same where the seat's control differs by arena: each lane as an arena that is alone."""
+    for lane in range(len(controls)):
+        steer_seat(
+            me[lane:],
+            order[lane:],
+            targets[lane:],
+            seat,
+            controls[lane, seat],
+            SINGLE,
+            1,
+            choices[lane:],
+            commands[lane:],
+            s,
+            limits,
+            goals,
+        )
+
+
+@phase
+def differ(controls: NDArray[np.int8], seat: int) -> bool:
+    """Whether a seat's control differs by arena."""
+    found = False
+    for lane in range(1, len(controls)):
+        found |= controls[lane, seat] != controls[0, seat]
+    return found
+
+
+@inlined
 def apply_actions(
     block: Block,
     s: Settings,
     width: Width,
     lanes: int,
-    controls: NDArray[np.int64],
+    controls: NDArray[np.int8],
     limits: NDArray[np.float64],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
     scratch: Scratch,
 ) -> None:
     """R1.4's phases 1 and 2: from actions to velocities and requested slots, on S_t."""
-    targets = targets_of(block, s)
+    targets, goals = targets_of(block, s), scratch.rows
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         order = target_order_of(block, seat, s)
         own = limits_of(limits, seat)
-        if controls[seat] == TARGET_CONTROL:
-            choose(me, order, targets, choices[:, seat], lanes, s, scratch.rows)
-            drive_to_goal(me, scratch.rows, width, s, own)
-        elif controls[seat] == VELOCITY_CONTROL:
-            request_nearest(me, order, targets, lanes, s, own)
-            drive_by_command(me, commands[:, seat], width, lanes, own)
+        if differ(controls, seat):
+            steer_lane_by_lane(me, order, targets, seat, controls, choices, commands, s, own, goals)
         else:
-            choose(me, order, targets, choices[:, seat], lanes, s, scratch.rows)
-            mark_active(me, scratch.rows, width)
-            drive_by_command(me, commands[:, seat], width, lanes, own)
+            control = controls[0, seat]
+            steer_seat(me, order, targets, seat, control, width, lanes, choices, commands, s, own, goals)
         if s.progress_wanted:
             set_progress_reference(me, order, targets, lanes, s, progress_reference_of(scratch, seat))

@@ -1,6 +1,6 @@
 """How an episode begins and ends, and what is kept of it."""
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -171,8 +171,8 @@ def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rew
 
 
 @rare
-def keep_views(seen: NDArray[np.float32], last_seen: NDArray[np.float32]) -> None:
-    """The observations of one arena, (agents, columns), as the last ones."""
+def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
+    """The observations or masks of one arena, (agents, columns), as the last ones."""
     for agent in range(seen.shape[0]):
         for column in range(seen.shape[1]):
             last_seen[agent, column] = seen[agent, column]
@@ -185,10 +185,11 @@ def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sect
         if block[ENDED + lane] == RUNNING:
             continue
         arena = first + lane
-        keep_views(sections.observations[arena], sections.last_observations[arena])
+        keep_rows(sections.observations[arena], sections.last_observations[arena])
+        keep_rows(sections.masks[arena], sections.last_masks[arena])
         write_record(block, s, lane, sections.teams, sections.records[arena])
         if s.prey > 0:
-            keep_views(sections.prey_observations[arena], sections.prey_last_observations[arena])
+            keep_rows(sections.prey_observations[arena], sections.prey_last_observations[arena])
             write_prey_records(block, s, lane, sections.prey_records[arena])
         seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         begin(block, s, lane, sections.start_poses, next_seed(seed))

@@ -5,7 +5,7 @@ It begins with its directory: for each field of `Sections` where the section beg
 `Settings` are a section, and have no numbering either: names, order and types stand in these two classes alone.
 """
 
-import math
+import itertools
 from collections.abc import Iterator
 from typing import Annotated, Any, Final, NamedTuple, get_args
 
@@ -36,8 +36,8 @@ class Sections(NamedTuple):
     """`Settings`, in the order of its fields."""
     start_poses: Annotated[NDArray[np.float64], 2]
     """(H, 3), or (0, 3) for the fair circle (R2.6)."""
-    controls: Annotated[NDArray[np.int64], 1]
-    """(H,): see `controllers`."""
+    controls: Annotated[NDArray[np.int8], 2]
+    """(B, H): see `controllers`."""
     limits: Annotated[NDArray[np.float64], 2]
     """(H, 4): `SeatLimits`, in the order of its fields."""
     teams: Annotated[NDArray[np.int64], 1]
@@ -88,6 +88,8 @@ class Sections(NamedTuple):
     """(B, P), or none where there are parts."""
     last_observations: Annotated[NDArray[np.float32], 3]
     """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""
+    last_masks: Annotated[NDArray[np.int8], 3]
+    """(B, H, K + 1): the masks that belong to them."""
     records: Annotated[NDArray[np.float32], 3]
     """(B, H, RECORD_COLUMNS): that episode in figures, see `episodes`."""
     prey_last_observations: Annotated[NDArray[np.float32], 3]
@@ -102,6 +104,10 @@ DTYPES: Final = {
 NDIMS: Final = tuple(kind.__metadata__[0] for kind in Sections.__annotations__.values())
 _DIRECTORY: Final = sum(1 + ndim for ndim in NDIMS)
 """How many numbers of int64: where each section begins, and its shape."""
+
+
+_PLACES: Final = dict(zip(DTYPES, itertools.accumulate((1 + ndim for ndim in NDIMS), initial=0), strict=False))
+"""Where a section stands in the directory."""
 
 
 def zeros(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
@@ -121,13 +127,12 @@ def lay_out(wanted: Sections) -> tuple[Bytes, Sections]:
             raise TypeError(
                 f"{name} must be of {dtype} and {ndim} dimensions, got {array.dtype} and {array.ndim} dimensions"
             )
-    size = _whole_lines(8 * _DIRECTORY)
+    size = whole_lines(8 * _DIRECTORY)
     directory: list[int] = []
     for array in arrays:
         directory += [size, *array.shape]
-        size += _whole_lines(array.nbytes)
-    raw = np.zeros(size + CACHE_LINE, dtype=np.uint8)
-    memory = raw[-raw.ctypes.data % CACHE_LINE :][:size]
+        size += whole_lines(array.nbytes)
+    memory = _aligned(np.zeros(size + CACHE_LINE, dtype=np.uint8), size)
     memory[: 8 * _DIRECTORY].view(np.int64)[:] = directory
     sections = sections_of(memory)
     own: tuple[NDArray[Any], ...] = sections
@@ -137,7 +142,25 @@ def lay_out(wanted: Sections) -> tuple[Bytes, Sections]:
     return memory, sections
 
 
-def _whole_lines(size: int) -> int:
+def place_of(section: str, memory: Bytes) -> int:
+    """Where a section begins [bytes]."""
+    return int(memory[: 8 * _DIRECTORY].view(np.int64)[_PLACES[section]])
+
+
+def copy_of(memory: Bytes) -> Bytes:
+    """A memory of its own that holds the same."""
+    size = len(memory)
+    copied = _aligned(np.empty(size + CACHE_LINE, dtype=np.uint8), size)
+    copied[:] = memory
+    return copied
+
+
+def _aligned(raw: Bytes, size: int) -> Bytes:
+    return raw[-raw.ctypes.data % CACHE_LINE :][:size]
+
+
+def whole_lines(size: int) -> int:
+    """What a section of that size takes [bytes]."""
     return -(-size // CACHE_LINE) * CACHE_LINE
 
 
@@ -147,8 +170,7 @@ def sections_of(memory: Bytes) -> Sections:
     sections = []
     for dtype, ndim in zip(DTYPES.values(), NDIMS, strict=True):
         begin, *shape = (next(directory) for _ in range(1 + ndim))
-        end = begin + math.prod(shape) * dtype.itemsize
-        sections.append(memory[begin:end].view(dtype).reshape(shape))
+        sections.append(np.ndarray(shape, dtype, memory, begin))  # three times as fast as a slice, a view and a shape
     return Sections(*sections)
 
 

@@ -51,7 +51,7 @@ def play(
         take_snapshot(block, scratch.snapshot)
     if s.dropout_rate > 0.0:
         drop_out(block, s, lanes)
-    controls, limits = sections.controls, sections.limits
+    controls, limits = sections.controls[first:last], sections.limits
     apply_actions(block, s, width, lanes, controls, limits, choices[first:last], commands[first:last], scratch)
     if s.target_motion != STILL:
         command_targets(block, s, width, lanes, targets, scratch.rows)

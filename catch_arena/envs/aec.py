@@ -8,7 +8,7 @@ from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from catch_arena.config import ArenaConfig
-from catch_arena.envs.parallel import CatchArenaEnv, parallel_env
+from catch_arena.envs.parallel import CatchArenaEnv, Infos, parallel_env
 from catch_arena.errors import ActionError, EpisodeError
 
 
@@ -60,6 +60,11 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
 
     env: CatchArenaEnv
 
+    @property
+    def unwrapped(self) -> "_Unwrapped":
+        """The parallel env, with what this wrapper keeps."""
+        return _Unwrapped(self)
+
     def step(self, action: Any) -> None:
         agent = self.agent_selection
         if self.terminations[agent] or self.truncations[agent]:
@@ -70,10 +75,30 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
         super().step(action)
 
 
+class _Unwrapped:
+    """What wrappers find as `unwrapped`: the parallel env, and before it all that an AEC env keeps, to read and to
+    write. PettingZoo's TerminateIllegalWrapper does both there, and PettingZoo's test lets no wrapper be `unwrapped`.
+    """
+
+    def __init__(self, aec: _CheckedAec) -> None:
+        object.__setattr__(self, "_aec", aec)
+
+    def __getattr__(self, name: str) -> Any:
+        aec: _CheckedAec = object.__getattribute__(self, "_aec")
+        return getattr(aec if hasattr(aec, name) else aec.env, name)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        setattr(self._aec, name, value)
+
+
 def env(
-    scenario: str | ArenaConfig = "standard", render_mode: str | None = None, **overrides: object
+    scenario: str | ArenaConfig = "standard",
+    render_mode: str | None = None,
+    *,
+    infos: Infos = "full",
+    **overrides: object,
 ) -> CatchArenaAecEnv:
     """The arena as a PettingZoo AEC environment, in which the hunters are asked one after the other and move
     together; arguments as for `parallel_env`.
     """
-    return CatchArenaAecEnv(parallel_env(scenario, render_mode, **overrides))
+    return CatchArenaAecEnv(parallel_env(scenario, render_mode, infos=infos, **overrides))

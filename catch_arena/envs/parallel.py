@@ -2,19 +2,21 @@
 door.
 """
 
+import copy
 import math
 from bisect import insort
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from html import escape
-from typing import Any, Final, NoReturn
+from typing import Any, Final, Literal, NoReturn, get_args
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from catch_arena.config import ArenaConfig, Control
+from catch_arena.config import ArenaConfig, Control, require_choice
 from catch_arena.core import state as rows
 from catch_arena.core.prey import PREY_PART_NAMES
 from catch_arena.core.rewards import PART_NAMES
@@ -35,31 +37,61 @@ from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.layout import STATE_PREY_COLUMNS, state_columns
 from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config
+from catch_arena.text import in_short
 from catch_arena.verdicts import REASONS, Verdict
 from catch_arena.world import World
 
+Infos = Literal["full", "mask", "none"]
+"""R7.2: what an env tells in its infos."""
 RENDER_MODES: Final = ("rgb_array", "human")
 RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
+_UNCHANGING: Final = frozenset(
+    ("config", "_controls", "_evidence", "_masks", "_observation_spaces", "_parts", "_record_as", "_rewards")
+) | {"_seats", "_seen"}
+"""What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
 _NO_COMMAND: Final = (0.0, 0.0)
 _NO_ANSWER: Final[dict[str, Any]] = dict.fromkeys(("verdict", "reason", "target", "distance_um", "winner"))
 
 
+@dataclass(frozen=True, slots=True)
+class SavedEpisode:
+    """What `CatchArenaEnv.save` gives: as many can be kept, and pickled, as one likes."""
+
+    config: str
+    """The digest of the arena's config."""
+    seed: int | None
+    memory: NDArray[np.uint8]
+    """The arena and what it told last, as the engine keeps them."""
+    agents: tuple[str, ...]
+    over: bool
+    leaving: frozenset[str]
+    np_random: Any
+    """The state of the generator, None where nothing has drawn from it."""
+    replay: Replay | None
+
+
 def parallel_env(
-    scenario: str | ArenaConfig = "standard", render_mode: str | None = None, **overrides: object
+    scenario: str | ArenaConfig = "standard",
+    render_mode: str | None = None,
+    *,
+    infos: Infos = "full",
+    **overrides: object,
 ) -> "CatchArenaEnv":
     """The arena as a PettingZoo parallel environment.
 
     Args:
         scenario: a name or a config.
         render_mode: None, "rgb_array" or "human".
+        infos: "full", "mask" (the mask alone) or "none": see CatchArenaEnv. Libraries that turn infos into arrays or
+            tensors take no None and no text.
         overrides: fields of ArenaConfig.
 
     Raises:
         ConfigError: that names the setting, the requirement and the value.
     """
-    return CatchArenaEnv(arena_config(scenario, **overrides), render_mode)
+    return CatchArenaEnv(arena_config(scenario, **overrides), render_mode, infos)
 
 
 class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo is not typed everywhere
@@ -74,7 +106,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
       all None without one;
     - `reward_parts`: R6.2's parts, unweighted;
     - `active`, where hunters drop out and stay (`dropouts="fixed"`): whether it has not (R1.7);
-    - `team_score`, where there are teams: the sum of its hunters' scores (R11.1).
+    - `team_score`, where there are teams: the sum of its hunters' scores (R11.1);
+    - `TimeLimit.truncated`, True, where the agent is truncated in this step, and absent elsewhere: by it
+      stable-baselines3 knows that the value of the last observation still counts.
+
+    With `infos="mask"` an info holds `action_mask` alone, always an int8 array (K + 1): under full control that of the
+    catch; under velocity control, and for prey, nothing. With `infos="none"` it is empty.
 
     With `dropouts="leave"` a hunter that drops out is terminated in that step, and no longer among `agents`.
 
@@ -87,7 +124,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     metadata: dict[str, Any] = {"name": "catch_arena_v1", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
 
-    def __init__(self, config: ArenaConfig, render_mode: str | None = None) -> None:
+    def __init__(self, config: ArenaConfig, render_mode: str | None = None, infos: Infos = "full") -> None:
+        require_choice("infos", infos, get_args(Infos))
         if render_mode is not None and render_mode not in RENDER_MODES:
             raise ConfigError(
                 f"render_mode must be None, rgb_array or human, got {render_mode!r}; "
@@ -97,6 +135,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             import catch_arena.render.optional_imports  # noqa: F401 - where they are missing, it is said now
         self.config = config
         self.render_mode = render_mode
+        self._infos_wanted = infos
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1000 / config.control_period_ms))}
         self.possible_agents = [*config.hunter_names, *config.prey_names]
         self.agents: list[str] = []
@@ -114,6 +153,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._ranks = config.targets_seen
         self._all_target_control = set(config.controls) == {"target"} and not config.prey
         self._seed: int | None = None
+        self._np_random: np.random.Generator | None = None
         self._over = True
         self._dropouts_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         self._dropouts_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
@@ -152,6 +192,20 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             }
             self._prey_parts = slice(begin, seen)
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> "CatchArenaEnv":
+        twin = object.__new__(type(self))
+        state = self.__getstate__()
+        twin.__dict__ = {
+            name: value if name in _UNCHANGING else copy.deepcopy(value, memo) for name, value in state.items()
+        }
+        twin._observation_spaces = {}  # made anew when they are asked for: nobody draws from them
+        twin._look_at_the_engine()
+        return twin
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the window and what is painted in it, which belong to one env and one process."""
+        return {**self.__dict__, "_painter": None, "_window": None}
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         """What was copied or unpickled looks at its own engine."""
         self.__dict__.update(state)
@@ -172,6 +226,15 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def state_space(self) -> spaces.Box:
         """R7.3: the global view."""
         return state_space(self.config)
+
+    @property
+    def np_random(self) -> np.random.Generator:
+        """For wrappers that draw at random, such as SuperSuit's frame_skip_v0: it follows from the episode's seed, and
+        no rule reads it.
+        """
+        if self._np_random is None:
+            self._np_random = np.random.default_rng(self._seed)
+        return self._np_random
 
     def _space(
         self,
@@ -201,6 +264,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         del options
         self._seed = episode_seed(seed, self._seed)
+        self._np_random = None
         self._engine.reset([self._seed])
         self.agents = self.possible_agents[:]
         self._over = False
@@ -212,7 +276,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._replay.note(self._engine)
         if self.render_mode == "human":
             self.render()
-        return self._observations_and_infos()
+        return self._observations_and_infos(self.agents)
 
     def step(
         self, actions: Mapping[str, Any]
@@ -249,7 +313,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         rewards = dict(zip(self.possible_agents, earned, strict=True))
         if len(agents) < len(self.possible_agents):
             rewards = {agent: rewards[agent] for agent in agents}
-        observations, infos = self._observations_and_infos()
         if self._dropouts_leave:
             active = engine.active()[0].tolist()
             self._leaving.update(agent for agent, seat in self._seats.items() if not active[seat])
@@ -259,6 +322,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._leaving:
             for agent in self._leaving & terminations.keys():
                 terminations[agent], truncations[agent] = True, False
+        cut = [agent for agent in agents if truncations[agent]] if ended else ()
+        observations, infos = self._observations_and_infos(agents, cut)
         if ended:
             self._over = True
             self.agents = []
@@ -344,6 +409,59 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._replay is None:
             raise EpisodeError("replay must follow a record and a reset: nothing was recorded")
         return self._replay
+
+    def save(self) -> SavedEpisode:
+        """R10.2: the episode as it stands; `restore` takes it back, here or in an env of an equal config, at any time
+        and as often as one likes.
+
+        Raises:
+            EpisodeError: before the first reset.
+        """
+        self._require_episode("save")
+        return SavedEpisode(
+            config=self._config_digest,
+            seed=self._seed,
+            memory=self._engine.save_row(0),
+            agents=tuple(self.agents),
+            over=self._over,
+            leaving=frozenset(self._leaving),
+            np_random=None if self._np_random is None else self._np_random.bit_generator.state,
+            replay=None if self._replay is None else self._replay.copy(),
+        )
+
+    def restore(self, saved: SavedEpisode) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
+        """Go on from a saved episode, bit for bit.
+
+        Returns:
+            observations and infos of `agents`, as they were; after the end, when there are none, empty dicts.
+
+        Raises:
+            ConfigError: for what `save` did not give, or did for another config.
+        """
+        if not isinstance(saved, SavedEpisode):
+            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+        if saved.config != self._config_digest:
+            raise ConfigError(
+                f"saved must come from an arena of equal config, {self._config_digest}, got {saved.config}"
+            )
+        self._seed = saved.seed
+        self._engine.restore_row(0, saved.memory)
+        self.agents = list(saved.agents)
+        self._over = saved.over
+        self._leaving = set(saved.leaving)
+        self._np_random = None
+        if saved.np_random is not None:
+            self.np_random.bit_generator.state = saved.np_random
+        self._replay = None if saved.replay is None else saved.replay.copy()
+        return self._observations_and_infos(self.agents)
+
+    def clone(self) -> "CatchArenaEnv":
+        """An env of its own in the same state, as `copy.deepcopy` makes it too; without a window."""
+        return copy.deepcopy(self)
+
+    @cached_property
+    def _config_digest(self) -> str:
+        return self.config.digest
 
     def render(self) -> NDArray[np.uint8] | None:
         """A fresh (height, width, 3) uint8 frame under "rgb_array"; under "human" the window shows the last step."""
@@ -456,14 +574,26 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         of_prey = agent in self._prey and self._engine.world().prey[self._prey[agent]]
         return "caught" if of_prey and of_prey.target is None and not of_prey.withdrawn else "withdrawn"
 
-    def _observations_and_infos(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Observations and infos by agent, both from one copy of what the engine tells."""
-        outputs, agents, seen = self._engine.outputs.copy(), self.agents, self._seen
-        infos = LazyInfos(dict.fromkeys(agents))
-        active = self._engine.active()[0].tolist() if self._dropouts_stay else None
-        team_scores = self._engine.team_scores()[0].tolist() if self.config.teams is not None else None
-        prey = self._engine.prey_rows(0).copy() if self._prey else None
-        infos.make = lambda: self._infos(agents, outputs, active, team_scores, prey)
+    def _observations_and_infos(
+        self, agents: Sequence[str], cut: Sequence[str] = ()
+    ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
+        """Observations and infos of these agents, from one copy of what the engine tells; `cut` are truncated."""
+        outputs, seen = self._engine.outputs.copy(), self._seen
+        infos: dict[str, dict[str, Any]]
+        if self._infos_wanted == "full":
+            infos = LazyInfos(dict.fromkeys(agents))
+            active = self._engine.active()[0].tolist() if self._dropouts_stay else None
+            team_scores = self._engine.team_scores()[0].tolist() if self.config.teams is not None else None
+            prey = self._engine.prey_rows(0).copy() if self._prey else None
+            infos.make = lambda: self._infos(agents, cut, outputs, active, team_scores, prey)
+        elif self._infos_wanted == "mask":
+            infos = {agent: {} for agent in agents}
+            told = self._masks_in(outputs)
+            for agent, seat in self._seats.items():
+                if agent in infos and self._controls[seat] != "velocity":
+                    infos[agent]["action_mask"] = told[seat]
+        else:
+            infos = {agent: {} for agent in agents}
         observations: dict[str, Any] = {agent: outputs[seen[agent]] for agent in agents}
         if self.config.mask_in_observation:
             masks = self._masks_in(outputs).copy()
@@ -479,6 +609,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def _infos(
         self,
         agents: Sequence[str],
+        cut: Sequence[str],
         outputs: NDArray[np.float32],
         active: Sequence[bool] | None,
         team_scores: Sequence[float] | None,
@@ -525,6 +656,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                         "caught_by": None if catcher < 0 else int(catcher),
                         "reward_parts": dict(zip(PREY_PART_NAMES, share[1:], strict=True)),
                     }
+        for agent in cut:
+            infos[agent]["TimeLimit.truncated"] = True
         return infos
 
 

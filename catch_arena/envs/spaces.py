@@ -79,10 +79,10 @@ def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:
 
 
 def _whole_number(action: object) -> int | None:
-    if isinstance(action, np.integer) or (
-        isinstance(action, np.ndarray) and action.shape == () and action.dtype.kind in "iu"
-    ):
+    if isinstance(action, np.integer):
         return int(action)
+    if isinstance(action, np.ndarray) and action.size == 1 and action.dtype.kind in "iu":
+        return int(action.item())  # with axes too: policies give a row of a batch as an array of the shape (1,)
     return int(action) if isinstance(action, int) and not isinstance(action, bool) else None
 
 

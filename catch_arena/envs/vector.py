@@ -2,6 +2,7 @@
 
 import copy as copy_module
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from typing import Any, Final, Literal, NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core import episodes, prey
 from catch_arena.core import state as rows
+from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine, batch_seeds, next_seeds
 from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, velocity_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
@@ -39,7 +41,8 @@ class SavedState(NamedTuple):
     """The digest of the arena's config."""
     num_envs: int | None
     """Of the batch; None for a single row."""
-    memory: NDArray[np.float64]
+    memory: NDArray[np.uint8]
+    """As the engine keeps it; what only auto_reset keeps comes last."""
 
 
 class VectorArena:
@@ -69,10 +72,11 @@ class VectorArena:
     - `team_score`, where there are teams: (B, teams) float64, the sums of their scores (R11.1);
     - `prey_active`, where there is prey: (B, P) bool, who is not out (R12.3);
     - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step, and for these `final_obs`
-      (B, H, D) float32, the last observations, and `episode`, a dict with `length` [steps], `return` (rewards
-      summed), `score`, `team_score` (without teams the same), `rank` (1 is best, equal scores share it, team-mates
-      too), `contests_won` and `contests_lost`, all (B, H), and `verdicts`, (B, H, 11), how often each verdict was met,
-      in the order of `Verdict`. Rows whose episode ended earlier keep what they had; all but `_final_obs` are float32.
+      (B, H, D) float32, the last observations, `final_mask` (B, H, K + 1) int8, their masks (where there are masks),
+      and `episode`, a dict with `length` [steps], `return` (rewards summed), `score`, `team_score` (without teams the
+      same), `rank` (1 is best, equal scores share it, team-mates too), `contests_won` and `contests_lost`, all (B, H),
+      and `verdicts`, (B, H, 11), how often each verdict was met, in the order of `Verdict`. Rows whose episode ended
+      earlier keep what they had; all but `_final_obs` and `final_mask` are float32.
 
     Everything that is returned lies in buffers that the next call fills anew; `copy=True` returns arrays of their
     own. A step allocates no memory, unless actions come in other types than int64 and float32.
@@ -83,10 +87,12 @@ class VectorArena:
         num_threads: how many threads play, at least 4096 hunters each (results do not depend on it).
         auto_reset: whether ended episodes begin anew at once.
         copy: whether arrays of their own are returned.
+        any_control: whether arenas may differ in their hunters' controls, by `set_controls`; actions have the form of
+            full control then.
         overrides: fields of ArenaConfig.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an unknown scenario or setting, and numbers and flags that are none.
     """
 
     def __init__(
@@ -97,25 +103,28 @@ class VectorArena:
         *,
         auto_reset: bool = True,
         copy: bool = False,
+        any_control: bool = False,
         **overrides: object,
     ) -> None:
         num_envs = _positive("num_envs", num_envs, _MOST_ENVS)
         num_threads = _positive("num_threads", num_threads, _MOST_THREADS)
-        for name, value in (("auto_reset", auto_reset), ("copy", copy)):
+        for name, value in (("auto_reset", auto_reset), ("copy", copy), ("any_control", any_control)):
             if not isinstance(value, bool):
                 raise ConfigError(f"{name} must be True or False, got {value!r}")
         self.config: Final = arena_config(scenario, **overrides)
         self.num_envs: Final = num_envs
         self.num_hunters: Final = self.config.hunters
         self.num_prey: Final = self.config.prey
+        self.auto_reset: Final = auto_reset
         self._copy = copy
+        self._kinds: Final = set(CONTROLS if any_control else self.config.controls)
         self._begun = False
         shape = (num_envs, self.config.hunters)
         try:
             self._engine = Engine(
                 self.config, num_envs, infos_wanted=False, auto_reset=auto_reset, num_threads=num_threads
             )
-            controls = set(self.config.controls)
+            controls = self._kinds
             self._choices = np.zeros((0, 0) if controls == {"velocity"} else shape, dtype=np.int64)
             self._commands = np.zeros((0, 0, 2) if controls == {"target"} else (*shape, 2), dtype=np.float32)
             self._prey_commands = np.zeros((num_envs, self.config.prey, 2), dtype=np.float32)
@@ -129,7 +138,7 @@ class VectorArena:
 
     def _make_infos(self) -> dict[str, Any]:
         engine, infos = self._engine, dict[str, Any]()
-        if set(self.config.controls) != {"velocity"}:
+        if self._kinds != {"velocity"}:
             infos["action_mask"] = engine.masks.view()
             infos["action_mask"].flags.writeable = False  # the engine writes only what has changed
         if self.config.dropout_rate > 0.0:
@@ -143,6 +152,8 @@ class VectorArena:
             tallies = records[:, :, episodes.FINAL_TALLIES :]
             infos["_final_obs"] = self._ended
             infos["final_obs"] = self._by_side(engine.last_observations, engine.prey_last_observations)
+            if "action_mask" in infos:
+                infos["final_mask"] = engine.last_masks
             infos["episode"] = self._by_side(
                 {
                     "length": records[:, :, episodes.LENGTH],
@@ -268,9 +279,7 @@ class VectorArena:
             )
         else:
             engine.step(*self._checked_actions("actions", actions))
-        np.equal(engine.ends, _TERMINATED, out=self._terminations)
-        np.equal(engine.ends, _TRUNCATED, out=self._truncations)
-        np.logical_or(self._terminations, self._truncations, out=self._ended)
+        self._look_at_the_ends()
         return self._handed_out(
             (
                 self._by_side(engine.observations, engine.prey_observations),
@@ -281,8 +290,32 @@ class VectorArena:
             )
         )
 
+    def set_controls(self, controls: ArrayLike, arenas: ArrayLike | None = None) -> None:
+        """R4.1, R4.4: how hunters are driven from now on; the arena plays what a one-arena env of such a config does.
+
+        Args:
+            controls: for each of those arenas and each seat 0 (target), 1 (velocity) or 2 (full): (n, H).
+            arenas: the rows, as for `reset`; all without it.
+
+        Raises:
+            ConfigError: for other numbers, or where the arena was made without `any_control`.
+        """
+        if len(self._kinds) < len(CONTROLS):
+            raise ConfigError("any_control must be True for arenas to have controls of their own, got False")
+        chosen, given = self._rows(arenas), np.asarray(controls)
+        shape = (len(chosen), self.num_hunters)
+        if given.shape != shape or given.dtype.kind not in "iu" or not np.isin(given, list(CONTROLS.values())).all():
+            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {_named(given)}")
+        self._engine.controls[chosen] = given
+
+    def _look_at_the_ends(self) -> None:
+        ends = self._engine.ends
+        np.equal(ends, _TERMINATED, out=self._terminations)
+        np.equal(ends, _TRUNCATED, out=self._truncations)
+        np.logical_or(self._terminations, self._truncations, out=self._ended)
+
     def _checked_actions(self, what: str, actions: Any) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-        controls = set(self.config.controls)
+        controls = self._kinds
         if controls == {"target"}:
             return self._checked_choices(what, actions), self._commands
         if controls == {"velocity"}:
@@ -368,25 +401,25 @@ class VectorArena:
             EpisodeError: before the first reset.
         """
         self._require_begun()
-        return SavedState(self.config.digest, self.num_envs, self._engine.save())
+        return SavedState(self._config_digest, self.num_envs, self._engine.save())
 
     def restore(self, saved: SavedState) -> Begun:
-        """Go on from a saved state, bit for bit.
+        """Go on from a saved state, bit for bit, the figures of past episodes included.
 
         Returns:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for an argument that cannot be.
+            ConfigError: for what was not saved from as many arenas of an equal config.
         """
-        self._engine.restore(self._memory_of(saved, self.num_envs, self._engine.blocks.shape))
+        self._engine.restore(self._memory_of(saved, self.num_envs))
         self._begun = True
-        self._ended[:] = False
+        self._look_at_the_ends()
         return self._begun_with()
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: the state of one arena, which any row of an arena of equal config can take."""
-        return SavedState(self.config.digest, None, self._engine.save_row(self._row(arena)))
+        return SavedState(self._config_digest, None, self._engine.save_row(self._row(arena)))
 
     def restore_row(self, arena: int, saved: SavedState) -> Begun:
         """Go on, in one arena, from a saved row.
@@ -395,21 +428,26 @@ class VectorArena:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for an argument that cannot be.
+            ConfigError: for a row that is not there, and what is no saved row of an equal config.
         """
         arena = self._row(arena)
-        self._engine.restore_row(arena, self._memory_of(saved, None, self._engine.save_row(arena).shape))
-        self._ended[arena] = False
+        self._engine.restore_row(arena, self._memory_of(saved, None))
+        self._look_at_the_ends()
         return self._begun_with()
 
-    def _memory_of(self, saved: SavedState, num_envs: int | None, shape: tuple[int, ...]) -> NDArray[np.float64]:
-        if not isinstance(saved, SavedState) or saved.config != self.config.digest:
+    @cached_property
+    def _config_digest(self) -> str:
+        return self.config.digest
+
+    def _memory_of(self, saved: SavedState, num_envs: int | None) -> NDArray[np.uint8]:
+        if not isinstance(saved, SavedState) or saved.config != self._config_digest:
             raise ConfigError("a saved state must come from an arena of equal config, got another's")
         if saved.num_envs != num_envs:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
-        if np.shape(saved.memory) != shape:  # kept by another version of this package
-            raise ConfigError(f"a saved state must have the shape {shape}, got {np.shape(saved.memory)}")
+        sizes = self._engine.saved_sizes(row=num_envs is None)
+        if len(saved.memory) not in sizes:  # kept by another version of this package
+            raise ConfigError(f"a saved state must have {sizes[-1]} bytes, got {len(saved.memory)}")
         return saved.memory
 
     def clone(self) -> "VectorArena":

@@ -1,17 +1,19 @@
 """Why did B lose? The contests, refusals and highlights of a recorded match as facts, and the facts in words."""
 
-from catch_arena.explanation.captures import Capture, PreySummary
-from catch_arena.explanation.match_summary import (
+from catch_arena.explanation.facts import (
+    Capture,
     Claim,
     Contest,
-    Explanation,
+    HunterAction,
     HunterSummary,
+    PreyAction,
+    PreySummary,
     Refusals,
     TeamSummary,
-    explain,
 )
+from catch_arena.explanation.match_summary import Explanation, explain
 from catch_arena.explanation.sight import Unseen
-from catch_arena.explanation.step_explanation import HunterAction, PreyAction, StepExplanation, explain_step
+from catch_arena.explanation.step_explanation import StepExplanation, explain_step, step_at
 
 __all__ = [
     "Capture",
@@ -28,4 +30,5 @@ __all__ = [
     "Unseen",
     "explain",
     "explain_step",
+    "step_at",
 ]

@@ -1,49 +1,11 @@
 """What became of prey (chapter 12): who caught it, from where, and when it returned."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from catch_arena.explanation.facts import Capture, PreySummary
 from catch_arena.explanation.seats import prey_labels
 from catch_arena.replay import Replay
 from catch_arena.world import World
-
-
-@dataclass(slots=True)
-class Capture:
-    """One prey was caught."""
-
-    prey: int
-    """Its index."""
-    step: int
-    """Counted from 1."""
-    time_ms: int
-    """When the step ended."""
-    seat: int
-    """Who caught it."""
-    target: str
-    """Which it was to the arbiter."""
-    distance_um: int | None
-    """At the step's beginning (R5.3); None under the policy `capstone`, which does not measure."""
-    in_play_ms: int
-    """For how long it had been in play."""
-    returned_ms: int | None = None
-    """When it returned (R12.3); None where it did not before the end."""
-    returned_as: str | None = None
-
-
-@dataclass(slots=True)
-class PreySummary:
-    """What became of one prey."""
-
-    index: int
-    name: str
-    times_caught: int = 0
-    returns: int = 0
-    in_play_ms: int = 0
-    """For how long in all (R12.5)."""
-    out: bool = False
-    """At the end."""
-    withdrawn_ms: int | None = None
 
 
 class PreyRecord:
@@ -78,7 +40,7 @@ class PreyRecord:
         target = next(one for one in before.targets if one.name == before.prey[index].target)
         distance = next((one.distance_um for one in after.rulings if one.hunter == seat), None)
         in_play_ms = before.time_ms - target.spawned_ms
-        capture = Capture(index, after.step, after.time_ms, seat, target.name, distance, in_play_ms)
+        capture = Capture(index, after.step, before.time_ms, seat, target.name, distance, in_play_ms)
         self._open[index] = capture
         self.captures.append(capture)
 

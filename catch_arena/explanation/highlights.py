@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final, Literal, NamedTuple, get_args
 
-from catch_arena.explanation.captures import Capture, PreyRecord
-from catch_arena.explanation.formatting import metres, short_length
-from catch_arena.explanation.match_summary import Contest, contests_of
+from catch_arena.explanation.captures import PreyRecord
+from catch_arena.explanation.contests import contests_of
+from catch_arena.explanation.facts import Capture, Contest
+from catch_arena.explanation.formatting import metres, seconds, short_length
 from catch_arena.explanation.seats import labels, prey_labels, team_label
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Verdict
@@ -38,8 +39,9 @@ _AFTER_MS: Final = 1500
 class Catch(NamedTuple):
     """One catch, and the scores that it led to."""
 
-    time_ms: int
+    judged_ms: int
     """When it was judged: the step's beginning (R1.4)."""
+    seat: int
     side: int
     scores: tuple[int, ...]
     """By side."""
@@ -58,7 +60,6 @@ class MatchEvents:
     entrants: tuple[str, ...]
     """By side, as they are called in other matches too."""
     duration_ms: int
-    period_ms: int
     reach_um: int
     catches: tuple[Catch, ...]
     contests: tuple[Contest, ...]
@@ -103,7 +104,7 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
         contests += contests_of(replay, world)
         prey.note(world)
         catches += [
-            Catch(world.time_ms - period_ms, world.hunters[ruling.hunter].team, world.team_scores)
+            Catch(world.time_ms - period_ms, ruling.hunter, world.hunters[ruling.hunter].team, world.team_scores)
             for ruling in world.rulings
             if ruling.success
         ]
@@ -120,7 +121,6 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
         names,
         entrants,
         replay.steps * period_ms,
-        period_ms,
         replay.config.reach_um,
         tuple(catches),
         tuple(contests),
@@ -219,7 +219,7 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
             what = f"{first} beats {second} by {short_length(margin_um)}"
             why = f"It was {distances}, the other {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
         score = 1.0 - math.log1p(margin_um) / math.log1p(events.reach_um)
-        yield _around("contest", contest.time_ms - events.period_ms, score, what, why)
+        yield _around("contest", contest.judged_ms, score, what, why)
 
 
 def _captures(events: MatchEvents) -> Iterable[Highlight]:
@@ -227,9 +227,9 @@ def _captures(events: MatchEvents) -> Iterable[Highlight]:
     for one in events.captures:
         what = f"{events.hunters[one.seat]} catches {events.prey[one.prey]}"
         place = "" if one.distance_um is None else f", from {metres(one.distance_um)}"
-        why = f"It had got away for {_seconds(one.in_play_ms)}{place} (R12.3)"
+        why = f"It had got away for {seconds(one.in_play_ms)}{place} (R12.3)"
         score = one.in_play_ms / events.duration_ms
-        yield _around("capture", one.time_ms - events.period_ms, score, what, why)
+        yield _around("capture", one.judged_ms, score, what, why)
 
 
 def _leads(events: MatchEvents) -> Iterable[Highlight]:
@@ -237,21 +237,21 @@ def _leads(events: MatchEvents) -> Iterable[Highlight]:
     for since_ms, catch, old in _changes(events):
         scores = catch.scores
         what = f"{events.names[catch.side]} takes the lead, {scores[catch.side]} : {_second(scores)}"
-        why = f"{events.names[old]}, who was in front from {_seconds(since_ms)} on, has {scores[old]} (R6.1)"
-        yield _around("lead", catch.time_ms, (catch.time_ms / events.duration_ms) ** 2, what, why)
+        why = f"{events.names[old]}, who was in front from {seconds(since_ms)} on, has {scores[old]} (R6.1)"
+        yield _around("lead", catch.judged_ms, (catch.judged_ms / events.duration_ms) ** 2, what, why)
 
 
 def _changes(events: MatchEvents) -> Iterable[tuple[int, Catch, int]]:
     """Since when the old one led, the catch that changed it, and the old one; ties have no leader."""
     leader: int | None = None
     since_ms = 0
-    for _, step in groupby(events.catches, key=lambda catch: catch.time_ms):
+    for _, step in groupby(events.catches, key=lambda catch: catch.judged_ms):
         catch = _leading(tuple(step))
         if catch is None or catch.side == leader:
             continue
         if leader is not None:
             yield since_ms, catch, leader
-        leader, since_ms = catch.side, catch.time_ms
+        leader, since_ms = catch.side, catch.judged_ms
 
 
 def _leading(step: Sequence[Catch]) -> Catch | None:
@@ -262,18 +262,18 @@ def _leading(step: Sequence[Catch]) -> Catch | None:
 
 def _streaks(events: MatchEvents) -> Iterable[Highlight]:
     """The longer, the better: 1 - 2 / n for n catches in a row."""
-    if len(events.names) == 1:
+    if len(events.hunters) == 1:
         return
-    for side, run in groupby(events.catches, key=lambda catch: catch.side):
+    for seat, run in groupby(events.catches, key=lambda catch: catch.seat):
         row = list(run)
         if len(row) < STREAK:
             continue
         first, last = row[0], row[-1]
-        what = f"{events.names[side]} catches {len(row)} in a row"
-        why = f"In {_seconds(last.time_ms - first.time_ms)}, and nobody else catches any between them (R6.1)"
-        start_ms = max(row[-STREAK].time_ms - 1000, last.time_ms - LAST_MS, 0)
-        end_ms = last.time_ms + _AFTER_MS
-        yield Highlight("streak", start_ms, last.time_ms, end_ms, 1.0 - 2.0 / len(row), what, why)
+        what = f"{events.hunters[seat]} catches {len(row)} in a row"
+        why = f"In {seconds(last.judged_ms - first.judged_ms)}, and nobody else catches any between them (R6.1)"
+        start_ms = max(row[-STREAK].judged_ms - 1000, last.judged_ms - LAST_MS, 0)
+        end_ms = last.judged_ms + _AFTER_MS
+        yield Highlight("streak", start_ms, last.judged_ms, end_ms, 1.0 - 2.0 / len(row), what, why)
 
 
 def _finish(events: MatchEvents) -> Iterable[Highlight]:
@@ -288,7 +288,7 @@ def _finish(events: MatchEvents) -> Iterable[Highlight]:
         "They share the first rank (R6.1)" if scores[0] == scores[1] else f"{_catches(scores)} decides the match (R6.1)"
     )
     start_ms = max(0, events.duration_ms - LAST_MS)
-    late = [one.time_ms for one in events.catches if one.time_ms >= start_ms and one.side in (first, second)]
+    late = [one.judged_ms for one in events.catches if one.judged_ms >= start_ms and one.side in (first, second)]
     decisive_ms = late[-1] if late else max(start_ms, events.duration_ms - 1000)
     score = (1.0 - (scores[0] - scores[1]) / scores[0]) ** 2
     yield Highlight("finish", start_ms, decisive_ms, events.duration_ms + _AFTER_MS, score, what, why)
@@ -311,12 +311,12 @@ def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highligh
         f"Of its other matches it won {100 * mine:.0f} %, {events.names[favourite]} {100 * theirs:.0f} %; "
         "from here on it leads (R6.1)"
     )
-    yield _around("upset", taken[0].time_ms, theirs - mine, what, why)
+    yield _around("upset", taken[0].judged_ms, theirs - mine, what, why)
 
 
 def _leads_from(events: MatchEvents, catch: Catch, side: int) -> bool:
     """From this catch to the end that side leads alone."""
-    later = (one.scores for one in events.catches if one.time_ms >= catch.time_ms)
+    later = (one.scores for one in events.catches if one.judged_ms >= catch.judged_ms)
     return all(scores[side] > _second(scores, side) for scores in later)
 
 
@@ -334,7 +334,3 @@ def _second(scores: Sequence[int], side: int | None = None) -> int:
 
 def _catches(scores: Sequence[int]) -> str:
     return "One catch" if scores[0] - scores[1] == 1 else f"A lead of {scores[0] - scores[1]} catches"
-
-
-def _seconds(milliseconds: int) -> str:
-    return f"{milliseconds / 1000:.1f} s"

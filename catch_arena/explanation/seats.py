@@ -26,6 +26,12 @@ def team_label(replay: Replay, seats: Sequence[int]) -> str:
     return names[0] if alone else f"{names[0]} ({', '.join(replay.config.hunter_names[seat] for seat in seats)})"
 
 
+def with_seat(name: str, seat: int) -> str:
+    """An agent's label with its seat: a copy called nearest#2 may sit anywhere."""
+    own = f"hunter_{seat}"
+    return name if name == own or name.endswith(f"({own})") else f"{name} ({own})"
+
+
 def how_it_left(replay: Replay, seat: int) -> str:
     """Of a hunter that has left: it was "withdrawn" (R1.6), which a replay lists, or "dropped out" (R1.7)."""
     return "withdrawn" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out"
@@ -35,7 +41,7 @@ def find_seat(replay: Replay, hunter: int | str) -> int:
     """The seat that is meant by a seat's number, by `hunter_{seat}` or by an agent's name.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a hunter that the match does not have, and a name that several have.
     """
     seats = replay.config.hunter_names
     numbers = [str(seat) for seat in range(len(seats))]

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.explanation.match_summary import Contest, contests_of
+from catch_arena.explanation.contests import contests_of
+from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.seats import labels
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.render.match_info import MatchInfo

@@ -63,8 +63,8 @@ class Annotation:
     """Of a catch: who else was near, the nearest first."""
     distance_um: int | None = None
     """From the hunter to the target."""
-    prey: str | None = None
-    """Of a catch: who was caught, as PettingZoo calls it; None for a target that nobody plays."""
+    prey: int | None = None
+    """Of a catch: which agent was caught, behind the hunters; None for a target that nobody plays."""
 
     @property
     def visible_ms(self) -> float:
@@ -81,7 +81,7 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
         by_lot: whether contests go by lots and not by distance (R5.9).
     """
     targets = {target.name: (target.x, target.y) for target in before.targets}
-    played = {target.name: target.prey for target in before.targets}
+    played = {prey.target: agent for agent, prey in enumerate(before.prey, start=len(before.hunters))}
     distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}
     annotations = []
     for ruling in after.rulings:

@@ -64,7 +64,7 @@ def contact_sheet(
         progress: called with (pictures drawn, in all).
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a size that no frame has, or that is too small for so many pictures.
         ReplayError: where the match does not play as recorded.
     """
     width, height = checked_size(SIZE if size is None else size)

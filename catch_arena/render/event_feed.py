@@ -37,7 +37,7 @@ class FeedItem:
         return self.other is None and (self.seat, self.text, self.other) == (other.seat, other.text, other.other)
 
 
-def feed_items(info: MatchInfo, annotations: Iterable[Annotation]) -> list[FeedItem]:
+def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
     """What is worth a line: catches of prey or with somebody near, and refusals."""
     items = []
     for annotation in annotations:
@@ -53,21 +53,19 @@ def feed_items(info: MatchInfo, annotations: Iterable[Annotation]) -> list[FeedI
             elif behind > 0:
                 items.append(FeedItem(annotation.time_ms, annotation.seat, "ahead of", rival.seat, how))
         if annotation.kind == "catch" and annotation.prey is not None:
-            prey = info.prey(annotation.prey)
-            items.append(FeedItem(annotation.time_ms, annotation.seat, "caught", prey, contest=True))
+            items.append(FeedItem(annotation.time_ms, annotation.seat, "caught", annotation.prey, contest=True))
     return items
 
 
 class EventFeed:
     """The latest items, the newest first; a refusal that is repeated is one item that counts."""
 
-    def __init__(self, info: MatchInfo) -> None:
-        self._info = info
+    def __init__(self) -> None:
         self.items: tuple[FeedItem, ...] = ()
 
     def record(self, annotations: Iterable[Annotation]) -> None:
         """These rulings were made."""
-        for item in feed_items(self._info, annotations):
+        for item in feed_items(annotations):
             same = [old for old in self.items if old.repeated_by(item)]
             others = tuple(old for old in self.items if old not in same)
             times = item.times + sum(old.times for old in same)

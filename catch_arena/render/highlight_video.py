@@ -61,7 +61,7 @@ def render_highlights(
     The arguments are those of `video.render_replay`. No half-written file is left.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for no highlights, and an ending, a size or fps that cannot be.
         OutputError: where the video cannot be written.
         ReplayError: where a match does not play as recorded.
     """

@@ -69,7 +69,8 @@ class MatchInfo:
         agents = config.hunter_names + config.prey_names
         called = agents if names is None else tuple(names)
         if len(called) != len(agents):
-            raise ConfigError(f"names must be one for each of {len(agents)} agents, got {len(called)}")
+            prey = f" and {config.prey} prey" if config.prey else ""
+            raise ConfigError(f"names must be one for each of {config.hunters} hunters{prey}, got {len(called)}")
         hunters = called[: config.hunters]
         return cls(
             config,
@@ -101,6 +102,11 @@ class MatchInfo:
         """What stands for an agent where there is little room: a hunter's seat, or P and a prey's index."""
         hunters = self.config.hunters
         return str(agent) if agent < hunters else f"P{agent - hunters}"
+
+    def called(self, agent: int) -> str:
+        """A hunter's side, or prey, as it is called."""
+        hunts = agent < self.config.hunters
+        return self.sides[self.side_by_seat[agent]].name if hunts else self.names[agent]
 
     def prey(self, name: str) -> int:
         """The agent that PettingZoo calls `prey_{index}`."""

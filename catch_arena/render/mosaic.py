@@ -111,7 +111,7 @@ def render_mosaic(
         progress: called with (frames written, frames in all).
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for too many matches or none, an ending, fps or a speed that cannot be, and too small a size.
         OutputError: where it cannot be written; no half-written file is left.
     """
     if not 1 <= len(replays) <= MOST:

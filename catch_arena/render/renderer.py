@@ -31,7 +31,7 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
     """The (width, height) [pixels] of a frame, if it can be.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a size below SMALLEST or above LARGEST.
     """
     good = isinstance(size, Sequence) and len(size) == 2
     good = good and all(isinstance(part, int) and not isinstance(part, bool) for part in size)
@@ -92,7 +92,7 @@ class MatchRenderer:
         self._annotations: list[Annotation] = []
         self._timeline = timeline.Timeline(self.info.duration_ms)
         self._standings_animation = StandingsAnimation()
-        self._feed = EventFeed(self.info)
+        self._feed = EventFeed()
         self._standings: tuple[hud.AgentScore, ...] = ()
         self._scores: tuple[int, ...] = ()
         self._players: dict[int, int] = {}
@@ -240,7 +240,7 @@ class ArenaPainter:
         layout: "arena" or "broadcast".
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a size below SMALLEST or above LARGEST, and names that are not one a seat.
     """
 
     def __init__(

@@ -49,6 +49,9 @@ def _team(area: tuple[float, float, float, float], side: Side, score: int, *, la
     x = left + width if last else left
     align: Literal["left", "right"] = "right" if last else "left"
     name = side.name.upper()
+    if 0.48 * height < 0.4 * (small + big):  # no room for both
+        big = min(big, font_size(height, 9), max(7, int(1.3 * width / len(str(score)))))
+        return [Label(x, top + 0.5 * height, str(score), big, legible(side.color), 800, align)]
     return [
         Label(x, top + 0.2 * height, name, small, legible(side.color), 700, align, max_width=0.94 * width),
         Label(x, top + 0.68 * height, str(score), big, BRIGHT, 800, align, max_width=0.94 * width),
@@ -57,13 +60,17 @@ def _team(area: tuple[float, float, float, float], side: Side, score: int, *, la
 
 def _between(area: Rect, sides: Sequence[Side], scores: Sequence[int], room: float) -> list[Shape]:
     """What is counted, and who leads by how much, where there is so much room."""
-    middle, size = area.left + area.width / 2.0, font_size(0.12 * area.height, 9)
-    if text_width("catches", size, 500) > room:
+    middle, small, size = (
+        area.left + area.width / 2.0,
+        font_size(0.12 * area.height, 9),
+        font_size(0.155 * area.height, 10),
+    )
+    if text_width("catches", small, 500) > room or 0.18 * area.height < 0.4 * (small + size):
         return []
-    shapes: list[Shape] = [Label(middle, area.top + 0.4 * area.height, "catches", size, DIM, 500, "center")]
+    shapes: list[Shape] = [Label(middle, area.top + 0.4 * area.height, "catches", small, DIM, 500, "center")]
     leader, by = lead(scores)
     if leader >= 0:
-        said, size = f" +{by}", font_size(0.155 * area.height, 10)
+        said = f" +{by}"
         name_room = room - text_width(said, size, 700)
         text = truncated(sides[leader].name, size, 700, name_room) + said if name_room > 2 * size else said.strip()
         color = legible(sides[leader].color)

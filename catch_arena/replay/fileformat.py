@@ -26,7 +26,7 @@ LARGEST_FILE: Final = 1 << 26
 _MAGIC: Final = b"\x89CATCH\r\n"  # as PNG does it: a transfer that mangles bytes is noticed at once
 _FORMAT: Final = 2
 _FORMAT_WITH_PREY: Final = 3
-"""What a match without prey is kept in stays as it was, byte for byte."""
+"""A match without prey needs nothing that is new in it."""
 _PREFIX: Final = struct.Struct("<8sIQ")
 _LENGTH: Final = struct.Struct("<I")
 _CHECKSUM_BYTES: Final = 32
@@ -154,7 +154,7 @@ def checked_text(what: str, text: object) -> str:
     """A name or a title that can be shown in one line.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a text that is too long or cannot be printed.
     """
     if not isinstance(text, str) or len(text) > _LONGEST_TEXT or not text.isprintable():
         shown = repr(text)[: _LONGEST_TEXT + 10]

@@ -1,5 +1,6 @@
 """Rulebook R10.2: a match as its header, its seed and its actions, with a digest of every state and its numbers."""
 
+import copy
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -110,6 +111,13 @@ class Replay:
         self.commands.append(commands.copy())
         self.prey_commands.append(_NO_PREY if prey_commands is None else prey_commands.copy())
         self.note(engine)
+
+    def copy(self) -> "Replay":
+        """The match so far; the steps that are appended to one of the two do not appear in the other."""
+        twin = copy.copy(self)
+        for name in ("choices", "commands", "prey_commands", "digests", "states", "withdrawals"):
+            setattr(twin, name, list(getattr(self, name)))
+        return twin
 
     def engines(self) -> Iterator[Engine]:
         """The match again, checked against nothing: one engine, at every step's boundary, steps + 1 of them."""

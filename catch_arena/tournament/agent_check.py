@@ -93,7 +93,7 @@ def _findings(
     """What one match shows.
 
     Args:
-        name: who is checked.
+        name: the scenario's, with which each finding begins.
         config: the arena's settings.
         result: how the match ended.
         step_ms: how long a move may take.

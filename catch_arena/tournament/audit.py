@@ -104,8 +104,8 @@ def audit(
         progress: called with (matches played, matches in all).
 
     Raises:
-        ConfigError: for an argument that cannot be.
-        AgentError: where an agent cannot be used.
+        ConfigError: for fewer than two hunters, and too few matches.
+        AgentError: for a spec that names no agent, and an agent that cannot play.
         NoContest: where a match could not be held.
     """
     parties = Parties.of(config)

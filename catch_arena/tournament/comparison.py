@@ -172,7 +172,7 @@ def compare(
         progress: called with (blocks, test) after each batch.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for no blocks, and a field that does not fit the scenario's seats.
         NoContest: where a match could not be held.
     """
     if max_blocks < 1:

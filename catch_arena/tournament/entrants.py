@@ -85,7 +85,7 @@ class Entrant:
         """A fresh instance in this process, for one match.
 
         Raises:
-            AgentError: where an agent cannot be used.
+            AgentError: where it cannot be loaded or made.
         """
         return create_policy(self.spec, self.side)
 
@@ -233,7 +233,7 @@ def agent_class(spec: str, side: Side = "hunter") -> type:
     """The class that a spec stands for; that of its prey stands beside it.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: for a command, a module that cannot be imported, and one without that class.
     """
     if spec.startswith(COMMAND):
         raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
@@ -254,7 +254,7 @@ def load_module(name: str) -> ModuleType:
     """The module with a dotted name, or in a .py file.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: where importing it raises.
     """
     if name.endswith(".py"):
         return _import_file(Path(name))
@@ -290,6 +290,8 @@ def _resolve(spec: str) -> _Resolved:
         if not path.is_file():
             raise AgentError(f"{spec}: no such file")
         return _Resolved(str(path), _name_parts(path), path.read_bytes())
+    if (file := spec.rpartition(":")[0]).endswith(".py"):
+        raise AgentError(f"{spec}: a file is given alone, and its class is called Agent: {file}")
     if ":" in spec:
         return _Resolved(spec, tuple(spec.replace(":", ".").split(".")))
     known = shipped()
@@ -384,8 +386,8 @@ def _why_not_imported(error: BaseException, module: str, folder: Path | None = N
 
     Args:
         error: what was raised.
-        module: that was to be imported, and its `folder`, where it is a file that plays alone.
-        folder: the tournament's folder.
+        module: that was to be imported.
+        folder: the one that the file is in, where it is a file that plays alone.
     """
     missing = error.name if isinstance(error, ModuleNotFoundError) else None
     if missing is None or module == missing or module.startswith(f"{missing}."):

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import cycle, islice
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol, cast
 from xml.etree import ElementTree as ET
 
 from catch_arena.config import RULESET, ArenaConfig
@@ -75,6 +75,8 @@ class Test:
     """Requests a match that were refused, lost contests not counted."""
     max_mean_caught: float | None = None
     """How often it was caught, in a match in which it was prey."""
+    cases: tuple[str, ...] = ()
+    """For a ROS 2 node in place of an agent: cases of the conformance suite, or what their ids begin with."""
 
     @property
     def config(self) -> ArenaConfig:
@@ -106,6 +108,34 @@ class Spec:
             )
             for number in range(test.matches)
         )
+
+
+class Marks(Protocol):
+    """What one test gave, of an agent or of a node: a dataclass."""
+
+    @property
+    def test(self) -> str:
+        """Its name."""
+
+    @property
+    def points(self) -> float:
+        """Those of the test where nothing failed, else 0."""
+
+    @property
+    def possible(self) -> float:
+        """Those of the test."""
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What failed."""
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """What to read."""
+
+    @property
+    def log(self) -> str:
+        """The last of what was printed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,32 +289,39 @@ def _misses_a_module(forfeit: Forfeit) -> bool:
     return NOT_INSTALLED in forfeit.reason or ModuleNotFoundError.__name__ in forfeit.reason
 
 
-def json_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
-    """The grades as JSON; no seed is told."""
+def json_text(spec: Spec, name: str, digest: str | None, grades: Sequence[Marks]) -> str:
+    """The grades as JSON; no seed is told.
+
+    Args:
+        spec: by which it was graded.
+        name: the agent's, or the node's.
+        digest: of the agent's files; a node has none.
+        grades: of the spec's tests.
+    """
     content = {
         "title": spec.title,
-        "agent": student.name,
-        "digest": student.digest,
+        "agent": name,
+        "digest": digest,
         "ruleset": RULESET,
         "points": sum((one.points for one in grades), 0.0),
         "possible": sum((one.possible for one in grades), 0.0),
-        "tests": [asdict(one) for one in grades],
+        "tests": [asdict(cast(Any, one)) for one in grades],
     }
     return json.dumps(content, indent=2) + "\n"
 
 
-def junit_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
+def junit_text(spec: Spec, name: str, grades: Sequence[Marks]) -> str:
     """The grades as JUnit XML, a test case for each test; no seed is told."""
     failed = sum(bool(one.failures) for one in grades)
     suite = ET.Element(
         "testsuite", name=printable(spec.title), tests=str(len(grades)), failures=str(failed), errors="0"
     )
     properties = ET.SubElement(suite, "properties")
-    for name in ("points", "possible"):
-        total = sum(getattr(one, name) for one in grades)
-        ET.SubElement(properties, "property", name=name, value=f"{total:g}")
+    for what in ("points", "possible"):
+        total = sum(getattr(one, what) for one in grades)
+        ET.SubElement(properties, "property", name=what, value=f"{total:g}")
     for one in grades:
-        case = ET.SubElement(suite, "testcase", classname=student.name, name=printable(one.test))
+        case = ET.SubElement(suite, "testcase", classname=name, name=printable(one.test))
         if one.failures:
             failure = ET.SubElement(case, "failure", message=printable(one.failures[0]))
             failure.text = printable_lines("\n".join([*one.failures, *one.hints]))
@@ -328,6 +365,13 @@ def _test(at: str, table: Any, matches: Any, folder: Path) -> Test:
     opponents = _checked(f"{at}.opponents", table.get("opponents", []), list)
     for word in opponents:
         _checked(f"{at}.opponents", word, str)
+    cases = _checked(f"{at}.cases", table.get("cases", []), list)
+    for word in cases:
+        _checked(f"{at}.cases", word, str)
+    if cases:
+        if rest := sorted(table.keys() - {"name", "points", "cases"}):
+            raise ConfigError(f"{at}.{rest[0]} must be left out beside cases, which are asked of a node")
+        return Test(name=table["name"], points=float(table.get("points", 1)), cases=tuple(cases))
     own = table.get("matches", matches)
     if isinstance(own, bool) or not isinstance(own, int) or not 1 <= own <= _MOST_MATCHES:
         where = f"{at}.matches" if "matches" in table else "matches"

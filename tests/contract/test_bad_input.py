@@ -61,6 +61,29 @@ BAD_CONFIGS = [
     ({"faults": {"kill_down": 1.5}}, "faults.kill_down must be at least 0 and at most 1, got 1.5"),
     ({"gains": {"kp": 1.0}}, "unknown setting gains.kp: did you mean kp_"),
     ({"spawn_frequenzy_hz": 1}, "unknown setting 'spawn_frequenzy_hz': did you mean spawn_frequency_hz"),
+    ({"teams": ((0, 1), (2,))}, "teams must name each seat from 0 to 3 once, got none for seat 3"),
+    ({"teams": ((0, 1), (1, 2, 3))}, "teams must name each seat from 0 to 3 once, got seat 1 more than once"),
+    ({"teams": [[0, 1], [2, 4]]}, "teams must name each seat from 0 to 3 once, got 4"),
+    ({"teams": ((0, 1, 2, 3), ())}, "teams must name each seat from 0 to 3 once, and no team without a seat, got (("),
+    ({"teams": ((0, 1.0), (2, 3))}, "teams must name each seat from 0 to 3 once, got 1.0"),
+    ({"teams": ((0, True), (2, 3))}, "teams must name each seat from 0 to 3 once, got True"),
+    ({"teams": 2}, "teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got 2"),
+    ({"teams": (0, 1, 2, 3)}, "teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got (0, 1, 2, 3)"),
+    ({"teams": ("01", "23")}, "teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got ('01', '23')"),
+    ({"team_share": 1.1}, "team_share must be at least 0 and at most 1, got 1.1"),
+    ({"team_share": NAN}, "team_share must be a finite number at least 0, got nan"),
+    ({"spawning": 0}, "spawning must be true or false, got 0"),
+    ({"prey": 33, "initial_targets": 40, "max_targets": 40}, "prey must be a whole number from 0 to 32, got 33"),
+    ({"prey": 9}, "prey must be a whole number from 0 to 8 (initial_targets, which count it), got 9"),
+    ({"prey": -1}, "prey must be a whole number from 0 to 32, got -1"),
+    ({"prey": True}, "prey must be a whole number from 0 to 32, got True"),
+    ({"prey": 1, "target_budget": 20}, "target_budget must be None where there is prey, got 20"),
+    ({"prey_returns_s": -0.1}, "prey_returns_s must be at least 0 and at most 1e+09, got -0.1"),
+    ({"prey_returns_s": "2"}, "prey_returns_s must be a finite number at least 0, got '2'"),
+    ({"prey_rewards": {"caught": INFINITY}}, "prey_rewards.caught must be a finite number at least -1e+06, got inf"),
+    ({"prey_rewards": {"eaten": 1}}, "unknown setting prey_rewards.eaten"),
+    ({"prey_rewards": 3}, "prey_rewards must be PreyRewardWeights(...) or a mapping, got 3"),
+    ({"rewards": {"mate_catch": NAN}}, "rewards.mate_catch must be a finite number"),
     ({"render_mode": "rgb"}, "render_mode must be None, rgb_array or human, got 'rgb'"),
 ]
 
@@ -95,7 +118,7 @@ def good(env):
 
 
 BAD_ACTIONS = {
-    "target": [9, -1, 1.0, "1", None, True, [1], np.array([1]), np.float32(1), NAN],
+    "target": [9, -1, 1.0, "1", None, True, [1], np.array([1.0]), np.float32(1), NAN],
     "velocity": [
         (0.0,),
         (0.0, 0.0, 0.0),

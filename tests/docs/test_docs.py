@@ -9,11 +9,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.policy import Limits, PreyLimits
+from catch_arena.training import LearnerBatch, Mlp
 
 ROOT = Path(__file__).parent.parent.parent
 README = (ROOT / "README.md").read_text()
@@ -29,6 +31,37 @@ def test_the_readmes_python_runs(code, tmp_path, monkeypatch):
     """As it stands, and without a warning."""
     monkeypatch.chdir(tmp_path)
     exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
+
+
+TRAINING = re.findall(r"```python(?: file=(\S+))?\n(.*?)```", (ROOT / "docs" / "training.md").read_text(), re.DOTALL)
+"""(file, code): what the page has the reader save, and what he runs."""
+LIBRARIES = ("sb3_contrib", "stable_baselines3")
+
+
+@pytest.mark.large
+@pytest.mark.parametrize(
+    "code", [code for file, code in TRAINING if not file and not any(x in code for x in LIBRARIES)]
+)
+def test_the_code_on_the_page_about_training_runs(code, tmp_path, monkeypatch):
+    """What needs a library of others runs in `make compat`."""
+    monkeypatch.chdir(tmp_path)
+    exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
+
+
+def test_the_page_about_training_makes_an_agent_that_plays(tmp_path, monkeypatch):
+    """In its scenario and in another, alone and in batches, with a network that knows nothing."""
+    ((name, code),) = [(file, code) for file, code in TRAINING if file]
+    monkeypatch.chdir(tmp_path)
+    Path(name).write_text(code)
+    draw = np.random.default_rng(1)
+    Mlp([(draw.normal(size=(8, 71)), np.zeros(8)), (draw.normal(size=(9, 8)), np.zeros(9))]).save("mine.npz")
+    for scenario in ("standard", "duel"):
+        done = CliRunner().invoke(main, ["check-agent", name, "--scenario", scenario, "--trusted"])
+        assert done.exit_code == 0, done.output
+    batch = LearnerBatch("standard", 3, opponents=name)
+    batch.reset(seed=1)
+    for _ in range(5):
+        batch.step(np.ones(3, dtype=int))
 
 
 def commands(text):
@@ -68,6 +101,7 @@ def test_the_made_pages_are_up_to_date():
     write_docs = runpy.run_path(str(ROOT / "scripts" / "write_docs.py"))
 
     assert (ROOT / "docs" / "observation.md").read_text() == write_docs["observation_page"]()
+    assert (ROOT / "docs" / "settings.md").read_text() == write_docs["settings_page"]()
     agents = (ROOT / "docs" / "agents.md").read_text()
     assert agents == write_docs["agents_page"](agents)
 

@@ -16,13 +16,16 @@ def overlap(a: hud.Rect, b: hud.Rect) -> bool:
     return not (apart or a.top + a.height <= b.top or b.top + b.height <= a.top)
 
 
-@pytest.mark.parametrize("hunters", [1, 4, 16, 64])
+@pytest.mark.parametrize(("agents", "teams"), [(1, 0), (4, 0), (16, 0), (64, 0), (4, 2), (8, 4), (24, 8), (64, 32)])
 @pytest.mark.parametrize("layout", ["broadcast", "arena"])
 @pytest.mark.parametrize("size", SIZES)
-def test_the_parts_lie_in_the_frame_and_apart_and_the_arena_is_the_largest(size, layout, hunters):
-    plan = hud.arrange(size, layout, hunters)
-    parts = [part for part in (plan.arena, plan.header, plan.standings, plan.feed, plan.timeline) if part.width]
-    assert len(parts) in ((4, 5) if layout == "broadcast" else (2,))
+def test_the_parts_lie_in_the_frame_and_apart_and_the_arena_is_the_largest(size, layout, agents, teams):
+    plan = hud.arrange(size, layout, agents, teams)
+    parts = [plan.arena, plan.header, plan.teams, plan.standings, plan.feed, plan.timeline]
+    parts = [part for part in parts if part.width]
+    card = layout == "broadcast" and 0 < teams <= hud.MOST_TEAMS
+    assert (plan.teams.width > 0) == card
+    assert len(parts) - card in ((4, 5) if layout == "broadcast" else (2,))
     for part in parts:
         assert part.left >= 0
         assert part.top >= 0
@@ -56,7 +59,7 @@ def test_the_line_over_the_arena_fits(size, hunters):
 
 def test_the_best_stand_first_and_equals_by_seat():
     standings = [hud.AgentScore(0, 2), hud.AgentScore(1, 5), hud.AgentScore(2, 5)]
-    assert [one.seat for one in hud.ranked(standings)] == [1, 2, 0]
+    assert [one.agent for one in hud.ranked(standings)] == [1, 2, 0]
 
 
 @pytest.mark.parametrize(

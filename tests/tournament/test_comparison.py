@@ -79,7 +79,7 @@ def test_the_command_says_what_it_found_and_its_exit_code_does_too(words, code, 
     result = CliRunner().invoke(main, ["compare", *words, *QUICK, "--seed", "0"])
     assert result.exit_code == code, result.output
     assert re.search(f"verdict: .*{verdict}", result.output)
-    assert max(map(len, result.output.splitlines())) <= 120
+    assert max(map(len, result.stdout.splitlines())) <= 120
 
 
 def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):

@@ -102,8 +102,7 @@ export class Painter {
     const scene = this.#scene(canvas, replay, contest.time, view, null);
     const { context, scale, dots, place, length } = scene;
     this.#ground(scene);
-    this.#targets(scene);
-    this.#preyNumbers(scene);
+    this.#targets(scene, true);
     context.globalAlpha = 0.35;
     for (const seat of contest.parties) {
       const { color } = replay.hunters[seat];
@@ -147,13 +146,16 @@ export class Painter {
     return { context, replay, time, size, scale, dots, place, length, picked };
   }
 
-  /** @param {Scene} scene */
-  #targets(scene) {
+  /**
+   * @param {Scene} scene
+   * @param {boolean} [bare] whether prey has no ring
+   */
+  #targets(scene, bare = false) {
     const { replay, time, length } = scene;
     const small = (length * this.look.targetLength) / this.look.hunterLength;
     for (const target of replay.alive(time)) {
       if (target.prey === null) this.#turtle(scene, replay.pose(target, time), small, this.look.target, 0.6);
-      else this.#prey(scene, target, target.prey);
+      else this.#prey(scene, target, target.prey, bare);
     }
   }
 
@@ -162,13 +164,14 @@ export class Painter {
    * @param {Scene} scene
    * @param {Target} target
    * @param {number} index
+   * @param {boolean} bare whether it has no ring
    */
-  #prey(scene, target, index) {
+  #prey(scene, target, index, bare) {
     const { context, replay, time, place } = scene;
     const length = (scene.length * this.look.preyLength) / this.look.hunterLength;
     const pose = replay.pose(target, time);
     const gone = replay.withdrawn(replay.hunters.length + index, time);
-    if (!gone) {
+    if (!gone && !bare) {
       const [x, y] = place(pose);
       context.strokeStyle = mixed("#ffffff", "#ffffff", 0, 0.9);
       context.lineWidth = Math.max(1.5 * scene.dots, 0.05 * length);

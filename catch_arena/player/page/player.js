@@ -342,7 +342,9 @@ export class CatchReplay extends HTMLElement {
       this.note.textContent = `No contest${who}: in no step could two catch the same target.`;
     } else if (contest) {
       const which = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${who}`;
-      this.note.textContent = `${which}, step ${contest.state + 1} (${contest.clause})`;
+      const { prey } = contest.place;
+      const whose = prey === null ? "" : `, P${prey}`;
+      this.note.textContent = `${which}${whose}, step ${contest.state + 1} (${contest.clause})`;
     } else {
       const count = contests.length === 1 ? "1 contest" : `${contests.length} contests`;
       this.note.textContent = `${count}${who}, the first at ${seconds(contests[0].time)}`;

@@ -305,7 +305,9 @@ function check(facts) {
   const lists = [
     [
       "hunters",
-      (one) => isText(one?.name) && isColor(one.color) && isWithin(one.reach, FARTHEST) && isWithin(one.pieces, 64),
+      (one) =>
+        isText(one?.name) && isColor(one.color) && isWithin(one.reach, FARTHEST) && isCount(one.pieces) &&
+        one.pieces > 0,
       "a name, a colour, a reach and a ring's pieces",
     ],
     ["prey", (one) => isText(one?.name) && isListOf(isCount)(one.targets), "a name and the numbers of its targets"],

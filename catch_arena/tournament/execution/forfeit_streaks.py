@@ -24,7 +24,7 @@ class ForfeitStreaks:
         most: how many exclude an entrant, 0 for none.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a number below 0.
     """
 
     def __init__(self, most: int) -> None:

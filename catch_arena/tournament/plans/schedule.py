@@ -121,7 +121,7 @@ def plan_of(
         parties: those of the arena, where there is prey; without, a block is every rotation of its players.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an unknown format, no rounds, and too few entrants or too many matches for it.
     """
     if wanted is None:
         wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"

@@ -27,7 +27,7 @@ class UntilSeparated:
         parties: those of the arena, where there is prey: the order of either side is to be clear.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a confidence outside [0.5, 1), and a budget below the matches of one round.
     """
 
     def __init__(

@@ -1,0 +1,52 @@
+"""The way in for learners: batches with opponents in them, as the libraries for training know environments
+(docs/training.md).
+
+What is listed here loads on first use; the adapters need their library, and say so where it is missing.
+"""
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+    from catch_arena.training.batch import LearnerBatch as LearnerBatch
+    from catch_arena.training.gymnasium_vector import GymnasiumVectorEnv as GymnasiumVectorEnv
+    from catch_arena.training.networks import Mlp as Mlp
+    from catch_arena.training.sb3 import SB3VecEnv as SB3VecEnv
+    from catch_arena.training.torchrl import TorchRLEnv as TorchRLEnv
+
+_HOMES = {
+    "GymnasiumVectorEnv": "gymnasium_vector",
+    "LearnerBatch": "batch",
+    "Mlp": "networks",
+    "SB3VecEnv": "sb3",
+    "TorchRLEnv": "torchrl",
+}
+_EXTRAS = {"stable_baselines3": "sb3", "torch": "torchrl", "torchrl": "torchrl", "tensordict": "torchrl"}
+"""Which extra brings a library."""
+
+__all__ = sorted(_HOMES)  # noqa: PLE0605 - a list of strings, though not a literal one
+
+
+def __getattr__(name: str) -> "Any":
+    if name not in _HOMES:
+        raise AttributeError(f"module 'catch_arena.training' has no attribute {name!r}")
+    from importlib import import_module
+
+    from catch_arena.errors import ConfigError
+
+    try:
+        module = import_module(f"catch_arena.training.{_HOMES[name]}")
+    except ModuleNotFoundError as error:
+        library = (error.name or "").partition(".")[0]
+        if library not in _EXTRAS:
+            raise
+        raise ConfigError(
+            f"{name} needs {library}, which is not installed: pip install 'catch-arena[{_EXTRAS[library]}]'"
+        ) from None
+    value = getattr(module, name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOMES])

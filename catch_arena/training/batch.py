@@ -1,0 +1,263 @@
+"""Many arenas of which some seats learn: a row for each learner, and everything a copy of its own.
+
+The adapters for libraries stand on this.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import ArrayLike, NDArray
+
+from catch_arena.config import ArenaConfig
+from catch_arena.core.controllers import CONTROLS
+from catch_arena.envs.vector import VectorArena
+from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.layout import Column, columns
+from catch_arena.scenarios import scenario as arena_config
+from catch_arena.seeding import checked_seed, fresh_seed
+from catch_arena.training.opponents import Opponents, Pool
+
+Figures = dict[str, NDArray[np.float32]]
+
+
+class LearnerStep(NamedTuple):
+    """What a step gave the N learners; every array is the caller's own."""
+
+    observations: NDArray[np.float32]
+    """(N, D): with auto_reset, where an episode ended, of the next one."""
+    masks: NDArray[np.bool_]
+    """(N, K + 1): the legal choices; (N, 0) under velocity control."""
+    rewards: NDArray[np.float32]
+    """(N,)."""
+    terminations: NDArray[np.bool_]
+    """(N,)."""
+    truncations: NDArray[np.bool_]
+    """(N,): the value of the last observation still counts."""
+    ended: NDArray[np.int64]
+    """The rows whose episode ended in this step: (E,)."""
+    final_observations: NDArray[np.float32]
+    """Of these the last observations: (E, D)."""
+    final_masks: NDArray[np.bool_]
+    """And their masks: (E, K + 1)."""
+    figures: Figures
+    """And their episodes in figures, `VectorArena`'s (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 11).
+    Empty without auto_reset.
+    """
+
+
+class LearnerBatch:
+    """B arenas in lockstep, in each of which some seats learn and the others are played by opponents.
+
+    A row is one learner: N = B * learners, arena by arena. In each episode the learners move on by a seat, and every
+    other seat draws its opponent anew.
+
+    Args:
+        scenario: a name or a config.
+        num_envs: B.
+        opponents: see `Opponents`: an agent, several, or names with weights. None: all seats learn.
+        learners: how many seats of an arena learn, where there are opponents.
+        normalise: divide each column by its largest magnitude, so that it lies in [-1, 1]; what is absent stays 0.
+        num_threads: how many threads play.
+        auto_reset: whether ended episodes begin anew at once.
+        overrides: fields of ArenaConfig.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+        AgentError: for an opponent that cannot play.
+    """
+
+    def __init__(
+        self,
+        scenario: str | ArenaConfig = "standard",
+        num_envs: int = 1,
+        *,
+        opponents: Pool | None = None,
+        learners: int = 1,
+        normalise: bool = False,
+        num_threads: int = 1,
+        auto_reset: bool = True,
+        **overrides: object,
+    ) -> None:
+        config = arena_config(scenario, **overrides)
+        self.config: Final = config
+        if not isinstance(normalise, bool):
+            raise ConfigError(f"normalise must be True or False, got {normalise!r}")
+        if config.prey:
+            raise ConfigError(f"prey must be 0 where learners hunt: nobody plays it here, got {config.prey}")
+        if len(set(config.controls)) > 1:
+            raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
+        most = config.hunters - (opponents is not None)
+        if isinstance(learners, bool) or not isinstance(learners, int) or not 1 <= learners <= most:
+            raise ConfigError(f"learners must be a whole number from 1 to {most}, beside an opponent, got {learners!r}")
+        self.learners: Final = config.hunters if opponents is None else learners
+        self.arena: Final = VectorArena(
+            config, num_envs, num_threads, auto_reset=auto_reset, any_control=opponents is not None
+        )
+        self.num_envs: Final = self.arena.num_envs
+        self.num_rows: Final = self.num_envs * self.learners
+        self._opponents = None if opponents is None else Opponents(config, self.num_envs, opponents)
+        self._control = CONTROLS[config.controls[0]]
+        self.action_space: Final = self.arena.action_space()
+        self.columns: Final[tuple[Column, ...]] = columns(config)
+        bounds = np.array([(column.low, column.high) for column in self.columns], dtype=np.float32)
+        magnitudes = np.abs(bounds).max(axis=1)
+        self.scale: Final[NDArray[np.float32] | None] = (
+            np.where(magnitudes > 0, magnitudes, 1).astype(np.float32) if normalise else None
+        )
+        """What each column is divided by, (D,), or None."""
+        low, high = bounds.T if self.scale is None else (bounds / self.scale[:, None]).T
+        self.observation_space: Final = spaces.Box(low, high, dtype=np.float32)
+        shape = (self.num_envs, config.hunters)
+        self._choices, self._commands = np.zeros(shape, np.int64), np.zeros((*shape, 2), np.float32)
+        self._rotation = np.arange(self.num_envs) - 1
+        self._seats = np.tile(np.arange(self.learners), (self.num_envs, 1))
+        self._rows = np.arange(self.num_envs)[:, None]
+        self._random = np.random.default_rng(0)
+        self._seen: NDArray[np.float32] | None = None
+        self._masks: NDArray[np.int8] = np.ones((*shape, 0), np.int8)
+
+    @property
+    def seats(self) -> NDArray[np.int64]:
+        """The seats in which learners sit in the episodes under way: (B, learners)."""
+        return self._seats.copy()
+
+    def close(self) -> None:
+        """End the threads that were started."""
+        self.arena.close()
+
+    def reset(
+        self, seed: int | None = None, arenas: ArrayLike | None = None
+    ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Begin episodes.
+
+        Args:
+            seed: from which the arenas' seeds, the opponents and all that they draw follow; without it they go on.
+            arenas: the arenas to begin anew, as numbers or as a (B,) mask; all without it.
+
+        Returns:
+            the observations (N, D) and masks (N, K + 1) of all learners.
+        """
+        if arenas is None and (seed is not None or self._seen is None):
+            seed = fresh_seed() if seed is None else checked_seed(seed)
+            self._random = np.random.default_rng(seed)
+            self._rotation = np.arange(self.num_envs) - 1
+            if self._opponents is not None:
+                self._opponents.begin(self._random)
+        observations, infos = self.arena.reset(seed, arenas)
+        chosen = np.arange(self.num_envs) if arenas is None else np.arange(self.num_envs)[np.asarray(arenas)]
+        self._take(observations, infos)
+        self._seat(chosen)
+        return self._observations(observations), self._masks_of(self._masks)
+
+    def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> LearnerStep:
+        """R1.4: one step of every arena.
+
+        Args:
+            actions: of the N learners: target: (N,) whole numbers; velocity: (N, 2) numbers in [-1, 1]; full:
+                {"cmd_vel": (N, 2), "catch": (N,)}.
+
+        Raises:
+            ActionError: for an action that is not legal; nothing has moved then.
+            AgentError: for an opponent that raised, or whose action is not legal; nothing has moved then.
+            EpisodeError: before the first reset.
+        """
+        if self._seen is None:
+            raise EpisodeError("step must follow a reset: no episode has begun")
+        if self._opponents is None:
+            given = self._of_arenas(actions)
+        else:
+            self._place(actions)
+            self._opponents.act(self._seen, self._masks, self._choices, self._commands)
+            given = {"cmd_vel": self._commands, "catch": self._choices}
+        seats = self._seats  # of the episodes that end here
+        observations, rewards, terminations, truncations, infos = self.arena.step(given)
+        self._take(observations, infos)
+        over = np.flatnonzero(terminations | truncations)
+        figures: Figures = {}
+        final, final_masks = observations[:0, 0], self._masks[:0, 0]
+        if len(over):
+            places = over[:, None], seats[over]
+            last, masks = observations, self._masks
+            if "final_obs" in infos:
+                last, masks = infos["final_obs"], infos.get("final_mask", self._masks)
+                figures = {name: self._flat(table[places]) for name, table in infos["episode"].items()}
+                self._seat(over)
+            final, final_masks = self._flat(last[places]), self._flat(masks[places])
+            if self.scale is not None:
+                final /= self.scale
+        return LearnerStep(
+            self._observations(observations),
+            self._masks_of(self._masks),
+            rewards[self._rows, seats].reshape(-1),
+            np.repeat(terminations, self.learners),
+            np.repeat(truncations, self.learners),
+            (over[:, None] * self.learners + np.arange(self.learners)).reshape(-1),
+            final,
+            final_masks.astype(np.bool_),
+            figures,
+        )
+
+    def _take(self, observations: NDArray[np.float32], infos: Mapping[str, Any]) -> None:
+        self._seen = observations
+        self._masks = infos.get("action_mask", self._masks)
+
+    def _seat(self, arenas: NDArray[np.int64]) -> None:
+        """Learners move on by a seat, and the other seats draw their opponents."""
+        if self._opponents is None:
+            return
+        hunters = self.config.hunters
+        self._rotation[arenas] += 1
+        order = (np.arange(hunters) + self._rotation[arenas, None]) % hunters
+        own, others = order[:, : self.learners], order[:, self.learners :]
+        self._seats = self._seats.copy()
+        self._seats[arenas] = own
+        drawn = self._opponents.draw(arenas, others, self._random)
+        controls = np.full((len(arenas), hunters), self._control, dtype=np.int8)
+        np.put_along_axis(controls, others, self._opponents.controls[drawn], axis=1)
+        self.arena.set_controls(controls, arenas)
+
+    def _of_arenas(self, actions: Any) -> Any:
+        """(N, ...) as (B, H, ...)."""
+        if isinstance(actions, Mapping):
+            return {name: self._of_arenas(value) for name, value in actions.items()}
+        given = np.asarray(actions)
+        if given.shape[:1] != (self.num_rows,):
+            raise ActionError(f"actions must be those of {self.num_rows} learners, got the shape {given.shape}")
+        return given.reshape(self.num_envs, self.learners, *given.shape[1:])
+
+    def _place(self, actions: Any) -> None:
+        """The learners' actions at their seats; the arena checks them."""
+        named = actions if self._control == CONTROLS["full"] else {}
+        if self._control == CONTROLS["target"]:
+            named = {"catch": actions}
+        elif self._control == CONTROLS["velocity"]:
+            named = {"cmd_vel": actions}
+        if not isinstance(named, Mapping) or not set(named) <= {"cmd_vel", "catch"}:
+            raise ActionError(f"actions must be a mapping with cmd_vel and catch, got {type(actions).__name__}")
+        for name, table in (("catch", self._choices), ("cmd_vel", self._commands)):
+            if name not in named:
+                continue
+            given = self._of_arenas(named[name])
+            if given.dtype.kind not in ("iu" if name == "catch" else "fiu"):
+                raise ActionError(f"actions must be {'whole ' if name == 'catch' else ''}numbers, got {given.dtype}")
+            if given.shape[2:] != table.shape[2:]:
+                wanted = (self.num_rows, *table.shape[2:])
+                raise ActionError(f"actions must have the shape {wanted}, got {np.shape(named[name])}")
+            table[self._rows, self._seats] = given
+
+    def _observations(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
+        own: NDArray[np.float32] = self._flat(observations[self._rows, self._seats])
+        if self.scale is not None:
+            own /= self.scale
+        return own
+
+    def _masks_of(self, masks: NDArray[np.int8]) -> NDArray[np.bool_]:
+        if self._control == CONTROLS["velocity"]:
+            return np.ones((self.num_rows, 0), np.bool_)
+        return self._flat(masks[self._rows, self._seats]).astype(np.bool_)
+
+    @staticmethod
+    def _flat(table: NDArray[Any]) -> NDArray[Any]:
+        return table.reshape(table.shape[0] * table.shape[1], *table.shape[2:])  # -1 is refused where there is nothing

@@ -1,0 +1,94 @@
+"""Learners as a `gymnasium.vector.VectorEnv`: each row is an environment, so that Gymnasium's vector wrappers fit."""
+
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError
+from catch_arena.training.batch import LearnerBatch
+
+
+class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
+    """Every learner of every arena is a row. Episodes that end begin anew at once (SAME_STEP); with `auto_reset=False`
+    (DISABLED) they stand still until `reset(options={"reset_mask": rows})` names them: Gymnasium
+    1.3's wrappers of observations take only that.
+
+    `infos` holds `action_mask` (N, K + 1) bool (not under velocity control), and where episodes ended `final_obs`
+    (N, D) and `final_info`: the last mask and the episode's figures. Each has beside it, under its name with `_` before
+    it, the mask (N,) of the rows that it is told of. Everything is the caller's own.
+
+    Args:
+        scenario: a name or a config.
+        num_arenas: B; the env has B * learners rows.
+        settings: `LearnerBatch`'s other arguments, and fields of ArenaConfig.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - Gymnasium's own form
+
+    def __init__(self, scenario: str | ArenaConfig = "standard", num_arenas: int = 1, **settings: Any) -> None:
+        self.batch = LearnerBatch(scenario, num_arenas, **settings)
+        self._auto_reset = self.batch.arena.auto_reset
+        mode = AutoresetMode.SAME_STEP if self._auto_reset else AutoresetMode.DISABLED
+        self.metadata = {**type(self).metadata, "autoreset_mode": mode}
+        self.num_envs = self.batch.num_rows
+        self.single_observation_space = self.batch.observation_space
+        self.single_action_space = self.batch.action_space
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begin all episodes, or those of `options["reset_mask"]`, (N,) bool: of all learners of an arena or of none.
+        Of a list of seeds the first counts, since the rows of an arena begin together.
+
+        Raises:
+            ConfigError: for a mask that cannot be.
+        """
+        arenas = None
+        if options is not None and "reset_mask" in options:
+            rows = np.asarray(options["reset_mask"])
+            if rows.shape != (self.num_envs,) or rows.dtype != np.bool_:
+                raise ConfigError(f"reset_mask must be {self.num_envs} of True or False, got the shape {rows.shape}")
+            together = rows.reshape(-1, self.batch.learners)
+            arenas = together.any(axis=1)
+            if (together.all(axis=1) != arenas).any():
+                raise ConfigError("reset_mask must name all learners of an arena or none, got some of them")
+        observations, masks = self.batch.reset(seed[0] if isinstance(seed, list) else seed, arenas)
+        return observations, self._told({"action_mask": masks} if masks.size else {}, np.ones(self.num_envs, np.bool_))
+
+    def step(
+        self, actions: Any
+    ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """R1.4: one step of every row."""
+        step = self.batch.step(actions)
+        infos = self._told({"action_mask": step.masks} if step.masks.size else {}, np.ones(self.num_envs, np.bool_))
+        if self._auto_reset and len(step.ended):
+            over = np.zeros(self.num_envs, np.bool_)
+            over[step.ended] = True
+            figures = {name: self._spread(table, step.ended) for name, table in step.figures.items()}
+            if step.masks.size:
+                figures["action_mask"] = self._spread(step.final_masks, step.ended)
+            final = {
+                "final_obs": self._spread(step.final_observations, step.ended),
+                "final_info": self._told(figures, over),
+            }
+            infos |= self._told(final, over)
+        return step.observations, step.rewards.astype(np.float64), step.terminations, step.truncations, infos
+
+    def close_extras(self, **_: Any) -> None:
+        """End the threads that were started."""
+        self.batch.close()
+
+    @staticmethod
+    def _told(infos: dict[str, Any], rows: NDArray[np.bool_]) -> dict[str, Any]:
+        return {**infos, **{f"_{name}": rows.copy() for name in infos}}
+
+    def _spread(self, table: NDArray[Any], rows: NDArray[np.int64]) -> NDArray[Any]:
+        whole = np.zeros((self.num_envs, *table.shape[1:]), table.dtype)
+        whole[rows] = table
+        return whole

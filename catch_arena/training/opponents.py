@@ -1,0 +1,241 @@
+"""Opponents inside the batch: who plays the seats that do not learn."""
+
+import copy
+import dataclasses
+from collections.abc import Iterable, Mapping
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.batch_policy import BatchView
+from catch_arena.config import ArenaConfig, Control
+from catch_arena.core.controllers import CONTROLS, FULL_CONTROL, TARGET_CONTROL, VELOCITY_CONTROL
+from catch_arena.errors import AgentError, ConfigError, reason
+from catch_arena.policy import Limits, View, control_of
+from catch_arena.text import in_short
+from catch_arena.tournament.entrants import create_policy, resolve_spec
+
+Pool = str | object | Iterable[object] | Mapping[str, float]
+"""One agent, several, or names and how often each is drawn."""
+
+_SEED_LIMIT: Final = 2**63
+_WORDS: Final[dict[int, Control]] = {TARGET_CONTROL: "target", VELOCITY_CONTROL: "velocity", FULL_CONTROL: "full"}
+
+
+class _Opponent(NamedTuple):
+    name: str
+    policy: Any
+    """With `act_batch` one for all hunters; else what is copied for each of them."""
+    control: int
+    in_batches: bool
+
+
+class Opponents:
+    """A pool of agents, of which each free seat gets one in each episode.
+
+    An agent with `act_batch` is called once a step for all hunters that it plays, and keeps nothing of a hunter; one
+    that has only `act` is called for each of them, and each gets an instance of its own.
+
+    Args:
+        config: the arena's settings.
+        num_envs: B.
+        pool: an agent, several, or a mapping from agents' names to their weights. An agent is what a tournament takes
+            (a shipped name, a file, `package.module:Class`), a class, or an object with `act_batch` or `act`.
+
+    Raises:
+        ConfigError: for an empty pool, and for weights that cannot be.
+        AgentError: for an agent that cannot play.
+    """
+
+    def __init__(self, config: ArenaConfig, num_envs: int, pool: Pool) -> None:
+        agents, weights = _agents_and_weights(pool)
+        self._pool = [_opponent(agent) for agent in agents]
+        self._weights = weights
+        self._config = config
+        limits = [Limits.of(config, seat) for seat in range(config.hunters)]
+        self._limits = {
+            control: [_with_control(own, control) for own in limits] for control in set(self.controls.tolist())
+        }
+        self._alike = {control: len(set(of)) == 1 for control, of in self._limits.items()}
+        self._who = np.full((num_envs, config.hunters), -1)
+        self._instances: dict[tuple[int, int], Any] = {}
+
+    @property
+    def controls(self) -> NDArray[np.int8]:
+        """How each agent of the pool is driven, in the numbers of `controllers.CONTROLS`: (P,)."""
+        return np.array([opponent.control for opponent in self._pool], dtype=np.int8)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The agents of the pool, in the order that `draw` counts them by."""
+        return tuple(opponent.name for opponent in self._pool)
+
+    def begin(self, draw: np.random.Generator) -> None:
+        """Seed those that act on batches."""
+        for opponent in self._pool:
+            if opponent.in_batches:
+                self._call(opponent, "reset", "", int(draw.integers(_SEED_LIMIT)))
+
+    def draw(self, arenas: NDArray[np.int64], seats: NDArray[np.int64], draw: np.random.Generator) -> NDArray[np.int64]:
+        """Who plays these seats, from now on: `seats` (n, S) of the arenas (n,); the others are the learner's.
+
+        Returns:
+            the numbers of the agents in the pool: (n, S).
+        """
+        chosen = draw.choice(len(self._pool), p=self._weights, size=seats.shape)
+        self._who[arenas] = -1
+        self._who[arenas[:, None], seats] = chosen
+        if not all(opponent.in_batches for opponent in self._pool):
+            begun = set(arenas.tolist())
+            self._instances = {place: one for place, one in self._instances.items() if place[0] not in begun}
+        for number, opponent in enumerate(self._pool):
+            if opponent.in_batches:
+                continue
+            for row, place in np.argwhere(chosen == number).tolist():
+                arena, seat = int(arenas[row]), int(seats[row, place])
+                instance = copy.deepcopy(opponent.policy)
+                self._instances[arena, seat] = instance
+                self._call(
+                    opponent._replace(policy=instance), "reset", _where(arena, seat), int(draw.integers(_SEED_LIMIT))
+                )
+        return chosen
+
+    def act(
+        self,
+        observations: NDArray[np.float32],
+        masks: NDArray[np.int8],
+        choices: NDArray[np.int64],
+        commands: NDArray[np.float32],
+    ) -> None:
+        """Write what the opponents do into `choices` (B, H) and `commands` (B, H, 2).
+
+        Raises:
+            AgentError: that names the agent, and where it is to be found the hunter.
+        """
+        for number, opponent in enumerate(self._pool):
+            arenas, seats = np.nonzero(self._who == number)
+            if not len(arenas):
+                continue
+            if not opponent.in_batches:
+                for arena, seat in zip(arenas.tolist(), seats.tolist(), strict=True):
+                    limits = self._limits[opponent.control][seat]
+                    view = View(observations[arena, seat].tolist(), masks[arena, seat].tolist(), limits)
+                    own = opponent._replace(policy=self._instances[arena, seat])
+                    answer = _alone(self._call(own, "act", _where(arena, seat), view))
+                    self._write(opponent, "act", answer, np.array([arena]), np.array([seat]), choices, commands)
+                continue
+            of_seat = self._limits[opponent.control]
+            groups = [slice(None)] if self._alike[opponent.control] else [seats == seat for seat in np.unique(seats)]
+            for group in groups:  # hunters whose limits are the same
+                some, own_seats = arenas[group], seats[group]
+                batch = BatchView(observations[some, own_seats], masks[some, own_seats], of_seat[int(own_seats[0])])
+                answer = self._call(opponent, "act_batch", "", batch)
+                self._write(opponent, "act_batch", answer, some, own_seats, choices, commands)
+
+    def _call(self, opponent: _Opponent, method: str, where: str, argument: object) -> Any:
+        try:
+            return getattr(opponent.policy, method)(argument)
+        except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+            raise AgentError(f"opponent {opponent.name}: {method} raised {reason(error)}{where}") from error
+
+    def _write(
+        self,
+        opponent: _Opponent,
+        method: str,
+        answer: Any,
+        arenas: NDArray[np.int64],
+        seats: NDArray[np.int64],
+        choices: NDArray[np.int64],
+        commands: NDArray[np.float32],
+    ) -> None:
+        """Check an answer against the actions that there are, and write it to its places."""
+        said, count = f"opponent {opponent.name}: {method}", len(arenas)
+        ranks, velocities = answer, answer
+        if opponent.control == FULL_CONTROL:
+            if not isinstance(answer, Mapping) or set(answer) != {"cmd_vel", "catch"}:
+                raise AgentError(f"{said} must give a mapping with cmd_vel and catch, got {in_short(answer)}")
+            ranks, velocities = answer["catch"], answer["cmd_vel"]
+        if opponent.control != VELOCITY_CONTROL:
+            most = self._config.targets_seen
+            given = _numbers(said, ranks, "iu", f"{count} whole numbers from 0 to {most}", (count,))
+            wrong = (given < 0) | (given > most)
+            if wrong.any():
+                row = int(np.argmax(wrong))
+                raise AgentError(
+                    f"{said} must give whole numbers from 0 to {most}, got {given[row]}"
+                    f"{_where(int(arenas[row]), int(seats[row]))}"
+                )
+            choices[arenas, seats] = given
+        if opponent.control != TARGET_CONTROL:
+            given = _numbers(said, velocities, "fiu", f"({count}, 2) numbers in [-1, 1]", (count, 2))
+            legal = ((given >= -1.0) & (given <= 1.0)).all(axis=1)  # NaN lies nowhere
+            if not legal.all():
+                row = int(np.argmin(legal))
+                raise AgentError(
+                    f"{said} must give numbers in [-1, 1], got {given[row].tolist()}"
+                    f"{_where(int(arenas[row]), int(seats[row]))}"
+                )
+            commands[arenas, seats] = given
+
+
+def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] | None]:
+    if isinstance(pool, str) or not isinstance(pool, Iterable):
+        return [pool], None
+    agents = list(pool)
+    if not agents:
+        raise ConfigError(f"opponents must be at least one agent, got {pool!r}")
+    if not isinstance(pool, Mapping):
+        return agents, None
+    try:
+        weights = np.array([float(weight) for weight in pool.values()])
+    except (TypeError, ValueError):
+        weights = np.array([np.nan])
+    if not (np.isfinite(weights).all() and (weights >= 0).all() and weights.sum() > 0):
+        raise ConfigError(f"opponents must have weights of at least 0, and one above it, got {in_short(dict(pool))}")
+    return agents, weights / weights.sum()
+
+
+def _opponent(agent: object) -> _Opponent:
+    policy: object
+    if isinstance(agent, str):
+        name, policy = agent, create_policy(resolve_spec(agent))
+    elif isinstance(agent, type):
+        name = agent.__name__
+        try:
+            policy = agent()
+        except (Exception, SystemExit) as error:
+            raise AgentError(f"opponent {name}: {name}() raised {reason(error)}") from error
+    else:
+        name, policy = type(agent).__name__, agent
+    in_batches = callable(getattr(policy, "act_batch", None))
+    for method in ("reset", "act_batch" if in_batches else "act"):
+        if not callable(getattr(policy, method, None)):
+            raise AgentError(f"opponent {name}: must have reset and act_batch, or reset and act, got no {method}")
+    return _Opponent(name, policy, CONTROLS[control_of(policy)], in_batches)
+
+
+def _with_control(limits: Limits, control: int) -> Limits:
+    return dataclasses.replace(limits, control=_WORDS[control])
+
+
+def _numbers(said: str, given: Any, kinds: str, wanted: str, shape: tuple[int, ...]) -> NDArray[Any]:
+    try:
+        numbers = np.asarray(given)
+    except (TypeError, ValueError):
+        numbers = np.array(None)
+    if numbers.shape != shape or numbers.dtype.kind not in kinds:
+        what = f"an array of {numbers.dtype} of the shape {numbers.shape}" if numbers.shape else in_short(given)
+        raise AgentError(f"{said} must give {wanted}, got {what}")
+    return numbers
+
+
+def _alone(answer: Any) -> Any:
+    """An answer for one hunter in the form of one for a batch."""
+    if isinstance(answer, Mapping):
+        return {name: [value] for name, value in answer.items()}
+    return [answer]
+
+
+def _where(arena: int, seat: int) -> str:
+    return f" for hunter_{seat} in arena {arena}"

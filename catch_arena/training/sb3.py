@@ -1,0 +1,115 @@
+"""Learners as a stable-baselines3 VecEnv: every learner of every arena is an environment of its own."""
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv
+
+from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError
+from catch_arena.training.batch import LearnerBatch, LearnerStep
+
+
+class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be there
+    """For `PPO("MlpPolicy", env)` and sb3-contrib's `MaskablePPO`, which finds the masks by itself.
+
+    Where an episode ends, the row's info has `terminal_observation`, `terminal_mask`, `TimeLimit.truncated` (by both
+    of which values are bootstrapped) and `episode`: `r`, `l`, `t` as stable-baselines3's Monitor gives them, and
+    `score` and `rank`. All arrays are copies: stable-baselines3 keeps an observation for its buffer after the next
+    step, and a buffer that is written anew would hold the wrong one.
+
+    Args:
+        scenario: a name or a config; target or velocity control.
+        num_arenas: B; the env has B * learners rows.
+        settings: `LearnerBatch`'s other arguments, and fields of ArenaConfig.
+
+    Raises:
+        ConfigError: for an argument that cannot be.
+    """
+
+    def __init__(self, scenario: str | ArenaConfig = "standard", num_arenas: int = 1, **settings: Any) -> None:
+        self.batch = LearnerBatch(scenario, num_arenas, **settings)
+        if isinstance(self.batch.action_space, spaces.Dict):
+            raise ConfigError("control must be target or velocity for stable-baselines3, got 'full'")
+        self.render_mode = None
+        super().__init__(self.batch.num_rows, self.batch.observation_space, self.batch.action_space)
+        self._masks: NDArray[np.bool_] = np.ones((self.num_envs, 0), np.bool_)
+        self._actions: NDArray[Any] | None = None
+        self._began = time.monotonic()
+
+    def reset(self) -> NDArray[np.float32]:
+        """Begin all episodes; with the seed that `seed` was given, whose first number counts."""
+        observations, self._masks = self.batch.reset(self._seeds[0])
+        self._reset_seeds()
+        self._reset_options()
+        self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        return observations
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """What `step_wait` will do."""
+        self._actions = actions
+
+    def step_wait(
+        self,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
+        """R1.4: one step of every row: observations, rewards, dones, infos."""
+        step = self.batch.step(self._actions if self._actions is not None else [])
+        self._masks = step.masks
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        if len(step.ended):
+            self._tell_ends(step, infos)
+        return step.observations, step.rewards, step.terminations | step.truncations, infos
+
+    def _tell_ends(self, step: LearnerStep, infos: list[dict[str, Any]]) -> None:
+        took = round(time.monotonic() - self._began, 6)
+        names = ("return", "length", "score", "rank")
+        figures = zip(*(step.figures[name].tolist() for name in names), strict=True)
+        cut = (step.truncations & ~step.terminations).tolist()
+        for place, (row, (total, length, score, rank)) in enumerate(zip(step.ended.tolist(), figures, strict=True)):
+            infos[row] = {
+                "terminal_observation": step.final_observations[place],
+                "terminal_mask": step.final_masks[place],
+                "TimeLimit.truncated": cut[row],
+                "episode": {"r": total, "l": int(length), "t": took, "score": int(score), "rank": int(rank)},
+            }
+
+    def close(self) -> None:
+        """End the threads that were started."""
+        self.batch.close()
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """The legal choices of every row: (N, K + 1)."""
+        return self._masks
+
+    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
+        """What each of the rows answers; sb3-contrib asks for `action_masks` in this way."""
+        answer = getattr(self, method_name)(*args, **kwargs)
+        if method_name == "action_masks":
+            return [answer[row] for row in self._get_indices(indices)]
+        return [answer for _ in self._get_indices(indices)]
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """An attribute, which all rows share."""
+        if attr_name == "action_masks" and not self._has_masks:
+            raise AttributeError("there are no masks under velocity control")
+        value = getattr(self, attr_name)
+        return [value for _ in self._get_indices(indices)]
+
+    @property
+    def _has_masks(self) -> bool:
+        return isinstance(self.action_space, spaces.Discrete)
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Set an attribute, which all rows share."""
+        if indices is not None:
+            raise ConfigError(f"indices must be None, since rows share their attributes, got {indices!r}")
+        setattr(self, attr_name, value)
+
+    def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> Sequence[bool]:
+        """A row's figures are those of a Monitor; no row has another wrapper."""
+        del wrapper_class
+        return [False for _ in self._get_indices(indices)]

@@ -1,0 +1,166 @@
+"""Trains for a short while with each library that others use, each in an environment of its own: `make compat`.
+
+A client is a program in clients/. torch is large, so one environment has it, with Catch Arena, and the others stand on
+that one and add their library. docs/compatibility.md gets the table of what ran, with versions.
+"""
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAMS = Path(__file__).parent / "clients"
+PAGE = ROOT / "docs" / "compatibility.md"
+LIMIT_S = 900
+"""For one client's program, on a machine that is busy."""
+
+
+class Client(NamedTuple):
+    """A program, and what it needs beside torch and Catch Arena."""
+
+    program: str
+    requirements: tuple[str, ...]
+    told: tuple[str, ...]
+    """The packages whose versions are told."""
+    without_dependencies: tuple[str, ...] = ()
+    """What is installed last, and alone."""
+
+
+_SB3 = ("stable-baselines3", "sb3-contrib")
+CLIENTS = {
+    "stable-baselines3": Client("train_sb3", _SB3, _SB3),
+    "SuperSuit": Client("train_supersuit", (*_SB3, "supersuit>=3.11"), ("supersuit", *_SB3)),
+    "TorchRL": Client("train_torchrl", ("torchrl",), ("torchrl", "tensordict")),
+    "BenchMARL": Client("train_benchmarl", ("benchmarl",), ("benchmarl", "torchrl", "tensordict")),
+    "RLlib": Client("train_rllib", ("ray[rllib]",), ("ray", "gymnasium")),
+    "Tianshou": Client("train_tianshou", ("tianshou",), ("tianshou",)),
+    # It asks for an older PettingZoo and imports peft unasked; it runs beside ours.
+    "AgileRL": Client("train_agilerl", ("agilerl", "peft"), ("agilerl", "pettingzoo"), ("pettingzoo>=1.27",)),
+    "single file": Client("train_single_file", (), ("torch",)),
+    "Gymnasium": Client("train_gymnasium", ("array-api-compat",), ("gymnasium",)),  # for its NumpyToTorch
+}
+
+
+def run(command: list[object], log: Path, limit_s: float = 3600) -> int:
+    """Run a command, with all that it says in a file."""
+    environment = {**os.environ, "PYTHONWARNINGS": "ignore", "RAY_DEDUP_LOGS": "0"}
+    with log.open("ab") as said:
+        try:
+            return subprocess.run(
+                [str(word) for word in command], stdout=said, stderr=said, env=environment, check=False, timeout=limit_s
+            ).returncode
+        except subprocess.TimeoutExpired:
+            said.write(f"\nnot done after {limit_s:.0f} s\n".encode())
+            return 1
+
+
+def folder_of(name: str) -> str:
+    """A client's environment."""
+    return re.sub(r"\W+", "_", name.lower())
+
+
+def packages_of(environment: Path) -> Path:
+    """Where its packages lie."""
+    return environment / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
+
+
+def set_up(environment: Path, packages: list[tuple[str, ...]], base: Path | None, log: Path) -> bool:
+    """Make an environment, unless it is there with the same packages."""
+    wanted, ready = json.dumps(packages), environment / "ready"
+    if ready.exists() and ready.read_text() == wanted:
+        return True
+    python = base or Path(sys.executable)
+    if run([python, "-m", "venv", *(["--without-pip"] if base else []), environment], log):
+        return False
+    if base is not None:
+        (packages_of(environment) / "base.pth").write_text(f"{packages_of(base.parent.parent)}\n{ROOT}\n")
+    for some in packages:
+        if some and run([environment / "bin" / "python", "-m", "pip", "install", "--quiet", *some], log):
+            return False
+    ready.write_text(wanted)
+    return True
+
+
+def versions(environment: Path, names: tuple[str, ...]) -> dict[str, str]:
+    """What is installed there."""
+    program = "import importlib.metadata as m, json, sys; print(json.dumps({n: m.version(n) for n in sys.argv[1:]}))"
+    command = [environment / "bin" / "python", "-c", program, *names]
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
+    return json.loads(done.stdout) if done.returncode == 0 else {}
+
+
+def try_client(name: str, environments: Path, base: Path) -> dict[str, Any]:
+    """Set up and train."""
+    client, environment = CLIENTS[name], environments / folder_of(name)
+    log = environments / f"{folder_of(name)}.log"
+    log.write_bytes(b"")
+    alone = ("--no-deps", *client.without_dependencies) if client.without_dependencies else ()
+    if not set_up(environment, [client.requirements, alone], base, log):
+        return {"name": name, "result": "could not be installed", "log": str(log)}
+    began = time.monotonic()
+    failed = run([environment / "bin" / "python", PROGRAMS / f"{client.program}.py"], log, LIMIT_S)
+    return {
+        "name": name,
+        "result": "fails" if failed else "trains",
+        "seconds": round(time.monotonic() - began),
+        "versions": versions(environment, client.told),
+        "log": str(log),
+    }
+
+
+def page_with(page: str, results: list[dict[str, Any]], common: dict[str, str]) -> str:
+    """The page, with the rows of these clients anew."""
+    begin, end = "<!-- made by `make compat` -->", "<!-- end -->"
+    head, _, rest = page.partition(begin)
+    table, _, tail = rest.partition(end)
+    rows = {row.split("|")[1].strip(): row for row in table.splitlines() if row.startswith("| ")}
+    for result in results:
+        told = ", ".join(f"{name} {version}" for name, version in result.get("versions", {}).items())
+        rows[result["name"]] = f"| {result['name']} | {result['result']} | {told} |"
+    known = [rows[name] for name in CLIENTS if name in rows]
+    both = ", ".join(f"{name} {version}" for name, version in common.items())
+    lines = ["", f"All with {both}.", "", "| client | result | versions |", "|---|---|---|", *known, ""]
+    return head + begin + "\n" + "\n".join(lines) + "\n" + end + tail
+
+
+def main() -> int:
+    """0 where all that were asked for train."""
+    parser = argparse.ArgumentParser(prog="python scripts/compat", description=__doc__)
+    parser.add_argument("clients", nargs="*", metavar="CLIENT", help=f"of {', '.join(CLIENTS)}; all without one")
+    parser.add_argument("--environments", type=Path, default=ROOT / "out" / "compat", help="where they are made")
+    parser.add_argument("--torch", default="torch", help="what pip installs as torch, such as torch==2.13.0")
+    parser.add_argument("--page", action="store_true", help="write the results into docs/compatibility.md")
+    given = parser.parse_args()
+    unknown = set(given.clients) - set(CLIENTS)
+    if unknown:
+        parser.error(f"no client is called {', '.join(sorted(unknown))}; there are {', '.join(CLIENTS)}")
+    environments = given.environments.resolve()
+    environments.mkdir(parents=True, exist_ok=True)
+    base, log = environments / "base", environments / "base.log"
+    print(f"the environment that all stand on: {base}", flush=True)
+    if not set_up(base, [(given.torch,), ("--editable", str(ROOT))], None, log):
+        print(f"it could not be made: {log}")
+        return 1
+    results = []
+    for name in given.clients or CLIENTS:
+        print(f"{name} ...", flush=True)
+        result = try_client(name, environments, base / "bin" / "python")
+        results.append(result)
+        told = ", ".join(f"{package} {version}" for package, version in result.get("versions", {}).items())
+        print(f"  {result['result']} ({result.get('seconds', 0)} s): {told or result['log']}", flush=True)
+        if result["result"] != "trains":
+            print("  " + "\n  ".join(Path(result["log"]).read_text(errors="replace").splitlines()[-12:]), flush=True)
+    common = versions(base, ("pettingzoo", "numpy", "numba", "torch"))
+    if given.page:
+        PAGE.write_text(page_with(PAGE.read_text(), results, common))
+    return int(any(result["result"] != "trains" for result in results))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

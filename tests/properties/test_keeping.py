@@ -1,0 +1,180 @@
+"""R10.2: what is saved, copied or pickled goes on bit for bit, at any point of a run."""
+
+import copy
+import pickle
+from random import Random
+
+import numpy as np
+import pytest
+from properties.matches import some_config, some_seed
+
+import catch_arena
+from catch_arena.config import ArenaConfig
+
+MATCHES = 12
+
+
+def some_action(source, env, agent):
+    """Any legal one."""
+    rank = source.randrange(env.config.targets_seen + 1)
+    command = [source.uniform(-1, 1), source.uniform(-1, 1)]
+    controls = (*env.config.controls, *["velocity"] * env.config.prey)
+    control = controls[env.possible_agents.index(agent)]
+    return {"target": rank, "velocity": command, "full": {"cmd_vel": command, "catch": rank}}[control]
+
+
+def seen(results):
+    """Everything that a reset or a step gave, as text with every bit."""
+    with np.printoptions(threshold=10**9, floatmode="unique"):
+        return repr([dict(result) for result in results])
+
+
+def played(env, source, steps, seed_after):
+    """So many steps, through the ends of episodes, and all that they gave."""
+    found = []
+    for _ in range(steps):
+        if not env.agents:
+            found.append(seen(env.reset(seed=seed_after)))
+        found.append(seen(env.step({agent: some_action(source, env, agent) for agent in env.agents})))
+        found.append((env.digest(), tuple(env.agents), int(env.np_random.integers(1 << 40))))
+    return found
+
+
+@pytest.mark.rule("R10.2")
+@pytest.mark.parametrize("match", range(MATCHES))
+def test_r10_2_an_env_goes_on_from_any_point(match):
+    """Restored, restored in another env, cloned, deep-copied and pickled: everything that steps give, infos included.
+
+    Hunters are withdrawn and drop out on the way, and some runs are recorded.
+    """
+    source = Random(match)
+    config = some_config(source).replace(max_cycles=source.randrange(3, 30))
+    env = catch_arena.parallel_env(config)
+    recorded = match % 3 == 0
+    if recorded:
+        env.record()
+    env.reset(seed=some_seed(source))
+    played(env, source, source.randrange(20), 5)
+    if len(env.agents) > 1 and source.random() < 0.5:
+        env.withdraw(source.choice(env.agents))
+        played(env, source, source.randrange(3), 6)
+    saved, twins = env.save(), [env.clone(), copy.deepcopy(env), pickle.loads(pickle.dumps(env))]  # noqa: S301
+    steps, choices = source.randrange(1, 25), source.getstate()
+    expected = played(env, source, steps, 7)
+    replay = env.replay().digests if recorded else None
+    other = catch_arena.parallel_env(config)
+    other.restore(pickle.loads(pickle.dumps(saved)))  # noqa: S301
+    for _ in range(2):
+        observations, _ = env.restore(saved)
+        assert list(observations) == env.agents
+        for again in (env, other, *twins):
+            source.setstate(choices)
+            assert played(again, source, steps, 7) == expected
+            if replay is not None and again is not other:
+                assert again.replay().digests == replay
+        other.restore(saved)
+        twins = []
+
+
+@pytest.mark.rule("R10.2")
+def test_r10_2_restore_gives_the_observations_and_infos_of_that_moment():
+    """As the step gave them, the answers to requests and the parts of the rewards among them."""
+    env = catch_arena.parallel_env("crowd")
+    env.reset(seed=3)
+    for _ in range(40):
+        expected = env.step(dict.fromkeys(env.agents, 1))
+        saved = env.save()
+        env.step(dict.fromkeys(env.agents, 2))
+        assert seen(env.restore(saved)) == seen((expected[0], expected[-1]))
+
+
+def batch_actions(source, arena):
+    """Legal ones for all."""
+    shape = (arena.num_envs, arena.num_hunters)
+    ranks = source.integers(0, arena.config.targets_seen + 1, shape)
+    commands = source.uniform(-1, 1, (*shape, 2)).astype(np.float32)
+    kinds = set(arena.config.controls)
+    actions = (
+        ranks if kinds == {"target"} else commands if kinds == {"velocity"} else {"cmd_vel": commands, "catch": ranks}
+    )
+    if not arena.num_prey:
+        return actions
+    return {"hunter": actions, "prey": source.uniform(-1, 1, (arena.num_envs, arena.num_prey, 2)).astype(np.float32)}
+
+
+def turned(actions):
+    """Every row's for the next row."""
+    if isinstance(actions, dict):
+        return {name: turned(those) for name, those in actions.items()}
+    return np.roll(actions, 1, axis=0)
+
+
+def flat(results):
+    """All arrays of a step or a reset, as bytes."""
+    if isinstance(results, np.ndarray):
+        return results.tobytes()
+    values = results.values() if isinstance(results, dict) else results
+    return tuple(flat(value) for value in values)
+
+
+@pytest.mark.rule("R10.2")
+@pytest.mark.parametrize("auto_reset", [True, False])
+@pytest.mark.parametrize("match", range(MATCHES // 2))
+def test_r10_2_a_batch_goes_on_from_any_point(match, auto_reset):
+    """The figures and the last observations of past episodes too; and so does each row, in another row."""
+    source = Random(100 + match)
+    config = some_config(source).replace(max_cycles=source.randrange(3, 20))
+    size = source.choice([1, 3, 40])
+    arena = catch_arena.VectorArena(config, size, auto_reset=auto_reset)
+    arena.reset(seed=some_seed(source))
+    draw = np.random.default_rng(match)
+    for _ in range(source.randrange(25)):
+        arena.step(batch_actions(draw, arena))
+    saved, row = arena.save(), arena.save_row(size - 1)
+    twins = [arena.clone(), copy.deepcopy(arena), pickle.loads(pickle.dumps(arena))]  # noqa: S301
+    script = [batch_actions(draw, arena) for _ in range(25)]
+    expected = [flat(arena.step(actions)) for actions in script]
+    last = arena.digest(size - 1)
+    other = catch_arena.VectorArena(config, size, auto_reset=auto_reset)
+    other.restore(saved)
+    arena.restore(saved)
+    for again in (arena, other, *twins):
+        assert [flat(again.step(actions)) for actions in script] == expected
+    other.restore_row(0, row)
+    for actions in script:
+        other.step(turned(actions))
+    assert other.digest(0) == last
+
+
+def test_a_state_goes_between_arenas_that_reset_by_themselves_and_that_do_not():
+    """What the second do not keep, the first keep as it was."""
+    config = ArenaConfig(hunters=2, max_cycles=5)
+    arenas = [catch_arena.VectorArena(config, 3, auto_reset=auto_reset) for auto_reset in (True, False)]
+    for arena in arenas:
+        arena.reset(seed=1)
+        arena.step(np.ones((3, 2), dtype=int))
+    for one, other in (arenas, arenas[::-1]):
+        other.step(np.zeros((3, 2), dtype=int))
+        other.restore(one.save())
+        assert [other.digest(row) for row in range(3)] == [one.digest(row) for row in range(3)]
+        other.restore_row(2, one.save_row(0))
+        assert other.digest(2) == one.digest(0)
+        one.restore(other.save())
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])  # noqa: S301 - our own
+def test_an_aec_env_is_copied_and_pickled_between_two_turns(again):
+    """With the actions that have been given and not yet played."""
+    env = catch_arena.env("standard")
+    env.reset(seed=3)
+    for _ in range(4 * 5 + 2):
+        env.step(1)
+    twin = again(env)
+    for one in (env, twin):
+        assert one.agent_selection == "hunter_2"
+        for _ in range(10):
+            one.step(2)
+    assert env.unwrapped.digest() == twin.unwrapped.digest() == twin.digest()
+    assert twin.world().step == 8
+    twin.step(1)
+    assert env.agent_selection != twin.agent_selection

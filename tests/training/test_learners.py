@@ -1,0 +1,238 @@
+"""What learners get: rows of their own, normalised where that is asked for, by Gymnasium's vector interface too."""
+
+import re
+import sys
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+from gymnasium.wrappers import vector as wrappers
+
+import catch_arena
+from catch_arena import training
+from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.training import GymnasiumVectorEnv, LearnerBatch, Mlp
+
+
+@pytest.mark.parametrize("control", ["target", "velocity", "full"])
+@pytest.mark.parametrize("opponents", [None, "patrol"])
+def test_rows_are_the_callers_own(control, opponents):
+    """stable-baselines3 stores an observation after the next step; it must still be the one that was seen."""
+    batch = LearnerBatch("standard", 3, opponents=opponents, control=control, max_cycles=4)
+    rows = batch.num_rows
+    actions = {
+        "target": np.ones(rows, int),
+        "velocity": np.full((rows, 2), 0.5),
+        "full": {"cmd_vel": np.full((rows, 2), 0.5), "catch": np.zeros(rows, int)},
+    }[control]
+    kept = [batch.reset(seed=1)[0]]
+    copies = [kept[0].copy()]
+    for _ in range(6):
+        result = batch.step(actions)
+        for array in (*result[:5], result.final_observations, result.final_masks):
+            assert not np.shares_memory(array, batch.arena._engine._memory)
+        kept.append(result.observations)
+        copies.append(result.observations.copy())
+        assert result.masks.shape == (rows, 0 if control == "velocity" else 9)
+        assert batch.observation_space.contains(result.observations[0])
+        assert len(result.ended) == len(result.final_observations) == len(result.final_masks)
+    assert rows == (12 if opponents is None else 3)
+    assert all((one == other).all() for one, other in zip(kept, copies, strict=True))
+
+
+def test_normalised_columns_lie_between_minus_one_and_one_and_what_is_absent_stays_zero():
+    """Divided by the largest magnitude in the public table of columns."""
+    plain, normal = (LearnerBatch("duel", 8, normalise=normalise, max_cycles=30) for normalise in (False, True))
+    seen, scaled = plain.reset(seed=2)[0], normal.reset(seed=2)[0]
+    largest = np.array([max(abs(column.low), abs(column.high)) for column in catch_arena.columns(plain.config)])
+    for _ in range(31):
+        assert np.allclose(scaled, seen / largest, atol=1e-6)
+        assert ((scaled == 0) == (seen == 0)).all()
+        assert normal.observation_space.contains(scaled[0])
+        one, other = plain.step(np.ones(16, int)), normal.step(np.ones(16, int))
+        seen, scaled = one.observations, other.observations
+    assert len(one.ended) + len(other.ended) == 0
+    assert normal.observation_space.low.min() >= -1
+    assert normal.observation_space.high.max() == 1
+
+
+def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
+    """TorchRL resets them one by one, by a mask; the others go on."""
+    batch = LearnerBatch("duel", 3, opponents="nearest", auto_reset=False, max_cycles=3)
+    batch.reset(seed=1)
+    for _ in range(3):
+        result = batch.step(np.zeros(3, int))
+    assert result.truncations.all()
+    assert (result.final_observations == result.observations).all()
+    seats = batch.seats
+    observations, _ = batch.reset(arenas=np.array([False, True, False]))
+    assert (observations[[0, 2]] == result.observations[[0, 2]]).all()
+    assert batch.arena.world(1).step == 0
+    assert (batch.seats != seats).any(axis=1).tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"learners": 2, "opponents": "nearest"}, "learners must be a whole number from 1 to 1, beside an opponent"),
+        ({"learners": 0}, "learners must be a whole number from 1 to 2"),
+        ({"normalise": 1}, "normalise must be True or False, got 1"),
+        ({"control": ("target", "full")}, "control must be one word, that of the learners"),
+        ({"prey": 1}, "prey must be 0 where learners hunt: nobody plays it here, got 1"),
+        ({"num_envs": 10**8}, "num_envs must fit into this machine's memory, got 100000000"),
+        ({"num_envs": 0}, "num_envs must be a whole number from 1"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(settings, message):
+    """A hundred million duels take a terabyte."""
+    with pytest.raises(ConfigError, match=message) as caught:
+        LearnerBatch("duel", **{"num_envs": 2, **settings})
+    assert "\n" not in str(caught.value)
+
+
+def test_bad_actions_of_learners_are_refused_and_nothing_moves():
+    """Shape, type and value, with and without opponents; and a step before the first reset."""
+    for opponents, rows in ((None, 6), ("nearest", 3)):
+        batch = LearnerBatch("duel", 3, opponents=opponents)
+        with pytest.raises(EpisodeError, match="step must follow a reset"):
+            batch.step(np.zeros(rows, int))
+        batch.reset(seed=1)
+        before = batch.arena.digest(2)
+        for bad in (np.zeros(rows + 1, int), np.zeros(rows), np.zeros((rows, 2), int), np.full(rows, 9), {"catch": 1}):
+            with pytest.raises(ActionError):
+                batch.step(bad)
+        assert batch.arena.digest(2) == before
+
+
+def test_gymnasiums_vector_wrappers_fit():
+    """Statistics, rewards and lists of infos, over ended episodes."""
+    env = GymnasiumVectorEnv("duel", 3, opponents=["nearest", "patrol"], max_cycles=5)
+    assert isinstance(env, gymnasium.vector.VectorEnv)
+    assert env.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
+    env = wrappers.RecordEpisodeStatistics(env)
+    env = wrappers.NormalizeReward(env)
+    env = wrappers.TransformReward(env, lambda reward: 2 * reward)
+    env = wrappers.DictInfoToList(env)
+    observations, infos = env.reset(seed=3)
+    assert observations.shape == env.observation_space.shape == (3, 71 - 14)
+    assert len(infos) == 3
+    for step in range(12):
+        observations, rewards, _, truncations, infos = env.step(env.action_space.sample())
+        assert rewards.shape == (3,)
+        assert truncations.all() == (step % 5 == 4)
+        if truncations.all():
+            assert infos[2]["episode"]["l"] == (5 if step == 4 else infos[2]["episode"]["l"])  # Gymnasium 1.3 then errs
+            assert infos[1]["final_info"]["length"] == 5
+            assert infos[1]["final_obs"].shape == (57,)
+            assert infos[0]["final_info"]["action_mask"][0]
+        else:
+            assert "final_obs" not in infos[0]
+    env.close()
+
+
+def test_gymnasiums_wrappers_of_observations_fit_where_ended_arenas_wait():
+    """Gymnasium 1.3's take no env that resets in the same step; arenas are reset by a mask of their rows."""
+    env = GymnasiumVectorEnv("standard", 3, opponents="nearest", learners=2, auto_reset=False, max_cycles=5)
+    assert env.metadata["autoreset_mode"] is AutoresetMode.DISABLED
+    env = wrappers.RescaleObservation(env, -1, 1)
+    env.reset(seed=3)
+    for _ in range(5):
+        *_, truncations, infos = env.step(env.action_space.sample())
+    assert truncations.all()
+    assert "final_obs" not in infos
+    env.reset(options={"reset_mask": np.array([True, True, False, False, False, False])})
+    batch = env.unwrapped.batch
+    assert [batch.arena.world(row).step for row in range(3)] == [0, 5, 5]
+    with pytest.raises(ConfigError, match="reset_mask must name all learners of an arena or none"):
+        env.reset(options={"reset_mask": np.array([True, False, False, False, False, False])})
+    with pytest.raises(ConfigError, match=r"reset_mask must be 6 of True or False, got the shape \(2,\)"):
+        env.reset(options={"reset_mask": np.array([True, False])})
+
+
+def test_the_rows_of_a_gymnasium_env_are_those_of_the_batch():
+    """Observations, last observations and masks, row by row."""
+    env, batch = GymnasiumVectorEnv("crowd", 2, max_cycles=3), LearnerBatch("crowd", 2, max_cycles=3)
+    assert (env.reset(seed=[5, 6])[0] == batch.reset(5)[0]).all()
+    for _ in range(4):
+        actions = env.action_space.sample()
+        observations, rewards, *_, infos = env.step(actions)
+        step = batch.step(actions)
+        assert (observations == step.observations).all()
+        assert (infos["action_mask"] == step.masks).all()
+        assert (rewards == step.rewards).all()
+        if len(step.ended):
+            assert (infos["final_obs"] == step.final_observations).all()
+            assert (infos["final_info"]["score"] == step.figures["score"]).all()
+
+
+@pytest.mark.parametrize(("name", "library"), [("SB3VecEnv", "stable_baselines3"), ("TorchRLEnv", "torchrl")])
+def test_a_library_that_is_missing_is_named_in_one_line(name, library, monkeypatch):
+    """With the extra that brings it."""
+    monkeypatch.setitem(sys.modules, library, None)
+    monkeypatch.delitem(sys.modules, f"catch_arena.training.{training._HOMES[name]}", raising=False)
+    monkeypatch.delitem(training.__dict__, name, raising=False)
+    with pytest.raises(ConfigError, match=rf"{name} needs \w+, which is not installed: pip install 'catch-arena\["):
+        getattr(training, name)
+
+
+def torch_like(kind, weight=None, bias=None, children=()):
+    """A module as torch's, without torch."""
+
+    class Tensor:
+        def __init__(self, table):
+            self.table = table
+
+        def detach(self):
+            return self
+
+        cpu = detach
+
+        def numpy(self):
+            return self.table
+
+    module = type(kind, (), {"children": lambda _: iter(children)})()
+    if weight is not None:
+        module.weight, module.bias = Tensor(weight), Tensor(bias)
+    return module
+
+
+@pytest.mark.parametrize("activation", ["Tanh", "ReLU"])
+def test_a_network_goes_to_numpy_and_to_a_file(activation, tmp_path):
+    """Linear layers, written out; what was learned from normalised observations takes plain ones."""
+    source = np.random.default_rng(1)
+    (w1, b1), (w2, b2) = ((source.normal(size=(o, i)), source.normal(size=o)) for i, o in ((6, 5), (5, 3)))
+    scale = source.uniform(1, 9, 6)
+    body = torch_like("Sequential", children=[torch_like("Linear", w1, b1), torch_like(activation)])
+    network = Mlp.of_torch(body, torch_like("Linear", w2, b2), scale=scale)
+    network.save(tmp_path / "net.npz")
+    again = Mlp.load(tmp_path / "net.npz")
+    x = source.normal(size=(4, 6))
+    hidden = (x / scale) @ w1.T + b1
+    hidden = np.tanh(hidden) if activation == "Tanh" else np.maximum(hidden, 0)
+
+    assert np.allclose(network(x), hidden @ w2.T + b2, atol=1e-4)
+    assert (again(x) == network(x)).all()
+    assert again(x[0]).shape == (3,)
+    assert again.inputs == 6
+
+
+def test_a_network_that_cannot_be_is_refused(tmp_path):
+    """Other modules, layers that do not fit, observations of another scenario, files of something else."""
+    layer = torch_like("Linear", np.zeros((2, 3)), np.zeros(2))
+    with pytest.raises(ConfigError, match="modules must be Linear, Tanh and ReLU, got Conv2d"):
+        Mlp.of_torch(layer, torch_like("Conv2d"))
+    with pytest.raises(ConfigError, match="modules must have one kind of activation, got relu, tanh"):
+        Mlp.of_torch(layer, torch_like("Tanh"), torch_like("ReLU"))
+    with pytest.raises(ConfigError, match="layers must be weights"):
+        Mlp.of_torch(layer, layer)
+    with pytest.raises(ConfigError, match="layers must be weights"):
+        Mlp([])
+    with pytest.raises(ConfigError, match="activation must be one of tanh, relu, got 'gelu'"):
+        Mlp([(np.zeros((2, 3)), np.zeros(2))], "gelu")
+    with pytest.raises(ConfigError, match=re.escape("observations must have 3 numbers for this network, got (57,)")):
+        Mlp.of_torch(layer)(np.zeros(57))
+    (tmp_path / "other.npz").write_bytes(b"text")
+    for name in ("other.npz", "none.npz"):
+        with pytest.raises(ConfigError, match=r"must be what Mlp\.save writes"):
+            Mlp.load(tmp_path / name)

@@ -1,0 +1,269 @@
+"""Opponents inside the batch: who plays which seat, and that they play as they do in a match."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import catch_arena
+from catch_arena.agents.nearest import Agent as Nearest
+from catch_arena.agents.patrol import Agent as Patrol
+from catch_arena.batch_policy import BatchPolicy, BatchView
+from catch_arena.errors import AgentError, ConfigError
+from catch_arena.policy import Limits, View
+from catch_arena.training import LearnerBatch
+
+WORDS = ("target", "velocity", "full")
+
+
+class Fixed:
+    """Acts alone, and remembers how often."""
+
+    made = 0
+
+    def reset(self, _seed):
+        type(self).made += 1
+        self.steps = 0
+
+    def act(self, _view):
+        self.steps += 1
+        return self.steps % 2
+
+
+class BatchFixed:
+    """Gives what it was made with."""
+
+    def __init__(self, answer, control="target"):
+        self.answer, self.control = answer, control
+
+    def reset(self, seed):
+        pass
+
+    def act_batch(self, view):
+        return self.answer(view) if callable(self.answer) else self.answer
+
+
+def hold(batch):
+    """Learners that do nothing."""
+    return np.zeros(batch.num_rows, dtype=int)
+
+
+@pytest.mark.parametrize("scenario", ["standard", "scarce", "crowd", "evasive", "fog", "unequal"])
+@pytest.mark.parametrize("agent", [Nearest, Patrol])
+def test_act_and_act_batch_agree(agent, scenario):
+    """On what all hunters see in whole matches; velocities up to the last bits of NumPy's own functions."""
+    control = getattr(agent, "control", "target")
+    config = catch_arena.scenario(scenario, control=control, max_cycles=60)
+    arena = catch_arena.VectorArena(config, 4)
+    observations, _ = arena.reset(seed=8)
+    masks = arena._engine.masks
+    one = agent()
+    one.reset(0)
+    looks = 0
+    for _ in range(config.max_steps):
+        actions = np.zeros((4, config.hunters) if control == "target" else (4, config.hunters, 2))
+        for seat in range(config.hunters):
+            limits = Limits.of(config, seat)
+            together = np.asarray(one.act_batch(BatchView(observations[:, seat], masks[:, seat], limits)))
+            alone = [one.act(View(observations[a, seat].tolist(), masks[a, seat].tolist(), limits)) for a in range(4)]
+            np.testing.assert_allclose(together, alone, rtol=0, atol=1e-9)
+            actions[:, seat] = together
+            looks += 4
+        arena.step(actions.astype(int) if control == "target" else actions)
+    assert looks == 4 * 60 * config.hunters
+    assert isinstance(one, BatchPolicy)
+
+
+def test_a_batch_view_names_what_a_view_names():
+    """Column by column, of any shape of batch."""
+    for scenario in ("standard", "evasive"):
+        config = catch_arena.scenario(scenario)
+        arena = catch_arena.VectorArena(config, 5)
+        arena.reset(seed=3)
+        for _ in range(20):
+            observations, *_, infos = arena.step(np.ones((5, config.hunters), dtype=int))
+        view = BatchView(observations, infos["action_mask"], Limits.of(config))
+        one = View(observations[2, 1].tolist(), infos["action_mask"][2, 1].tolist(), Limits.of(config))
+        assert view.own.x.shape == (5, config.hunters)
+        assert (view.own.x[2, 1], view.own.score[2, 1]) == (one.x, one.score)
+        assert view.targets.present[2, 1].sum() == len(one.targets) > 1
+        assert view.rivals.present[2, 1].sum() == len(one.rivals) > 0
+        for rank, target in enumerate(one.targets):
+            assert view.targets.forward[2, 1, rank] == target.forward
+            assert view.targets.active[2, 1, rank] == target.active
+            if config.targets_move:
+                assert view.targets.linear_velocity[2, 1, rank] == target.linear_velocity
+        for rank, rival in enumerate(one.rivals):
+            assert view.rivals.heading_sin[2, 1, rank] == rival.heading_sin
+            assert view.rivals.score_difference[2, 1, rank] == rival.score_difference
+        assert np.shares_memory(view.of(slice(1, 3)).targets.left, observations)
+
+
+@pytest.mark.parametrize("opponents", ["nearest", ["nearest", "patrol"], Fixed, ["contested", BatchFixed(np.float32)]])
+def test_a_batch_with_opponents_plays_what_one_arena_envs_play(opponents):
+    """With the same actions, and each seat under the control of who sits there."""
+    if isinstance(opponents, list) and isinstance(opponents[-1], BatchFixed):
+        opponents[-1].answer = lambda view: np.full((len(view.observations), 2), 0.25)
+        opponents[-1].control = "velocity"
+    batch = LearnerBatch("standard", 7, opponents=opponents, max_cycles=9)
+    batch.reset(seed=4)
+    draw = np.random.default_rng(0)
+    for _ in range(2):
+        kinds = batch.arena._engine.controls.copy()
+        configs = [batch.config.replace(control=tuple(WORDS[k] for k in row)) for row in kinds.tolist()]
+        envs = [catch_arena.parallel_env(config) for config in configs]
+        for env, seed in zip(envs, batch.arena.seeds().tolist(), strict=True):
+            env.reset(seed=seed)
+        for step in range(9):
+            seats = batch.seats[:, 0]
+            actions = draw.integers(0, 9, 7)
+            expected = []
+            result = batch.step(actions)
+            for row, env in enumerate(envs):
+                told = {}
+                for seat, word in enumerate(configs[row].controls):
+                    rank, command = int(batch._choices[row, seat]), batch._commands[row, seat]
+                    told[f"hunter_{seat}"] = {"target": rank, "velocity": command}[word]
+                assert told[f"hunter_{seats[row]}"] == actions[row]
+                observations, rewards, *_ = env.step(told)
+                expected.append(observations[f"hunter_{seats[row]}"])
+                assert result.rewards[row] == np.float32(rewards[f"hunter_{seats[row]}"])
+            if step < 8:
+                assert (result.observations == np.array(expected)).all()
+        assert result.ended.tolist() == list(range(7))
+        assert (result.final_observations == np.array(expected)).all()
+        assert result.truncations.all()
+        scores = [env.world().hunters[seat].score for env, seat in zip(envs, seats, strict=True)]
+        assert result.figures["score"].tolist() == scores
+
+
+def test_learners_move_on_by_a_seat_and_opponents_are_drawn_anew_in_each_episode():
+    """Arenas begin at different seats, and agents come as often as their weights say."""
+    batch = LearnerBatch("standard", 4, opponents={"nearest": 3, "patrol": 1, "idle": 0}, learners=2, max_cycles=1)
+    batch.reset(seed=1)
+    seats, met = [batch.seats], Counter()
+    for _ in range(200):
+        batch.step(hold(batch))
+        seats.append(batch.seats)
+        met.update(batch._opponents._who[batch._opponents._who >= 0].tolist())
+
+    assert seats[0].tolist() == [[0, 1], [1, 2], [2, 3], [3, 0]]
+    assert seats[1].tolist() == [[1, 2], [2, 3], [3, 0], [0, 1]]
+    assert (seats[4] == seats[0]).all()
+    assert batch._opponents.names == ("nearest", "patrol", "idle")
+    assert met[2] == 0
+    assert met[0] / sum(met.values()) == pytest.approx(0.75, abs=0.05)
+
+
+def test_an_agent_that_acts_alone_has_an_instance_for_each_hunter_and_episode():
+    """With memory of its own."""
+    Fixed.made = 0
+    batch = LearnerBatch("duel", 3, opponents=Fixed, max_cycles=5)
+    batch.reset(seed=1)
+    for _ in range(10):
+        batch.step(hold(batch))
+
+    assert Fixed.made == 9
+    assert {instance.steps for instance in batch._opponents._instances.values()} == {0}
+
+
+def test_a_run_is_repeated_by_its_seed():
+    """Opponents, seats and what opponents draw."""
+    runs = []
+    for _ in range(2):
+        batch = LearnerBatch("standard", 5, opponents=["random", "patrol", "nearest"], max_cycles=4)
+        batch.reset(seed=6)
+        runs.append([batch.step(hold(batch)).observations.tobytes() for _ in range(12)])
+        batch.reset(seed=6)
+        runs.append([batch.step(hold(batch)).observations.tobytes() for _ in range(12)])
+
+    assert all(run == runs[0] for run in runs)
+
+
+def nonsense(shape, value, row=2):
+    """Right but for one row."""
+
+    def answer(view):
+        given = np.zeros((len(view.observations), *shape), dtype=np.asarray(value).dtype)
+        given[row] = value
+        return given
+
+    return answer
+
+
+def out_of_ideas(_view):
+    """A stranger's mistake."""
+    raise IndexError("no more\nideas")
+
+
+RAISES = BatchFixed(out_of_ideas)
+
+
+@pytest.mark.parametrize(
+    ("opponent", "message"),
+    [
+        (RAISES, "opponent BatchFixed: act_batch raised IndexError: no more ideas"),
+        (BatchFixed(nonsense((), 9)), "must give whole numbers from 0 to 8, got 9 for hunter_1 in arena 2"),
+        (BatchFixed(nonsense((), -1)), "must give whole numbers from 0 to 8, got -1 for hunter_1 in arena 2"),
+        (BatchFixed(nonsense((), 1.0)), "must give 3 whole numbers from 0 to 8, got an array of float64 of the shape"),
+        (BatchFixed(None), "must give 3 whole numbers from 0 to 8, got None"),
+        (BatchFixed([1, 2]), r"got an array of int64 of the shape \(2,\)"),
+        (BatchFixed([[1], [1, 2]]), "must give 3 whole numbers from 0 to 8"),
+        (BatchFixed(nonsense((2,), [np.nan, 0.0]), "velocity"), r"got \[nan, 0.0\] for hunter_1 in arena 2"),
+        (BatchFixed(nonsense((2,), [0.0, 1.5]), "velocity"), r"got \[0.0, 1.5\] for hunter_1 in arena 2"),
+        (BatchFixed(np.zeros(3), "velocity"), r"must give \(3, 2\) numbers in \[-1, 1\], got an array of float64"),
+        (BatchFixed(np.zeros(3), "full"), "must give a mapping with cmd_vel and catch, got"),
+    ],
+)
+def test_an_opponent_that_raises_or_answers_nonsense_in_one_row_is_told_in_one_line(opponent, message):
+    """With its name, and where it is one row the arena and the hunter; nothing has moved."""
+    batch = LearnerBatch("duel", 3, opponents=opponent)
+    batch.reset(seed=1)
+    before = [batch.arena.digest(row) for row in range(3)]
+    with pytest.raises(AgentError, match=message) as caught:
+        batch.step(hold(batch))
+    assert "\n" not in str(caught.value)
+    assert [batch.arena.digest(row) for row in range(3)] == before
+
+
+def test_an_opponent_that_acts_alone_and_fails_is_told_with_its_place():
+    """Arena 1 has its learner in seat 1."""
+
+    class Late(Fixed):
+        def act(self, view):
+            if view.score == 0 and self.steps == 3:
+                raise ValueError("no more\nideas")
+            return super().act(view)
+
+    batch = LearnerBatch("duel", 2, opponents=[Late], initial_targets=0)
+    batch.reset(seed=1)
+    for _ in range(3):
+        batch.step(hold(batch))
+    with pytest.raises(AgentError, match="opponent Late: act raised ValueError: no more ideas for hunter_1 in arena 0"):
+        batch.step(hold(batch))
+
+
+@pytest.mark.parametrize(
+    ("pool", "message"),
+    [
+        ([], r"opponents must be at least one agent, got \[\]"),
+        ({}, "opponents must be at least one agent"),
+        ({"nearest": 0.0}, "opponents must have weights of at least 0, and one above it"),
+        ({"nearest": -1, "patrol": 2}, "opponents must have weights of at least 0"),
+        ({"nearest": "often"}, "opponents must have weights"),
+    ],
+)
+def test_a_pool_that_is_empty_or_has_bad_weights_is_refused(pool, message):
+    """In one line."""
+    with pytest.raises(ConfigError, match=message):
+        LearnerBatch("duel", 2, opponents=pool)
+
+
+@pytest.mark.parametrize(
+    ("opponent", "message"),
+    [("nearst", "nearst"), (3, "opponent int: must have reset and act_batch, or reset and act, got no reset")],
+)
+def test_an_agent_that_is_none_is_refused(opponent, message):
+    """By name, and as an object."""
+    with pytest.raises(AgentError, match=message):
+        LearnerBatch("duel", 2, opponents=opponent)
