@@ -118,7 +118,8 @@ def order_matters(config: ArenaConfig, seed: int) -> bool:
     other.reset(seed=seed)
     prey = set(config.prey_names)
     while one.agents:
-        actions: dict[str, Any] = {agent: random.choice((0, 1, 1, 1, 2)) for agent in one.agents if agent not in prey}
+        hunting = [agent for agent in one.agents if agent not in prey]
+        actions: dict[str, Any] = {agent: min(random.choice((0, 1, 1, 1, 2)), config.targets_seen) for agent in hunting}
         actions |= {agent: (random.random(), random.uniform(-1.0, 1.0)) for agent in one.agents if agent in prey}
         one.step(actions)
         other.step({agent: actions[agent] for agent in random.sample(sorted(actions), len(actions))})
