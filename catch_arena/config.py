@@ -403,7 +403,7 @@ class ArenaConfig:
 
     @property
     def prey_names(self) -> tuple[str, ...]:
-        """R12.1: those that are hunted, by index."""
+        """R12.1, R12.7: those that are hunted, by index."""
         return tuple(f"prey_{index}" for index in range(self.prey))
 
     @property
