@@ -14,8 +14,8 @@ from catch_arena.training.batch import LearnerBatch
 
 class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
     """Every learner of every arena is a row. Episodes that end begin anew at once (SAME_STEP); with `auto_reset=False`
-    (DISABLED) they stand still until `reset(options={"reset_mask": rows})` names them: Gymnasium
-    1.3's wrappers of observations take only that.
+    (DISABLED) they stand still until `reset(options={"reset_mask": rows})` names them: Gymnasium's
+    wrappers of observations take only that.
 
     `infos` holds `action_mask` (N, K + 1) bool (not under velocity control), and where episodes ended `final_obs`
     (N, D) and `final_info`: the last mask and the episode's figures. Each has beside it, under its name with `_` before

