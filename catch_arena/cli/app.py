@@ -36,6 +36,7 @@ GROUPS: Final = {
     "Look": ("explain", "verify", "diff", "render", "highlights", "mosaic", "sheet"),
     "Tournaments": ("tournament", "report", "export", "compare", "audit"),
     "Teach": ("check-agent", "grade", "conformance"),
+    "ROS 2": ("ros",),
 }
 """Every command, as the help of the program lists them."""
 

@@ -59,7 +59,7 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
             _with_margin(line.win_share, ".0f", 100) + " %",
         ]
         if hunts:
-            cells.append("-" if math.isnan(line.contest_wins) else f"{100 * line.contest_wins:.0f} %")
+            cells.append("-" if math.isnan(line.contest_win_share) else f"{100 * line.contest_win_share:.0f} %")
         if forfeited:
             cells.append(str(sum(line.forfeits.values())))
         shown.add_row(*cells, style="bold" if line.place == 1 else None)

@@ -87,7 +87,7 @@ def _flat(standing: Standing) -> dict[str, Any]:
     row |= {
         "mean_rank": standing.mean_rank,
         "contests_lost": standing.contests_lost,
-        "contest_wins": standing.contest_wins,
+        "contest_wins": standing.contest_win_share,
         "refused": standing.refused,
         "forfeits": sum(standing.forfeits.values()),
     }

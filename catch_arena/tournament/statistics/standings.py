@@ -43,7 +43,7 @@ class Standing:
     mean_rank: float
     contests_lost: float
     """Requests in a match that a rival won (R5.6)."""
-    contest_wins: float
+    contest_win_share: float
     """Of the contests that it took part in, the share that it won; NaN where there was none."""
     refusals: dict[str, float]
     """Requests in a match that were refused for another reason, by verdict; those that it never met are left out."""
@@ -105,7 +105,7 @@ def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> lis
             win_share=win_share[index],
             mean_rank=float(ranks[index] / totals[index]),
             contests_lost=verdicts[index]["LOST_CONTEST"] / float(totals[index]),
-            contest_wins=_share(won[index], verdicts[index]["LOST_CONTEST"]),
+            contest_win_share=_share(won[index], verdicts[index]["LOST_CONTEST"]),
             refusals={
                 verdict.name: verdicts[index][verdict.name] / float(totals[index])
                 for verdict in Verdict

@@ -55,8 +55,8 @@ def test_contests_refusals_and_forfeits_by_hand():
     first, second = standings([A, B], [*FOUR, played(2, 0, (0, 1), (1, 2), code="FORFEIT_CRASH")])
     assert (first.name, second.name) == ("a", "b")
     # a sat in seat 0 in three of the five, where it won one contest each, and elsewhere as many as the other lost
-    assert first.contest_wins == (1 + 0 + 1 + 0 + 1) / (3 + 3)
-    assert second.contest_wins == (3 + 1 + 0 + 1 + 0) / (5 + 0)
+    assert first.contest_win_share == (1 + 0 + 1 + 0 + 1) / (3 + 3)
+    assert second.contest_win_share == (3 + 1 + 0 + 1 + 0) / (5 + 0)
     assert (first.refusals, second.refusals) == ({"OUT_OF_REACH": 1 / 5}, {})
     assert (first.forfeits, second.forfeits) == ({"FORFEIT_CRASH": 1}, {})
 
