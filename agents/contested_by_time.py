@@ -36,7 +36,7 @@ def best_race(view: View) -> SeenTarget | None:
 def rivals_arrival_s(target: SeenTarget, view: View) -> float:
     """When the first of the visible rivals on the move could reach the target [s]; infinite without any."""
     soonest = math.inf
-    for _, forward, left, cosine, sine, speed, _ in view.rivals:
+    for _, forward, left, cosine, sine, speed, *_ in view.rivals:
         if not speed:
             continue  # who stands still races for nothing
         dx, dy = target.forward - forward, target.left - left

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from catch_arena.layout import columns as columns
     from catch_arena.policy import Limits as Limits
     from catch_arena.policy import Policy as Policy
+    from catch_arena.policy import PreyLimits as PreyLimits
+    from catch_arena.policy import PreyPolicy as PreyPolicy
+    from catch_arena.policy import PreyView as PreyView
     from catch_arena.policy import View as View
     from catch_arena.replay import Replay as Replay
     from catch_arena.scenarios import SCENARIOS as SCENARIOS
@@ -43,6 +46,9 @@ _HOMES = {
     "Gains": "config",
     "Limits": "policy",
     "Policy": "policy",
+    "PreyLimits": "policy",
+    "PreyPolicy": "policy",
+    "PreyView": "policy",
     "Replay": "player",  # replay/ has it; the player gives it a picture in notebooks
     "RewardWeights": "config",
     "Ruling": "verdicts",

@@ -29,6 +29,7 @@ _SURROGATE: Final = re.compile("[\ud800-\udfff]")
 """Half a letter, which no file and no terminal takes."""
 MAX_HUNTERS: Final = 64
 MAX_TARGETS: Final = 64
+MAX_PREY: Final = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +57,7 @@ class RewardWeights:
     catch: float = 1.0
     """Per catch of one's own."""
     rival_catch: float = 0.0
-    """Per catch by any other hunter; -1 / (hunters - 1) makes the game zero-sum."""
+    """Per catch by a hunter of another team; without teams -1 / (hunters - 1) makes the game zero-sum."""
     lost_contest: float = 0.0
     """Per request that another hunter won."""
     rejected_request: float = 0.0
@@ -65,10 +66,28 @@ class RewardWeights:
     """Per metre gained towards the target that was nearest after the commit."""
     time: float = 0.0
     """Per second that passes."""
+    mate_catch: float = 0.0
+    """Per catch by a team-mate (R11.2)."""
 
     def __post_init__(self) -> None:
         for part in dataclasses.fields(self):
             _require_number(f"rewards.{part.name}", getattr(self, part.name), at_least=-1e6, at_most=1e6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PreyRewardWeights:
+    """R12.5: the weight of each named part of prey's reward."""
+
+    caught: float = -1.0
+    """Per time that it is caught."""
+    survived: float = 0.0
+    """Per second that it is in play."""
+    gained: float = 0.0
+    """Per metre that it puts between itself and the nearest hunter."""
+
+    def __post_init__(self) -> None:
+        for part in dataclasses.fields(self):
+            _require_number(f"prey_rewards.{part.name}", getattr(self, part.name), at_least=-1e6, at_most=1e6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,24 +132,34 @@ class ArenaConfig:
     """R5.3, R2.7: a target is within reach strictly below this distance, for all hunters or for each seat."""
     policy: ArbitrationPolicy = "nearest"
     """R5.9: how contests are decided."""
+    teams: tuple[tuple[int, ...], ...] | None = None
+    """R11.1: the seats of each team, each seat once; None makes each hunter a team of its own."""
+    team_share: float = 0.0
+    """R11.2: how much of a hunter's reward is the mean of its team's, 0 to 1; without teams it does nothing."""
+    spawning: bool = True
+    """R3.1: whether the spawn timer is on."""
     spawn_frequency_hz: float = 1.0
     """R3.1: spawns per second; a value that is not positive means one every 5 s, as in the capstone."""
     initial_targets: int = 8
-    """R3.1: targets placed at reset."""
+    """R3.1: targets placed at reset, prey among them."""
     max_targets: int = 16
     """R3.5: how many may be alive, 1 to 64."""
     target_budget: int | None = None
     """R1.5: the episode terminates when this many have been spawned and caught; None is without end."""
     target_motion: TargetMotion = "still"
-    """R3.7: targets stand still, wander (R3.9) or flee (R3.10)."""
+    """R3.7: targets stand still, wander (R3.9) or flee (R3.10), but for those that prey plays."""
     target_speed_mps: float = 1.0
-    """R3.8: how fast a target drives; one that flees drives at half of it while nobody is near."""
+    """R3.8: how fast a target drives, prey too; one that flees drives at half of it while nobody is near."""
     target_turn_rate_radps: float = 3.0
-    """R3.8: how fast it turns at most."""
+    """R3.8: how fast it turns at most, prey too."""
     wander_period_ms: int = 1000
     """R3.9: how long it keeps a turn rate that was drawn."""
     alarm_m: float = 2.0
     """R3.10: a hunter is a threat strictly below this distance."""
+    prey: int = 0
+    """R12.1: how many of the initial targets are played by agents, 0 to 32; they need target_budget None."""
+    prey_returns_s: float | None = 2.0
+    """R12.3: how long after its catch prey returns; None ends the episode for it."""
     name_prefix: str = "target_turtle_"
     """R3.4: a target's name is this and its number."""
     observed_targets: int | None = None
@@ -157,6 +186,7 @@ class ArenaConfig:
     """R1.7: who drops out leaves the agents, or stays among them and does nothing."""
     gains: Gains = field(default_factory=Gains)
     rewards: RewardWeights = field(default_factory=RewardWeights)
+    prey_rewards: PreyRewardWeights = field(default_factory=PreyRewardWeights)
     faults: FaultRates = field(default_factory=FaultRates)
 
     def __deepcopy__(self, memo: object) -> "ArenaConfig":
@@ -185,20 +215,22 @@ class ArenaConfig:
             _require_integer("observed_targets", self.observed_targets, 1, self.max_targets, "max_targets")
         if self.observed_hunters is not None:
             _require_integer("observed_hunters", self.observed_hunters, 0, self.hunters - 1, "hunters - 1")
-        for name in ("reverse", "mask_in_observation"):
+        for name in ("reverse", "spawning", "mask_in_observation"):
             if not isinstance(getattr(self, name), bool):
                 raise ConfigError(f"{name} must be true or false, got {getattr(self, name)!r}")
         require_choice("policy", self.policy, get_args(ArbitrationPolicy))
         require_choice("dropouts", self.dropouts, get_args(Dropouts))
         if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200 or _SURROGATE.search(self.name_prefix):
             raise ConfigError(f"name_prefix must be a string of at most 200 characters, got {self.name_prefix!r}")
-        for name, kind in (("gains", Gains), ("rewards", RewardWeights), ("faults", FaultRates)):
+        for name, kind in _PARTS.items():
             if not isinstance(getattr(self, name), kind):
                 raise ConfigError(f"{name} must be {kind.__name__}(...) or a mapping, got {getattr(self, name)!r}")
         self._check_target_motion()
         self._check_view()
         self._check_control()
         self._check_poses()
+        self._check_teams()
+        self._check_prey()
 
     def _check_handicap(self, name: str, at_most: float) -> None:
         value = getattr(self, name)
@@ -257,6 +289,35 @@ class ArenaConfig:
         poses = tuple((x + 0.0, y + 0.0, theta + 0.0) for x, y, theta in self.hunter_poses)
         object.__setattr__(self, "hunter_poses", poses)
 
+    def _check_teams(self) -> None:
+        _require_number("team_share", self.team_share, at_least=0.0, at_most=1.0)
+        if self.teams is None:
+            return
+        if not _is_sequence(self.teams) or not all(_is_sequence(team) for team in self.teams):
+            raise ConfigError(f"teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got {self.teams!r}")
+        requirement = f"teams must name each seat from 0 to {self.hunters - 1} once"
+        seats: list[int] = []
+        for team in self.teams:
+            if not team:
+                raise ConfigError(f"{requirement}, and no team without a seat, got {self.teams!r}")
+            for seat in team:
+                if isinstance(seat, bool) or not isinstance(seat, int) or not 0 <= seat < self.hunters:
+                    raise ConfigError(f"{requirement}, got {seat!r}")
+                if seat in seats:
+                    raise ConfigError(f"{requirement}, got seat {seat} more than once")
+                seats.append(seat)
+        if missing := sorted(set(range(self.hunters)) - set(seats)):
+            raise ConfigError(f"{requirement}, got none for seat {', '.join(map(str, missing))}")
+        object.__setattr__(self, "teams", tuple(tuple(sorted(team)) for team in self.teams))
+
+    def _check_prey(self) -> None:
+        _require_integer("prey", self.prey, 0, MAX_PREY)
+        _require_integer("prey", self.prey, 0, self.initial_targets, "initial_targets, which count it")
+        if self.prey and self.target_budget is not None:
+            raise ConfigError(f"target_budget must be None where there is prey, got {self.target_budget!r}")
+        if self.prey_returns_s is not None:
+            _require_number("prey_returns_s", self.prey_returns_s, at_least=0.0, at_most=1e9)
+
     @property
     def controls(self) -> tuple[Control, ...]:
         """The control of each seat."""
@@ -302,8 +363,8 @@ class ArenaConfig:
 
     @property
     def targets_move(self) -> bool:
-        """R3.8: whether targets have velocities, and R7.4's columns."""
-        return self.target_motion != "still"
+        """R3.7: whether targets have velocities, and R7.4's columns."""
+        return self.target_motion != "still" or self.prey > 0
 
     @property
     def alarm_um(self) -> int:
@@ -341,15 +402,38 @@ class ArenaConfig:
 
     @property
     def hunter_names(self) -> tuple[str, ...]:
-        """PettingZoo's agents, by seat."""
+        """PettingZoo's agents that hunt, by seat."""
         return tuple(f"hunter_{seat}" for seat in range(self.hunters))
+
+    @property
+    def prey_names(self) -> tuple[str, ...]:
+        """R12.1, R12.7: those that are hunted, by index."""
+        return tuple(f"prey_{index}" for index in range(self.prey))
+
+    @property
+    def team_seats(self) -> tuple[tuple[int, ...], ...]:
+        """R11.1: the seats of each team; without teams each seat by itself."""
+        return tuple((seat,) for seat in range(self.hunters)) if self.teams is None else self.teams
+
+    @property
+    def team_by_seat(self) -> tuple[int, ...]:
+        """R11.1: which of `team_seats` each hunter belongs to."""
+        team_of = {seat: team for team, seats in enumerate(self.team_seats) for seat in seats}
+        return tuple(team_of[seat] for seat in range(self.hunters))
+
+    @property
+    def prey_returns_ms(self) -> int | None:
+        """R12.3: from the state on which prey is caught to its return; None where it does not return."""
+        return None if self.prey_returns_s is None else math.floor(1000.0 * self.prey_returns_s + 0.5)
 
     def target_name(self, number: int) -> str:
         """R3.4: the name of the target with that spawn number."""
         return f"{self.name_prefix}{number}"
 
     def replace(self, **overrides: object) -> "ArenaConfig":
-        """The same arena with other settings; `gains`, `rewards` and `faults` may be partial mappings."""
+        """The same arena with other settings; `gains`, `rewards`, `prey_rewards` and `faults` may be partial
+        mappings.
+        """
         changes: dict[str, Any] = {}
         known = [setting.name for setting in dataclasses.fields(self)]
         for name, value in overrides.items():
@@ -363,7 +447,7 @@ class ArenaConfig:
                         raise ConfigError(f"unknown setting {name}.{part}: {suggest(part, parts)}")
                 changes[name] = dataclasses.replace(old, **value)
             else:
-                changes[name] = tuple(value) if isinstance(value, list) else value
+                changes[name] = _as_tuples(value)
         return dataclasses.replace(self, **changes)
 
     def to_dict(self) -> dict[str, Any]:
@@ -373,10 +457,6 @@ class ArenaConfig:
     @classmethod
     def from_dict(cls, settings: Mapping[str, Any]) -> "ArenaConfig":
         """The config that `to_dict` wrote; unknown or impossible settings are ConfigErrors."""
-        poses = settings.get("hunter_poses")
-        if isinstance(poses, list):
-            poses = tuple(tuple(pose) if isinstance(pose, list) else pose for pose in poses)
-            settings = {**settings, "hunter_poses": poses}
         return cls().replace(**settings)
 
     @property
@@ -384,6 +464,24 @@ class ArenaConfig:
         """16 hexadecimal digits that stand for these settings."""
         text = json.dumps(self.to_dict(), sort_keys=True, separators=(",", ":"))
         return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
+
+
+_PARTS: Final[dict[str, type]] = {
+    "gains": Gains,
+    "rewards": RewardWeights,
+    "prey_rewards": PreyRewardWeights,
+    "faults": FaultRates,
+}
+"""The settings that have parts."""
+
+
+def _as_tuples(value: Any) -> Any:
+    """What JSON has as lists."""
+    return tuple(_as_tuples(item) for item in value) if isinstance(value, list) else value
+
+
+def _is_sequence(value: object) -> bool:
+    return isinstance(value, Sequence) and not isinstance(value, str | bytes)
 
 
 def _micrometres(metres: float) -> int:

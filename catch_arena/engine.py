@@ -24,18 +24,19 @@ from catch_arena.core.episodes import RECORD_COLUMNS
 from catch_arena.core.jit import INTERPRETED
 from catch_arena.core.math import PI, sincos, wrap
 from catch_arena.core.memory import DTYPES, Bytes, Sections, copy_of, lay_out, place_of, sections_of, whole_lines, zeros
+from catch_arena.core.prey import PREY_PART_NAMES, PREY_RECORD_COLUMNS
 from catch_arena.core.random import advance_seeds, derive_row_seeds
 from catch_arena.core.ranking import selection_network
 from catch_arena.core.rewards import PART_NAMES
-from catch_arena.core.state import LANES, MOTIONS, SeatLimits, Settings, block_rows, slot_rows, target_order_rows
+from catch_arena.core.state import LANES, MOTIONS, SeatLimits, Settings, first_prey_row, slot_rows, target_order_rows
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.errors import ConfigError
-from catch_arena.layout import width
+from catch_arena.layout import hunters_seen_by_prey, prey_seen_by_prey, prey_width, width
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.threads import Threads
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
-from catch_arena.world import HunterState, TargetState, World
+from catch_arena.world import HunterState, PreyState, TargetState, World
 
 
 def _row(place: int) -> int:
@@ -50,6 +51,8 @@ _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 _NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 _NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
+_NO_PREY: Final = np.zeros(0)
+_NO_NETWORK: Final = np.zeros((0, 2), dtype=np.int64)
 _network: Final = cache(selection_network)
 """For engines that copy it."""
 _SEES_ALL_ROUND: Final = -2.0
@@ -61,7 +64,6 @@ _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
     """The scalars of a config, as the core reads them."""
     high = config.side_m - _SPAWN_WALL_M
-    motion = MOTIONS[config.target_motion]
     return Settings(
         hunters=config.hunters,
         max_targets=config.max_targets,
@@ -70,6 +72,7 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
         policy=POLICIES[config.policy],
         progress_wanted=int(progress_wanted or config.rewards.progress != 0.0),
         target_budget=math.inf if config.target_budget is None else float(config.target_budget),
+        spawned_in_full=_spawned_in_full(config),
         side_m=float(config.side_m),
         kp_v=float(config.gains.kp_v),
         ki_v=float(config.gains.ki_v),
@@ -78,18 +81,23 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
         period_ms=float(config.control_period_ms),
         period_s=config.control_period_ms / 1000.0,
         time_limit_ms=float(config.time_limit_ms),
-        spawn_period_ms=float(config.spawn_period_ms),
+        spawn_period_ms=float(config.spawn_period_ms) if config.spawning else math.inf,
         spawn_low_m=_SPAWN_LOW_M,
         spawn_high_m=high,
         spawn_last_m=math.nextafter(high, 0.0),
         start_radius_m=0.3 * config.side_m if config.start_radius_m is None else float(config.start_radius_m),
         initial_targets=config.initial_targets,
-        slot_size=slot_rows(motion) * LANES,
-        target_motion=motion,
+        slot_size=slot_rows(config.targets_move) * LANES,
+        targets_move=int(config.targets_move),
+        target_motion=MOTIONS[config.target_motion],
         target_speed_mps=float(config.target_speed_mps),
         target_turn_rate_radps=float(config.target_turn_rate_radps),
         wander_period_ms=float(config.wander_period_ms),
         alarm_um=float(config.alarm_um),
+        prey=config.prey,
+        prey_min_speed_mps=-float(config.target_speed_mps) if config.reverse else 0.0,
+        prey_returns_ms=math.inf if config.prey_returns_ms is None else float(config.prey_returns_ms),
+        prey_distance_wanted=int(progress_wanted or config.prey_rewards.gained != 0.0),
         partial_view=int(config.partial_view),
         view_radius_um=math.inf if config.view_radius_um is None else float(config.view_radius_um),
         view_cosine=_SEES_ALL_ROUND
@@ -107,7 +115,22 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
         rejected_request_weight=float(config.rewards.rejected_request),
         progress_weight=float(config.rewards.progress),
         time_weight=float(config.rewards.time),
+        has_teams=int(config.teams is not None),
+        team_share=0.0 if config.teams is None else float(config.team_share),
+        mate_catch_weight=float(config.rewards.mate_catch),
+        caught_weight=float(config.prey_rewards.caught),
+        survived_weight=float(config.prey_rewards.survived),
+        gained_weight=float(config.prey_rewards.gained),
     )
+
+
+def _spawned_in_full(config: ArenaConfig) -> float:
+    """R1.5, R12.6: how many targets have appeared when none will any more."""
+    if config.prey and config.prey_returns_s is not None:
+        return math.inf
+    if not config.spawning:
+        return 0.0
+    return math.inf if config.target_budget is None else float(config.target_budget)
 
 
 def limits_of(config: ArenaConfig) -> NDArray[np.float64]:
@@ -154,13 +177,17 @@ class Engine:
         self.infos_wanted = infos_wanted
         self.auto_reset = auto_reset
         hunters, seen = config.hunters, config.targets_seen
-        slot = slot_rows(MOTIONS[config.target_motion])
-        num_blocks, num_rows = -(-num_arenas // LANES), block_rows(hunters, config.max_targets, slot, seen)
+        slot, prey = slot_rows(config.targets_move), config.prey
+        prey_begin = first_prey_row(hunters, config.max_targets, slot, seen)
+        num_blocks, num_rows = -(-num_arenas // LANES), prey_begin + prey * rows.PREY_ROWS
         self._shares = num_blocks * LANES * hunters // _HUNTERS_A_PART
         self.threads = Threads(max(1, min(num_threads, self._shares)))
         with_infos = num_arenas if infos_wanted else 0
         kept = num_arenas if auto_reset else 0
-        scratch = scratch_shapes(hunters, num_rows, width(config))
+        seen_by_prey = prey_width(config)
+        team_play = config.teams is not None
+        columns = max(hunters * width(config), prey * seen_by_prey)
+        scratch = scratch_shapes(hunters, prey, num_rows, columns, team_play=team_play)
         memory, sections = lay_out(
             Sections(
                 settings=np.array(settings_of(config, progress_wanted=infos_wanted), dtype=np.float64),
@@ -169,19 +196,30 @@ class Engine:
                     np.array([CONTROLS[control] for control in config.controls], np.int8), (num_arenas, 1)
                 ),
                 limits=limits_of(config),
+                teams=np.array([min(config.team_seats[team]) for team in config.team_by_seat]),
                 target_network=_network(config.max_targets, seen),
                 # one rank more than is seen: a tie at the edge of the view has to be noticed
                 rival_network=_network(hunters, min(hunters, config.hunters_seen + 1)),
+                prey_commands=zeros(num_arenas, prey, 2, dtype=np.float32),
+                hunter_network=_network(hunters, min(hunters, hunters_seen_by_prey(config) + 1))
+                if prey
+                else _NO_NETWORK,
+                prey_network=_network(prey, min(prey, prey_seen_by_prey(config) + 1)) if prey else _NO_NETWORK,
                 blocks=zeros(num_blocks, num_rows * LANES),
                 parts=zeros(with_infos, hunters, 1 + len(PART_NAMES)),
                 evidence=zeros(with_infos, hunters, len(rows.EVIDENCE)),
                 observations=zeros(num_arenas, hunters, width(config), dtype=np.float32),
                 masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
+                prey_parts=zeros(with_infos, prey, 1 + len(PREY_PART_NAMES)),
+                prey_observations=zeros(num_arenas, prey, seen_by_prey, dtype=np.float32),
                 ends=zeros(num_arenas, dtype=np.int8),
                 rewards=zeros(num_arenas - with_infos, hunters, dtype=np.float32),
+                prey_rewards=zeros(num_arenas - with_infos, prey, dtype=np.float32),
                 last_observations=zeros(kept, hunters, width(config), dtype=np.float32),
                 last_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
                 records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
+                prey_last_observations=zeros(kept, prey, seen_by_prey, dtype=np.float32),
+                prey_records=zeros(kept, prey, PREY_RECORD_COLUMNS, dtype=np.float32),
                 **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
             )
         )
@@ -205,7 +243,7 @@ class Engine:
         self.rewards: NDArray[Any] = sections.parts[:, :, 0] if self.infos_wanted else sections.rewards
         """R6.2: (B, H), float64 with the parts and float32 without."""
         self.parts = sections.parts[:, :, 1:]
-        """R6.2: the parts of the last reward, unweighted, in the order of `rewards.PART_NAMES`: (B, H, 6), or (0, H, 6)
+        """R6.2: the parts of the last reward, unweighted, in the order of `rewards.PART_NAMES`: (B, H, 7), or (0, H, 7)
         where they are not wanted.
         """
         self.ends = sections.ends
@@ -216,20 +254,36 @@ class Engine:
         """And the masks that belong to them: (B, H, K + 1)."""
         self.records = sections.records
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
+        self.prey_observations = sections.prey_observations
+        """R12.4: (B, P, E)."""
+        self.prey_rewards: NDArray[Any] = sections.prey_parts[:, :, 0] if self.infos_wanted else sections.prey_rewards
+        """R12.5: (B, P), as `rewards`."""
+        self.prey_parts = sections.prey_parts[:, :, 1:]
+        """R12.5: the parts of the last reward, unweighted, in the order of `prey.PREY_PART_NAMES`: (B, P, 3), or
+        (0, P, 3) where they are not wanted.
+        """
+        self.prey_last_observations = sections.prey_last_observations
+        """With auto_reset as `last_observations`: (B, P, E)."""
+        self.prey_records = sections.prey_records
+        """With auto_reset as `records`, in the columns of core/prey.py: (B, P, PREY_RECORD_COLUMNS)."""
+        self._prey_commands = sections.prey_commands
         begin, end = place_of("parts", memory), place_of("ends", memory)
         self.outputs = self._memory[begin:end].view(np.float32)
-        """`parts`, `evidence`, `observations` and `masks` as they lie one behind the other: copied, all at once."""
+        """`parts`, `evidence`, `observations`, `masks`, `prey_parts` and `prey_observations` as they lie one behind the
+        other: copied, all at once.
+        """
         self.evidence = sections.evidence
         """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
         begin = place_of("blocks", memory)
         self._kept, self._kept_by_all = memory[begin:], place_of("last_observations", memory) - begin
-        told = (sections.parts, sections.evidence, sections.observations, sections.masks, sections.ends)
-        of_arenas = (*told, sections.rewards, sections.last_observations, sections.last_masks, sections.records)
-        self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if len(section)]
+        of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
+        self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if section.size]
         """What stands of each arena beside the blocks: (B, bytes) each."""
-        config, hunters = self.config, self.config.hunters
+        config, hunters, prey = self.config, self.config.hunters, self.config.prey
         num_blocks, num_rows = len(self.blocks), self.blocks.shape[1] // LANES
-        slot = slot_rows(MOTIONS[config.target_motion])
+        slot = slot_rows(config.targets_move)
+        prey_begin = first_prey_row(hunters, config.max_targets, slot, config.targets_seen)
+        self._team_by_seat = config.team_by_seat
         self._widths = (SINGLE, SINGLE) if self.num_arenas == 1 else (HALF, WIDE)
         self._fields = self.blocks.reshape(num_blocks, num_rows, LANES)  # the same memory: [block, row, lane]
         self._hunters = self._fields[:, rows.ARENA_ROWS : rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS].reshape(
@@ -241,9 +295,10 @@ class Engine:
         self._targets = self._fields[:, first : first + config.max_targets * slot].reshape(
             num_blocks, config.max_targets, slot, LANES
         )
-        self._target_orders = self._fields[:, first + config.max_targets * slot :].reshape(
+        self._target_orders = self._fields[:, first + config.max_targets * slot : prey_begin].reshape(
             num_blocks, hunters, target_order_rows(config.targets_seen), LANES
         )
+        self._prey = self._fields[:, prey_begin:].reshape(num_blocks, prey, rows.PREY_ROWS, LANES)
 
     # playing
 
@@ -253,7 +308,7 @@ class Engine:
         """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each.
 
         Raises:
-            ConfigError: for an argument that cannot be.
+            ConfigError: for a number of seeds that is not that of the arenas, and a seed outside [0, 2^64).
         """
         chosen = np.arange(self.num_arenas) if arenas is None else np.asarray(arenas, dtype=np.int64)
         if len(seeds) != len(chosen):
@@ -262,8 +317,10 @@ class Engine:
             seeds = np.array([checked_seed(seed) for seed in seeds], dtype=np.uint64)
         self.rewards[chosen] = 0.0
         self.ends[chosen] = 0
+        self.prey_rewards[chosen] = 0.0
         if self.infos_wanted:
             self.parts[chosen] = 0.0
+            self.prey_parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         if arenas is None:
             self._observe(0, len(self.blocks), resets)
@@ -277,7 +334,11 @@ class Engine:
             self._observe(first, last + 1, some)
 
     def step(
-        self, choices: NDArray[np.int64], commands: NDArray[np.float32], requests: RequestTable = _NO_REQUESTS
+        self,
+        choices: NDArray[np.int64],
+        commands: NDArray[np.float32],
+        prey_commands: NDArray[np.float32] | None = None,
+        requests: RequestTable = _NO_REQUESTS,
     ) -> None:
         """R1.4: one step of every arena.
 
@@ -285,9 +346,12 @@ class Engine:
             choices: (B, H) int64: the rank chosen under target control, or requested under full control, 0 for none.
             commands: (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What no
                 seat's control reads may be an empty array.
+            prey_commands: where there is prey (B, P, 2) float32, the same for prey, in [-1, 1].
             requests: of a single arena, in the place of what the hunters ask for: a table of `arbiter`, (n, columns),
                 of which REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all else is written.
         """
+        if prey_commands is not None:
+            self._prey_commands[:] = prey_commands
         blocks, parts = len(self.blocks), self._shares
         if self.threads.size == 1:
             tick.run(*self._widths, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
@@ -316,16 +380,28 @@ class Engine:
             me[_row(row)] = 0.0
         self.observe(arena)
 
+    def withdraw_prey(self, arena: int, index: int) -> None:
+        """R12.5: the prey stands still from now on."""
+        me = self.prey_rows(arena)[index]
+        me[_row(rows.PREY_WITHDRAWN)] = 1.0
+        slot = int(me[_row(rows.PREY_SLOT)])
+        if slot != rows.NO_TARGET:
+            for row in (rows.SPEED, rows.TURN_RATE):
+                self._targets[arena // LANES, slot, _row(rows.BODY + row), arena % LANES] = 0.0
+        self.observe(arena)
+
     def place(
         self,
         arena: int,
         hunters: Sequence[tuple[float, float, float]],
         targets: Sequence[tuple[float, float]],
+        prey: Sequence[tuple[float, float, float]] | None = None,
     ) -> None:
         """A position for tests and lessons: hunters at rest at these poses, and these targets alive instead of those
-        that were.
+        that were and that nobody played.
 
-        The targets take the next spawn numbers, in their order, and appear now with theta 0.
+        The targets take the next spawn numbers, in their order, and appear now with theta 0. Prey stays as it is, under
+        its numbers; where poses of all prey are given, those who are in play are at rest there.
         """
         block, lane = divmod(arena, LANES)
         for seat, (x, y, theta) in enumerate(hunters):
@@ -334,8 +410,19 @@ class Engine:
             me[[_row(row) for row in (rows.X, rows.Y, rows.THETA)]] = x + 0.0, y + 0.0, wrap(theta + 0.0)
             for row in (*rows.AT_REST, rows.AT_WALL):
                 me[_row(row)] = 0.0
-        self._targets[block, :, :, lane] = 0.0
-        self._fields[block, _row(rows.ALIVE), lane] = 0.0
+        slots, players = self._targets[block, :, :, lane], self.prey_rows(arena)[:, _row(rows.PREY_SLOT)]
+        played = np.sort(players[players != rows.NO_TARGET]).astype(np.int64)
+        kept = slots[played]
+        slots[:] = 0.0
+        slots[: len(played)] = kept
+        self._fields[block, _row(rows.ALIVE), lane] = len(played)
+        players[:] = [np.searchsorted(played, slot) if slot != rows.NO_TARGET else slot for slot in players]
+        for slot, (x, y, theta) in zip(players.astype(np.int64), prey or (), strict=prey is not None):
+            if slot != rows.NO_TARGET:
+                pose = [_row(rows.BODY + row) for row in (rows.X, rows.Y, rows.THETA)]
+                slots[slot, pose] = x + 0.0, y + 0.0, wrap(theta + 0.0)
+                for row in (rows.SPEED, rows.TURN_RATE, rows.AT_WALL):
+                    slots[slot, _row(rows.BODY + row)] = 0.0
         for x, y in targets:
             spawner.spawn_at(self._memory, arena, float(x), float(y), 0.0)
         self.observe(arena)
@@ -371,8 +458,23 @@ class Engine:
         """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
         return self._hunters[arena // LANES, :, :, arena % LANES]
 
+    def prey_rows(self, arena: int) -> NDArray[np.float64]:
+        """One arena's prey as core/state.py stores it: (P, PREY_ROWS), the engine's own memory."""
+        return self._prey[arena // LANES, :, :, arena % LANES]
+
+    def prey_active(self) -> NDArray[np.bool_]:
+        """R12.3: which prey is not out: (B, P)."""
+        slots = self._prey[:, :, _row(rows.PREY_SLOT)]
+        by_arena = slots.transpose(0, 2, 1).reshape(len(self.blocks) * LANES, self.config.prey)
+        return np.greater_equal(by_arena[: self.num_arenas], 0.0)
+
+    def team_scores(self) -> NDArray[np.float64]:
+        """R11.1: the sums of the scores of each team's hunters: (B, teams)."""
+        scores = self._hunters[:, :, _row(rows.SCORE)].transpose(0, 2, 1).reshape(-1, self.config.hunters)
+        return np.stack([scores[: self.num_arenas, seats].sum(axis=1) for seats in self.config.team_seats], axis=1)
+
     def active(self) -> NDArray[np.bool_]:
-        """R1.6, R1.7: who takes part: (B, H)."""
+        """R1.6, R1.7: which hunters take part: (B, H)."""
         withdrawn = self._hunters[:, :, _row(rows.WITHDRAWN)]
         return np.equal(withdrawn.transpose(0, 2, 1).reshape(-1, self.config.hunters)[: self.num_arenas], 0.0)
 
@@ -394,6 +496,7 @@ class Engine:
         block, lane = divmod(arena, LANES)
         own = self._fields[block, : rows.ARENA_ROWS, lane]
         alive = int(own[_row(rows.ALIVE)])
+        prey, players = self._prey_states(arena)
         return World(
             time_ms=int(own[_row(rows.TIME)]),
             step=int(own[_row(rows.STEP)]),
@@ -412,8 +515,11 @@ class Engine:
                     else None,
                     at_wall=me[_row(rows.AT_WALL)] > 0,
                     withdrawn=me[_row(rows.WITHDRAWN)] > 0,
+                    team=team,
                 )
-                for name, me in zip(self.config.hunter_names, self.hunter_rows(arena).tolist(), strict=True)
+                for name, team, me in zip(
+                    self.config.hunter_names, self._team_by_seat, self.hunter_rows(arena).tolist(), strict=True
+                )
             ),
             targets=tuple(
                 TargetState(
@@ -426,14 +532,40 @@ class Engine:
                     linear_velocity=motion[0] if motion else 0.0,
                     angular_velocity=motion[1] if motion else 0.0,
                     at_wall=bool(motion and motion[2]),
+                    prey=players.get(slot),
                 )
-                for number, x, y, theta, appeared, *motion in self._targets[
-                    block, :alive, self._target_digest, lane
-                ].T.tolist()
+                for slot, (number, x, y, theta, appeared, *motion) in enumerate(
+                    self._targets[block, :alive, self._target_digest, lane].T.tolist()
+                )
             ),
             rulings=self.rulings(arena),
             spawned=int(own[_row(rows.SPAWNED)]),
+            prey=prey,
         )
+
+    def _prey_states(self, arena: int) -> tuple[tuple[PreyState, ...], dict[int, str]]:
+        """R12.1: one arena's prey, and who plays the target in a slot."""
+        states, players = [], {}
+        numbers = self._prey_numbers(arena).tolist()
+        for name, number, me in zip(self.config.prey_names, numbers, self.prey_rows(arena).tolist(), strict=True):
+            states.append(
+                PreyState(
+                    name=name,
+                    target=self.config.target_name(int(number)) if number else None,
+                    times_caught=int(me[_row(rows.TIMES_CAUGHT)]),
+                    caught_ms=None if number else int(me[_row(rows.CAUGHT_AT)]),
+                    caught_by=None if me[_row(rows.CAUGHT_BY)] < 0 else int(me[_row(rows.CAUGHT_BY)]),
+                    withdrawn=me[_row(rows.PREY_WITHDRAWN)] > 0,
+                )
+            )
+            players[int(me[_row(rows.PREY_SLOT)])] = name
+        return tuple(states), players
+
+    def _prey_numbers(self, arena: int) -> NDArray[np.float64]:
+        """R12.1: the numbers of the targets that one arena's prey plays, 0 for prey that is out: (P,)."""
+        slots = self.prey_rows(arena)[:, _row(rows.PREY_SLOT)].astype(np.int64)
+        numbers = self._targets[arena // LANES, slots, _row(rows.NUMBER), arena % LANES]
+        return np.where(slots == rows.NO_TARGET, 0.0, numbers)
 
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
@@ -463,8 +595,16 @@ class Engine:
                 own[: rows.ARENA_DIGEST_ROWS],
                 self._hunters[block, :, _HUNTER_DIGEST, lane].T.reshape(-1),
                 self._targets[block, :alive, self._target_digest, lane].T.reshape(-1),
+                self._prey_digest(arena),
             )
         )
+
+    def _prey_digest(self, arena: int) -> NDArray[np.float64]:
+        """A.8: what stands of prey in the digest: (3 P,)."""
+        if not self.config.prey:
+            return _NO_PREY
+        times = self.prey_rows(arena)[:, [_row(rows.TIMES_CAUGHT), _row(rows.CAUGHT_AT)]]
+        return np.column_stack((self._prey_numbers(arena), times)).reshape(-1)
 
     def digest(self, arena: int = 0) -> bytes:
         """A.8: eight bytes that stand for one arena's state."""
@@ -501,13 +641,15 @@ class Engine:
 
     def saved_sizes(self, *, row: bool) -> tuple[int, int]:
         """How long a saved state can be, of a row or of all: without what only `auto_reset` keeps, and with it."""
-        records = self.num_arenas * self.config.hunters * RECORD_COLUMNS * np.dtype(np.float32).itemsize
-        own = (self.observations.nbytes, self.masks.nbytes, records)
+        figures = self.config.hunters * RECORD_COLUMNS, self.config.prey * PREY_RECORD_COLUMNS
+        records = [self.num_arenas * count * np.dtype(np.float32).itemsize for count in figures]
+        views = (self.observations, self.masks, self.prey_observations)
+        own = [*records, *(section.nbytes for section in views)]
         if not row:
             return self._kept_by_all, self._kept_by_all + sum(map(whole_lines, own))
-        column = self._fields.shape[1] * self._fields.itemsize
-        by_all = column + sum(told.shape[1] for told in self._told[: len(self._told) - (3 if self.auto_reset else 0)])
-        return by_all, by_all + sum(own) // self.num_arenas
+        told = self._fields.shape[1] * self._fields.itemsize + sum(told.shape[1] for told in self._told)
+        of_ends = sum(own) // self.num_arenas
+        return (told - of_ends, told) if self.auto_reset else (told, told + of_ends)
 
     def clone(self) -> "Engine":
         """An engine of its own in the same state."""
@@ -550,7 +692,7 @@ def episode_seed(given: int | None, before: int | None) -> int:
             operating system's.
 
     Raises:
-        ConfigError: for a seed that cannot be.
+        ConfigError: for a seed outside [0, 2^64).
     """
     if given is not None:
         return checked_seed(given)

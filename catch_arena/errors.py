@@ -51,6 +51,10 @@ class OutputError(CatchArenaError):
     """A result that could not be written; nothing half-written is left behind."""
 
 
+class BusError(CatchArenaError):
+    """A ROS 2 bus that cannot be reached, or on which somebody cannot be answered."""
+
+
 def suggest(name: object, known: Iterable[str]) -> str:
     """The tail of an «unknown name» message: the nearest right names, or all of them where none is near."""
     choices = sorted(known)

@@ -1,24 +1,42 @@
-"""What an agent is: the Policy protocol, and the named view of an observation that scripted agents read."""
+"""What an agent is: the Policy protocols, and the named views of an observation that scripted agents read."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, runtime_checkable
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError
-from catch_arena.layout import MOVING_TARGET_COLUMNS, RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
+from catch_arena.layout import (
+    BodyFeatures,
+    MovingTargetFeatures,
+    PreySelfFeatures,
+    RivalFeatures,
+    SelfFeatures,
+    TargetFeatures,
+    TeamRivalFeatures,
+    hunters_seen_by_prey,
+    prey_seen_by_prey,
+)
 
-_OWN = len(SELF_COLUMNS)
-_STILL_TARGET = len(TARGET_COLUMNS)
-_MOVING_TARGET = len(MOVING_TARGET_COLUMNS)
-_RIVAL = len(RIVAL_COLUMNS)
+Side = Literal["hunter", "prey"]
+"""R12.7: what an agent plays."""
+
+_OWN: Final = len(SelfFeatures._fields)
+_STILL_TARGET: Final = len(TargetFeatures._fields)
+_MOVING_TARGET: Final = len(MovingTargetFeatures._fields)
+_RIVAL: Final = len(RivalFeatures._fields)
+_TEAM_RIVAL: Final = len(TeamRivalFeatures._fields)
+_PREY: Final = len(PreySelfFeatures._fields)
+_BODY: Final = len(BodyFeatures._fields)
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
     """What a hunter may know of its arena before the match."""
+
+    side: ClassVar[Side] = "hunter"
 
     side_m: float
     """The arena's side [m]: x and y lie between 0 and it (R2.1)."""
@@ -56,6 +74,10 @@ class Limits:
     """How wide the cone is that it sees, about its heading [degrees] (R7.5)."""
     view_noise_m: float = 0.0
     """The standard deviation of the error in each place that it sees [m] (R7.6)."""
+    teams: bool = False
+    """Whether hunters play in teams, so that `rival.mate` tells team-mates (R11.1)."""
+    prey: int = 0
+    """How many of the targets are played by agents (R12.1)."""
 
     @classmethod
     def of(cls, config: ArenaConfig, seat: int = 0) -> "Limits":
@@ -79,7 +101,71 @@ class Limits:
             view_radius_m=config.view_radius_m,
             view_angle_deg=config.view_angle_deg,
             view_noise_m=config.view_noise_m,
+            teams=config.teams is not None,
+            prey=config.prey,
         )
+
+    def view(self, observation: Sequence[float], mask: Sequence[int]) -> "View":
+        """An observation under names."""
+        return View(observation, mask, self)
+
+
+@dataclass(frozen=True, slots=True)
+class PreyLimits:
+    """What prey may know of its arena before the match."""
+
+    side: ClassVar[Side] = "prey"
+
+    side_m: float
+    """The arena's side [m]: x and y lie between 0 and it (R2.1)."""
+    reach_m: float
+    """A hunter nearer than this can catch it [m]; the longest reach, where hunters differ (R5.3, R2.7)."""
+    max_speed_mps: float
+    """Its greatest speed ahead [m/s] (R12.2)."""
+    min_speed_mps: float
+    """Its greatest speed backwards, -max_speed_mps [m/s]; 0 where nobody may drive backwards."""
+    max_turn_rate_radps: float
+    """Its greatest turn rate, to either side [rad/s] (R12.2)."""
+    hunter_speed_mps: float
+    """The speed of the fastest hunter [m/s] (R2.5)."""
+    control_period_ms: int
+    """From one action to the next [ms] (R1.3)."""
+    time_limit_s: float
+    """The match's length at most [s] (R1.5)."""
+    hunters: int
+    """How many hunt."""
+    prey: int
+    """How many prey there are, this one among them."""
+    hunters_seen: int
+    """How many hunters are in view at most (R12.4)."""
+    prey_seen: int
+    """How many other prey are in view at most (R12.4)."""
+    returns_s: float | None
+    """How long it is out after a catch [s]; None where it does not return (R12.3)."""
+
+    @classmethod
+    def of(cls, config: ArenaConfig) -> "PreyLimits":
+        """The limits of all prey of an arena."""
+        return cls(
+            side_m=config.side_m,
+            reach_m=max(config.reaches),
+            max_speed_mps=config.target_speed_mps,
+            min_speed_mps=-config.target_speed_mps if config.reverse else 0.0,
+            max_turn_rate_radps=config.target_turn_rate_radps,
+            hunter_speed_mps=max(config.max_speeds),
+            control_period_ms=config.control_period_ms,
+            time_limit_s=config.time_limit_ms / 1000.0,
+            hunters=config.hunters,
+            prey=config.prey,
+            hunters_seen=hunters_seen_by_prey(config),
+            prey_seen=prey_seen_by_prey(config),
+            returns_s=config.prey_returns_s,
+        )
+
+    def view(self, observation: Sequence[float], mask: Sequence[int]) -> "PreyView":
+        """An observation under names; prey has no mask (R7.2)."""
+        del mask
+        return PreyView(observation, self)
 
 
 class SeenTarget(NamedTuple):
@@ -132,6 +218,8 @@ class SeenHunter(NamedTuple):
     """Along its own heading [m/s]."""
     score_difference: int
     """Its score less one's own."""
+    mate: bool = False
+    """Whether it is a team-mate (R7.4)."""
 
     @property
     def distance(self) -> float:
@@ -148,11 +236,62 @@ class SeenHunter(NamedTuple):
         return math.hypot(target.forward - self.forward, target.left - self.left)
 
 
+class SeenBody(NamedTuple):
+    """One hunter, or one other prey, in prey's own frame."""
+
+    rank: int
+    """1 = nearest."""
+    forward: float
+    """How far ahead it is [m]."""
+    left: float
+    """How far to the left it is [m]."""
+    heading_cos: float
+    """Of its heading relative to one's own."""
+    heading_sin: float
+    linear_velocity: float
+    """Along its own heading [m/s]."""
+
+    @property
+    def distance(self) -> float:
+        """Between the centres [m]."""
+        return math.hypot(self.forward, self.left)
+
+    @property
+    def bearing(self) -> float:
+        """The turn that would face it, to the left [rad] in [-pi, pi]."""
+        return math.atan2(self.left, self.forward)
+
+    @property
+    def heading(self) -> float:
+        """Its heading relative to one's own [rad] in [-pi, pi]."""
+        return math.atan2(self.heading_sin, self.heading_cos)
+
+
 def _target_columns(limits: Limits) -> int:
     return _MOVING_TARGET if limits.targets_move else _STILL_TARGET
 
 
-class View:
+class _Body:
+    """Who looks: where it is, in the world frame [m, rad]."""
+
+    x: float
+    y: float
+    heading_cos: float
+    heading_sin: float
+
+    @property
+    def heading(self) -> float:
+        """In the world frame [rad] in [-pi, pi]."""
+        return math.atan2(self.heading_sin, self.heading_cos)
+
+    def to_own_frame(self, x: float, y: float) -> tuple[float, float]:
+        """A point of the world frame [m] as (forward, left) of this agent [m]."""
+        dx, dy = x - self.x, y - self.y
+        cosine, sine = self.heading_cos, self.heading_sin
+        return cosine * dx + sine * dy, cosine * dy - sine * dx
+
+
+class View(_Body):
     """One observation under names: what the hunter senses, its mask and its limits, and nothing else of the world.
 
     Args:
@@ -167,34 +306,40 @@ class View:
         self.mask = mask
         """R7.2: 1 where a choice is legal; `mask[0]`, hold, always is."""
         self.limits = limits
-        (
-            self.x,
-            self.y,
-            self.heading_cos,
-            self.heading_sin,
-            self.linear_velocity,
-            self.angular_velocity,
-            self.time_left,
-            self.score,
-            self.distance_integral,
-            self.bearing_integral,
-        ) = observation[:_OWN]
-
-    @property
-    def heading(self) -> float:
-        """In the world frame [rad] in [-pi, pi]."""
-        return math.atan2(self.heading_sin, self.heading_cos)
+        own = SelfFeatures(*observation[:_OWN])
+        self.x = own.x
+        """In the world frame [m], as `y`."""
+        self.y = own.y
+        self.heading_cos = own.heading_cos
+        """Of its heading in the world frame."""
+        self.heading_sin = own.heading_sin
+        self.linear_velocity = own.linear_velocity
+        """Ahead [m/s]."""
+        self.angular_velocity = own.angular_velocity
+        """To the left [rad/s]."""
+        self.time_left = own.time_left
+        """Until the time limit [s]."""
+        self.score = own.score
+        """Granted catches so far."""
+        self.distance_integral = own.distance_integral
+        """R4.3's linear integral [m s]."""
+        self.bearing_integral = own.bearing_integral
+        """R4.3's angular integral [rad s]."""
 
     @cached_property
     def targets(self) -> tuple[SeenTarget, ...]:
         """The targets in view, nearest first."""
         seen = []
         values, at, columns = self.observation, _OWN, _target_columns(self.limits)
+        features = MovingTargetFeatures if self.limits.targets_move else TargetFeatures
         for rank in range(1, self.limits.targets_seen + 1):
-            forward, left, present, age, active, *motion = values[at : at + columns]
-            if not present:
+            its: TargetFeatures | MovingTargetFeatures = features(*values[at : at + columns])
+            if not its.present:
                 break
-            seen.append(SeenTarget(rank, forward, left, age, active > 0, *motion))
+            motion = (
+                (its.heading_cos, its.heading_sin, its.linear_velocity) if isinstance(its, MovingTargetFeatures) else ()
+            )
+            seen.append(SeenTarget(rank, its.forward, its.left, its.age, its.active > 0, *motion))
             at += columns
         return tuple(seen)
 
@@ -203,24 +348,82 @@ class View:
         """The rivals in view, nearest first."""
         seen = []
         values, at = self.observation, _OWN + _target_columns(self.limits) * self.limits.targets_seen
+        features, columns = (TeamRivalFeatures, _TEAM_RIVAL) if self.limits.teams else (RivalFeatures, _RIVAL)
         for rank in range(1, self.limits.hunters_seen + 1):
-            forward, left, present, cosine, sine, velocity, difference = values[at : at + _RIVAL]
-            if not present:
+            its: RivalFeatures | TeamRivalFeatures = features(*values[at : at + columns])
+            if not its.present:
                 break
-            seen.append(SeenHunter(rank, forward, left, cosine, sine, velocity, int(difference)))
-            at += _RIVAL
+            motion = its.heading_cos, its.heading_sin, its.linear_velocity
+            mate = isinstance(its, TeamRivalFeatures) and its.mate > 0
+            seen.append(SeenHunter(rank, its.forward, its.left, *motion, int(its.score_difference), mate))
+            at += columns
         return tuple(seen)
 
-    def to_own_frame(self, x: float, y: float) -> tuple[float, float]:
-        """A point of the world frame [m] as (forward, left) of this hunter [m]."""
-        dx, dy = x - self.x, y - self.y
-        cosine, sine = self.heading_cos, self.heading_sin
-        return cosine * dx + sine * dy, cosine * dy - sine * dx
+
+class PreyView(_Body):
+    """One observation of prey under names (R12.4). While it is out all but `time_left` and `times_caught` is zero.
+
+    Args:
+        observation: the numbers of R12.4.
+        limits: what prey can do, and what the arena is.
+    """
+
+    def __init__(self, observation: Sequence[float], limits: PreyLimits) -> None:
+        self.observation = observation
+        """R12.4's vector as it was given, for policies that learn."""
+        self.limits = limits
+        own = PreySelfFeatures(*observation[:_PREY])
+        self.x = own.x
+        """In the world frame [m], as `y`."""
+        self.y = own.y
+        self.heading_cos = own.heading_cos
+        """Of its heading in the world frame."""
+        self.heading_sin = own.heading_sin
+        self.linear_velocity = own.linear_velocity
+        """Ahead [m/s]."""
+        self.angular_velocity = own.angular_velocity
+        """To the left [rad/s]."""
+        self.time_left = own.time_left
+        """Until the time limit [s]."""
+        self.times_caught = own.times_caught
+        """So far."""
+        self.alive = own.alive > 0
+        """Whether it is in play; while it is out, its action is ignored."""
+
+    @cached_property
+    def hunters(self) -> tuple[SeenBody, ...]:
+        """The hunters in view, nearest first."""
+        return self._seen(_PREY, self.limits.hunters_seen)
+
+    @cached_property
+    def others(self) -> tuple[SeenBody, ...]:
+        """The other prey in view, nearest first."""
+        return self._seen(_PREY + _BODY * self.limits.hunters_seen, self.limits.prey_seen)
+
+    def _seen(self, at: int, most: int) -> tuple[SeenBody, ...]:
+        seen = []
+        for rank in range(1, most + 1):
+            its = BodyFeatures(*self.observation[at : at + _BODY])
+            if not its.present:
+                break
+            seen.append(SeenBody(rank, its.forward, its.left, its.heading_cos, its.heading_sin, its.linear_velocity))
+            at += _BODY
+        return tuple(seen)
+
+
+AnyLimits = Limits | PreyLimits
+"""Of a seat, whatever plays there."""
+
+
+def limits_of(config: ArenaConfig, seat: int) -> AnyLimits:
+    """Those of a seat of a match: of a hunter, or of prey, whose seats follow the hunters'."""
+    return Limits.of(config, seat) if seat < config.hunters else PreyLimits.of(config)
 
 
 @runtime_checkable
 class Policy(Protocol):
-    """An agent. It may also name its `control` ("target" where it does not): the kind of action that it gives.
+    """An agent that hunts. It may also name its `control`, the kind of action that it gives ("target" where it does
+    not).
 
     target: an int, 0 = hold or a target's rank. velocity: two numbers in [-1, 1], linear and angular. full:
     {"cmd_vel": two such numbers, "catch": an int}.
@@ -231,6 +434,17 @@ class Policy(Protocol):
 
     def act(self, view: View) -> Any:
         """The action for this step."""
+
+
+@runtime_checkable
+class PreyPolicy(Protocol):
+    """An agent that plays prey, under velocity control (R12.2)."""
+
+    def reset(self, seed: int) -> None:
+        """Begin a match; `seed`, in [0, 2^63), is the agent's own and tells nothing of the match's."""
+
+    def act(self, view: PreyView) -> Any:
+        """Two numbers in [-1, 1]: speed and turn rate, as parts of the limits."""
 
 
 def control_of(policy: object) -> Control:

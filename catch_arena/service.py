@@ -1,17 +1,20 @@
 """Rulebook chapter 8: the arena as the ROS 2 exercise knows it, by names and Twists in place of ranks and actions."""
 
+from bisect import insort
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.arbitration import rulings_of, target_asked_for
-from catch_arena.config import ArenaConfig
-from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET
+from catch_arena.config import ArenaConfig, Control
+from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, measure_um, within_reach
 from catch_arena.engine import Engine, episode_seed
 from catch_arena.envs.spaces import require_pose
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
+from catch_arena.replay import Replay
+from catch_arena.replay.fileformat import checked_text
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
@@ -24,22 +27,32 @@ class ArenaService:
     arena's own arbiter judges them, with its faults and lots, and what it grants is scored.
 
     Args:
-        scenario: a name or a config; all hunters are under full control, and see every target.
+        scenario: a name or a config; all hunters see every target.
+        control: of all hunters, or by seat. Full control is a ROS node's: Twists, and requests by name. Under target
+            and velocity control a hunter's requests are its controller's (R4.1, R4.4).
         overrides: fields of `ArenaConfig`, as for `parallel_env`.
 
     Raises:
-        ConfigError: for a setting that cannot be, and for those that are the service's own.
+        ConfigError: for a setting that cannot be, and for one that is the service's own.
     """
 
-    def __init__(self, scenario: str | ArenaConfig = "standard", **overrides: object) -> None:
-        if "control" in overrides or "observed_targets" in overrides:
-            raise ConfigError("control and observed_targets must be left to the service: full, and all of them")
+    def __init__(
+        self,
+        scenario: str | ArenaConfig = "standard",
+        *,
+        control: Control | tuple[Control, ...] = "full",
+        **overrides: object,
+    ) -> None:
+        if "observed_targets" in overrides:
+            raise ConfigError("observed_targets must be left to the service: all of them")
         config = arena_config(scenario, **overrides)
-        self._engine = Engine(config.replace(control="full", observed_targets=config.max_targets))
+        self._engine = Engine(config.replace(control=control, observed_targets=config.max_targets))
         self._config = self._engine.config
         self._seed: int | None = None
         self._appeared: set[str] = set()
         self._subscribers: list[Callable[[TurtleArray], object]] = []
+        self._record_as: tuple[tuple[str, ...], str] | None = None
+        self._replay: Replay | None = None
 
     def reset(self, seed: int | None = None) -> None:
         """Begin an episode, and publish its targets.
@@ -51,7 +64,56 @@ class ArenaService:
         self._seed = episode_seed(seed, self._seed)
         self._engine.reset([self._seed])
         self._appeared = {target.name for target in self.world.targets}
+        if self._record_as is not None:
+            self._replay = Replay(self._config, self._seed, *self._record_as)
+            self._replay.note(self._engine)
         self._publish(self.alive_turtles())
+
+    def record(self, names: Sequence[str], title: str = "") -> None:
+        """Keep every episode from the next reset on; `names` are the players' names by seat.
+
+        Raises:
+            ConfigError: for a name or a title that is not at most 200 printable characters, and under the policy
+                `capstone`, where a name that no rank stands for may be granted and scored.
+        """
+        if self._config.policy == "capstone":
+            raise ConfigError("a recorded match must be of another policy than capstone, whose grants need no target")
+        for seat, name in enumerate(names):
+            checked_text(f"names[{seat}]", name)
+        checked_text("name_prefix", self._config.name_prefix)
+        self._record_as = (tuple(names), checked_text("title", title))
+
+    @property
+    def replay(self) -> Replay:
+        """The episode so far, where `record` was called before its reset.
+
+        Raises:
+            EpisodeError: where nothing is recorded.
+        """
+        if self._replay is None:
+            raise EpisodeError("replay must follow a record and a reset: nothing was recorded")
+        return self._replay
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether this episode is."""
+        return self._replay is not None
+
+    @property
+    def seed(self) -> int:
+        """The episode's.
+
+        Raises:
+            EpisodeError: before the first reset.
+        """
+        if self._seed is None:
+            raise EpisodeError("seed must follow a reset: no episode has begun")
+        return self._seed
+
+    @property
+    def config(self) -> ArenaConfig:
+        """The arena's settings, as they are played."""
+        return self._config
 
     @property
     def world(self) -> World:
@@ -85,12 +147,32 @@ class ArenaService:
         """A hunter as turtlesim publishes it."""
         return self.world.hunters[self._seat(hunter)].pose
 
+    def observe(self, hunter: str) -> tuple[list[float], list[int]]:
+        """R7.1, R7.2: what a hunter sees, and the mask of its choices, which is empty under velocity control."""
+        seat = self._seat(hunter)
+        masked = self._config.controls[seat] != "velocity"
+        return self._engine.observations[0, seat].tolist(), self._engine.masks[0, seat].tolist() if masked else []
+
+    def targets_seen(self, hunter: str) -> list[str]:
+        """R7.1: the names of the targets that a hunter sees, by rank."""
+        seat = self._seat(hunter)
+        ranks = {self._engine.rank_of(0, seat, target.name): target.name for target in self.world.targets}
+        return [ranks[rank] for rank in sorted(ranks) if rank]
+
+    def withdraw(self, hunter: str) -> None:
+        """R1.6: the hunter takes no further part."""
+        seat = self._seat(hunter)
+        if not self.world.hunters[seat].withdrawn:
+            self._engine.withdraw(0, seat)
+            if self._replay is not None:
+                insort(self._replay.withdrawals, (self._replay.steps, seat))
+
     def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
         """A target outside the timer: its name, or "" where the arena is full, as turtlesim answers.
 
         Raises:
             ActionError: for a place outside the arena, or a theta that is not finite.
-            EpisodeError: where no episode is under way.
+            EpisodeError: where no episode is under way, or where it is recorded.
         """
         self._require_play("spawn")
         require_pose(self._config, x, y, theta)
@@ -106,7 +188,7 @@ class ArenaService:
         """A target leaves uncaught, and its name is unknown from then on; false where no such target is alive.
 
         Raises:
-            EpisodeError: where no episode is under way.
+            EpisodeError: where no episode is under way, or where it is recorded.
         """
         self._require_play("kill")
         numbers = {target.name: target.number for target in self.world.targets}
@@ -118,35 +200,69 @@ class ArenaService:
         return True
 
     def step(
-        self, cmd_vel: Mapping[str, Twist] | None = None, requests: Sequence[tuple[str, CatchTurtleRequest]] = ()
+        self,
+        cmd_vel: Mapping[str, Twist] | None = None,
+        requests: Sequence[tuple[str, CatchTurtleRequest]] = (),
+        goals: Mapping[str, str] | None = None,
     ) -> list[Ruling]:
         """R1.4: one control period.
 
         Args:
             cmd_vel: Twists [m/s, rad/s] by hunter, limited as R2.5 says, at rest where none is given.
             requests: (hunter, request) in any order. After the end nothing moves, and every request is MATCH_OVER.
+            goals: the names of the targets that hunters under target control drive to; the others of them hold.
 
         Returns:
-            one ruling for each request; `response` makes the service's answer of it.
+            one ruling for each request; `response` makes the service's answer of it. The world's rulings have those of
+            the other hunters.
 
         Raises:
             ActionError: for a hunter that does not exist, or a Twist that is not finite; nothing has moved then.
             EpisodeError: before the first reset.
         """
         before = self.world
+        goals = goals or {}
         slots = {target.name: slot for slot, target in enumerate(before.targets)}
         seats = [self._seat(hunter) for hunter, _ in requests]
         names = [request.name for _, request in requests]
-        table = np.zeros((len(requests), REQUEST_COLUMNS), dtype=np.int64)
-        table[:, REQUEST_SEAT] = seats
-        table[:, REQUEST_TARGET] = [target_asked_for(name, slots, self._appeared) for name in names]
-        self._engine.step(self._active(table, names), self._commands(cmd_vel or {}), table)
+        wanted = self._wanted(before, goals) if requests else []  # else the engine finds them itself
+        table = np.zeros((len(seats) + len(wanted), REQUEST_COLUMNS), dtype=np.int64)
+        table[:, REQUEST_SEAT] = seats + [seat for seat, _ in wanted]
+        table[:, REQUEST_TARGET] = [
+            target_asked_for(name, slots, self._appeared) for name in (*names, *(name for _, name in wanted))
+        ]
+        choices = self._choices(table[: len(seats)], names, goals)
+        commands = self._commands(cmd_vel or {})
+        running = not self.over
+        self._engine.step(choices, commands, requests=table)
+        if self._replay is not None and running:
+            self._replay.append(choices[0], commands[0], self._engine)
         self._publish_changes(before)
-        return rulings_of(table, names, before.step)
+        return rulings_of(table[: len(seats)], names, before.step)
 
-    def _active(self, table: NDArray[np.int64], names: Sequence[str]) -> NDArray[np.int64]:
-        """R4.4: the rank of the target that each hunter asks for first, which is its active one in this step."""
+    def _wanted(self, world: World, goals: Mapping[str, str]) -> list[tuple[int, str]]:
+        """R4.1, R4.4: what the controllers of hunters request that are not under full control: (seat, name)."""
+        found = []
+        for seat, (control, hunter) in enumerate(zip(self._config.controls, world.hunters, strict=True)):
+            if control == "full":
+                continue
+            for target in world.targets:
+                um = measure_um(target.x - hunter.x, target.y - hunter.y)
+                if not within_reach(um, self._config.reaches_um[seat]):
+                    continue
+                rank = self._engine.rank_of(0, seat, target.name)
+                if rank and (rank == 1 if control == "velocity" else goals.get(hunter.name) == target.name):
+                    found.append((seat, target.name))
+        return found
+
+    def _choices(self, table: NDArray[np.int64], names: Sequence[str], goals: Mapping[str, str]) -> NDArray[np.int64]:
+        """R4.1, R4.4: the rank of the target that each hunter drives to, or asks for first, which is its active one in
+        this step: (1, H).
+        """
         ranks = np.zeros((1, self._config.hunters), dtype=np.int64)
+        for hunter, name in goals.items():
+            seat = self._seat(hunter)
+            ranks[0, seat] = self._engine.rank_of(0, seat, name)
         for (seat, slot), name in zip(table[::-1, [REQUEST_SEAT, REQUEST_TARGET]].tolist(), names[::-1], strict=True):
             ranks[0, seat] = self._engine.rank_of(0, seat, name) if slot >= 0 else 0
         return ranks
@@ -183,6 +299,10 @@ class ArenaService:
         if self.over:
             why = "no episode has begun" if self._seed is None else "this episode is over"
             raise EpisodeError(f"{what} must fall into an episode that is under way: {why}")
+        if self._replay is not None:
+            raise EpisodeError(
+                f"{what} must fall into an episode that is not recorded: a replay could not play it again"
+            )
 
     def _seat(self, hunter: str) -> int:
         names = self._config.hunter_names

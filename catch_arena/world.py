@@ -25,6 +25,8 @@ class HunterState:
     """R2.3: it was clamped to the arena during the last step."""
     withdrawn: bool = False
     """R1.6: it takes no further part."""
+    team: int = 0
+    """R11.1: its team, as its place among the config's `team_seats`; without teams its seat."""
 
     @property
     def pose(self) -> Pose:
@@ -48,6 +50,26 @@ class TargetState:
     angular_velocity: float = 0.0
     at_wall: bool = False
     """R2.3, R3.9: it was clamped to the arena during the last step."""
+    prey: str | None = None
+    """R12.1: which prey plays it, None for nobody."""
+
+
+@dataclass(frozen=True, slots=True)
+class PreyState:
+    """One prey; where it is, and how it moves, its target says."""
+
+    name: str
+    """The PettingZoo name, `prey_{index}`."""
+    target: str | None
+    """The target that it plays, by name; None while it is out (R12.3)."""
+    times_caught: int
+    """Its score (R12.5)."""
+    caught_ms: int | None = None
+    """While it is out, the time of the state on which it was caught [ms since reset]."""
+    caught_by: int | None = None
+    """The seat of the hunter that caught it in the step that led here."""
+    withdrawn: bool = False
+    """R12.5: it takes no further part, and stands still."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +88,16 @@ class World:
     """The verdicts of the step that led here, by seat."""
     spawned: int = 0
     """How many targets have appeared so far: catches of all hunters + alive (R5.8)."""
+    prey: tuple[PreyState, ...] = ()
+    """By index."""
+
+    @property
+    def team_scores(self) -> tuple[int, ...]:
+        """R11.1: the sums of the scores of each team's hunters; without teams, each hunter's."""
+        scores = [0] * (1 + max(hunter.team for hunter in self.hunters))
+        for hunter in self.hunters:
+            scores[hunter.team] += hunter.score
+        return tuple(scores)
 
     @property
     def alive_turtles(self) -> TurtleArray:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 WAYS: Final = {
-    "": "learning, tournaments, reports, replays, marking, conformance",
+    "": "learning, tournaments, reports, replays, grading, conformance",
     "render": "and pictures: a window to play in, frames, notebooks",
     "video": "and H.264 videos",
     "video,parquet": "and tournaments as Parquet",

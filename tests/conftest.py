@@ -2,6 +2,7 @@
 
 import os
 import signal
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -18,6 +19,9 @@ _COMMON = settings(
 settings.register_profile("test", _COMMON, max_examples=100)
 settings.register_profile("nightly", _COMMON, max_examples=5000)
 settings.load_profile("nightly" if LONG else "test")
+
+# Commands that tests start run this checkout, whatever is installed.
+os.environ["PYTHONPATH"] = str(Path(__file__).parents[1])
 
 # A shell starts what runs in its background with interrupts ignored; commands that tests start would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)

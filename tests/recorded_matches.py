@@ -10,7 +10,7 @@ from catch_arena.replay import Replay
 
 @pytest.fixture(scope="session")
 def play() -> Callable[..., Replay]:
-    """Plays a match of random actions, or with `chase` one in which everybody chases the nearest target; whoever is
+    """Plays a match of random actions, or with `chase` one in which every hunter chases the nearest target; whoever is
     in `withdraw`, a mapping of steps to agents, leaves.
     """
 
@@ -23,7 +23,12 @@ def play() -> Callable[..., Replay]:
         while env.agents:
             for agent in (withdraw or {}).get(env.world().step, ()):
                 env.withdraw(agent)
-            env.step({agent: 1 if chase else env.action_space(agent).sample() for agent in env.agents})
+            env.step(
+                {
+                    agent: 1 if chase and agent.startswith("hunter") else env.action_space(agent).sample()
+                    for agent in env.agents
+                }
+            )
         return env.replay()
 
     return played
@@ -57,4 +62,40 @@ def fleeing(play) -> Replay:
         dropout_rate=0.005,
         max_cycles=120,
         names=("a", "b", "c", "d"),
+    )
+
+
+@pytest.fixture(scope="session")
+def hunted(play) -> Replay:
+    """Two teams, prey that returns beside targets that wander, and a withdrawal on each side."""
+    return play(
+        seed=6,
+        teams=((0, 2), (1, 3)),
+        prey=3,
+        initial_targets=4,
+        spawn_frequency_hz=0.5,
+        prey_returns_s=0.7,
+        target_motion="wander",
+        reach_m=0.8,
+        chase=True,
+        max_cycles=150,
+        names=("a", "b", "a", "c", "p", "q", "p"),
+        title="hunted",
+        withdraw={60: ["hunter_3"], 90: ["prey_1"]},
+    )
+
+
+@pytest.fixture(scope="session")
+def hunted_once(play) -> Replay:
+    """Prey that may drive backwards and does not return, hunters of every control, and no other targets."""
+    return play(
+        seed=8,
+        prey=4,
+        initial_targets=4,
+        spawning=False,
+        prey_returns_s=None,
+        reverse=True,
+        control=("velocity", "full", "target", "velocity"),
+        reach_m=1.2,
+        max_cycles=200,
     )

@@ -11,6 +11,8 @@ from catch_arena.cli import live as _live  # noqa: F401
 from catch_arena.cli import matches as _matches  # noqa: F401
 from catch_arena.cli import replays as _replays  # noqa: F401
 from catch_arena.cli import report as _report  # noqa: F401
+from catch_arena.cli import ros as _ros  # noqa: F401
+from catch_arena.cli import ros_bags as _ros_bags  # noqa: F401
 from catch_arena.cli import videos as _videos  # noqa: F401
 from catch_arena.cli.app import arena, main
 

@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, Final, cast
 
 import typer
 from typer.core import TyperGroup
@@ -31,8 +31,25 @@ _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 """Click's, which newer versions of typer carry inside."""
 
 
+GROUPS: Final = {
+    "Play": ("match", "play", "watch", "agents", "scenarios"),
+    "Look": ("explain", "verify", "diff", "render", "highlights", "mosaic", "sheet"),
+    "Tournaments": ("tournament", "report", "export", "compare", "audit"),
+    "Teach": ("check-agent", "grade", "conformance"),
+}
+"""Every command, as the help of the program lists them."""
+
+
 class _Commands(TyperGroup):
     """Turns our errors into one line and an exit code, and shows what mistakes quote as it is written."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """In the order of GROUPS, each in the box of its own."""
+        del ctx
+        for group, names in GROUPS.items():
+            for name in names:
+                self.commands[name].rich_help_panel = group  # type: ignore[attr-defined]
+        return [name for names in GROUPS.values() for name in names]
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Read the command line and run the command, help and mistakes included."""
@@ -71,13 +88,21 @@ Agents = Annotated[
         "cmd:COMMAND (docs/isolation.md).",
     ),
 ]
+TeamSize = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        help="Make teams of N hunters in a scenario that has none; an agent plays all hunters of its team.",
+        show_default="no teams",
+    ),
+]
 Scenario = Annotated[str, typer.Option("--scenario", "-s", help="The arena to play in (see `catch-arena scenarios`).")]
 SettingOption = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Change a setting, as in time_limit_s=30 or faults.kill_down=0.2; may be repeated.",
+        help="Change a setting (docs/settings.md), as in time_limit_s=30 or faults.kill_down=0.2; may be repeated.",
     ),
 ]
 LimitOption = Annotated[
@@ -125,7 +150,10 @@ Seed = Annotated[
     ),
 ]
 ArenaSeed = Annotated[
-    int | None, typer.Option(metavar="NUMBER", help="The arena's; agents can guess a small one.", show_default="drawn")
+    int | None,
+    typer.Option(
+        metavar="NUMBER", help="Seed of all random draws; agents can guess a small one.", show_default="drawn"
+    ),
 ]
 
 
@@ -147,11 +175,11 @@ def _common(
     del version
 
 
-def arena(name: str, settings: list[str] | None) -> ArenaConfig:
-    """The scenario with the changes of --set.
+def arena(name: str, settings: list[str] | None, team_size: int | None = None) -> ArenaConfig:
+    """The scenario with the changes of --set, and the teams of --team-size.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an unknown scenario or setting, and a value that it cannot have.
     """
     overrides: dict[str, Any] = {}
     for key, value in _pairs("--set", settings):
@@ -164,7 +192,22 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
             parts[part] = value
         else:
             raise ConfigError(f"--set {group}=... and --set {key}=... must not both be given")
-    return scenario(name, **overrides)
+    config = scenario(name, **overrides)
+    return config if team_size is None else _with_teams(config, team_size, name)
+
+
+def _with_teams(config: ArenaConfig, size: int, name: str) -> ArenaConfig:
+    """The arena with its hunters in teams of that size, neighbours by seat together.
+
+    Raises:
+        ConfigError: for a size that does not divide the hunters, or where there are teams already.
+    """
+    if config.teams is not None:
+        raise ConfigError(f"--team-size must be left out in {name}, which has teams, got {size}")
+    if size < 1 or config.hunters % size:
+        raise ConfigError(f"--team-size must divide the {config.hunters} hunters of {name}, got {size}")
+    seats = range(config.hunters)
+    return config.replace(teams=tuple(tuple(seats[begin : begin + size]) for begin in seats[::size]))
 
 
 def secret_of(seed: str | None) -> Secret:
@@ -172,7 +215,7 @@ def secret_of(seed: str | None) -> Secret:
     process may read.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for digits or a number that are no seed.
     """
     if seed is None:
         return Secret.of(None)
@@ -205,7 +248,7 @@ def limits_or_trust(
         trusted: of --trusted.
 
     Raises:
-        ConfigError: for an argument that cannot be, and a level that this machine cannot hold.
+        ConfigError: for an unknown limit, a level that this machine cannot hold, and either beside --trusted.
         AgentError: for a spec that names no agent.
     """
     from catch_arena.tournament.entrants import resolve_spec
@@ -235,7 +278,7 @@ def say_level(limits: AgentLimits | None) -> None:
 
 
 def enter_agents(
-    specs: Sequence[str], limits: AgentLimits | None, looks: "FirstLooks | None" = None
+    specs: Sequence[str], limits: AgentLimits | None, looks: "FirstLooks | None" = None, *, prey: bool = False
 ) -> "tuple[Entrant, ...]":
     """The agents that these specs stand for, looked at where they will play. Warns on stderr of those that cannot play,
     and of what this system cannot limit.
@@ -244,9 +287,10 @@ def enter_agents(
         specs: as on the command line.
         limits: those of isolated agents, None where all are trusted.
         looks: what is known of earlier looks, where one may have ended the command.
+        prey: whether they play prey too.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
     """
     from catch_arena.tournament.entrants import enter, is_shipped
     from catch_arena.tournament.isolation.processes import missing_protections
@@ -262,6 +306,8 @@ def enter_agents(
     for player in players:
         if player.fault is not None:
             say(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)
+        elif prey and player.prey_fault is not None:
+            say(f"warning: {player.name} forfeits its matches as prey: {player.prey_fault}", err=True)
     if limits is not None and not all(is_shipped(player.spec) for player in players):
         for line in missing_protections():
             say(f"warning: {line}", err=True)

@@ -7,6 +7,8 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.ros import BRIDGE_URL, BusOption, Domain, Package, Turtlesim, Url
+from catch_arena.cli.ros_nodes import is_service, node_under_test
 from catch_arena.cli.terminal import columns, say
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
@@ -16,7 +18,12 @@ _EXIT_FAILED = 1
 @main.command()
 def conformance(
     arbiter: Annotated[
-        str | None, typer.Argument(metavar="ARBITER", help="module:function, or path.py:function.", show_default=False)
+        str | None,
+        typer.Argument(
+            metavar="ARBITER",
+            help="module:function, path.py:function, or ros:/catch_turtle, a service on a ROS 2 bus.",
+            show_default=False,
+        ),
     ] = None,
     *,
     arena: Annotated[
@@ -25,7 +32,9 @@ def conformance(
     only: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="A case, or all whose ids begin so; may be repeated.")
     ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="Show every failure in full, not one a kind.")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Show every failure in full, instead of one for each kind of mistake.")
+    ] = False,
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the report as JUnit XML.")] = None,
     force: Force = False,
     verdicts_only: Annotated[
@@ -39,10 +48,16 @@ def conformance(
         typer.Option("--limit-s", metavar="S", help="Seconds after which a case has failed.", show_default=True),
     ] = 60.0,
     listing: Annotated[bool, typer.Option("--list", help="List the cases and play none.")] = False,
+    bus: BusOption = None,
+    domain: Domain = None,
+    url: Url = BRIDGE_URL,
+    interfaces: Package = "my_robot_interfaces",
+    turtlesim: Turtlesim = "turtlesim",
 ) -> None:
     """Try an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 
-    It takes the arguments of catch_arena.arbitrate and returns its rulings; docs/conformance.md has an example.
+    It takes the arguments of catch_arena.arbitrate and returns its rulings; docs/conformance.md has an example. A node
+    of ROS 2 is asked what its service can be asked: docs/ros2_bags.md; --bus and what follows it are for that alone.
     """
     from catch_arena.conformance.results import WIDTH, wrapped
     from catch_arena.files import write_whole
@@ -56,14 +71,22 @@ def conformance(
         raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
     if junit is not None:
         output_file(junit, force=force)
-    report = run_conformance(
-        None if arbiter is None else _callable(arbiter),
-        arena=None if arena is None else _made(arena),
-        only=only or (),
-        evidence=not verdicts_only,
-        exact_lots=exact_lots,
-        limit_s=limit_s,
-    )
+    if arbiter is not None and is_service(arbiter):
+        from catch_arena.ros.node_cases import run_on_node
+
+        if arena is not None or exact_lots:
+            raise ConfigError("--arena and --exact-lots must be left out with a service, which answers yes or no")
+        with node_under_test(arbiter, bus, domain, url, interfaces, turtlesim) as node:
+            report = run_on_node(node, select_cases(only or ()))
+    else:
+        report = run_conformance(
+            None if arbiter is None else _function(arbiter),
+            arena=None if arena is None else _made(arena),
+            only=only or (),
+            evidence=not verdicts_only,
+            exact_lots=exact_lots,
+            limit_s=limit_s,
+        )
     width = min(WIDTH, columns())
     say(report.in_full(width) if everything else report.by_mistake(width))
     if report.failures and not everything:
@@ -76,11 +99,26 @@ def conformance(
         raise typer.Exit(_EXIT_FAILED)
 
 
+def _function(spec: str) -> Any:
+    """The arbiter that «module:function» or «path.py:function» stands for.
+
+    Raises:
+        AgentError: where it cannot be loaded, or is a class.
+    """
+    found = _callable(spec)
+    if isinstance(found, type):
+        raise AgentError(
+            f"{spec}: is a class, and an arbiter is a function: "
+            "`catch-arena check-agent` tries an agent, and --arena an arena"
+        )
+    return found
+
+
 def _made(spec: str) -> Any:
     """What a class or a function without arguments makes.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: where it cannot be loaded, or raises.
     """
     make = _callable(spec)
     try:
@@ -93,7 +131,7 @@ def _callable(spec: str) -> Any:
     """What «module:function» or «path.py:function» stands for.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: where it cannot be loaded, or nothing there has that name.
     """
     from catch_arena.tournament.entrants import load_module
 

@@ -15,6 +15,7 @@ from catch_arena.cli.app import (
     Scenario,
     Seed,
     SettingOption,
+    TeamSize,
     Trusted,
     arena,
     enter_agents,
@@ -45,6 +46,7 @@ def compare(
         typer.Option(metavar="AGENT", help="One more agent of the field that both play against; may be repeated."),
     ] = None,
     scenario: Scenario = "duel",
+    team_size: TeamSize = None,
     elo0: Annotated[float, typer.Option(help="H0: A is stronger by so many points.")] = 0.0,
     elo1: Annotated[float, typer.Option(help="H1: A is stronger by so many points.")] = 20.0,
     share0: Annotated[float | None, typer.Option(help="H0 as A's share instead, 0.5 being equal.")] = None,
@@ -65,9 +67,10 @@ def compare(
     Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
     """
     from catch_arena.tournament.comparison import compare as play_and_test
+    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
-    config, secret = arena(scenario, settings), secret_of(seed)
+    config, secret = arena(scenario, settings, team_size), secret_of(seed)
     if len(agents) != 2:
         raise ConfigError(f"agents must be two, A and B, got {len(agents)}; the field is named by --against")
     if (share0 is None) != (share1 is None):
@@ -77,7 +80,7 @@ def compare(
     )
     everybody = [*agents, *(against or ())]
     allowed = limits_or_trust(limits, isolation, everybody, trusted=trusted)
-    entrants = enter_agents(everybody, allowed)
+    entrants = enter_agents(everybody, allowed, prey=config.prey > 0)
     first, second = entrants[:2]
     low, high = test.bounds
     console = Console(stderr=True)
@@ -102,7 +105,7 @@ def compare(
         say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
     share = found.share
     points = [f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high)]
-    say(f"{found.matches} matches in {found.blocks} blocks, {_opponents(config.hunters, entrants)}")
+    say(f"{found.matches} matches in {found.blocks} blocks, {_opponents(Parties.of(config).group, entrants)}")
     say(
         f"share of {first.name}: {100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), "
         f"{points[0]} points ({points[1]} to {points[2]})"
@@ -128,6 +131,7 @@ def audit(
     ] = "nearest",
     *,
     scenario: Scenario = "standard",
+    team_size: TeamSize = None,
     matches: Annotated[int, typer.Option(help="Matches of identical agents; the twins play a quarter as many.")] = 2000,
     seed: Seed = None,
     jobs: Jobs = None,
@@ -149,8 +153,10 @@ def audit(
     from catch_arena.files import write_whole
     from catch_arena.tournament.audit import FILE, LEVEL, audit_text
     from catch_arena.tournament.audit import audit as ask
+    from catch_arena.tournament.parties import Parties
 
-    config, secret = arena(scenario, settings), secret_of(seed)
+    config, secret = arena(scenario, settings, team_size), secret_of(seed)
+    parties = Parties.of(config)
     allowed = limits_or_trust(limits, isolation, [agent], trusted=trusted)
     say_level(allowed)
     output_file(out / FILE, force=force)
@@ -158,9 +164,9 @@ def audit(
         found = ask(config, agent, matches=matches, seed=secret, jobs=jobs_or_all(jobs), limits=allowed, progress=show)
     write_whole(out / FILE, audit_text(found, config, secret).encode())
     seats = FittedTable("seat", "wins", "95 %", "score")
-    for number, seat in enumerate(found.seats):
+    for name, seat in zip(parties.names, found.seats, strict=True):
         interval = f"{100 * seat.wins.low:.1f} - {100 * seat.wins.high:.1f}"
-        seats.add_row(str(number), f"{100 * seat.wins.mean:.1f} %", interval, f"{seat.score:.2f}")
+        seats.add_row(name, f"{100 * seat.wins.mean:.1f} %", interval, f"{seat.score:.2f}")
     say(f"{found.matches} matches of {found.agent} in all seats of {scenario}")
     Console().print(seats)
     for check in found.checks:
@@ -184,8 +190,8 @@ def jobs_or_all(jobs: int | None) -> int:
     return usable_cores() if jobs is None else jobs
 
 
-def _opponents(hunters: int, entrants: Sequence["Entrant"]) -> str:
+def _opponents(group: int, entrants: Sequence["Entrant"]) -> str:
     field = ", ".join(entrant.name for entrant in entrants[2:])
     if not field:
         return "against each other"
-    return f"{'in turn' if hunters == len(entrants) - 1 else 'together'} against {field}"
+    return f"{'in turn' if group == len(entrants) - 1 else 'together'} against {field}"

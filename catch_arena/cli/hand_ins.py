@@ -1,7 +1,7 @@
 """`catch-arena check-agent` and `grade`: one agent that was handed in, looked at on its own."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,9 +17,15 @@ from catch_arena.cli.app import (
     say_level,
 )
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.ros import BRIDGE_URL, BusOption, Domain, Package, Turtlesim, Url
+from catch_arena.cli.ros_nodes import is_service, node_under_test
 from catch_arena.cli.terminal import folded, say
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
+
+if TYPE_CHECKING:
+    from catch_arena.tournament.grading import Marks, Spec
+    from catch_arena.tournament.isolation.limits import AgentLimits
 
 Agent = Annotated[
     str,
@@ -39,7 +45,7 @@ def check_agent(
         list[str] | None,
         typer.Option("--scenario", "-s", help="An arena to play in; may be repeated.", show_default="all"),
     ] = None,
-    seed: Annotated[int, typer.Option(help="The arena's.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of all random draws.")] = 0,
     limits: LimitOption = None,
     isolation: Isolation = None,
     trusted: Trusted = False,
@@ -92,41 +98,83 @@ def grade(
             help="After N forfeits in a row a test has failed, and its rest is not played; 0: all is played.",
         ),
     ] = MAX_FORFEITS,
+    bus: BusOption = None,
+    domain: Domain = None,
+    url: Url = BRIDGE_URL,
+    interfaces: Package = "my_robot_interfaces",
+    turtlesim: Turtlesim = "turtlesim",
 ) -> None:
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
-    The exit code is 0 where every test passed, else 1.
+    The exit code is 0 where every test passed, else 1. In place of an agent stands a node of ROS 2, as
+    ros:/catch_turtle, whose service is asked the spec's cases (docs/ros2_bags.md); --bus and what follows it are for
+    that alone.
     """
     from catch_arena.files import write_whole
-    from catch_arena.tournament.entrants import enter
-    from catch_arena.tournament.grading import grade_agent, json_text, junit_text, read_spec, seeds_text
-    from catch_arena.tournament.isolation.starting import inspector, sandbox_for
+    from catch_arena.tournament.grading import json_text, junit_text, read_spec, seeds_text
 
     exercise = read_spec(spec)
     for path in (junit, json, seeds):
         if path is not None:
             output_file(path, force=force)
-    everybody = [agent, *(opponent for test in exercise.tests for opponent in test.opponents)]
-    allowed = limits_or_trust(limits, isolation, everybody, spec, exercise.seed_file, junit, json, trusted=trusted)
+    grades: list[Marks] = []
+    if is_service(agent):
+        from catch_arena.ros.node_grading import grade_node
+
+        if seeds is not None:
+            raise ConfigError("--seeds must be left out with a service: its cases have none")
+        name, digest = agent, None
+        with node_under_test(agent, bus, domain, url, interfaces, turtlesim) as node:
+            for mark in grade_node(exercise, node):
+                grades.append(mark)
+                say(str(mark))
+    else:
+        for test in exercise.tests:
+            if test.cases:
+                raise ConfigError(
+                    f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents"
+                )
+        everybody = [agent, *(opponent for test in exercise.tests for opponent in test.opponents)]
+        allowed = limits_or_trust(limits, isolation, everybody, spec, exercise.seed_file, junit, json, trusted=trusted)
+        name, digest = _grade_agent(exercise, agent, allowed, max_forfeits, spec, grades)
+    points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
+    say(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
+    if junit is not None:
+        write_whole(junit, junit_text(exercise, name, grades).encode())
+    if json is not None:
+        write_whole(json, json_text(exercise, name, digest, grades).encode())
+    if seeds is not None:
+        write_whole(seeds, seeds_text(exercise).encode())
+    if any(one.failures for one in grades):
+        raise typer.Exit(_EXIT_NOT_PASSED)
+
+
+def _grade_agent(
+    exercise: "Spec",
+    agent: str,
+    allowed: "AgentLimits | None",
+    max_forfeits: int,
+    spec: Path,
+    grades: "list[Marks]",
+) -> tuple[str, str | None]:
+    """Play the tests, and say and collect what each gave: the agent's name and digest."""
+    from catch_arena.tournament.entrants import enter
+    from catch_arena.tournament.grading import grade_agent
+    from catch_arena.tournament.isolation.starting import inspector, sandbox_for
+
     with sandbox_for(allowed) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
         say_level(allowed)
-        grades = []
         for test in exercise.tests:
+            if test.cases:
+                raise ConfigError(
+                    f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents"
+                )
             opponents = enter(test.opponents, look)
             for word, opponent in zip(test.opponents, opponents, strict=True):
                 if opponent.fault is not None:
                     raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
             grades.append(grade_agent(exercise, test, student, opponents, sandbox, max_forfeits))
             say(str(grades[-1]))
-    points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
-    say(f"{exercise.title}: {student.name} has {points:g} of {possible:g} points")
-    if junit is not None:
-        write_whole(junit, junit_text(exercise, student, grades).encode())
-    if json is not None:
-        write_whole(json, json_text(exercise, student, grades).encode())
-    if seeds is not None:
-        write_whole(seeds, seeds_text(exercise).encode())
-    if any(one.failures for one in grades):
-        raise typer.Exit(_EXIT_NOT_PASSED)
+    return student.name, student.digest

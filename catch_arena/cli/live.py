@@ -12,13 +12,14 @@ from catch_arena.cli.app import (
     LimitOption,
     Scenario,
     SettingOption,
+    TeamSize,
     Trusted,
     arena,
     enter_agents,
     limits_or_trust,
     main,
 )
-from catch_arena.cli.matches import print_logs, print_ranking
+from catch_arena.cli.matches import print_logs, print_result
 from catch_arena.cli.outputs import Force, free_name, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import width_and_height
@@ -43,7 +44,8 @@ Size = Annotated[str, typer.Option(metavar="WIDTHxHEIGHT", help="Of the window; 
 @main.command()
 def play(
     agents: Annotated[
-        list[str] | None, typer.Argument(metavar="[AGENT...]", help="More rivals.", show_default=False)
+        list[str] | None,
+        typer.Argument(metavar="[AGENT...]", help="Also rivals, as after --against.", show_default=False),
     ] = None,
     *,
     against: Annotated[
@@ -55,7 +57,8 @@ def play(
         ),
     ] = None,
     scenario: Scenario = "standard",
-    seat: Annotated[int, typer.Option(help="Yours.")] = 0,
+    team_size: TeamSize = None,
+    seat: Annotated[str, typer.Option(help="Yours: a hunter's, from 0, or prey_0 ...")] = "0",
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
@@ -68,13 +71,15 @@ def play(
     """Take a seat yourself, with turtlesim's keys or a gamepad, against agents.
 
     The keys are shown in the window. A target within reach is requested for you.
+
+    Where there are teams, an agent plays all hunters of one; the first plays your team-mates. Where there is prey,
+    agents play that too, after the hunters.
     """
-    config = arena(scenario, settings)
-    if not 0 <= seat < config.hunters:
-        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario}, got {seat}")
+    config = arena(scenario, settings, team_size)
+    person = _seat(seat, config, scenario)
     rivals = [*(against or ()), *(agents or ())] or list(_RIVALS)
     allowed = limits_or_trust(limits, isolation, rivals, trusted=trusted)
-    _show(rivals, allowed, scenario, config, seat, seed, record, size, force=force)
+    _show(rivals, allowed, scenario, config, person, seed, record, size, force=force)
 
 
 @main.command()
@@ -82,6 +87,7 @@ def watch(
     agents: Agents,
     *,
     scenario: Scenario = "standard",
+    team_size: TeamSize = None,
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
@@ -93,7 +99,18 @@ def watch(
 ) -> None:
     """Watch agents play, live; fewer than the scenario has seats for sit in several."""
     allowed = limits_or_trust(limits, isolation, agents, trusted=trusted)
-    _show(agents, allowed, scenario, arena(scenario, settings), None, seed, record, size, force=force)
+    _show(agents, allowed, scenario, arena(scenario, settings, team_size), None, seed, record, size, force=force)
+
+
+def _seat(seat: str, config: ArenaConfig, scenario: str) -> int:
+    """The person's, where the prey's come after the hunters'."""
+    agents = [*config.hunter_names, *config.prey_names]
+    numbers = {str(number): number for number in range(config.hunters)}
+    named = {name: place for place, name in enumerate(agents)}
+    if seat not in numbers | named:
+        prey = f", or prey_0 to prey_{config.prey - 1}" if config.prey else ""
+        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1}{prey} in {scenario}, got {seat}")
+    return (numbers | named)[seat]
 
 
 def _show(
@@ -109,16 +126,18 @@ def _show(
     force: bool,
 ) -> None:
     """Seat the agents, one after the other and over again, and play in a window."""
-    from catch_arena.live.session import line_up, show_match
+    from catch_arena.live.session import free_parties, line_up, show_match
     from catch_arena.render.renderer import checked_size
     from catch_arena.seeding import arena_seed
+    from catch_arena.tournament.parties import Parties
 
-    free = config.hunters - (person is not None)
+    free = len(free_parties(config, person))
     if len(agents) > free:
-        raise ConfigError(f"agents must be {free} at most, one for each free seat of {scenario}, got {len(agents)}")
+        seats = "free seat" if config.teams is None else "team and prey" if config.prey else "team"
+        raise ConfigError(f"agents must be {free} at most, one for each {seats} of {scenario}, got {len(agents)}")
     window = checked_size(width_and_height(size))
-    players = enter_agents([agents[index % len(agents)] for index in range(free)], limits)
-    lineup = line_up(players, config.hunters, person)
+    players = enter_agents([agents[index % len(agents)] for index in range(free)], limits, prey=config.prey > 0)
+    lineup = line_up(config, players, person)
     unasked = Path("match.replay")
     output_file(unasked if record is None else record, force=force or record is None)
 
@@ -129,6 +148,6 @@ def _show(
 
     shown = show_match(config, arena_seed(seed), lineup, limits, title=scenario, size=window, save=save)
     print_logs(shown.replay.names, shown.logs)
-    print_ranking(shown.ranks, shown.scores, shown.replay.names, shown.forfeits)
+    print_result(Parties.of(config), shown, shown.names)
     if record is not None:
         say(f"replay: {save(shown.replay)}")

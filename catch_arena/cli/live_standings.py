@@ -10,10 +10,11 @@ from rich.live import Live
 from rich.progress import Progress
 
 from catch_arena.cli.progress import bar_columns, progress_lines
-from catch_arena.cli.tables import standings_table
+from catch_arena.cli.tables import standings_tables
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import PlayedMatch
-from catch_arena.tournament.statistics.standings import standings
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.statistics.standings import standings_of_sides
 
 _PAUSE_S: Final = 1.0
 _PAUSE_FACTOR: Final = 20.0
@@ -26,18 +27,21 @@ class LiveStandings:
 
     Args:
         entrants: who plays.
+        parties: those of the arena.
         total: the matches to be played, at most.
     """
 
     def __init__(
         self,
         entrants: Sequence[Entrant],
+        parties: Parties,
         total: int,
         *,
         console: Console | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._entrants = entrants
+        self._parties = parties
         self._console = console or Console(stderr=True)
         self._clock = clock
         self._played: list[PlayedMatch] = []
@@ -58,7 +62,8 @@ class LiveStandings:
         begin = self._clock()
         if begin < self._next:
             return
-        self._live.update(Group(self._bar, standings_table(standings(self._entrants, self._played))))
+        tables = standings_of_sides(self._entrants, self._played, self._parties)
+        self._live.update(Group(self._bar, *standings_tables(tables)))
         end = self._clock()
         self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
 

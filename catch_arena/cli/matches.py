@@ -19,6 +19,7 @@ from catch_arena.cli.app import (
     Scenario,
     Seed,
     SettingOption,
+    TeamSize,
     Trusted,
     arena,
     enter_agents,
@@ -32,10 +33,12 @@ from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
+    from catch_arena.live.session import SessionResult
     from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.match import Forfeit
+    from catch_arena.tournament.match import Forfeit, MatchResult
+    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import Plan
     from catch_arena.tournament.secret import Secret
 
@@ -48,6 +51,7 @@ def tournament(
     agents: Agents,
     *,
     scenario: Scenario = "standard",
+    team_size: TeamSize = None,
     form: Annotated[
         Format | None,
         typer.Option(
@@ -59,7 +63,7 @@ def tournament(
         ),
     ] = None,
     rounds: Annotated[
-        int | None, typer.Option(help="How often the format is gone through.", show_default="1, and enough in a swiss")
+        int | None, typer.Option(help="Number of rounds.", show_default="1, and enough in a swiss")
     ] = None,
     until_separated: Annotated[
         float | None,
@@ -100,34 +104,36 @@ def tournament(
     The same agents, options and seed give the same results, whatever --jobs and --executor are.
     """
     from catch_arena.cli.live_standings import LiveStandings
-    from catch_arena.cli.tables import plan_table, standings_table
+    from catch_arena.cli.tables import plan_table, standings_tables
     from catch_arena.files import prepare_folder
     from catch_arena.report import REPORT, write_report
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.first_looks import FirstLooks
+    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
     from catch_arena.tournament.plans.until_separated import UntilSeparated
-    from catch_arena.tournament.standings_files import SUMMARY, TABLE, write_standings
-    from catch_arena.tournament.statistics.standings import standings
+    from catch_arena.tournament.standings_files import SUMMARY, TABLES, write_standings
+    from catch_arena.tournament.statistics.standings import standings_of_sides
     from catch_arena.tournament.store import STORE, Store, Tournament
 
-    config = arena(scenario, settings)
+    config = arena(scenario, settings, team_size)
+    parties = Parties.of(config)
     given = None if seed is None else secret_of(seed)
     allowed = limits_or_trust(limits, isolation, agents, out, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
-    players = enter_agents(agents, allowed, FirstLooks(out))
-    require_enough(len(players), config, scenario)
+    players = enter_agents(agents, allowed, FirstLooks(out), prey=config.prey > 0)
+    require_enough(len(players), config, scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
-    plays = _plan(players, config.hunters, form, rounds, secret, until_separated, max_matches)
+    plays = _plan(players, parties, form, rounds, secret, until_separated, max_matches)
     worker = Worker(config, players, record, allowed)
     if plan:
         Console().print(plan_table(plays, worker, measure_cost(worker, plays), jobs, max_forfeits))
         return
     prepare_folder(out / REPLAYS if record else out)
     if not (out / STORE).exists():  # else they are made from it
-        for name in (TABLE, SUMMARY, REPORT):
+        for name in (*(TABLES[side] for side in parties.sides), SUMMARY, REPORT):
             output_file(out / name, force=force)
         if record and not force and any((out / REPLAYS).glob("*.replay")):
             raise OutputError(
@@ -147,21 +153,27 @@ def tournament(
 
     with Store.begin(facts, out, resume=resume) as store, _watched(out) if watch else nullcontext():
         interrupts.also_say(kept_by_now)
-        say(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {config.hunters} in each")
+        say(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {len(parties)} in each")
         try:
-            with _executor(executor, worker, jobs, address) as ready, LiveStandings(players, plays.size) as live:
+            with (
+                _executor(executor, worker, jobs, address) as ready,
+                LiveStandings(players, parties, plays.size) as live,
+            ):
                 play_plan(store, plays, ready, max_forfeits=max_forfeits, folder=out, on_results=live.update)
-            table = standings(players, list(store.played()))
+            tables = standings_of_sides(players, list(store.played()), parties)
             played = store.count_played()
-            write_standings(out, facts, played, table)
+            write_standings(out, facts, played, tables)
         except (NoContest, OutputError, StoreError) as error:
             raise type(error)(f"{error}; {kept(store.count_played())}") from None
-        Console().print(standings_table(table))
-        for line in table:
-            if harmful := line.forfeits.get("FORFEIT_SABOTAGE"):
+        for table in standings_tables(tables):
+            Console().print(table)
+        for line in tables["hunter"]:
+            lines = [one for table in tables.values() for one in table if one.name == line.name]
+            if harmful := sum(one.forfeits.get("FORFEIT_SABOTAGE", 0) for one in lines):
                 say(f"{line.name} did harm, and forfeited {harmful} matches for it (FORFEIT_SABOTAGE)")
-            if without := line.forfeits.get("FORFEIT_OUT"):
-                say(f"{line.name} was out: {without} of its {line.matches} matches were played without it")
+            if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
+                matches = sum(one.matches for one in lines)
+                say(f"{line.name} was out: {without} of its {matches} matches were played without it")
         if isinstance(plays, UntilSeparated) and plays.last is not None:
             say(f"after {played} matches, {plays.last}")
         if (out / LOGS).exists():
@@ -185,7 +197,7 @@ def _watched(folder: Path) -> Iterator[None]:
 
 def _plan(
     players: "tuple[Entrant, ...]",
-    hunters: int,
+    parties: "Parties",
     form: Format | None,
     rounds: int | None,
     seed: "Secret",
@@ -200,20 +212,21 @@ def _plan(
     from catch_arena.tournament.plans.schedule import FixedPlan, plan_of
     from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
 
+    prey = parties if len(parties.sides) > 1 else None
     if until_separated is None:
         if max_matches is not None:
             raise ConfigError(f"--max-matches must come with --until-separated, got {max_matches} alone")
-        return plan_of(form, len(players), hunters, rounds, seed)
+        return plan_of(form, len(players), parties.group, rounds, seed, prey)
     if rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
 
     def of_rounds(count: int) -> FixedPlan:
-        made = plan_of(form, len(players), hunters, count, seed)
+        made = plan_of(form, len(players), parties.group, count, seed, prey)
         if not isinstance(made, FixedPlan):
             raise ConfigError(f"--format must be another one with --until-separated, got {form}")
         return made
 
-    return UntilSeparated(players, until_separated, BUDGET if max_matches is None else max_matches, of_rounds)
+    return UntilSeparated(players, until_separated, BUDGET if max_matches is None else max_matches, of_rounds, prey)
 
 
 def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
@@ -248,6 +261,7 @@ def match(
     agents: Agents,
     *,
     scenario: Scenario = "standard",
+    team_size: TeamSize = None,
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
@@ -256,24 +270,29 @@ def match(
     force: Force = False,
     settings: SettingOption = None,
 ) -> None:
-    """Play one match, seated in the order given, and record it."""
+    """Play one match, seated in the order given, and record it.
+
+    An agent for each hunter, or for each team where there are teams, and then one for each prey.
+    """
     from catch_arena.seeding import arena_seed
     from catch_arena.tournament.isolation.starting import play_entrants, sandbox_for
+    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 
-    config = arena(scenario, settings)
+    config = arena(scenario, settings, team_size)
+    parties = Parties.of(config)
     allowed = limits_or_trust(limits, isolation, agents, output, trusted=trusted)
-    players = enter_agents(agents, allowed)
+    players = enter_agents(agents, allowed, prey=config.prey > 0)
     require_enough(len(players), config, scenario)
-    if len(players) > config.hunters:
-        raise ConfigError(f"agents must be {config.hunters}, one for each hunter of {scenario}, got {len(players)}")
+    if len(players) > len(parties):
+        raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(players)}")
     output_file(output, force=force)
     drawn = arena_seed(seed)
     with sandbox_for(allowed) as sandbox:
         result = play_entrants(config, drawn, players, sandbox, title=scenario, record=output)
     names = [player.name for player in players]
     print_logs(names, result.logs)
-    print_ranking(result.ranks, result.scores, names, result.details)
+    print_result(parties, result, names)
     say(f"seed: {drawn}")
     say(f"replay: {output}")
 
@@ -285,10 +304,26 @@ def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
             say(f"{name} printed:\n{log}", err=True)
 
 
+def print_result(parties: "Parties", result: "MatchResult | SessionResult", names: Sequence[str]) -> None:
+    """The result of a match by side: ranks, scores, and how agents failed; the catches of a team's hunters too."""
+    shown = list(names)
+    if result.catches:
+        for party, seats in enumerate(parties.seats[: parties.hunting]):
+            shown[party] += f" ({' + '.join(str(result.catches[seat]) for seat in seats)})"
+    for side in parties.sides:
+        cut = parties.on(side)
+        if side == "prey":
+            say("prey, by how often it was caught:")
+        print_ranking(result.ranks[cut], result.scores[cut], shown[cut], result.details[cut])
+
+
 def print_ranking(
     ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: "Sequence[Forfeit | None]"
 ) -> None:
     """The result of one match, and how agents failed; all by seat."""
+    from catch_arena.explanation.seats import with_seat
+
+    names = [with_seat(name, seat) for seat, name in enumerate(names)]
     lines = zip(ranks, scores, names, forfeits, strict=True)
     for rank, score, name, forfeit in sorted(lines, key=lambda line: line[0]):
         say(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))

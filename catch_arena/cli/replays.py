@@ -9,9 +9,10 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.terminal import WIDE, columns, say
-from catch_arena.errors import ReplayError
+from catch_arena.errors import ConfigError, ReplayError
 
 _EXIT_DIFFERENT = 1
+_EXIT_UNREADABLE = 2
 _BAR_AFTER_S = 2.0
 
 Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
@@ -21,26 +22,31 @@ Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded mat
 def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recorded matches.")]) -> None:
     """Play recorded matches again, and compare every step.
 
-    A match that does not play as recorded: its first step that differs, and in what. The exit code is 2 if any fails.
+    A match that does not play as recorded: its first step that differs, and in what. The exit code is then 1, and 2
+    where a file cannot be read.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay, verification
 
-    bad = 0
+    codes = []
     for path in replays:
         try:
             replay = Replay.load(path)
-            with progress_bar("verifying", after_s=_BAR_AFTER_S) as show:
-                lines = [f"{path}: {fault}" for fault in verification.verify(replay, show)]
         except ReplayError as error:
-            lines = [str(error)]
-        bad += bool(lines)
-        for line in lines:
-            say(line, err=True)
-        if not lines:
+            codes.append(_EXIT_UNREADABLE)
+            say(str(error), err=True)
+            continue
+        with progress_bar("verifying", after_s=_BAR_AFTER_S) as show:
+            faults = verification.verify(replay, show)
+        for fault in faults:
+            say(f"{path}: {fault}", err=True)
+        if faults:
+            codes.append(_EXIT_DIFFERENT)
+        else:
             say(f"{path}: all of {replay.steps} steps play as recorded")
-    if bad:
-        raise ReplayError(f"{bad} of {len(replays)} replays failed")
+    if codes:
+        say(f"catch-arena: {len(codes)} of {len(replays)} replays failed", err=True)
+        raise typer.Exit(max(codes))
 
 
 @main.command()
@@ -70,9 +76,18 @@ def explain(
     replay: Recorded,
     *,
     hunter: Annotated[
-        str | None, typer.Option(metavar="N", help="Only this one: a seat from 0, or an agent's name.")
+        str | None, typer.Option(metavar="N", help="Only this hunter: its seat (from 0) or agent name.")
     ] = None,
-    step: Annotated[int | None, typer.Option(metavar="K", help="All about one step, counted from 1.")] = None,
+    at: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", help="All about the step that is judged at this time, as the texts tell it."),
+    ] = None,
+    step: Annotated[
+        int | None,
+        typer.Option(
+            metavar="K", help="All about step K, from 1 on: where a step takes 0.1 s, step 124 begins at 12.3 s."
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
 ) -> None:
     """Tell a recorded match's contests and refusals: the clause, the distances, the winner."""
@@ -80,7 +95,11 @@ def explain(
     from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
 
+    if at is not None and step is not None:
+        raise ConfigError(f"--at must be left out with --step: got {at:g} and {step}")
     recorded = Replay.load(replay)
+    if at is not None:
+        step = explanation.step_at(recorded, at)
     result: explanation.Explanation | explanation.StepExplanation
     if step is None:
         with progress_bar("playing", after_s=_BAR_AFTER_S) as show:

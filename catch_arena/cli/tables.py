@@ -1,7 +1,7 @@
 """The standings and the cost of a plan as tables, for a terminal of usually 80 columns, or a file."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import timedelta
 from typing import Final
 
@@ -10,6 +10,7 @@ from rich.table import Table
 
 from catch_arena.cli.fitted_table import FittedTable
 from catch_arena.cli.terminal import plain
+from catch_arena.policy import Side
 from catch_arena.tournament.execution.cost import Cost, match_counts, worst_delay
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
@@ -20,18 +21,30 @@ from catch_arena.tournament.statistics.standings import Standing
 _KEY: Final = """grp: who shares a group cannot be told apart
 rating: points, 0 is the mean; score: catches a match
 wins: ties shared; cont.: of its contests, those it won"""
+_PREY_KEY: Final = """grp: who shares a group cannot be told apart
+rating: points, 0 is the mean; caught: times a match
+wins: ties shared"""
 
 
-def standings_table(table: Sequence[Standing]) -> Table:
-    """The standings; margins are those of 95 % confidence."""
+def standings_tables(tables: Mapping[Side, Sequence[Standing]]) -> list[Table]:
+    """Those of each side."""
+    return [standings_table(table, side, titled=len(tables) > 1) for side, table in tables.items()]
+
+
+def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled: bool = False) -> Table:
+    """The standings of a side; margins are those of 95 % confidence."""
+    hunts = side == "hunter"
     forfeited = any(line.forfeits for line in table)
     shown = FittedTable(
-        *("#", "agent", "grp", "played", "rating", "score", "wins", "cont."),
+        *("#", "agent", "grp", "played", "rating", "score" if hunts else "caught", "wins"),
+        *["cont."] * hunts,
         *["forf."] * forfeited,
         folded="agent",
         named_by=2,
         padding=(0, 1, 0, 0),
-        caption=_KEY + ("\nforf.: matches forfeited" if forfeited else ""),
+        title={"hunter": "As hunters", "prey": "As prey"}[side] if titled else None,
+        title_justify="left",
+        caption=(_KEY if hunts else _PREY_KEY) + ("\nforf.: matches forfeited" if forfeited else ""),
     )
     for column in shown.columns:
         column.justify = "left" if column.header == "agent" else "right"
@@ -44,8 +57,9 @@ def standings_table(table: Sequence[Standing]) -> Table:
             _with_margin(line.rating, "+.0f", 1),
             _with_margin(line.score, ".1f", 1),
             _with_margin(line.win_share, ".0f", 100) + " %",
-            "-" if math.isnan(line.contest_wins) else f"{100 * line.contest_wins:.0f} %",
         ]
+        if hunts:
+            cells.append("-" if math.isnan(line.contest_wins) else f"{100 * line.contest_wins:.0f} %")
         if forfeited:
             cells.append(str(sum(line.forfeits.values())))
         shown.add_row(*cells, style="bold" if line.place == 1 else None)

@@ -83,7 +83,7 @@ def render(
             view_of=view_of,
             progress=show,
         )
-    _print_report(report)
+    print_report(report)
 
 
 @main.command()
@@ -125,7 +125,7 @@ def mosaic(
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, size=frame_size, fps=fps, speed=speed, progress=show)
     say(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
-    _print_report(report)
+    print_report(report)
 
 
 @main.command()
@@ -143,7 +143,7 @@ def highlights(
 ) -> None:
     """Find the moments of a folder's matches that are worth seeing, and film them.
 
-    Close contests, changes of lead, streaks, the last seconds of close matches, and upsets; the best comes last.
+    Close contests, catches of prey, changes of lead, streaks, close finishes, and upsets; the best comes last.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.highlights import select_highlights
@@ -168,7 +168,7 @@ def highlights(
     with progress_bar("rendering") as show:
         recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
         report = render_highlights(recorded, output, size=frame_size, fps=fps, progress=show)
-    _print_report(report)
+    print_report(report)
 
 
 @main.command()
@@ -277,7 +277,7 @@ def _print_skipped(error: ReplayError) -> None:
     say(f"left out: {error}", err=True)
 
 
-def _print_report(report: "RenderReport") -> None:
+def print_report(report: "RenderReport") -> None:
     """Where the video is."""
     if report.notice:
         say(report.notice, err=True)
@@ -288,7 +288,7 @@ def width_and_height(text: str) -> tuple[int, int]:
     """«1280x720» as two numbers.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for words of another form.
     """
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):

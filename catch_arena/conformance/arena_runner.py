@@ -24,29 +24,35 @@ class ArenaUnderTest(Protocol):
 
         Args:
             settings: as in ArenaConfig, of a turtlesim arena with one hunter, no initial targets and no spawns unless
-                they say so; and what fails when: `kill_down`, a list of steps, from 0.
-            drop_outs: of [step, seat].
-            kill_refused: of [step, number].
-            spawn_down: of firings, from 1.
-            spawn_refused: of numbers.
+                they say so; a list of lists of seats for teams; and lists of what fails when: `kill_down`, steps from
+                0; `kill_refused`, [step, number]; `spawn_down`, firings from 1; `spawn_refused`, numbers; `drop_outs`,
+                [step, seat].
         """
 
     def place(self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]], /) -> None:
-        """Put the hunters at rest at these poses (x, y, theta), and these targets in an arena that has none: they take
-        the next numbers, in their order.
+        """Put the hunters at rest at these poses (x, y, theta), and these targets in an arena that has none but prey's:
+        they take the next numbers, in their order. Prey stays where it is.
         """
 
     def withdraw(self, seat: int, /) -> None:
         """R1.6: the hunter takes no further part."""
 
+    def withdraw_prey(self, index: int, /) -> None:
+        """R12.5: the prey takes no further part."""
+
     def step(
-        self, requests: Sequence[tuple[int, int]], drive: Mapping[int, tuple[float, float]], /
+        self,
+        requests: Sequence[tuple[int, int]],
+        drive: Mapping[int, tuple[float, float]],
+        prey: Mapping[int, tuple[float, float]] = ...,
+        /,
     ) -> Sequence[object]:
         """Play one control period.
 
         Args:
             requests: (seat, number), at most one a seat, where the number 0 is a rank without a target.
             drive: (v [m/s], w [rad/s]) by seat.
+            prey: the same by index; given only in cases that have prey, which stands still unless it is here.
 
         Returns:
             one ruling for each request, as of an arbiter, with the number that was asked for as its target. After the
@@ -56,8 +62,9 @@ class ArenaUnderTest(Protocol):
     def read(self) -> Mapping[str, object]:
         """What stands in the arena: `time_ms`; `alive`, numbers in spawning order; `appeared_ms`, their times;
         `spawned`, how many appeared so far; `skipped_full`, `skipped_down` and `refused`, firings that had no target;
-        `scores` by seat; `ended`, "", "terminated" or "truncated"; `seen` by seat, the numbers that each hunter sees,
-        the nearest first; `rivals_seen` by seat, the seats.
+        `scores` by seat; `team_scores` by team, in the order of the settings; `prey`, by index the number of the
+        target that it plays, 0 while it is out; `times_caught` by index; `ended`, "", "terminated" or "truncated";
+        `seen` by seat, the numbers that each hunter sees, the nearest first; `rivals_seen` by seat, the seats.
         """
 
 
@@ -131,7 +138,7 @@ class ArenaRunner:
             call_adjudicator("withdraw", self._arena.withdraw, seat)
         expected = tuple(replace(one, target=number_of[str(one.target)]) for one in case.expected)
         lots = tuple(replace(lot, target=number_of[str(lot.target)]) for lot in case.lots)
-        decided = self._judge(expected, {}, lots, refused, case)
+        decided = self._judge(expected, ({},), lots, refused, case)
         granted = [one for one in decided if one.verdict is Verdict.GRANTED]
         gone = {one.target for one in granted} - set(refused)
         readings = {
@@ -147,22 +154,25 @@ class ArenaRunner:
             call_adjudicator("place", self._arena.place, step.hunters, step.targets)
         if step.withdraw is not None:
             call_adjudicator("withdraw", self._arena.withdraw, step.withdraw)
+        if step.withdraw_prey is not None:
+            call_adjudicator("withdraw_prey", self._arena.withdraw_prey, step.withdraw_prey)
+        has_prey = bool(case.settings.get("prey"))
         for _ in range(step.steps):
-            call_adjudicator("step", self._arena.step, [], {})
+            call_adjudicator("step", self._arena.step, [], {}, *([{}] if has_prey else []))
         if step.expected is not None:
-            self._judge(step.expected, step.drive)
+            self._judge(step.expected, (step.drive, step.drive_prey) if has_prey else (step.drive,))
         call_adjudicator("read", self._require_readings, step.read)
 
     def _judge(
         self,
         expected: Sequence[ExpectedRuling],
-        drive: Mapping[int, tuple[float, float]],
+        driven: Sequence[Mapping[int, tuple[float, float]]],
         lots: Sequence[Lot] = (),
         refused: Sequence[int] = (),
         case: ArbiterCase | None = None,
     ) -> tuple[ExpectedRuling, ...]:
         requests = [(one.hunter, operator.index(one.target)) for one in expected]  # type: ignore[arg-type]
-        given = ask_for_rulings(lambda: self._arena.step(requests, drive), expected)
+        given = ask_for_rulings(lambda: self._arena.step(requests, *driven), expected)
         if case is not None:
             self.calls.append(Call(case.arguments(), tuple(map(_by_name, given, expected, case.expected))))
         return compare(given, expected, lots=lots, refused=refused, strictness=self._strictness)

@@ -12,6 +12,7 @@ from catch_arena.conformance.cases import (
     ANY,
     DEFAULTS,
     LOT,
+    NEVER,
     READINGS,
     ArbiterCase,
     ArenaCase,
@@ -122,9 +123,11 @@ def _require_sense(where: str, case: ArbiterCase) -> None:
 def _arena_case(table: Table, group: str) -> ArenaCase:
     own = _about(table, group)
     settings = _settings(Table(f"{table.where}: settings", table.take("settings", "a table", tabled)))
-    seat = _seat_of(settings["hunters"])
+    seat, prey = _seat_of(settings["hunters"]), _seat_of(settings.get("prey", 0))
     play = table.take(
-        "play", "a list of tables", lambda value: tuple(_case_step(table.where, step, seat) for step in listed(value))
+        "play",
+        "a list of tables",
+        lambda value: tuple(_case_step(table.where, step, seat, prey) for step in listed(value)),
     )
     table.finish()
     return ArenaCase(**own, settings=settings, play=play)
@@ -168,7 +171,7 @@ def _circumstances(table: Table, hunters: int) -> dict[str, Any]:
 
 
 def _settings(table: Table) -> dict[str, Any]:
-    """What a case says of its arena, and the number of hunters, 1 where it does not."""
+    """What a case says of its arena, and the number of hunters, 1, and of prey, 0, where it does not."""
     hunters = table.take("hunters", "a whole number", whole, 1)
     seat = _seat_of(hunters)
     readers: dict[str, tuple[str, Callable[[Any], Any]]] = {
@@ -196,10 +199,17 @@ def _settings(table: Table) -> dict[str, Any]:
         "kill_refused": ("a list of [step, number]", lambda value: list(map(_pair, listed(value)))),
         "spawn_down": ("a list of firings", wholes),
         "spawn_refused": ("a list of numbers", wholes),
+        "spawning": ("true or false", flag),
+        "teams": (
+            "a list of teams, each a list of seats",
+            lambda value: [list(map(seat, listed(team))) for team in listed(value)],
+        ),
+        "prey": ("a whole number", whole),
+        "prey_returns_s": (f"a number or {NEVER}", word_or(NEVER, number)),
     }
     found = {"hunters": hunters} | {key: table.take(key, words, read, None) for key, (words, read) in readers.items()}
     table.finish()
-    return {key: value for key, value in found.items() if value is not None}
+    return {key: None if value == NEVER else value for key, value in found.items() if value is not None}
 
 
 def _rulings(where: str, value: object, seat: Callable[[object], int], target_key: str) -> tuple[ExpectedRuling, ...]:
@@ -239,7 +249,7 @@ def _lots(where: str, value: object, seat: Callable[[object], int]) -> tuple[Lot
     return tuple(found)
 
 
-def _case_step(where: str, value: object, seat: Callable[[object], int]) -> CaseStep:
+def _case_step(where: str, value: object, seat: Callable[[object], int], prey: Callable[[object], int]) -> CaseStep:
     table = Table(f"{where}: play", value)
 
     def poses(given: object) -> tuple[tuple[float, float, float], ...]:
@@ -248,8 +258,8 @@ def _case_step(where: str, value: object, seat: Callable[[object], int]) -> Case
             raise ValueError
         return tuple((x, y, theta) for x, y, theta in found)
 
-    def velocities(given: object) -> dict[int, tuple[float, float]]:
-        return {seat(who): (number(v), number(w)) for who, v, w in listed(given)}
+    def velocities(which: Callable[[object], int]) -> Callable[[object], dict[int, tuple[float, float]]]:
+        return lambda given: {which(who): (number(v), number(w)) for who, v, w in listed(given)}
 
     def numbered(given: object) -> tuple[ExpectedRuling, ...]:
         return _rulings(table.where, given, seat, "number")
@@ -259,8 +269,10 @@ def _case_step(where: str, value: object, seat: Callable[[object], int]) -> Case
         hunters=table.take("hunters", "a list of poses [x, y, theta]", poses, None),
         targets=table.take("targets", "a list of places [x, y]", lambda given: tuple(map(point, listed(given))), ()),
         withdraw=table.take("withdraw", "a seat", seat, None),
+        withdraw_prey=table.take("withdraw_prey", "the index of a prey", prey, None),
         steps=table.take("steps", "a whole number", whole, 0),
-        drive=table.take("drive", "a list of [hunter, v, w]", velocities, {}),
+        drive=table.take("drive", "a list of [hunter, v, w]", velocities(seat), {}),
+        drive_prey=table.take("drive_prey", "a list of [prey, v, w]", velocities(prey), {}),
         expected=table.take("requests", "a list of tables", numbered, None),
         read=table.take("read", "a table", tabled, {}),
     )

@@ -11,6 +11,9 @@ LOT: Final = "LOT"
 ANY: Final = "ANY"
 """Stands for the distance to a target that was spawned wherever the adjudicator's random numbers put it."""
 
+NEVER: Final = "NEVER"
+"""Stands for the None of `prey_returns_s`, which TOML cannot write."""
+
 DEFAULTS: Final[Mapping[str, Any]] = {
     "reach_m": 0.3,
     "policy": "nearest",
@@ -33,6 +36,9 @@ READINGS: Final = (
     "skipped_down",
     "refused",
     "scores",
+    "team_scores",
+    "prey",
+    "times_caught",
     "ended",
     "seen",
     "rivals_seen",
@@ -116,10 +122,14 @@ class CaseStep:
     """With `targets`, a position to place: (x, y, theta) by seat."""
     targets: tuple[tuple[float, float], ...] = ()
     withdraw: int | None = None
+    withdraw_prey: int | None = None
+    """By index."""
     steps: int = 0
     """Steps in which nobody moves or asks."""
     drive: Mapping[int, tuple[float, float]]
     """(v [m/s], w [rad/s]) by seat, in the step of the requests."""
+    drive_prey: Mapping[int, tuple[float, float]]
+    """The same of prey, by index."""
     expected: tuple[ExpectedRuling, ...] | None = None
     """The requests of one more step, with their rulings: none at all where it is empty; no step where it is None."""
     read: Mapping[str, Any]

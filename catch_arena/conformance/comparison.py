@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from catch_arena.conformance.answers import (
     Difference,
@@ -25,6 +25,12 @@ class Strictness:
     """Distances and winners too, not the verdicts alone."""
     exact_lots: bool = False
     """A lot must draw the seat that the appendix's hash draws; else any one of its seats will do."""
+    success_only: bool = False
+    """Nothing but whether requests are granted: that is all that the service catch_turtle answers."""
+
+
+REFUSED: Final = Verdict.OUT_OF_REACH
+"""Where only success is told, this verdict stands for every refusal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +151,9 @@ class _Compared(NamedTuple):
 
 
 def _compared(right: ExpectedRuling, one: ExpectedRuling | Ruling, strictness: Strictness) -> _Compared:
+    if strictness.success_only:
+        granted = Verdict.GRANTED.name if one.verdict is Verdict.GRANTED else "refused"
+        return _Compared(one.hunter, one.target, granted, None, None)
     if not strictness.evidence:
         return _Compared(one.hunter, one.target, one.verdict, None, None)
     distance_um = ANY if right.distance_um == ANY and one.distance_um is not None else one.distance_um

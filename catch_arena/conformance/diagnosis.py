@@ -60,7 +60,7 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
         if mistakes:
             kind = _Kind(mistakes[-1].looks_like, mistakes[-1].rule, known=True, conceptual=mistakes[-1].conceptual)
         else:
-            kind = _LOT if search.has_inconsistent_lots(result) else _alike(result.failure)
+            kind = _LOT if search.has_inconsistent_lots(result) else _alike(result.failure, strictness)
         groups.setdefault(kind, []).append((len(mistakes) > 1, result.failure))
     diagnoses = []
     for kind, members in groups.items():
@@ -78,10 +78,14 @@ def _difficulty(failure: Failure) -> tuple[bool, bool, int]:
     return changed, False, len(case.play)
 
 
-def _alike(failure: Failure) -> _Kind:
+def _alike(failure: Failure, strictness: Strictness) -> _Kind:
     """What a failure has in common with others that no known mistake explains."""
     difference = failure.main_difference
     if isinstance(difference, WrongRuling):
+        if strictness.success_only:
+            right, got = cast(Verdict, difference.right.verdict), difference.given.success
+            looks_like = f"{'granted' if got else 'refused'} where {right.name} is right ({failure.case.clauses[0]})"
+            return _Kind(looks_like, meaning(right), conceptual=False)
         return _Kind(*_ruling_mistake(difference.right, difference.given, failure.case.clauses[0]), conceptual=False)
     if isinstance(difference, WrongReading):
         return _Kind(*_reading_mistake(difference, failure.case))
@@ -152,6 +156,10 @@ def _sees_more(right: Any, found: Any) -> bool:
     return any(set(a) < set(b) for a, b in zip(right, found, strict=True))
 
 
+def _is_out_elsewhere(right: Any, found: Any) -> bool:
+    return [number == 0 for number in right] != [number == 0 for number in found]
+
+
 _SEEN: Final = (
     "Seen is what is nearer than the radius and within the cone, or within one's own reach; the nearest first (R7.5)."
 )
@@ -191,10 +199,31 @@ _READING_MISTAKES: Final = (
     _ReadingMistake("scores", _lower, "a catch is not credited", "A score is the number of granted catches (R6.1)."),
     _ReadingMistake("scores", _higher, "a score counts too much", "A score is the number of granted catches (R6.1)."),
     _ReadingMistake(
+        "team_scores", _other, "a team's score is another", "It is the sum of its hunters' scores (R11.1)."
+    ),
+    _ReadingMistake(
+        "times_caught",
+        _other,
+        "prey's catches are counted otherwise",
+        "Each catch of its target counts (R12.3, R12.5).",
+    ),
+    _ReadingMistake(
+        "prey",
+        _is_out_elsewhere,
+        "prey is out, or back, at another time",
+        "It returns when its time is up and there is room, after the firings (R12.3).",
+    ),
+    _ReadingMistake(
+        "prey",
+        _other,
+        "prey plays other targets",
+        "Prey i begins with number i + 1, and returns under the next one, by index (R12.1, R12.3).",
+    ),
+    _ReadingMistake(
         "ended",
         _other,
         "the match ends at another time, or in another way",
-        "It is truncated at its time limit, or terminated with the last target of its budget (R1.5).",
+        "It is truncated at its time limit, or terminated when nothing is alive and nothing will appear (R1.5).",
     ),
     *(
         _ReadingMistake(word, fits, looks_like, _SEEN)

@@ -10,7 +10,7 @@ from catch_arena.conformance.mistakes import KNOWN, Mistake, mistaken_verdicts, 
 from catch_arena.conformance.replaceable_rules import Lottery, Request, Rules, judge
 from catch_arena.conformance.results import Result
 from catch_arena.text import in_short
-from catch_arena.verdicts import Ruling
+from catch_arena.verdicts import Ruling, Verdict
 
 _FIRST: Final[Lottery] = operator.itemgetter(0)
 _LAST: Final[Lottery] = operator.itemgetter(-1)
@@ -24,6 +24,7 @@ class Search:
 
     def __init__(self, results: Sequence[Result], strictness: Strictness) -> None:
         self._evidence = strictness.evidence
+        self._success_only = strictness.success_only
         self._passed = [result for result in results if result.failure is None and result.calls]
         self._failed = [result for result in results if _is_judged(result)]
         self._inconsistent = {
@@ -45,7 +46,7 @@ class Search:
             for one in (result.failure.differences if result.failure else ())
             if isinstance(one, WrongRuling)
         }
-        candidates = [*KNOWN, *mistaken_verdicts(seen)]
+        candidates = [*KNOWN, *(() if self._success_only else mistaken_verdicts(seen))]
         found: list[Mistake] = []
         score = 0
         while True:
@@ -129,6 +130,8 @@ class Search:
         return all(map(self._same, judge(rules, call.arguments, call.rulings, lot), call.rulings))
 
     def _same(self, request: Request, ruling: Ruling) -> bool:
+        if self._success_only:
+            return request.hunter == ruling.hunter and (request.verdict is Verdict.GRANTED) == ruling.success
         return (
             (request.verdict, request.hunter) == (ruling.verdict, ruling.hunter)
             and (not isinstance(ruling.target, WrongTarget) or ruling.target.in_short == in_short(request.name))

@@ -2,7 +2,8 @@
 
 The arbiter judges a *request table*: one row for each request of one step in one arena, in the columns below. It reads
 distances and eligibility from there alone, so nothing that it grants can change another request (R5.1). The engine
-and `catch_arena.arbitrate` fill the table; both are judged by the same code.
+and `catch_arena.arbitrate` fill the table; both are judged by the same code. It says nothing of teams: team-mates
+contest a target like anybody (R11.3).
 """
 
 from typing import Final

@@ -20,6 +20,7 @@ from catch_arena.core.arbiter import (
     measure_um,
 )
 from catch_arena.core.jit import Block, inlined, phase
+from catch_arena.core.prey import catch_prey
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
 from catch_arena.core.rewards import renew_progress_reference
 from catch_arena.core.spawner import remove_target
@@ -57,6 +58,8 @@ from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
+_NOBODY: Final = 1 << 30
+"""Above every seat."""
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 
 
@@ -178,11 +181,14 @@ def commit(
         )
     removed = 0
     for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: those behind a removed slot move up
-        caught = False
+        catcher = _NOBODY
         for i in range(len(requests)):
             granted = requests[i, REQUEST_VERDICT] == _GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0
-            caught = caught or (granted and requests[i, REQUEST_TARGET] == slot)
-        if caught:
+            if granted and requests[i, REQUEST_TARGET] == slot:
+                catcher = min(catcher, requests[i, REQUEST_SEAT])  # of several, under `capstone`, the lowest
+        if catcher != _NOBODY:
+            if s.prey > 0:
+                catch_prey(block, s, lane, slot, catcher)
             remove_target(block, targets, lane, slot, s)
             removed += 1
     if removed > 0 and s.progress_wanted:

@@ -1,6 +1,6 @@
 """How an episode begins and ends, and what is kept of it."""
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from catch_arena.core.jit import Block, inlined, phase, rare
 from catch_arena.core.math import PI, TAU, sincos, wrap
 from catch_arena.core.memory import Sections
+from catch_arena.core.prey import begin_prey, write_prey_records
 from catch_arena.core.random import START, draw, fraction, next_seed, seed_of, stream
 from catch_arena.core.rewards import Parts, Rewards
 from catch_arena.core.spawner import spawn_next
@@ -46,23 +47,30 @@ from catch_arena.verdicts import Verdict
 # columns of a record: one hunter's episode in figures
 LENGTH: Final = 0  # steps
 FINAL_SCORE: Final = 1
-FINAL_RANK: Final = 2  # R6.1: 1 + how many have more
+FINAL_RANK: Final = 2  # R6.1, R11.1: 1 + how many teams have more
 FINAL_RETURN: Final = 3  # the rewards, summed
-FINAL_CONTESTS_WON: Final = 4
-FINAL_TALLIES: Final = 5  # how often each verdict was met, in the order of Verdict
+FINAL_TEAM_SCORE: Final = 4
+FINAL_CONTESTS_WON: Final = 5
+FINAL_TALLIES: Final = 6  # how often each verdict was met, in the order of Verdict
 RECORD_COLUMNS: Final = FINAL_TALLIES + len(Verdict)
 
 _MATCH_OVER: Final = float(Verdict.MATCH_OVER)
 
 
 @rare
-def write_record(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
-    """An episode in figures, (H, RECORD_COLUMNS), as it stands in one lane."""
+def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64], record: NDArray[np.float32]) -> None:
+    """An episode in figures, (H, RECORD_COLUMNS), as it stands in one lane; `teams` as in `memory.Sections`."""
+    for seat in range(s.hunters):
+        record[seat, FINAL_TEAM_SCORE] = 0.0
+    for seat in range(s.hunters):
+        record[teams[seat], FINAL_TEAM_SCORE] += seat_of(block, seat)[SCORE + lane]
     for seat in range(s.hunters):
         me = seat_of(block, seat)
+        record[seat, FINAL_TEAM_SCORE] = record[teams[seat], FINAL_TEAM_SCORE]
         rank = 1.0
         for other in range(s.hunters):
-            rank += 1.0 if seat_of(block, other)[SCORE + lane] > me[SCORE + lane] else 0.0
+            better = teams[other] == other and record[other, FINAL_TEAM_SCORE] > record[seat, FINAL_TEAM_SCORE]
+            rank += 1.0 if better else 0.0
         record[seat, LENGTH] = block[STEP + lane]
         record[seat, FINAL_SCORE] = me[SCORE + lane]
         record[seat, FINAL_RANK] = rank
@@ -100,15 +108,17 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
     targets = targets_of(block, s)
     for _ in range(s.initial_targets):
         spawn_next(block, targets, lane, seed, s, 0.0)
+    if s.prey > 0:
+        begin_prey(block, s, lane)
 
 
 @inlined
 def end_test(block: Block, s: Settings, width: Width) -> None:
-    """R1.1, R1.5, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
+    """R1.1, R1.5, R12.6, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         time = block[TIME + lane] + s.period_ms
-        finished = (block[SPAWNED + lane] >= s.target_budget) & (block[ALIVE + lane] == 0.0)
+        finished = (block[SPAWNED + lane] >= s.spawned_in_full) & (block[ALIVE + lane] == 0.0)
         block[TIME + lane] = time
         block[STEP + lane] = block[STEP + lane] + 1.0
         block[ENDED + lane] = select(finished, TERMINATED, select(time >= s.time_limit_ms, TRUNCATED, RUNNING))
@@ -160,19 +170,26 @@ def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rew
             block[row * LANES + lane] = snapshot[row * LANES + lane]
 
 
+@rare
+def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
+    """The observations or masks of one arena, (agents, columns), as the last ones."""
+    for agent in range(seen.shape[0]):
+        for column in range(seen.shape[1]):
+            last_seen[agent, column] = seen[agent, column]
+
+
 @inlined
 def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sections) -> None:
     """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins."""
     for lane in range(last - first):
         if block[ENDED + lane] == RUNNING:
             continue
-        seen, last_seen = sections.observations[first + lane], sections.last_observations[first + lane]
-        mask, last_mask = sections.masks[first + lane], sections.last_masks[first + lane]
-        for seat in range(s.hunters):
-            for column in range(seen.shape[1]):
-                last_seen[seat, column] = seen[seat, column]
-            for rank in range(mask.shape[1]):
-                last_mask[seat, rank] = mask[seat, rank]
-        write_record(block, s, lane, sections.records[first + lane])
+        arena = first + lane
+        keep_rows(sections.observations[arena], sections.last_observations[arena])
+        keep_rows(sections.masks[arena], sections.last_masks[arena])
+        write_record(block, s, lane, sections.teams, sections.records[arena])
+        if s.prey > 0:
+            keep_rows(sections.prey_observations[arena], sections.prey_last_observations[arena])
+            write_prey_records(block, s, lane, sections.prey_records[arena])
         seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         begin(block, s, lane, sections.start_poses, next_seed(seed))

@@ -27,7 +27,7 @@ CACHE_LINE: Final = 64
 
 
 class Sections(NamedTuple):
-    """B arenas in blocks, H hunters, D columns, K targets seen; T threads.
+    """B arenas in blocks, H hunters, D columns, K targets seen; P prey, of E columns; T threads.
 
     Of each array its type and how many dimensions it has. What a scenario or a batch does not need has no numbers.
     """
@@ -40,9 +40,14 @@ class Sections(NamedTuple):
     """(B, H): see `controllers`."""
     limits: Annotated[NDArray[np.float64], 2]
     """(H, 4): `SeatLimits`, in the order of its fields."""
+    teams: Annotated[NDArray[np.int64], 1]
+    """(H,): the lowest seat of each seat's team, which stands for that (R11.1)."""
     target_network: Annotated[NDArray[np.int64], 2]
     """(comparators, 2): see `ranking.selection_network`."""
     rival_network: Annotated[NDArray[np.int64], 2]
+    hunter_network: Annotated[NDArray[np.int64], 2]
+    """The same for what prey sees of hunters."""
+    prey_network: Annotated[NDArray[np.int64], 2]
     keys: Annotated[NDArray[np.int32], 2]
     """(T, numbers), as those that follow: see `workspace.Scratch`."""
     ages: Annotated[NDArray[np.float32], 2]
@@ -53,27 +58,44 @@ class Sections(NamedTuple):
     rows: Annotated[NDArray[np.float64], 2]
     rival_orders: Annotated[NDArray[np.float64], 2]
     progress_references: Annotated[NDArray[np.float64], 2]
+    team_rows: Annotated[NDArray[np.float64], 2]
+    prey_references: Annotated[NDArray[np.float64], 2]
+    gathered_prey: Annotated[NDArray[np.float64], 2]
     snapshot: Annotated[NDArray[np.float64], 2]
+    prey_commands: Annotated[NDArray[np.float32], 3]
+    """R12.2: (B, P, 2), the actions of the step that is played."""
     blocks: Annotated[NDArray[np.float64], 2]
     """(blocks, rows * LANES): see `state`."""
     parts: Annotated[NDArray[np.float64], 3]
-    """(B, H, 7): the reward, and R6.2's parts in the order of `rewards.PART_NAMES`; or none, and then `rewards`."""
+    """(B, H, 8): the reward, and R6.2's parts in the order of `rewards.PART_NAMES`; or none, and then `rewards`."""
     evidence: Annotated[NDArray[np.float64], 3]
     """(B, H, 4): the answer to each hunter's request, in the order of `state.EVIDENCE`; or none."""
     observations: Annotated[NDArray[np.float32], 3]
     """R7.1: (B, H, D)."""
     masks: Annotated[NDArray[np.int8], 3]
     """R7.2: (B, H, K + 1)."""
+    prey_parts: Annotated[NDArray[np.float64], 3]
+    """(B, P, 4): the reward, and R12.5's parts in the order of `prey.PREY_PART_NAMES`; or none, and then
+    `prey_rewards`.
+    """
+    prey_observations: Annotated[NDArray[np.float32], 3]
+    """R12.4: (B, P, E)."""
     ends: Annotated[NDArray[np.int8], 1]
     """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED, (B,)."""
     rewards: Annotated[NDArray[np.float32], 2]
     """(B, H), or none where there are parts."""
+    prey_rewards: Annotated[NDArray[np.float32], 2]
+    """(B, P), or none where there are parts."""
     last_observations: Annotated[NDArray[np.float32], 3]
     """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""
     last_masks: Annotated[NDArray[np.int8], 3]
     """(B, H, K + 1): the masks that belong to them."""
     records: Annotated[NDArray[np.float32], 3]
     """(B, H, RECORD_COLUMNS): that episode in figures, see `episodes`."""
+    prey_last_observations: Annotated[NDArray[np.float32], 3]
+    """(B, P, E): as `last_observations`."""
+    prey_records: Annotated[NDArray[np.float32], 3]
+    """(B, P, PREY_RECORD_COLUMNS): see `prey`."""
 
 
 DTYPES: Final = {

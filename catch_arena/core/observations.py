@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from catch_arena.core.jit import Block, inlined, phase, rare, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
+from catch_arena.core.prey_views import observe_as_prey
 from catch_arena.core.random import draw, seed_of
 from catch_arena.core.ranking import pack_order, rank_rivals, rank_targets, resolve_ties, rival_at
 from catch_arena.core.state import (
@@ -28,7 +29,6 @@ from catch_arena.core.state import (
     SINE,
     SPEED,
     STEP,
-    STILL,
     TARGET_X,
     TARGET_Y,
     THETA,
@@ -60,7 +60,7 @@ from catch_arena.core.vectors import (
 )
 from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
 from catch_arena.core.workspace import FEATURE_STRIDE, Scratch, rival_order_of
-from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures
+from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
 
 Masks = NDArray[np.int8]
 """(lanes, H, K + 1)."""
@@ -70,6 +70,7 @@ SELF_WIDTH: Final = len(SelfFeatures._fields)
 TARGET_WIDTH: Final = len(TargetFeatures._fields)
 MOVING_TARGET_WIDTH: Final = len(MovingTargetFeatures._fields)
 RIVAL_WIDTH: Final = len(RivalFeatures._fields)
+TEAM_RIVAL_WIDTH: Final = len(TeamRivalFeatures._fields)
 
 _MANY: Final = 4
 """As many hunters for each that is seen: then what is seen of them is found out one by one."""
@@ -217,7 +218,14 @@ def blur_targets(
 
 @rare
 def blur_rivals(
-    block: Block, seat: int, order: Block, first: int, width: Width, s: Settings, features: Numbers
+    block: Block,
+    seat: int,
+    order: Block,
+    first: int,
+    width: Width,
+    s: Settings,
+    teams: NDArray[np.int64],
+    features: Numbers,
 ) -> None:
     """R7.6: and the rivals.
 
@@ -228,6 +236,7 @@ def blur_rivals(
         first: the first lane of the group.
         width: how many lanes the group has.
         s: the settings.
+        teams: see `memory.Sections`.
         features: as of `compute_rival_features`; forward and left are written anew.
     """
     for lane in range(first, first + len(width)):
@@ -235,13 +244,15 @@ def blur_rivals(
         for rank in range(s.hunters_seen):
             other = slot_at_rank(order, rank, lane)
             if other != ABSENT:
-                seen = rival_at(block, seat, other, lane)
+                seen = rival_at(block, seat, other, lane, teams)
                 at = (other * len(width) + lane - first) * FEATURE_STRIDE
                 write_blurred(draw(key, np.uint64(other)), seen.forward, seen.left, s, features, at)
 
 
 @phase
-def compute_rival_features(block: Block, seat: int, first: int, width: Width, s: Settings, features: Numbers) -> None:
+def compute_rival_features(
+    block: Block, seat: int, first: int, width: Width, s: Settings, teams: NDArray[np.int64], features: Numbers
+) -> None:
     """R7.1: every rival as one seat sees it, in the lanes of one group.
 
     Args:
@@ -250,12 +261,13 @@ def compute_rival_features(block: Block, seat: int, first: int, width: Width, s:
         first: the first lane of the group.
         width: how many lanes the group has.
         s: the settings.
-        features: the result, the columns of `layout.RivalFeatures`: those of seat r in the group's lane l from
+        teams: see `memory.Sections`.
+        features: the result, the columns of `layout.TeamRivalFeatures`: those of seat r in the group's lane l from
             features[(r * len(width) + l) * FEATURE_STRIDE] on.
     """
     for other in range(s.hunters):
         if other != seat:
-            seen = rival_at(block, seat, other, group(first, width))
+            seen = rival_at(block, seat, other, group(first, width), teams)
             put_rows(features, other * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 
 
@@ -350,7 +362,15 @@ def write_ranked(
 
 @phase
 def write_rivals(
-    block: Block, seat: int, order: Block, ranks: int, lane: int, s: Settings, out: Numbers, at: int
+    block: Block,
+    seat: int,
+    order: Block,
+    ranks: int,
+    lane: int,
+    s: Settings,
+    teams: NDArray[np.int64],
+    out: Numbers,
+    at: int,
 ) -> None:
     """R7.1: the rivals of one lane, each looked at when its rank is written: for a few of very many, of whom it would
     take longer to compute all features.
@@ -362,21 +382,31 @@ def write_rivals(
         ranks: how many ranks are seen.
         lane: the lane.
         s: the settings.
+        teams: see `memory.Sections`.
         out: observations, flat.
         at: where in `out` the columns of rank 1 begin.
     """
+    columns = rival_width(s)
     for rank in range(ranks):
         other = slot_at_rank(order, rank, lane)
         if other == ABSENT:
-            for column in range(RIVAL_WIDTH):
+            for column in range(columns):
                 out[at + column] = 0.0
         else:
-            seen = rival_at(block, seat, other, lane)
-            put_rows(out, at, FEATURE_STRIDE, seen)
+            seen = rival_at(block, seat, other, lane, teams)
+            if s.has_teams:
+                out[at + RIVAL_WIDTH] = seen.mate
+            put_rows(out, at, FEATURE_STRIDE, seen[:RIVAL_WIDTH])
             if s.view_noise_m > 0.0:
                 key = draw(blur_key_at(block, seat, RIVAL_KIND, lane), np.uint64(other))
                 write_blurred(key, seen.forward, seen.left, s, out, at)
-        at += RIVAL_WIDTH
+        at += columns
+
+
+@rule
+def rival_width(s: Settings) -> int:
+    """R7.4: how many columns there are of each rival."""
+    return TEAM_RIVAL_WIDTH if s.has_teams else RIVAL_WIDTH
 
 
 @phase
@@ -422,7 +452,15 @@ def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) ->
 
 @inlined
 def write(
-    block: Block, s: Settings, width: Width, lanes: int, slots: int, scratch: Scratch, out: Numbers, arena: int
+    block: Block,
+    s: Settings,
+    width: Width,
+    lanes: int,
+    slots: int,
+    teams: NDArray[np.int64],
+    scratch: Scratch,
+    out: Numbers,
+    arena: int,
 ) -> None:
     """R7.1: the observations of a block, one group of lanes after the other.
 
@@ -435,6 +473,7 @@ def write(
         width: how many lanes a group has.
         lanes: how many of its lanes are arenas.
         slots: how many slots are in use in any lane.
+        teams: see `memory.Sections`.
         scratch: see `workspace.Scratch`.
         out: the observations of the whole batch, flat.
         arena: which of the batch is the first lane.
@@ -443,9 +482,9 @@ def write(
     time_left = scratch.rows[:LANES]
     compute_ages(block, targets, width, slots, s, scratch.ages)
     compute_time_left(block, s, width, time_left)
-    target_width = TARGET_WIDTH if s.target_motion == STILL else MOVING_TARGET_WIDTH
+    target_width = MOVING_TARGET_WIDTH if s.targets_move else TARGET_WIDTH
     rivals_at = SELF_WIDTH + s.targets_seen * target_width
-    columns = rivals_at + s.hunters_seen * RIVAL_WIDTH
+    columns = rivals_at + s.hunters_seen * rival_width(s)
     few_of_many = s.hunters > _MANY * s.hunters_seen
     stride = s.hunters * columns
     for first in range(0, span(width), len(width)):
@@ -462,16 +501,16 @@ def write(
             )
             write_self(me, time_left, first, width, to, begin + seat * columns, stride)
             ages, features = scratch.ages, scratch.target_features
-            if s.target_motion == STILL:
-                compute_target_features(me, targets, ages, first, width, slots, s, features)
-            else:
+            if s.targets_move:
                 compute_moving_target_features(me, targets, ages, first, width, slots, s, features)
+            else:
+                compute_target_features(me, targets, ages, first, width, slots, s, features)
             if not few_of_many:
-                compute_rival_features(block, seat, first, width, s, scratch.rival_features)
+                compute_rival_features(block, seat, first, width, s, teams, scratch.rival_features)
             if s.view_noise_m > 0.0:
                 blur_targets(block, seat, targets, targets_seen, first, width, s, features)
                 if not few_of_many:
-                    blur_rivals(block, seat, rivals_seen, first, width, s, scratch.rival_features)
+                    blur_rivals(block, seat, rivals_seen, first, width, s, teams, scratch.rival_features)
             for lane in range(first, first + len(width)):
                 at = begin + (lane - first) * stride + seat * columns
                 write_ranked(
@@ -486,7 +525,7 @@ def write(
                     at + SELF_WIDTH,
                 )
                 if few_of_many:
-                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, s, to, at + rivals_at)
+                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, s, teams, to, at + rivals_at)
                 else:
                     write_ranked(
                         rivals_seen,
@@ -495,7 +534,7 @@ def write(
                         lane,
                         scratch.rival_features,
                         width,
-                        RIVAL_WIDTH,
+                        rival_width(s),
                         to,
                         at + rivals_at,
                     )
@@ -519,7 +558,7 @@ def observe(
     slots = most_alive(block, lanes)
     for seat in range(s.hunters):
         update_heading(seat_of(block, seat), width)
-    if s.target_motion != STILL:
+    if s.targets_move:
         for slot in range(slots):
             update_heading(body_of(targets, slot, s), width)
     for seat in range(s.hunters):
@@ -529,7 +568,9 @@ def observe(
         pack_order(scratch.keys, slots, s.targets_seen, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
             rank_rivals(block, seat, width, sections.rival_network, s, reach_um, scratch.keys)
-            resolve_ties(block, seat, width, lanes, s, scratch.keys)
+            resolve_ties(block, seat, width, lanes, s, sections.teams, scratch.keys)
             pack_order(scratch.keys, s.hunters, s.hunters_seen, width, rival_order_of(scratch, seat))
-    write(block, s, width, lanes, slots, scratch, sections.observations.reshape(-1), first)
+    write(block, s, width, lanes, slots, sections.teams, scratch, sections.observations.reshape(-1), first)
     write_masks(block, s, lanes, sections.masks[first:last])
+    if s.prey > 0:
+        observe_as_prey(block, s, width, first, lanes, sections, scratch)

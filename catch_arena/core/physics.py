@@ -10,7 +10,6 @@ from catch_arena.core.state import (
     LANES,
     SINE,
     SPEED,
-    STILL,
     THETA,
     TIME,
     TURN_RATE,
@@ -148,7 +147,7 @@ def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, sc
         move_body(seat_of(block, seat), width, s.side_m, fewest, most, fresh)
     if any_stale:
         drop_stale_commands(block, s, width, stale)
-    if s.target_motion != STILL:
+    if s.targets_move:
         fewest, most = fewest_and_most(due, lanes)
         for slot in range(most_alive(block, lanes)):
             move_body(body_of(targets, slot, s), width, s.side_m, fewest, most, due)

@@ -66,7 +66,7 @@ def fraction(bits: np.uint64) -> float:
 
 @rule
 def tie_lot(seed: np.uint64, step: float, number: float, seat: int) -> np.uint64:
-    """R5.5: a hunter's tie_lot in the lot for one target; the lowest wins."""
+    """R5.5: a hunter's lot for one target; the lowest wins."""
     return draw(draw(draw(stream(seed, TIE_LOT), np.uint64(step)), np.uint64(number)), np.uint64(seat))
 
 

@@ -30,7 +30,7 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
 from catch_arena.core.visibility import is_seen
-from catch_arena.layout import RivalFeatures
+from catch_arena.layout import BodyFeatures, TeamRivalFeatures
 
 Keys = NDArray[np.int32]
 
@@ -105,20 +105,35 @@ def _sorting_network(wires: int) -> list[tuple[int, int]]:
 
 
 @rule
-def rival_at(block: Block, seat: int, other: int, lane: int) -> RivalFeatures:
-    """R7.1: what one seat sees of another hunter."""
-    me, rival = seat_of(block, seat), seat_of(block, other)
+def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
+    """R7.1, R12.4: what one body sees of another; both begin with the rows of a body."""
     sine, cosine = me[SINE + lane], me[COSINE + lane]
-    rival_sine, rival_cosine = rival[SINE + lane], rival[COSINE + lane]
-    dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
-    return RivalFeatures(
+    other_sine, other_cosine = other[SINE + lane], other[COSINE + lane]
+    dx, dy = other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane]
+    return BodyFeatures(
         forward=cosine * dx + sine * dy,
         left=cosine * dy - sine * dx,
         present=1.0,
-        heading_cos=rival_cosine * cosine + rival_sine * sine,
-        heading_sin=rival_sine * cosine - rival_cosine * sine,
-        linear_velocity=rival[SPEED + lane],
+        heading_cos=other_cosine * cosine + other_sine * sine,
+        heading_sin=other_sine * cosine - other_cosine * sine,
+        linear_velocity=other[SPEED + lane],
+    )
+
+
+@rule
+def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.int64]) -> TeamRivalFeatures:
+    """R7.1, R7.4: what one seat sees of another hunter; `teams` as in `memory.Sections`."""
+    me, rival = seat_of(block, seat), seat_of(block, other)
+    seen = body_at(me, rival, lane)
+    return TeamRivalFeatures(
+        forward=seen.forward,
+        left=seen.left,
+        present=seen.present,
+        heading_cos=seen.heading_cos,
+        heading_sin=seen.heading_sin,
+        linear_velocity=seen.linear_velocity,
         score_difference=rival[SCORE + lane] - me[SCORE + lane],
+        mate=1.0 if teams[seat] == teams[other] else 0.0,
     )
 
 
@@ -288,22 +303,35 @@ def rank_rivals(
 
 
 @rule
-def precedes(a: RivalFeatures, b: RivalFeatures, lower_seat: bool) -> bool:
-    """R7.1, A.7: of two rivals equally far, the one seen further left, then further forward, and so on; the seat tells
-    apart those who look alike in everything, which shows where the view has noise.
+def lead(a: BodyFeatures | TeamRivalFeatures, b: BodyFeatures | TeamRivalFeatures) -> float:
+    """R7.1, R12.4: of two bodies equally far, the one seen further left comes first, then further forward, and so on.
+
+    Returns:
+        a number above 0 where that is `a`, below 0 where it is `b`, and 0 where they look alike.
     """
     if a.left != b.left:
-        return a.left > b.left
+        return a.left - b.left
     if a.forward != b.forward:
-        return a.forward > b.forward
+        return a.forward - b.forward
     if a.heading_cos != b.heading_cos:
-        return a.heading_cos > b.heading_cos
+        return a.heading_cos - b.heading_cos
     if a.heading_sin != b.heading_sin:
-        return a.heading_sin > b.heading_sin
-    if a.linear_velocity != b.linear_velocity:
-        return a.linear_velocity > b.linear_velocity
+        return a.heading_sin - b.heading_sin
+    return a.linear_velocity - b.linear_velocity
+
+
+@rule
+def precedes(a: TeamRivalFeatures, b: TeamRivalFeatures, lower_seat: bool) -> bool:
+    """R7.1, A.7: of two rivals equally far, the one that `lead`s, then the one with more catches, then a team-mate; the
+    seat tells apart those who look alike in everything, which shows where the view has noise.
+    """
+    first = lead(a, b)
+    if first != 0.0:
+        return first > 0.0
     if a.score_difference != b.score_difference:
         return a.score_difference > b.score_difference
+    if a.mate != b.mate:
+        return a.mate > b.mate
     return lower_seat
 
 
@@ -326,19 +354,20 @@ def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
 
 
 @rare
-def sort_ties(block: Block, seat: int, lane: int, count: int, keys: Keys) -> None:
+def sort_ties(block: Block, seat: int, lane: int, count: int, teams: NDArray[np.int64], keys: Keys) -> None:
     """R7.1: those of one lane's sorted rivals who are equally far are put in order among themselves, by insertion."""
     for last in range(1, count):
         key = keys[last * LANES + lane]
         if not equally_far(keys[(last - 1) * LANES + lane], key):
             continue
-        seen = rival_at(block, seat, item_of(key), lane)
+        seen = rival_at(block, seat, item_of(key), lane, teams)
         at = last
         while at > 0:
             before = keys[(at - 1) * LANES + lane]
             if not equally_far(before, key):
                 break
-            if not precedes(seen, rival_at(block, seat, item_of(before), lane), item_of(key) < item_of(before)):
+            other = rival_at(block, seat, item_of(before), lane, teams)
+            if not precedes(seen, other, item_of(key) < item_of(before)):
                 break
             keys[at * LANES + lane] = before
             at -= 1
@@ -346,7 +375,9 @@ def sort_ties(block: Block, seat: int, lane: int, count: int, keys: Keys) -> Non
 
 
 @phase
-def resolve_ties(block: Block, seat: int, width: Width, lanes: int, s: Settings, keys: Keys) -> None:
+def resolve_ties(
+    block: Block, seat: int, width: Width, lanes: int, s: Settings, teams: NDArray[np.int64], keys: Keys
+) -> None:
     """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far."""
     ranks = min(s.hunters_seen, s.hunters - 2)
     tied = False
@@ -357,4 +388,4 @@ def resolve_ties(block: Block, seat: int, width: Width, lanes: int, s: Settings,
     if not tied:
         return
     for lane in range(lanes):
-        sort_ties(block, seat, lane, gather_ties(lane, ranks, s.hunters, keys), keys)
+        sort_ties(block, seat, lane, gather_ties(lane, ranks, s.hunters, keys), teams, keys)

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, phase, rare
+from catch_arena.core.jit import Block, inlined, phase, rare
 from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
     ALIVE,
@@ -31,7 +31,7 @@ from catch_arena.core.visibility import is_seen
 from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
-PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time")
+PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time", "mate_catch")
 """R6.2's parts of the reward, in the order in which they are written."""
 
 _LOST_CONTEST: Final = float(Verdict.LOST_CONTEST)
@@ -40,7 +40,7 @@ _GRANTED: Final = float(Verdict.GRANTED)
 Rewards = NDArray[np.float32]
 """(lanes, H): the sum."""
 Parts = NDArray[np.float64]
-"""(lanes, H, 7): the sum, and R6.2's parts in the order of `PART_NAMES`."""
+"""(lanes, H, 8): the sum, and R6.2's parts in the order of `PART_NAMES`."""
 
 
 @phase
@@ -75,11 +75,89 @@ def renew_progress_reference(
             reference[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
 
 
-@phase
-def reward(
-    block: Block, s: Settings, width: Width, lanes: int, scratch: Scratch, rewards: Rewards, parts: Parts
+@rare
+def count_team_catches(block: Block, s: Settings, width: Width, teams: NDArray[np.int64], team_rows: Block) -> None:
+    """R11.2: how many grants each team has in this step, by the seat that stands for it."""
+    for seat in range(s.hunters):
+        at = teams[seat] * LANES
+        me = seat_of(block, seat)
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            before = select(me[VERDICT + lane] == _GRANTED, 1.0, 0.0)
+            if teams[seat] != seat:  # which is the first of its team
+                before = before + team_rows[at + lane]
+            team_rows[at + lane] = before
+
+
+@rare
+def share_rewards(
+    block: Block,
+    s: Settings,
+    lanes: int,
+    teams: NDArray[np.int64],
+    team_rows: Block,
+    rewards: Rewards,
+    parts: Parts,
 ) -> None:
-    """R6.2: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not."""
+    """R11.2: what each seat gets of what its team has earned, in the place of what it has earned by itself.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lanes: how many lanes are arenas.
+        teams: see `memory.Sections`.
+        team_rows: see `workspace.Scratch`; what each seat has earned is there.
+        rewards: the result, or none.
+        parts: the result in its first column, or none.
+    """
+    own = s.hunters * LANES
+    for lane in range(lanes):
+        for first in range(s.hunters):
+            if teams[first] != first:
+                continue
+            members, total = 1.0, team_rows[own + first * LANES + lane]
+            for seat in range(first + 1, s.hunters):
+                if teams[seat] == first:
+                    members += 1.0
+                    total += team_rows[own + seat * LANES + lane]
+            mean = total / members
+            for seat in range(first, s.hunters):
+                if teams[seat] == first:
+                    me = seat_of(block, seat)
+                    shared = (1.0 - s.team_share) * team_rows[own + seat * LANES + lane] + s.team_share * mean
+                    shared = shared if me[WITHDRAWN + lane] == 0.0 else 0.0
+                    me[RETURN + lane] += shared
+                    if len(parts) > 0:
+                        parts[lane, seat, 0] = shared
+                    else:
+                        rewards[lane, seat] = np.float32(shared)
+
+
+@phase
+def reward_hunters(
+    block: Block,
+    s: Settings,
+    width: Width,
+    lanes: int,
+    teams: NDArray[np.int64],
+    in_teams: bool,
+    scratch: Scratch,
+    rewards: Rewards,
+    parts: Parts,
+) -> None:
+    """R6.2: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        teams: see `memory.Sections`.
+        in_teams: whether there are teams: as it stands where this is called, so that nothing asks for it in the loops.
+        scratch: see `workspace.Scratch`.
+        rewards: the result, or none.
+        parts: the result, or none.
+    """
     catches = scratch.rows[:LANES]
     amounts = scratch.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
     parts_wanted = len(parts) > 0
@@ -97,7 +175,10 @@ def reward(
             counts = select(me[WITHDRAWN + lane] == 0.0, 1.0, 0.0)
             verdict = me[VERDICT + lane]
             granted = select(verdict == _GRANTED, 1.0, 0.0)
-            rival = counts * (catches[lane] - granted)
+            of_team = granted
+            if in_teams:
+                of_team = scratch.team_rows[teams[seat] * LANES + lane]
+            rival = counts * (catches[lane] - of_team)
             lost = select(verdict == _LOST_CONTEST, 1.0, 0.0)
             refused = (verdict > 0.0) & (verdict < _GRANTED) & (verdict != _LOST_CONTEST)
             rejected = select(refused, counts, 0.0)
@@ -116,7 +197,13 @@ def reward(
                 + s.progress_weight * progress
                 + s.time_weight * elapsed
             )
-            me[RETURN + lane] = me[RETURN + lane] + total
+            mate = 0.0
+            if in_teams:
+                mate = counts * (of_team - granted)
+                total = total + s.mate_catch_weight * mate
+                scratch.team_rows[(s.hunters + seat) * LANES + lane] = total
+            if not (in_teams and s.team_share > 0.0):  # else `share_rewards` does it
+                me[RETURN + lane] = me[RETURN + lane] + total
             amounts[lane] = total
             if not parts_wanted:
                 continue
@@ -126,9 +213,46 @@ def reward(
             amounts[4 * LANES + lane] = rejected
             amounts[5 * LANES + lane] = progress
             amounts[6 * LANES + lane] = elapsed
+            amounts[7 * LANES + lane] = mate
         for lane in range(lanes):
             if not parts_wanted:
                 rewards[lane, seat] = np.float32(amounts[lane])
                 continue
             for column in range(1 + len(PART_NAMES)):
                 parts[lane, seat, column] = amounts[column * LANES + lane]
+
+
+@rare
+def reward_teams(
+    block: Block,
+    s: Settings,
+    width: Width,
+    lanes: int,
+    teams: NDArray[np.int64],
+    scratch: Scratch,
+    rewards: Rewards,
+    parts: Parts,
+) -> None:
+    """R11.2: the same where there are teams; arguments as of `reward_hunters`."""
+    count_team_catches(block, s, width, teams, scratch.team_rows)
+    reward_hunters(block, s, width, lanes, teams, True, scratch, rewards, parts)
+    if s.team_share > 0.0:
+        share_rewards(block, s, lanes, teams, scratch.team_rows, rewards, parts)
+
+
+@inlined
+def reward(
+    block: Block,
+    s: Settings,
+    width: Width,
+    lanes: int,
+    teams: NDArray[np.int64],
+    scratch: Scratch,
+    rewards: Rewards,
+    parts: Parts,
+) -> None:
+    """R6.2, R11.2: what each hunter gets for this step; arguments as of `reward_hunters`."""
+    if s.has_teams:
+        reward_teams(block, s, width, lanes, teams, scratch, rewards, parts)
+    else:
+        reward_hunters(block, s, width, lanes, teams, False, scratch, rewards, parts)

@@ -14,18 +14,19 @@ from catch_arena.core.state import (
     LANES,
     NUMBER,
     NUMBERS,
+    PREY_SLOT,
     SEED_HIGH,
     SEED_LOW,
     SKIPPED_DOWN,
     SKIPPED_FULL,
     SPAWNED,
     SPAWNS_REFUSED,
-    STILL,
     THETA,
     TIME,
     Settings,
     X,
     Y,
+    prey_of,
     targets_of,
 )
 
@@ -51,7 +52,7 @@ def add_target(
     targets[slot + APPEARED] = time_ms
     targets[slot + BODY + X] = x
     targets[slot + BODY + Y] = y
-    targets[slot + BODY + THETA] = theta if s.target_motion == STILL else wrap(theta)
+    targets[slot + BODY + THETA] = wrap(theta) if s.targets_move else theta
     block[ALIVE + lane] += 1.0
     block[SPAWNED + lane] += 1.0
 
@@ -59,6 +60,10 @@ def add_target(
 @rare
 def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
     """R8.2: one target leaves the alive list; those behind it move up, so that the order stays."""
+    for index in range(s.prey):
+        me = prey_of(block, index, s)
+        if me[PREY_SLOT + lane] > slot:
+            me[PREY_SLOT + lane] -= 1.0
     last = int(block[ALIVE + lane]) - 1
     for at in range(slot * s.slot_size + lane, last * s.slot_size, LANES):
         targets[at] = targets[at + s.slot_size]
@@ -123,13 +128,18 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
 
 @entry
 def kill(memory: Bytes, arena: int, number: int) -> bool:
-    """R8.1, R5.8: an alive target leaves uncaught, and no longer counts as spawned. False where it is not alive."""
+    """R8.1, R5.8: an alive target leaves uncaught, and no longer counts as spawned. False where it is not alive, and
+    where prey plays it.
+    """
     sections = sections_of(memory)
     s = settings_in(sections.settings)
     block, lane = sections.blocks[arena // LANES], arena % LANES
     targets = targets_of(block, s)
     for slot in range(int(block[ALIVE + lane])):
         if targets[slot * s.slot_size + NUMBER + lane] == number:
+            for index in range(s.prey):
+                if prey_of(block, index, s)[PREY_SLOT + lane] == slot:
+                    return False
             remove_target(block, targets, lane, slot, s)
             block[SPAWNED + lane] -= 1.0
             return True

@@ -2,8 +2,8 @@
 
 A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it
 is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then a few for
-each slot, then the targets in the order in which each seat sees them. Integers are exact in float64; a seed needs two
-of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
+each slot, then the targets in the order in which each seat sees them, then PREY_ROWS for each prey. Integers are exact
+in float64; a seed needs two of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
 from typing import Final, NamedTuple
@@ -106,6 +106,16 @@ TARGET_DIGEST: Final = (NUMBER, TARGET_X, TARGET_Y, BODY + THETA, APPEARED)
 MOVING_TARGET_DIGEST: Final = (*TARGET_DIGEST, BODY + SPEED, BODY + TURN_RATE, BODY + AT_WALL)
 """And of one that moves."""
 
+# prey rows (chapter 12); where prey is and how it moves stands in its target's slot
+PREY_SLOT: Final = 0 * LANES  # of the target that it plays, NO_TARGET while it is out
+TIMES_CAUGHT: Final = 1 * LANES  # in this episode
+CAUGHT_AT: Final = 2 * LANES  # [ms] since reset: when the state was on which it was caught; -1 while it is in play
+CAUGHT_BY: Final = 3 * LANES  # the seat that caught it in the last step, -1 for none
+PREY_WITHDRAWN: Final = 4 * LANES  # R12.5's flag
+PREY_RETURN: Final = 5 * LANES  # the rewards of this episode
+PREY_ROWS: Final = 6
+PREY_SIZE: Final = PREY_ROWS * LANES
+
 STILL: Final = 0
 WANDERING: Final = 1
 FLEEING: Final = 2
@@ -129,6 +139,7 @@ class Settings(NamedTuple):
     policy: int
     progress_wanted: int
     target_budget: float
+    spawned_in_full: float
     side_m: float
     kp_v: float
     ki_v: float
@@ -144,11 +155,16 @@ class Settings(NamedTuple):
     start_radius_m: float
     initial_targets: int
     slot_size: int
+    targets_move: int
     target_motion: int
     target_speed_mps: float
     target_turn_rate_radps: float
     wander_period_ms: float
     alarm_um: float
+    prey: int
+    prey_min_speed_mps: float
+    prey_returns_ms: float
+    prey_distance_wanted: int
     partial_view: int
     view_radius_um: float
     view_cosine: float
@@ -164,6 +180,12 @@ class Settings(NamedTuple):
     rejected_request_weight: float
     progress_weight: float
     time_weight: float
+    has_teams: int
+    team_share: float
+    mate_catch_weight: float
+    caught_weight: float
+    survived_weight: float
+    gained_weight: float
 
 
 class SeatLimits(NamedTuple):
@@ -189,14 +211,14 @@ def target_order_rows(targets_seen: int) -> int:
 
 
 @rule
-def slot_rows(motion: int) -> int:
+def slot_rows(targets_move: bool) -> int:
     """How many rows a slot has."""
-    return STILL_SLOT_ROWS if motion == STILL else MOVING_SLOT_ROWS
+    return MOVING_SLOT_ROWS if targets_move else STILL_SLOT_ROWS
 
 
 @rule
-def block_rows(hunters: int, max_targets: int, rows_of_slot: int, targets_seen: int) -> int:
-    """How many rows a block has."""
+def first_prey_row(hunters: int, max_targets: int, rows_of_slot: int, targets_seen: int) -> int:
+    """The row with which those of prey begin; as many come before."""
     return ARENA_ROWS + hunters * HUNTER_ROWS + max_targets * rows_of_slot + hunters * target_order_rows(targets_seen)
 
 
@@ -229,11 +251,24 @@ def body_of(targets: Block, slot: int, s: Settings) -> Block:
     return targets[first : first + BODY_ROWS * LANES]
 
 
+@rule
+def seat_at(seat: int) -> int:
+    """Where in a block the rows of one seat begin."""
+    return ARENA_ROWS * LANES + seat * SEAT_SIZE
+
+
 @inlined
 def seat_of(block: Block, seat: int) -> Block:
     """The rows of one seat."""
-    first = ARENA_ROWS * LANES + seat * SEAT_SIZE
+    first = seat_at(seat)
     return block[first : first + SEAT_SIZE]
+
+
+@inlined
+def prey_of(block: Block, index: int, s: Settings) -> Block:
+    """The rows of one prey."""
+    first = first_prey_row(s.hunters, s.max_targets, s.slot_size // LANES, s.targets_seen) * LANES + index * PREY_SIZE
+    return block[first : first + PREY_SIZE]
 
 
 @inlined

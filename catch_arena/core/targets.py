@@ -81,20 +81,29 @@ def keep_wandering(block: Block, targets: Block, width: Width, slot: int, s: Set
 
 
 @rare
-def threat_by_lot(block: Block, targets: Block, lane: int, at: int, s: Settings, threats: Block) -> None:
-    """R3.10: the threat of one target where several hunters are equally near; `threats` as of `find_threats`."""
+def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings) -> int:
+    """R3.10, R12.5: the seat nearest to one target, by lot where several are equally near; -1 where all are withdrawn.
+
+    Args:
+        block: the block.
+        targets: its slots.
+        lane: the lane.
+        at: where in `targets` the target is, its lane included.
+        s: the settings.
+    """
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+    step, number = block[STEP + lane], targets[NUMBER + at]
     chosen = -1
+    nearest = _NOBODY
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        dx, dy = targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]
-        if me[WITHDRAWN + lane] > 0.0 or measure_um(dx, dy) != threats[lane]:
+        if me[WITHDRAWN + lane] > 0.0:
             continue
-        step, number = block[STEP + lane], targets[NUMBER + at]
-        if chosen < 0 or threat_lot(seed, step, number, seat) < threat_lot(seed, step, number, chosen):
-            chosen = seat
-            threats[LANES + lane] = dx
-            threats[2 * LANES + lane] = dy
+        um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
+        tied = um == nearest
+        if um < nearest or (tied and threat_lot(seed, step, number, seat) < threat_lot(seed, step, number, chosen)):
+            chosen, nearest = seat, um
+    return chosen
 
 
 @phase
@@ -129,7 +138,11 @@ def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Setti
         threats[2 * LANES + lane] = north
         if any_of(tied & (nearest < s.alarm_um) & (block[ALIVE + lane] > slot)):
             for each in range(first, first + len(width)):
-                threat_by_lot(block, targets, each, slot * s.slot_size + each, s, threats)
+                at = slot * s.slot_size + each
+                seat = nearest_hunter(block, targets, each, at, s)
+                if seat >= 0:
+                    threats[LANES + each] = targets[TARGET_X + at] - seat_of(block, seat)[X + each]
+                    threats[2 * LANES + each] = targets[TARGET_Y + at] - seat_of(block, seat)[Y + each]
 
 
 @phase

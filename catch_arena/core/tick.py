@@ -20,6 +20,7 @@ from catch_arena.core.jit import Block, entry, inlined
 from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.observations import observe
 from catch_arena.core.physics import move
+from catch_arena.core.prey import command_prey, return_prey, reward_prey
 from catch_arena.core.rewards import reward
 from catch_arena.core.spawner import spawn_through
 from catch_arena.core.state import LANES, STILL, Settings, targets_of
@@ -54,13 +55,20 @@ def play(
     apply_actions(block, s, width, lanes, controls, limits, choices[first:last], commands[first:last], scratch)
     if s.target_motion != STILL:
         command_targets(block, s, width, lanes, targets, scratch.rows)
+    if s.prey > 0:
+        command_prey(block, s, lanes, targets, sections.prey_commands[first:last], scratch)
     resolve_requests(block, s, width, lanes, targets, limits, requests_by_name, scratch)
     move(block, s, width, lanes, targets, scratch.rows)
     spawn_through(block, targets, lanes, s)
+    if s.prey > 0:
+        return_prey(block, s, lanes, targets)
     end_test(block, s, width)
-    reward(block, s, width, lanes, scratch, rewards, parts)
+    reward(block, s, width, lanes, sections.teams, scratch, rewards, parts)
     if had_ended:
         restore_finished(block, s, lanes, scratch.snapshot, rewards, parts)
+    if s.prey > 0:
+        prey_rewards, prey_parts = sections.prey_rewards[first:last], sections.prey_parts[first:last]
+        reward_prey(block, s, lanes, had_ended, targets, scratch, prey_rewards, prey_parts)
     write_ends(block, lanes, sections.ends[first:last])
 
 

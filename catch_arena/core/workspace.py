@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.jit import Block, inlined
 from catch_arena.core.memory import Sections
-from catch_arena.core.state import ABSENT, LANES, RANKS_PER_WORD
+from catch_arena.core.state import ABSENT, LANES, RANKS_PER_WORD, WITHDRAWN
 from catch_arena.core.vectors import WIDE
 
 _MOST: Final = 64
 """Of hunters and of targets, in one arena."""
-_ROWS: Final = 8
+_ROWS: Final = 9
 """As many as `rewards.reward` needs."""
 FEATURE_STRIDE: Final = 8
 """How many numbers there are at most, and room for, of one thing that is seen."""
@@ -21,6 +21,9 @@ _FEATURES: Final = (ABSENT + 1) * FEATURE_STRIDE * len(WIDE)
 """Of all slots or seats, and of what is absent: zeros."""
 _ORDER_ROWS: Final = _MOST // RANKS_PER_WORD
 _REFERENCE_ROWS: Final = 3
+_PREY_REFERENCE_ROWS: Final = 4
+GATHERED_SIZE: Final = WITHDRAWN + LANES
+"""Of the rows of one prey: a body's, and all up to that which hides a hunter."""
 
 
 class Scratch(NamedTuple):
@@ -44,13 +47,23 @@ class Scratch(NamedTuple):
     """Of the rivals, by seat: see `rival_order_of`."""
     progress_references: Block
     """R6.2's progress, by seat: see `progress_reference_of`."""
+    team_rows: Block
+    """R11.2, of as many as there are hunters, or none: the catches of each team, by the seat that stands for it; and
+    then what each seat has earned by itself.
+    """
+    prey_references: Block
+    """R12.5's gain, by index: see `prey_reference_of`."""
+    gathered_prey: Block
+    """The bodies of prey, by index: see `gathered_of`."""
     snapshot: Block
     """The block as it was, where some of its arenas have ended."""
 
 
-def scratch_shapes(hunters: int, rows: int, columns: int) -> dict[str, tuple[int, ...]]:
-    """The shapes of one thread's scratch memory, for blocks of so many rows and observations of so many columns."""
-    staging = len(WIDE) * hunters * columns + FEATURE_STRIDE  # with room for what is written too much
+def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_play: bool) -> dict[str, tuple[int, ...]]:
+    """The shapes of one thread's scratch memory, for blocks of so many rows and, in an arena, observations of so many
+    columns.
+    """
+    staging = len(WIDE) * columns + FEATURE_STRIDE  # with room for what is written too much
     return {
         "keys": (_MOST * LANES,),
         "ages": (_MOST * LANES,),
@@ -61,6 +74,9 @@ def scratch_shapes(hunters: int, rows: int, columns: int) -> dict[str, tuple[int
         "rows": (_ROWS * LANES,),
         "rival_orders": (hunters * _ORDER_ROWS * LANES,),
         "progress_references": (hunters * _REFERENCE_ROWS * LANES,),
+        "team_rows": (2 * hunters * LANES if team_play else 0,),
+        "prey_references": (prey * _PREY_REFERENCE_ROWS * LANES,),
+        "gathered_prey": (prey * GATHERED_SIZE,),
         "snapshot": (rows * LANES,),
     }
 
@@ -78,6 +94,9 @@ def scratch_of(sections: Sections, thread: int) -> Scratch:
         sections.rows[thread],
         sections.rival_orders[thread],
         sections.progress_references[thread],
+        sections.team_rows[thread],
+        sections.prey_references[thread],
+        sections.gathered_prey[thread],
         sections.snapshot[thread],
     )
 
@@ -94,3 +113,15 @@ def progress_reference_of(scratch: Scratch, seat: int) -> Block:
     how far it was [m], -1 for none.
     """
     return scratch.progress_references[_REFERENCE_ROWS * LANES * seat : _REFERENCE_ROWS * LANES * (seat + 1)]
+
+
+@inlined
+def prey_reference_of(scratch: Scratch, index: int) -> Block:
+    """R12.5's gain of one prey, four rows: see `prey.IN_PLAY` and those that follow."""
+    return scratch.prey_references[_PREY_REFERENCE_ROWS * LANES * index : _PREY_REFERENCE_ROWS * LANES * (index + 1)]
+
+
+@inlined
+def gathered_of(scratch: Scratch, index: int) -> Block:
+    """R12.4: the body of one prey, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
+    return scratch.gathered_prey[GATHERED_SIZE * index : GATHERED_SIZE * (index + 1)]

@@ -18,6 +18,7 @@ from pettingzoo import ParallelEnv
 
 from catch_arena.config import ArenaConfig, Control, require_choice
 from catch_arena.core import state as rows
+from catch_arena.core.prey import PREY_PART_NAMES
 from catch_arena.core.rewards import PART_NAMES
 from catch_arena.engine import Engine, episode_seed
 from catch_arena.envs.infos import LazyInfos
@@ -27,12 +28,14 @@ from catch_arena.envs.spaces import (
     checked_command,
     checked_full,
     observation_space,
+    prey_observation_space,
     require_pose,
     state_space,
+    velocity_space,
 )
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
-from catch_arena.layout import state_columns
-from catch_arena.replay import Replay, checked_text
+from catch_arena.layout import STATE_PREY_COLUMNS, state_columns
+from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import in_short
 from catch_arena.verdicts import REASONS, Verdict
@@ -63,7 +66,7 @@ class SavedEpisode:
     """The arena and what it told last, as the engine keeps them."""
     agents: tuple[str, ...]
     over: bool
-    withdrawn: frozenset[str]
+    leaving: frozenset[str]
     np_random: Any
     """The state of the generator, None where nothing has drawn from it."""
     replay: Replay | None
@@ -94,22 +97,27 @@ def parallel_env(
 class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo is not typed everywhere
     """Hunters chase targets; the arbiter decides (docs/rulebook.md).
 
-    Agents are `hunter_0`, `hunter_1`, ... Observations are float32 vectors (docs/observation.md). Under target
-    control an action is 0 (hold) or a target's rank in view; under velocity control two numbers in [-1, 1]; under
-    full control {"cmd_vel": two such numbers, "catch": a rank or 0}. `infos[agent]` holds
+    Agents are `hunter_0`, `hunter_1`, ..., and then `prey_0`, ... where there is prey. Observations are float32 vectors
+    (docs/observation.md). Under target control an action is 0 (hold) or a target's rank in view; under velocity control
+    two numbers in [-1, 1]; under full control {"cmd_vel": two such numbers, "catch": a rank or 0}. `infos[agent]` holds
 
     - `action_mask`: R7.2's mask (not under velocity control);
     - `verdict`, `reason`, `target`, `distance_um`, `winner`: the answer to the agent's catch request in this step,
       all None without one;
     - `reward_parts`: R6.2's parts, unweighted;
     - `active`, where hunters drop out and stay (`dropouts="fixed"`): whether it has not (R1.7);
+    - `team_score`, where there are teams: the sum of its hunters' scores (R11.1);
     - `TimeLimit.truncated`, True, where the agent is truncated in this step, and absent elsewhere: by it
       stable-baselines3 knows that the value of the last observation still counts.
 
     With `infos="mask"` an info holds `action_mask` alone, always an int8 array (K + 1): under full control that of the
-    catch, under velocity control nothing. With `infos="none"` it is empty.
+    catch; under velocity control, and for prey, nothing. With `infos="none"` it is empty.
 
     With `dropouts="leave"` a hunter that drops out is terminated in that step, and no longer among `agents`.
+
+    Prey's actions are two numbers in [-1, 1], and its infos hold `active`, whether it is not out; `caught_by`, the seat
+    that caught it in this step, or None; and `reward_parts`, R12.5's. With `prey_returns_s=None` prey that is caught is
+    terminated in that step; else it stays, and its actions are ignored until it returns (R12.3).
 
     Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
     """
@@ -129,33 +137,40 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.render_mode = render_mode
         self._infos_wanted = infos
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1000 / config.control_period_ms))}
-        self.possible_agents = list(config.hunter_names)
+        self.possible_agents = [*config.hunter_names, *config.prey_names]
         self.agents: list[str] = []
         self.max_cycles = config.max_steps
         self._seats = {name: seat for seat, name in enumerate(config.hunter_names)}
+        self._prey = {name: index for index, name in enumerate(config.prey_names)}
+        self._places = {name: place for place, name in enumerate(self.possible_agents)}
         self._observation_spaces: dict[str, spaces.Space[Any]] = {}
         self._action_spaces: dict[str, spaces.Space[Any]] = {}
         self._engine = Engine(config)
+        self._choices = np.zeros((1, config.hunters), dtype=np.int64)
+        self._commands = np.zeros((1, len(self.possible_agents), 2), dtype=np.float32)
         self._look_at_the_engine()
         self._controls = config.controls
         self._ranks = config.targets_seen
-        self._all_target_control = set(config.controls) == {"target"}
-        self._choices = np.zeros((1, config.hunters), dtype=np.int64)
-        self._commands = np.zeros((1, config.hunters, 2), dtype=np.float32)
+        self._all_target_control = set(config.controls) == {"target"} and not config.prey
         self._seed: int | None = None
         self._np_random: np.random.Generator | None = None
         self._over = True
         self._dropouts_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         self._dropouts_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
-        self._withdrawn: set[str] = set()
+        self._prey_leaves = config.prey > 0 and config.prey_returns_s is None
+        self._team_by_seat = config.team_by_seat
+        self._leaving: set[str] = set()
+        """Who leaves with the end of the next step, and who has left."""
         self._record_as: tuple[tuple[str, ...], str] | None = None
         self._replay: Replay | None = None
         self._painter: Any = None
         self._window: Any = None
 
     def _look_at_the_engine(self) -> None:
-        """Note where in the engine's `outputs` each thing lies, in numbers of float32."""
-        engine = self._engine
+        """Note where in the engine's `outputs` each thing lies, in numbers of float32, and what it is handed."""
+        engine, hunters = self._engine, self.config.hunters
+        self._hunter_commands = self._commands[:, :hunters]
+        self._prey_commands = self._commands[:, hunters:] if self._prey else None
         begin, seen, masks, end = (
             (section.ctypes.data - engine.outputs.ctypes.data) // engine.outputs.itemsize
             for section in (engine.evidence, engine.observations, engine.masks, engine.ends)
@@ -166,6 +181,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         }
         self._parts, self._evidence, self._masks = slice(0, begin), slice(begin, seen), slice(masks, end)
         self._rewards = engine.rewards[0]
+        if self._prey:
+            begin, seen = (
+                (section.ctypes.data - engine.outputs.ctypes.data) // engine.outputs.itemsize
+                for section in (engine.prey_rewards, engine.prey_observations)
+            )
+            width = engine.prey_observations.shape[2]
+            self._seen |= {
+                agent: slice(seen + index * width, seen + (index + 1) * width) for agent, index in self._prey.items()
+            }
+            self._prey_parts = slice(begin, seen)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "CatchArenaEnv":
         twin = object.__new__(type(self))
@@ -174,7 +199,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             name: value if name in _UNCHANGING else copy.deepcopy(value, memo) for name, value in state.items()
         }
         twin._observation_spaces = {}  # made anew when they are asked for: nobody draws from them
-        twin._rewards = twin._engine.rewards[0]
+        twin._look_at_the_engine()
         return twin
 
     def __getstate__(self) -> dict[str, Any]:
@@ -190,12 +215,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return str(self.metadata["name"])
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
-        """R7.1: what that agent sees; the same object in every call."""
-        return self._space(observation_space, self._observation_spaces, agent)
+        """R7.1, R12.4: what that agent sees; the same object in every call."""
+        return self._space(observation_space, prey_observation_space, self._observation_spaces, agent)
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
-        """R4.1, R4.4: what that agent may do; the same object in every call."""
-        return self._space(action_space, self._action_spaces, agent)
+        """R4.1, R4.4, R12.2: what that agent may do; the same object in every call."""
+        return self._space(action_space, lambda _config: velocity_space(), self._action_spaces, agent)
 
     @cached_property
     def state_space(self) -> spaces.Box:
@@ -214,12 +239,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def _space(
         self,
         make: Callable[[ArenaConfig, Control], spaces.Space[Any]],
+        make_of_prey: Callable[[ArenaConfig], spaces.Space[Any]],
         made: dict[str, spaces.Space[Any]],
         agent: str,
     ) -> spaces.Space[Any]:
         """Made when it is asked for: a match asks for none, and they would take most of what an env takes."""
         if agent not in made:
-            made[agent] = make(self.config, self._controls[self._seats[self._known(agent)]])
+            seat = self._seats.get(self._known(agent))
+            made[agent] = make_of_prey(self.config) if seat is None else make(self.config, self._controls[seat])
         return made[agent]
 
     def reset(
@@ -241,7 +268,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine.reset([self._seed])
         self.agents = self.possible_agents[:]
         self._over = False
-        self._withdrawn.clear()
+        self._leaving.clear()
         self._replay = None
         if self._record_as is not None:
             names, title = self._record_as
@@ -272,49 +299,59 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             )
         self._apply_actions(actions)
         engine = self._engine
-        engine.step(self._choices, self._commands)
+        engine.step(self._choices, self._hunter_commands, self._prey_commands)
         if self._replay is not None:
-            self._replay.append(self._choices[0], self._commands[0], engine)
+            prey_commands = None if self._prey_commands is None else self._prey_commands[0]
+            self._replay.append(self._choices[0], self._hunter_commands[0], engine, prey_commands)
         agents = self.agents
         ended = engine.ends.item()
         terminations = dict.fromkeys(agents, ended == rows.TERMINATED)
         truncations = dict.fromkeys(agents, ended == rows.TRUNCATED)
-        rewards = dict(zip(self.possible_agents, self._rewards.tolist(), strict=True))
+        earned = self._rewards.tolist()
+        if self._prey:
+            earned += engine.prey_rewards[0].tolist()
+        rewards = dict(zip(self.possible_agents, earned, strict=True))
         if len(agents) < len(self.possible_agents):
             rewards = {agent: rewards[agent] for agent in agents}
         if self._dropouts_leave:
             active = engine.active()[0].tolist()
-            self._withdrawn.update(agent for agent, seat in self._seats.items() if not active[seat])
-        if self._withdrawn:
-            for agent in self._withdrawn & terminations.keys():
+            self._leaving.update(agent for agent, seat in self._seats.items() if not active[seat])
+        if self._prey_leaves:
+            in_play = engine.prey_active()[0].tolist()
+            self._leaving.update(agent for agent, index in self._prey.items() if not in_play[index])
+        if self._leaving:
+            for agent in self._leaving & terminations.keys():
                 terminations[agent], truncations[agent] = True, False
         cut = [agent for agent in agents if truncations[agent]] if ended else ()
         observations, infos = self._observations_and_infos(agents, cut)
         if ended:
             self._over = True
             self.agents = []
-        elif self._withdrawn:
-            self.agents = [agent for agent in agents if agent not in self._withdrawn]
+        elif self._leaving:
+            self.agents = [agent for agent in agents if agent not in self._leaving]
             self._over = not self.agents
         if self.render_mode == "human":
             self.render()
         return observations, rewards, terminations, truncations, infos
 
     def withdraw(self, agent: str) -> None:
-        """R1.6: the agent takes no further part.
+        """R1.6, R12.5: the agent takes no further part.
 
         It is among `agents` for one more step, in which its requests are HUNTER_INACTIVE; that step ends with its
-        termination and its last observation.
+        termination and its last observation. Prey stands still, and can be caught.
         """
-        seat = self._seats[self._known(agent)]
+        self._known(agent)
         if self._over or agent not in self.agents:
             raise EpisodeError(f"{agent} must be in play to be withdrawn")
-        if agent in self._withdrawn:
+        if agent in self._leaving:
             return
-        self._engine.withdraw(0, seat)
-        self._withdrawn.add(agent)
+        if agent in self._prey:
+            self._engine.withdraw_prey(0, self._prey[agent])
+        else:
+            self._engine.withdraw(0, self._seats[agent])
+        self._leaving.add(agent)
         if self._replay is not None:
-            insort(self._replay.withdrawals, (self._replay.steps, seat))  # agents fail in any order
+            insort(self._replay.withdrawals, (self._replay.steps, self._places[agent]))  # agents fail in any order
 
     def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
         """R8.1: a target outside the timer; its name, or "" where the arena is full. A recorded episode takes none."""
@@ -356,20 +393,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._engine.digest()
 
     def record(self, names: Sequence[str] | None = None, title: str = "") -> None:
-        """Keep every episode from the next reset on; `names` are the agents' names by seat.
+        """Keep every episode from the next reset on; `names` are those of `possible_agents`, in their order.
 
         Raises:
             ConfigError: for a name or a title that is not at most 200 printable characters.
         """
         import catch_arena.player  # noqa: F401 - notebooks show the replay by it
 
-        names = tuple(names) if names is not None else self.config.hunter_names
-        if len(names) != self.config.hunters:
-            raise ConfigError(f"names must be {self.config.hunters}, one for each hunter, got {names!r}")
-        for seat, name in enumerate(names):
-            checked_text(f"names[{seat}]", name)
+        called = checked_names(self.possible_agents if names is None else names, self.config)
         checked_text("name_prefix", self.config.name_prefix)
-        self._record_as = (names, checked_text("title", title))
+        self._record_as = (called, checked_text("title", title))
 
     def replay(self) -> Replay:
         """The episode so far, where `record` was called before its reset."""
@@ -391,7 +424,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             memory=self._engine.save_row(0),
             agents=tuple(self.agents),
             over=self._over,
-            withdrawn=frozenset(self._withdrawn),
+            leaving=frozenset(self._leaving),
             np_random=None if self._np_random is None else self._np_random.bit_generator.state,
             replay=None if self._replay is None else self._replay.copy(),
         )
@@ -415,7 +448,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine.restore_row(0, saved.memory)
         self.agents = list(saved.agents)
         self._over = saved.over
-        self._withdrawn = set(saved.withdrawn)
+        self._leaving = set(saved.leaving)
         self._np_random = None
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
@@ -470,11 +503,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def check_action(self, agent: str, action: object) -> None:
         """Raise the ActionError that `step` would raise for that action; nothing moves."""
-        self._checked(agent, self._seats[self._known(agent)], action)
+        if self._known(agent) in self._prey:
+            checked_command(agent, "an action", action)
+        else:
+            self._checked(agent, self._seats[agent], action)
 
     def _known(self, agent: str) -> str:
-        if agent not in self._seats:
-            raise ActionError(f"unknown agent {agent!r}: {suggest(agent, self._seats)}")
+        if agent not in self._seats and agent not in self._prey:
+            raise ActionError(f"unknown agent {agent!r}: {suggest(agent, self.possible_agents)}")
         return agent
 
     def _require_episode(self, what: str) -> None:
@@ -497,16 +533,20 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                     choices[seats[agent]] = action if legal else checked_choice(agent, "an action", action, ranks)
             else:
                 for agent in agents:
-                    seat = seats[agent]
-                    choices[seat], (speed, turn_rate) = self._checked(agent, seat, actions[agent])
-                    commands[2 * seat] = speed
-                    commands[2 * seat + 1] = turn_rate
+                    place = self._places[agent]
+                    if agent in self._prey:
+                        speed, turn_rate = checked_command(agent, "an action", actions[agent])
+                    else:
+                        choices[place], (speed, turn_rate) = self._checked(agent, place, actions[agent])
+                    commands[2 * place] = speed
+                    commands[2 * place + 1] = turn_rate
         except KeyError:
             self._explain_mismatch(actions)
-        for agent in self._withdrawn:
+        for agent in self._leaving:
             if agent not in agents:
-                choices[seats[agent]] = 0
-                self._commands[0, seats[agent]] = 0.0
+                if agent in seats:
+                    choices[seats[agent]] = 0
+                self._commands[0, self._places[agent]] = 0.0
 
     def _checked(self, agent: str, seat: int, action: Any) -> tuple[int, tuple[float, float]]:
         """A seat's choice and command.
@@ -526,9 +566,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._known(agent)
         for agent in actions:
             if agent not in self.agents:
-                raise ActionError(f"{agent} must give no action: it was withdrawn")
+                raise ActionError(f"{agent} must give no action: it was {self._why_left(agent)}")
         missing = [agent for agent in self.agents if agent not in actions]
         raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
+
+    def _why_left(self, agent: str) -> str:
+        of_prey = agent in self._prey and self._engine.world().prey[self._prey[agent]]
+        return "caught" if of_prey and of_prey.target is None and not of_prey.withdrawn else "withdrawn"
 
     def _observations_and_infos(
         self, agents: Sequence[str], cut: Sequence[str] = ()
@@ -539,24 +583,23 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._infos_wanted == "full":
             infos = LazyInfos(dict.fromkeys(agents))
             active = self._engine.active()[0].tolist() if self._dropouts_stay else None
-            infos.make = lambda: self._infos(agents, cut, outputs, active)
+            team_scores = self._engine.team_scores()[0].tolist() if self.config.teams is not None else None
+            prey = self._engine.prey_rows(0).copy() if self._prey else None
+            infos.make = lambda: self._infos(agents, cut, outputs, active, team_scores, prey)
         elif self._infos_wanted == "mask":
+            infos = {agent: {} for agent in agents}
             told = self._masks_in(outputs)
-            infos = {
-                agent: {} if self._controls[seat] == "velocity" else {"action_mask": told[seat]}
-                for agent, seat in ((agent, self._seats[agent]) for agent in agents)
-            }
+            for agent, seat in self._seats.items():
+                if agent in infos and self._controls[seat] != "velocity":
+                    infos[agent]["action_mask"] = told[seat]
         else:
             infos = {agent: {} for agent in agents}
-        if not self.config.mask_in_observation:
-            return {agent: outputs[seen[agent]] for agent in agents}, infos
-        masks = self._masks_in(outputs).copy()
-        observations = {
-            agent: {"observation": outputs[seen[agent]], "action_mask": masks[self._seats[agent]]}
-            if self._controls[self._seats[agent]] == "target"
-            else outputs[seen[agent]]
-            for agent in agents
-        }
+        observations: dict[str, Any] = {agent: outputs[seen[agent]] for agent in agents}
+        if self.config.mask_in_observation:
+            masks = self._masks_in(outputs).copy()
+            for agent, seat in self._seats.items():
+                if agent in observations and self._controls[seat] == "target":
+                    observations[agent] = {"observation": observations[agent], "action_mask": masks[seat]}
         return observations, infos
 
     def _masks_in(self, outputs: NDArray[np.float32]) -> NDArray[np.int8]:
@@ -564,21 +607,33 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return outputs[self._masks].view(np.int8)[: math.prod(shape)].reshape(shape)
 
     def _infos(
-        self, agents: Sequence[str], cut: Sequence[str], outputs: NDArray[np.float32], active: Sequence[bool] | None
+        self,
+        agents: Sequence[str],
+        cut: Sequence[str],
+        outputs: NDArray[np.float32],
+        active: Sequence[bool] | None,
+        team_scores: Sequence[float] | None,
+        prey: NDArray[np.float64] | None,
     ) -> dict[str, dict[str, Any]]:
-        """The infos of a step by agent, from what the engine put out; `active` by seat, where that is told."""
-        infos = {}
+        """The infos of a step by agent, from what the engine put out; where that is told, `active` by seat, the scores
+        by team, and `prey` as of `Engine.prey_rows`.
+        """
+        infos: dict[str, dict[str, Any]] = {}
         masks = self._masks_in(outputs)
         hunters = self.config.hunters
         answers = outputs[self._evidence].view(np.float64)[: hunters * len(rows.EVIDENCE)].reshape(hunters, -1).tolist()
         shares = outputs[self._parts].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
         for agent in agents:
+            if agent in self._prey:
+                continue
             seat = self._seats[agent]
             number, verdict, distance, winner = answers[seat]
             infos[agent] = info = _NO_ANSWER.copy()
             info["reward_parts"] = _named_parts(*shares[seat][1:])
             if active is not None:
                 info["active"] = active[seat]
+            if team_scores is not None:
+                info["team_score"] = int(team_scores[self._team_by_seat[seat]])
             if self._controls[seat] == "target":
                 info["action_mask"] = masks[seat]
             elif self._controls[seat] == "full":
@@ -590,13 +645,30 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 info["target"] = self.config.target_name(int(number)) if number else None
                 info["distance_um"] = None if distance < 0 else int(distance)
                 info["winner"] = None if winner < 0 else int(winner)
+        if prey is not None:
+            parts = outputs[self._prey_parts].view(np.float64)[: len(prey) * (1 + len(PREY_PART_NAMES))]
+            earned = parts.reshape(len(prey), -1).tolist()
+            for agent, told, share in zip(self._prey, prey.tolist(), earned, strict=True):
+                catcher = told[rows.CAUGHT_BY // rows.LANES]
+                if agent in agents:
+                    infos[agent] = {
+                        "active": told[rows.PREY_SLOT // rows.LANES] != rows.NO_TARGET,
+                        "caught_by": None if catcher < 0 else int(catcher),
+                        "reward_parts": dict(zip(PREY_PART_NAMES, share[1:], strict=True)),
+                    }
         for agent in cut:
             infos[agent]["TimeLimit.truncated"] = True
         return infos
 
 
 def _named_parts(
-    catch: float, rival_catch: float, lost_contest: float, rejected_request: float, progress: float, time: float
+    catch: float,
+    rival_catch: float,
+    lost_contest: float,
+    rejected_request: float,
+    progress: float,
+    time: float,
+    mate_catch: float,
 ) -> dict[str, float]:
     """`rewards.PART_NAMES` to their values, in half the time that dict(zip(...)) takes."""
     return {
@@ -606,6 +678,7 @@ def _named_parts(
         "rejected_request": rejected_request,
         "progress": progress,
         "time": time,
+        "mate_catch": mate_catch,
     }
 
 
@@ -619,5 +692,15 @@ def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
         numbers += [1.0, target.x, target.y, (world.time_ms - target.spawned_ms) / 1000.0]
         if config.targets_move:
             numbers += [np.cos(target.theta), np.sin(target.theta), target.linear_velocity]
-    numbers += [0.0] * (len(state_columns(config)) - len(numbers))
+    of_prey = len(STATE_PREY_COLUMNS) * config.prey
+    numbers += [0.0] * (len(state_columns(config)) - of_prey - len(numbers))
+    played = {target.prey: target for target in world.targets}
+    for prey in world.prey:
+        its = played.get(prey.name)
+        if its is None:
+            numbers += [0.0] * 7
+        else:
+            numbers += [1.0, its.x, its.y, np.cos(its.theta), np.sin(its.theta)]
+            numbers += [its.linear_velocity, its.angular_velocity]
+        numbers += [prey.times_caught, prey.withdrawn]
     return np.array(numbers, dtype=np.float32)

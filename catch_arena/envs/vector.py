@@ -3,18 +3,18 @@
 import copy as copy_module
 from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import Any, Final, NamedTuple, TypeVar, cast
+from typing import Any, Final, Literal, NamedTuple, TypeVar, cast
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig, Control
-from catch_arena.core import episodes
+from catch_arena.core import episodes, prey
 from catch_arena.core import state as rows
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine, batch_seeds, next_seeds
-from catch_arena.envs.spaces import action_space, observation_space
+from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, velocity_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
@@ -29,6 +29,9 @@ _MOST_THREADS: Final = 4096
 T = TypeVar("T")
 
 Results = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
+"""Without prey; with prey the first two are dicts of such arrays."""
+Begun = tuple[NDArray[np.float32], dict[str, Any]]
+"""Likewise."""
 
 
 class SavedState(NamedTuple):
@@ -56,15 +59,23 @@ class VectorArena:
     episode, and `infos` keeps those of the old one. With `auto_reset=False` (Gymnasium's DISABLED) an arena that has
     ended stands still, whatever it is told, until `reset` names it.
 
+    Where there is prey, P in each arena that see E numbers, everything that is given or taken for each agent is a dict
+    of two arrays, {"hunter": ..., "prey": ...}: actions, the second of which is (B, P, 2) numbers in [-1, 1];
+    observations, (B, H, D) and (B, P, E); rewards, (B, H) and (B, P); `final_obs`; and `episode`, whose second part has
+    `length`, `return`, `times_caught` and `rank` (1 is who was caught least), all (B, P). Prey that is out keeps its
+    row: its actions must be legal, and are ignored.
+
     `infos` holds, always the same arrays:
 
     - `action_mask`: (B, H, K + 1) int8, read only: R7.2's mask of ranks; absent under velocity control;
     - `active`, where hunters drop out: (B, H) bool, who has not (R1.7); all play on as under `dropouts="fixed"`;
+    - `team_score`, where there are teams: (B, teams) float64, the sums of their scores (R11.1);
+    - `prey_active`, where there is prey: (B, P) bool, who is not out (R12.3);
     - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step, and for these `final_obs`
       (B, H, D) float32, the last observations, `final_mask` (B, H, K + 1) int8, their masks (where there are masks),
-      and `episode`, a dict with `length` [steps], `return` (rewards
-      summed), `score`, `rank` (1 is best, equal scores share it), `contests_won` and `contests_lost`, all (B, H), and
-      `verdicts`, (B, H, 11), how often each verdict was met, in the order of `Verdict`. Rows whose episode ended
+      and `episode`, a dict with `length` [steps], `return` (rewards summed), `score`, `team_score` (without teams the
+      same), `rank` (1 is best, equal scores share it, team-mates too), `contests_won` and `contests_lost`, all (B, H),
+      and `verdicts`, (B, H, 11), how often each verdict was met, in the order of `Verdict`. Rows whose episode ended
       earlier keep what they had; all but `_final_obs` and `final_mask` are float32.
 
     Everything that is returned lies in buffers that the next call fills anew; `copy=True` returns arrays of their
@@ -81,7 +92,7 @@ class VectorArena:
         overrides: fields of ArenaConfig.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an unknown scenario or setting, and numbers and flags that are none.
     """
 
     def __init__(
@@ -103,6 +114,7 @@ class VectorArena:
         self.config: Final = arena_config(scenario, **overrides)
         self.num_envs: Final = num_envs
         self.num_hunters: Final = self.config.hunters
+        self.num_prey: Final = self.config.prey
         self.auto_reset: Final = auto_reset
         self._copy = copy
         self._kinds: Final = set(CONTROLS if any_control else self.config.controls)
@@ -115,10 +127,13 @@ class VectorArena:
             controls = self._kinds
             self._choices = np.zeros((0, 0) if controls == {"velocity"} else shape, dtype=np.int64)
             self._commands = np.zeros((0, 0, 2) if controls == {"target"} else (*shape, 2), dtype=np.float32)
+            self._prey_commands = np.zeros((num_envs, self.config.prey, 2), dtype=np.float32)
             self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
         except MemoryError as error:
             raise ConfigError(f"num_envs must fit into this machine's memory, got {num_envs}: {error}") from None
         self._active = np.ones(shape if self.config.dropout_rate > 0.0 else (0, 0), dtype=np.bool_)
+        self._prey_active = np.ones((num_envs, self.config.prey), dtype=np.bool_)
+        self._team_scores = np.zeros((num_envs, len(self.config.teams or ())))
         self._infos = self._make_infos()
 
     def _make_infos(self) -> dict[str, Any]:
@@ -128,51 +143,78 @@ class VectorArena:
             infos["action_mask"].flags.writeable = False  # the engine writes only what has changed
         if self.config.dropout_rate > 0.0:
             infos["active"] = self._active
+        if self.config.teams is not None:
+            infos["team_score"] = self._team_scores
+        if self.num_prey:
+            infos["prey_active"] = self._prey_active
         if engine.auto_reset:
-            records = engine.records
+            records, prey_records = engine.records, engine.prey_records
             tallies = records[:, :, episodes.FINAL_TALLIES :]
             infos["_final_obs"] = self._ended
-            infos["final_obs"] = engine.last_observations
+            infos["final_obs"] = self._by_side(engine.last_observations, engine.prey_last_observations)
             if "action_mask" in infos:
                 infos["final_mask"] = engine.last_masks
-            infos["episode"] = {
-                "length": records[:, :, episodes.LENGTH],
-                "return": records[:, :, episodes.FINAL_RETURN],
-                "score": records[:, :, episodes.FINAL_SCORE],
-                "rank": records[:, :, episodes.FINAL_RANK],
-                "contests_won": records[:, :, episodes.FINAL_CONTESTS_WON],
-                "contests_lost": tallies[:, :, Verdict.LOST_CONTEST - 1],
-                "verdicts": tallies,
-            }
+            infos["episode"] = self._by_side(
+                {
+                    "length": records[:, :, episodes.LENGTH],
+                    "return": records[:, :, episodes.FINAL_RETURN],
+                    "score": records[:, :, episodes.FINAL_SCORE],
+                    "team_score": records[:, :, episodes.FINAL_TEAM_SCORE],
+                    "rank": records[:, :, episodes.FINAL_RANK],
+                    "contests_won": records[:, :, episodes.FINAL_CONTESTS_WON],
+                    "contests_lost": tallies[:, :, Verdict.LOST_CONTEST - 1],
+                    "verdicts": tallies,
+                },
+                {
+                    "length": prey_records[:, :, prey.PREY_LENGTH],
+                    "return": prey_records[:, :, prey.PREY_RETURNED],
+                    "times_caught": prey_records[:, :, prey.PREY_TIMES_CAUGHT],
+                    "rank": prey_records[:, :, prey.PREY_RANK],
+                },
+            )
         return infos
 
+    def _by_side(self, of_hunters: Any, of_prey: Any) -> Any:
+        """What is given for each agent: where there is prey, both sides' by their names."""
+        return {"hunter": of_hunters, "prey": of_prey} if self.num_prey else of_hunters
+
     def __repr__(self) -> str:
+        prey = f" and {self.num_prey} prey" if self.num_prey else ""
         return (
-            f"<VectorArena: {self.num_envs} arenas, {self.num_hunters} hunters in each, {self.config.control} control>"
+            f"<VectorArena: {self.num_envs} arenas, {self.num_hunters} hunters{prey} in each, "
+            f"{self.config.control} control>"
         )
 
     def close(self) -> None:
         """End the threads that were started. The arena is as it was, and can be played on."""
         self._engine.threads.close()
 
-    def observation_space(self, seat: int = 0) -> spaces.Space[Any]:
-        """R7.1: what one hunter sees; the mask is in `infos`."""
+    def observation_space(self, seat: int | Literal["prey"] = 0) -> spaces.Space[Any]:
+        """R7.1: what the hunter of that seat sees; the mask is in `infos`. "prey": what each prey sees (R12.4)."""
+        if seat == "prey":
+            self._require_prey()
+            return prey_observation_space(self.config)
         return observation_space(self.config.replace(mask_in_observation=False), self._control_of(seat))
 
-    def action_space(self, seat: int = 0) -> spaces.Space[Any]:
-        """R4.1, R4.4: what one hunter may do."""
+    def action_space(self, seat: int | Literal["prey"] = 0) -> spaces.Space[Any]:
+        """R4.1, R4.4: what the hunter of that seat may do. "prey": what each prey may do (R12.2)."""
+        if seat == "prey":
+            self._require_prey()
+            return velocity_space()
         return action_space(self.config, self._control_of(seat))
 
-    def _control_of(self, seat: int) -> Control:
+    def _require_prey(self) -> None:
+        if not self.num_prey:
+            raise ConfigError("seat must be a hunter's in an arena without prey, got 'prey'")
+
+    def _control_of(self, seat: object) -> Control:
         if isinstance(seat, bool) or not isinstance(seat, int) or not 0 <= seat < self.num_hunters:
             raise ConfigError(f"seat must be a whole number from 0 to {self.num_hunters - 1}, got {seat!r}")
         return self.config.controls[seat]
 
     # playing
 
-    def reset(
-        self, seed: int | Iterable[int] | None = None, arenas: ArrayLike | None = None
-    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    def reset(self, seed: int | Iterable[int] | None = None, arenas: ArrayLike | None = None) -> Begun:
         """Begin episodes.
 
         Args:
@@ -205,28 +247,47 @@ class VectorArena:
         self._engine.reset(seeds, None if arenas is None else chosen)
         self._begun = True
         self._ended[chosen] = False
-        return self._handed_out((self._engine.observations, dict(self._infos)))
+        return self._begun_with()
 
-    def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> Results:
+    def _begun_with(self) -> Begun:
+        engine = self._engine
+        return self._handed_out((self._by_side(engine.observations, engine.prey_observations), dict(self._infos)))
+
+    def step(self, actions: ArrayLike | Mapping[str, Any]) -> Results:
         """R1.4: one step of every arena.
 
         Args:
             actions: see above.
 
         Returns:
-            observations (B, H, D) float32, rewards (B, H) float32, terminations (B,) and truncations (B,) bool, infos.
+            observations (B, H, D) float32, rewards (B, H) float32, terminations (B,) and truncations (B,) bool, infos;
+            where there is prey, observations and rewards of each side.
 
         Raises:
-            ActionError: that names the first arena and hunter whose action is not legal; nothing has moved then.
+            ActionError: that names the first arena and agent whose action is not legal; nothing has moved then.
             EpisodeError: before the first reset.
         """
         if not self._begun:
             raise EpisodeError("step must follow a reset: no episode has begun")
         engine = self._engine
-        engine.step(*self._checked_actions(actions))
+        if self.num_prey:
+            if not isinstance(actions, Mapping) or set(actions) != {"hunter", "prey"}:
+                raise ActionError(f"actions must be a mapping with hunter and prey, got {_named(actions)}")
+            hunters = self._checked_actions("actions['hunter']", actions["hunter"])
+            engine.step(
+                *hunters, self._checked_commands("actions['prey']", actions["prey"], self._prey_commands, "prey")
+            )
+        else:
+            engine.step(*self._checked_actions("actions", actions))
         self._look_at_the_ends()
         return self._handed_out(
-            (engine.observations, engine.rewards, self._terminations, self._truncations, dict(self._infos))
+            (
+                self._by_side(engine.observations, engine.prey_observations),
+                self._by_side(engine.rewards, engine.prey_rewards),
+                self._terminations,
+                self._truncations,
+                dict(self._infos),
+            )
         )
 
     def set_controls(self, controls: ArrayLike, arenas: ArrayLike | None = None) -> None:
@@ -253,18 +314,16 @@ class VectorArena:
         np.equal(ends, _TRUNCATED, out=self._truncations)
         np.logical_or(self._terminations, self._truncations, out=self._ended)
 
-    def _checked_actions(
-        self, actions: ArrayLike | Mapping[str, ArrayLike]
-    ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    def _checked_actions(self, what: str, actions: Any) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
         controls = self._kinds
         if controls == {"target"}:
-            return self._checked_choices("actions", actions), self._commands
+            return self._checked_choices(what, actions), self._commands
         if controls == {"velocity"}:
-            return self._choices, self._checked_commands("actions", actions)
+            return self._choices, self._checked_commands(what, actions, self._commands)
         if not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
-            raise ActionError(f"actions must be a mapping with cmd_vel and catch, got {_named(actions)}")
+            raise ActionError(f"{what} must be a mapping with cmd_vel and catch, got {_named(actions)}")
         choices = self._checked_choices("catch", actions["catch"])
-        return choices, self._checked_commands("cmd_vel", actions["cmd_vel"])
+        return choices, self._checked_commands("cmd_vel", actions["cmd_vel"], self._commands)
 
     def _checked_choices(self, what: str, given: Any) -> NDArray[np.int64]:
         ranks = self.config.targets_seen
@@ -279,18 +338,20 @@ class VectorArena:
         np.copyto(self._choices, choices, casting="unsafe")  # every rank fits
         return self._choices
 
-    def _checked_commands(self, what: str, given: Any) -> NDArray[np.float32]:
+    def _checked_commands(
+        self, what: str, given: Any, converted: NDArray[np.float32], side: str = "hunter"
+    ) -> NDArray[np.float32]:
         commands = _array(what, given)
         if commands.dtype.kind not in "fiu":
             raise ActionError(f"{what} must be numbers, got {_named(commands)}")
-        self._require_shape(what, commands, self._commands.shape)
+        self._require_shape(what, commands, converted.shape)
         if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
             illegal = np.any(~((commands >= -1.0) & (commands <= 1.0)), axis=-1)
-            self._blame(what, "two numbers in [-1, 1]", commands, illegal)
+            self._blame(what, "two numbers in [-1, 1]", commands, illegal, side)
         if commands.dtype == np.float32 and commands.flags.carray:
             return commands
-        np.copyto(self._commands, commands, casting="unsafe")  # rounded to float32
-        return self._commands
+        np.copyto(converted, commands, casting="unsafe")  # rounded to float32
+        return converted
 
     @staticmethod
     def _require_shape(what: str, given: NDArray[Any], shape: tuple[int, ...]) -> None:
@@ -298,14 +359,20 @@ class VectorArena:
             raise ActionError(f"{what} must have the shape {shape}, got {given.shape}")
 
     @staticmethod
-    def _blame(what: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
-        arena, seat = (int(index) for index in np.argwhere(illegal)[0])
-        value = given[arena, seat].tolist()
-        raise ActionError(f"{what} must be {requirement}, got {value} in arena {arena} for hunter_{seat}")
+    def _blame(
+        what: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_], side: str = "hunter"
+    ) -> None:
+        arena, index = (int(place) for place in np.argwhere(illegal)[0])
+        value = given[arena, index].tolist()
+        raise ActionError(f"{what} must be {requirement}, got {value} in arena {arena} for {side}_{index}")
 
     def _handed_out(self, results: T) -> T:
         if self._active.size:
             np.copyto(self._active, self._engine.active())
+        if self._prey_active.size:
+            np.copyto(self._prey_active, self._engine.prey_active())
+        if self._team_scores.size:
+            np.copyto(self._team_scores, self._engine.team_scores())
         return cast(T, _copied(results)) if self._copy else results
 
     def _rows(self, arenas: ArrayLike | None) -> NDArray[np.int64]:
@@ -336,37 +403,37 @@ class VectorArena:
         self._require_begun()
         return SavedState(self._config_digest, self.num_envs, self._engine.save())
 
-    def restore(self, saved: SavedState) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    def restore(self, saved: SavedState) -> Begun:
         """Go on from a saved state, bit for bit, the figures of past episodes included.
 
         Returns:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for an argument that cannot be.
+            ConfigError: for what was not saved from as many arenas of an equal config.
         """
         self._engine.restore(self._memory_of(saved, self.num_envs))
         self._begun = True
         self._look_at_the_ends()
-        return self._handed_out((self._engine.observations, dict(self._infos)))
+        return self._begun_with()
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: the state of one arena, which any row of an arena of equal config can take."""
         return SavedState(self._config_digest, None, self._engine.save_row(self._row(arena)))
 
-    def restore_row(self, arena: int, saved: SavedState) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    def restore_row(self, arena: int, saved: SavedState) -> Begun:
         """Go on, in one arena, from a saved row.
 
         Returns:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for an argument that cannot be.
+            ConfigError: for a row that is not there, and what is no saved row of an equal config.
         """
         arena = self._row(arena)
         self._engine.restore_row(arena, self._memory_of(saved, None))
         self._look_at_the_ends()
-        return self._handed_out((self._engine.observations, dict(self._infos)))
+        return self._begun_with()
 
     @cached_property
     def _config_digest(self) -> str:
@@ -449,4 +516,6 @@ def _named(given: object) -> str:
     """What was given, in a few words."""
     if isinstance(given, np.ndarray):
         return f"an array of {given.dtype} of the shape {given.shape}"
+    if isinstance(given, Mapping):
+        return f"a mapping with {' and '.join(map(str, given)) or 'nothing'}"[:80]
     return f"{given!r}"[:80]

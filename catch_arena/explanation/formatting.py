@@ -1,9 +1,14 @@
-"""Lengths in words: measured in whole micrometres, as the arbiter measures them."""
+"""Lengths and times in words: lengths in whole micrometres, as the arbiter measures them, and times in milliseconds."""
 
 
 def metres(length_um: int | None) -> str:
     """To the micrometre; «?» where nothing was measured."""
     return "?" if length_um is None else f"{length_um / 1e6:.6f} m"
+
+
+def seconds(time_ms: int) -> str:
+    """To the tenth, or to the millisecond where that is needed."""
+    return f"{time_ms / 1000:.1f} s" if time_ms % 100 == 0 else f"{time_ms / 1000:.3f} s"
 
 
 def exact_length(length_um: float) -> str:

@@ -10,13 +10,15 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final, Literal, NamedTuple, get_args
 
-from catch_arena.explanation.formatting import metres, short_length
-from catch_arena.explanation.match_summary import Contest, contests_of
-from catch_arena.explanation.seats import labels
+from catch_arena.explanation.captures import PreyRecord
+from catch_arena.explanation.contests import contests_of
+from catch_arena.explanation.facts import Capture, Contest
+from catch_arena.explanation.formatting import metres, seconds, short_length
+from catch_arena.explanation.seats import labels, prey_labels, team_label
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Verdict
 
-Kind = Literal["contest", "lead", "streak", "finish", "upset"]
+Kind = Literal["contest", "capture", "lead", "streak", "finish", "upset"]
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 
 CLOSE_CATCHES: Final = 2
@@ -37,25 +39,31 @@ _AFTER_MS: Final = 1500
 class Catch(NamedTuple):
     """One catch, and the scores that it led to."""
 
-    time_ms: int
+    judged_ms: int
     """When it was judged: the step's beginning (R1.4)."""
     seat: int
+    side: int
     scores: tuple[int, ...]
+    """By side."""
 
 
 @dataclass(frozen=True, slots=True)
 class MatchEvents:
-    """What a match's highlights are found by."""
+    """What a match's highlights are found by. A side is a team, or where there are none a hunter."""
 
-    names: tuple[str, ...]
+    hunters: tuple[str, ...]
     """By seat, each once."""
+    prey: tuple[str, ...]
+    """By index."""
+    names: tuple[str, ...]
+    """By side, each once."""
     entrants: tuple[str, ...]
-    """By seat, as they are called in other matches too."""
+    """By side, as they are called in other matches too."""
     duration_ms: int
-    period_ms: int
     reach_um: int
     catches: tuple[Catch, ...]
     contests: tuple[Contest, ...]
+    captures: tuple[Capture, ...]
 
     @property
     def scores(self) -> tuple[int, ...]:
@@ -91,23 +99,38 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
     period_ms = replay.config.control_period_ms
     catches: list[Catch] = []
     contests: list[Contest] = []
+    prey = PreyRecord(replay)
     for step, world in enumerate(replay.worlds()):
         contests += contests_of(replay, world)
-        scores = tuple(hunter.score for hunter in world.hunters)
+        prey.note(world)
         catches += [
-            Catch(world.time_ms - period_ms, ruling.hunter, scores) for ruling in world.rulings if ruling.success
+            Catch(world.time_ms - period_ms, ruling.hunter, world.hunters[ruling.hunter].team, world.team_scores)
+            for ruling in world.rulings
+            if ruling.success
         ]
         if progress is not None:
             progress(step, replay.steps)
+    names, entrants = labels(replay.hunter_names), replay.hunter_names
+    hunters = names
+    if replay.config.teams is not None:
+        names = tuple(team_label(replay, seats) for seats in replay.config.teams)
+        entrants = tuple(_entrant(replay, seats) for seats in replay.config.teams)
     return MatchEvents(
-        labels(replay.names),
-        replay.names,
+        hunters,
+        prey_labels(replay),
+        names,
+        entrants,
         replay.steps * period_ms,
-        period_ms,
         replay.config.reach_um,
         tuple(catches),
         tuple(contests),
+        tuple(prey.captures),
     )
+
+
+def _entrant(replay: Replay, seats: Sequence[int]) -> str:
+    """A team as it is called in other matches: by its only agent, or by all of them."""
+    return " + ".join(dict.fromkeys(replay.hunter_names[seat] for seat in seats))
 
 
 def find_highlights(events: MatchEvents, rates: Mapping[str, float] | None = None) -> list[Highlight]:
@@ -117,7 +140,14 @@ def find_highlights(events: MatchEvents, rates: Mapping[str, float] | None = Non
         events: the match's events.
         rates: the share of their other matches that the entrants won (`win_rates`): without it there are no upsets.
     """
-    found = [*_contests(events), *_leads(events), *_streaks(events), *_finish(events), *_upset(events, rates or {})]
+    found = [
+        *_contests(events),
+        *_captures(events),
+        *_leads(events),
+        *_streaks(events),
+        *_finish(events),
+        *_upset(events, rates or {}),
+    ]
     return sorted(found, key=lambda one: (one.decisive_ms, KINDS.index(one.kind)))
 
 
@@ -146,7 +176,7 @@ def win_rates(known: Mapping[str, WinRecord], events: MatchEvents) -> dict[str, 
 
 
 def _shares(events: MatchEvents) -> list[float]:
-    """By seat, its part of the win."""
+    """By side, its part of the win."""
     most = max(events.scores)
     return [(score == most) / events.scores.count(most) for score in events.scores]
 
@@ -176,9 +206,11 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
     for contest in events.contests:
         margin_um = contest.margin_um
         winner, loser = contest.claims[:2]
+        if loser.mate:
+            continue  # nobody has lost anything by it
         if margin_um is None or winner.verdict is not Verdict.GRANTED or contest.clause not in ("R5.4", "R5.5"):
             continue
-        first, second = events.names[winner.seat], events.names[loser.seat]
+        first, second = events.hunters[winner.seat], events.hunters[loser.seat]
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
             what = f"{first} beats {second} by lot"
@@ -187,51 +219,61 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
             what = f"{first} beats {second} by {short_length(margin_um)}"
             why = f"It was {distances}, the other {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
         score = 1.0 - math.log1p(margin_um) / math.log1p(events.reach_um)
-        yield _around("contest", contest.time_ms - events.period_ms, score, what, why)
+        yield _around("contest", contest.judged_ms, score, what, why)
+
+
+def _captures(events: MatchEvents) -> Iterable[Highlight]:
+    """The longer prey had got away, the better: that part of the match."""
+    for one in events.captures:
+        what = f"{events.hunters[one.seat]} catches {events.prey[one.prey]}"
+        place = "" if one.distance_um is None else f", from {metres(one.distance_um)}"
+        why = f"It had got away for {seconds(one.in_play_ms)}{place} (R12.3)"
+        score = one.in_play_ms / events.duration_ms
+        yield _around("capture", one.judged_ms, score, what, why)
 
 
 def _leads(events: MatchEvents) -> Iterable[Highlight]:
     """The later somebody else takes the lead, the better: the square of the part of the match that has passed."""
     for since_ms, catch, old in _changes(events):
         scores = catch.scores
-        what = f"{events.names[catch.seat]} takes the lead, {scores[catch.seat]} : {_second(scores)}"
-        why = f"{events.names[old]}, who was in front from {_seconds(since_ms)} on, has {scores[old]} (R6.1)"
-        yield _around("lead", catch.time_ms, (catch.time_ms / events.duration_ms) ** 2, what, why)
+        what = f"{events.names[catch.side]} takes the lead, {scores[catch.side]} : {_second(scores)}"
+        why = f"{events.names[old]}, who was in front from {seconds(since_ms)} on, has {scores[old]} (R6.1)"
+        yield _around("lead", catch.judged_ms, (catch.judged_ms / events.duration_ms) ** 2, what, why)
 
 
 def _changes(events: MatchEvents) -> Iterable[tuple[int, Catch, int]]:
     """Since when the old one led, the catch that changed it, and the old one; ties have no leader."""
     leader: int | None = None
     since_ms = 0
-    for _, step in groupby(events.catches, key=lambda catch: catch.time_ms):
+    for _, step in groupby(events.catches, key=lambda catch: catch.judged_ms):
         catch = _leading(tuple(step))
-        if catch is None or catch.seat == leader:
+        if catch is None or catch.side == leader:
             continue
         if leader is not None:
             yield since_ms, catch, leader
-        leader, since_ms = catch.seat, catch.time_ms
+        leader, since_ms = catch.side, catch.judged_ms
 
 
 def _leading(step: Sequence[Catch]) -> Catch | None:
     """The catch of a step by which somebody leads alone after it."""
     scores = step[-1].scores
-    return next((one for one in step if scores[one.seat] > _second(scores, one.seat)), None)
+    return next((one for one in step if scores[one.side] > _second(scores, one.side)), None)
 
 
 def _streaks(events: MatchEvents) -> Iterable[Highlight]:
     """The longer, the better: 1 - 2 / n for n catches in a row."""
-    if len(events.names) == 1:
+    if len(events.hunters) == 1:
         return
     for seat, run in groupby(events.catches, key=lambda catch: catch.seat):
         row = list(run)
         if len(row) < STREAK:
             continue
         first, last = row[0], row[-1]
-        what = f"{events.names[seat]} catches {len(row)} in a row"
-        why = f"In {_seconds(last.time_ms - first.time_ms)}, and nobody else catches any between them (R6.1)"
-        start_ms = max(row[-STREAK].time_ms - 1000, last.time_ms - LAST_MS, 0)
-        end_ms = last.time_ms + _AFTER_MS
-        yield Highlight("streak", start_ms, last.time_ms, end_ms, 1.0 - 2.0 / len(row), what, why)
+        what = f"{events.hunters[seat]} catches {len(row)} in a row"
+        why = f"In {seconds(last.judged_ms - first.judged_ms)}, and nobody else catches any between them (R6.1)"
+        start_ms = max(row[-STREAK].judged_ms - 1000, last.judged_ms - LAST_MS, 0)
+        end_ms = last.judged_ms + _AFTER_MS
+        yield Highlight("streak", start_ms, last.judged_ms, end_ms, 1.0 - 2.0 / len(row), what, why)
 
 
 def _finish(events: MatchEvents) -> Iterable[Highlight]:
@@ -239,14 +281,14 @@ def _finish(events: MatchEvents) -> Iterable[Highlight]:
     scores = sorted(events.scores, reverse=True)
     if len(scores) == 1 or scores[0] == 0 or scores[0] - scores[1] > CLOSE_CATCHES:
         return
-    first, second = sorted(range(len(scores)), key=lambda seat: (-events.scores[seat], seat))[:2]
+    first, second = sorted(range(len(scores)), key=lambda side: (-events.scores[side], side))[:2]
     names = f"{events.names[first]} {scores[0]}, {events.names[second]} {scores[1]}"
     what = f"{names} at the end"
     why = (
         "They share the first rank (R6.1)" if scores[0] == scores[1] else f"{_catches(scores)} decides the match (R6.1)"
     )
     start_ms = max(0, events.duration_ms - LAST_MS)
-    late = [one.time_ms for one in events.catches if one.time_ms >= start_ms and one.seat in (first, second)]
+    late = [one.judged_ms for one in events.catches if one.judged_ms >= start_ms and one.side in (first, second)]
     decisive_ms = late[-1] if late else max(start_ms, events.duration_ms - 1000)
     score = (1.0 - (scores[0] - scores[1]) / scores[0]) ** 2
     yield Highlight("finish", start_ms, decisive_ms, events.duration_ms + _AFTER_MS, score, what, why)
@@ -257,7 +299,7 @@ def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highligh
     winner = events.scores.index(max(events.scores))
     if events.scores.count(events.scores[winner]) > 1 or not all(name in rates for name in events.entrants):
         return
-    favourite = max(range(len(events.names)), key=lambda seat: rates[events.entrants[seat]])
+    favourite = max(range(len(events.names)), key=lambda side: rates[events.entrants[side]])
     mine, theirs = rates[events.entrants[winner]], rates[events.entrants[favourite]]
     if theirs <= mine:
         return
@@ -269,13 +311,13 @@ def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highligh
         f"Of its other matches it won {100 * mine:.0f} %, {events.names[favourite]} {100 * theirs:.0f} %; "
         "from here on it leads (R6.1)"
     )
-    yield _around("upset", taken[0].time_ms, theirs - mine, what, why)
+    yield _around("upset", taken[0].judged_ms, theirs - mine, what, why)
 
 
-def _leads_from(events: MatchEvents, catch: Catch, seat: int) -> bool:
-    """From this catch to the end that seat leads alone."""
-    later = (one.scores for one in events.catches if one.time_ms >= catch.time_ms)
-    return all(scores[seat] > _second(scores, seat) for scores in later)
+def _leads_from(events: MatchEvents, catch: Catch, side: int) -> bool:
+    """From this catch to the end that side leads alone."""
+    later = (one.scores for one in events.catches if one.judged_ms >= catch.judged_ms)
+    return all(scores[side] > _second(scores, side) for scores in later)
 
 
 def _around(kind: Kind, decisive_ms: int, score: float, what: str, why: str) -> Highlight:
@@ -283,16 +325,12 @@ def _around(kind: Kind, decisive_ms: int, score: float, what: str, why: str) -> 
     return Highlight(kind, start_ms, decisive_ms, decisive_ms + _AFTER_MS, max(0.0, score), what, why)
 
 
-def _second(scores: Sequence[int], seat: int | None = None) -> int:
-    """The best score but one; or the best of all but that seat's, -1 for one alone."""
-    if seat is None:
-        seat = scores.index(max(scores))
-    return max((score for other, score in enumerate(scores) if other != seat), default=-1)
+def _second(scores: Sequence[int], side: int | None = None) -> int:
+    """The best score but one; or the best of all but that side's, -1 for one alone."""
+    if side is None:
+        side = scores.index(max(scores))
+    return max((score for other, score in enumerate(scores) if other != side), default=-1)
 
 
 def _catches(scores: Sequence[int]) -> str:
     return "One catch" if scores[0] - scores[1] == 1 else f"A lead of {scores[0] - scores[1]} catches"
-
-
-def _seconds(milliseconds: int) -> str:
-    return f"{milliseconds / 1000:.1f} s"

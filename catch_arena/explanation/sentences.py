@@ -1,56 +1,52 @@
-"""The facts of an explanation as sentences, each with its clause."""
+"""Facts as sentences, each with its clause."""
 
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from catch_arena.explanation.formatting import exact_length, metres
-from catch_arena.explanation.match_summary import Claim, Contest, Explanation, HunterSummary, Refusals
+from catch_arena.explanation.facts import (
+    Capture,
+    Claim,
+    Contest,
+    HunterAction,
+    HunterSummary,
+    PreyAction,
+    PreySummary,
+    Refusals,
+    TeamSummary,
+)
+from catch_arena.explanation.formatting import exact_length, metres, seconds
+from catch_arena.explanation.seats import with_seat
 from catch_arena.explanation.sight import Unseen
-from catch_arena.explanation.step_explanation import HunterAction, StepExplanation
 from catch_arena.verdicts import REASONS, Verdict
 
 _EMPTY_RANK: Final = "a rank that no target in its view has"
 _LEFT: Final = {"withdrawn": "It was withdrawn (R1.6)", "dropped out": "It had dropped out (R1.7)"}
 _MOST_UNSEEN: Final = 3
-_NO_CONTEST: Final = "No contest: in no step could two hunters have caught the same target."
 
 
-def paragraphs(explanation: Explanation) -> list[str]:
-    """A whole match: its heading, what happened, and the hunters, with an empty line between them."""
-    events = [(one.step, 0, contest_sentence(one, explanation.names)) for one in explanation.contests]
-    events += [(run.first_step, 1, _refusals(run, explanation)) for run in explanation.refusals]
-    found = [text for _, _, text in sorted(events)]
-    if not explanation.contests:
-        found.append(
-            _NO_CONTEST
-            if len(explanation.records) == len(explanation.names)
-            else f"No contest of {explanation.records[0].name}."
-        )
-    return [
-        _opening(explanation),
-        "",
-        *found,
-        "",
-        *(_summary_sentence(summary, explanation.policy) for summary in explanation.records),
-    ]
-
-
-def step_paragraphs(explanation: StepExplanation) -> list[str]:
-    """One step."""
-    begin, end = _seconds(explanation.begin_ms), _seconds(explanation.end_ms)
-    return [
-        f"Step {explanation.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
-        *(_asked(one, explanation) for one in explanation.asked),
-        *(_distances(target, explanation) for target in explanation.distances_um),
-        *(contest_sentence(contest, explanation.names) for contest in explanation.contests),
-    ]
+def opening_sentence(
+    title: str,
+    steps: int,
+    duration_ms: int,
+    policy: str,
+    names: Sequence[str],
+    scores: Sequence[int],
+    teams: Sequence[TeamSummary],
+) -> str:
+    """A whole match: how long it was, and who caught how many."""
+    caught = (f"{with_seat(name, seat)} {score}" for seat, (name, score) in enumerate(zip(names, scores, strict=True)))
+    heading = f"{title}: " if title else ""
+    sums = [f"{team.name} {team.score}" for team in sorted(teams, key=lambda team: team.rank)]
+    of_teams = f"Teams (R11.1): {_listed(sums)}. " if sums else ""
+    length = f"{_counted(steps, 'step')}, {seconds(duration_ms)}"
+    return f"{heading}{length}, policy {policy}. {of_teams}Catches: {_listed(caught)}."
 
 
 def contest_sentence(contest: Contest, names: Sequence[str]) -> str:
     """One contest: who asked for what, from where, what decides, and the verdicts."""
     winner, *losers = contest.claims
     asked = _listed(names[claim.seat] for claim in contest.claims)
-    asked = f"At {_seconds(contest.time_ms)} (step {contest.step}) {asked} asked for {contest.target}"
+    asked = f"At {seconds(contest.judged_ms)} (step {contest.step}) {asked} asked for {contest.target}"
     if contest.clause == "R9.1":
         return f"{asked}: the capstone's service says yes to each of them, GRANTED (R9.1)."
     places = [f"{names[winner.seat]} was {metres(winner.distance_um)} away"]
@@ -63,7 +59,9 @@ def contest_sentence(contest: Contest, names: Sequence[str]) -> str:
     lost = (
         f"{_listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
     )
-    return f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}."
+    mates = [names[claim.seat] for claim in losers if claim.mate]
+    own = f", {_listed(mates)} to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)" if mates else ""
+    return f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}{own}."
 
 
 def _decision(contest: Contest, names: Sequence[str]) -> str:
@@ -82,36 +80,56 @@ def _compared(claim: Claim, winner: Claim) -> str:
     return f"{exact_length(abs(more))} {'farther' if more > 0 else 'nearer'}"
 
 
-def _refusals(run: Refusals, explanation: Explanation) -> str:
+def refusals_sentence(run: Refusals, name: str, reach_um: int) -> str:
+    """One hunter's refusals: when, what for, and why.
+
+    Args:
+        run: the refusals.
+        name: what the hunter is called.
+        reach_um: its reach [micrometres].
+    """
     if run.times == 1:
-        when, often = f"At {_seconds(run.first_ms)} (step {run.first_step})", "asked"
+        when, often = f"At {seconds(run.first_ms)} (step {run.first_step})", "asked"
     else:
-        when = f"From {_seconds(run.first_ms)} to {_seconds(run.last_ms)} (steps {run.first_step} to {run.last_step})"
+        when = f"From {seconds(run.first_ms)} to {seconds(run.last_ms)} (steps {run.first_step} to {run.last_step})"
         often = f"asked {run.times} times"
-    what = f"{len(run.targets)} targets" if len(run.targets) > 1 else "".join(run.targets) or _EMPTY_RANK
+    what = run.target or _EMPTY_RANK
     place = ""
     if run.nearest_um is not None:
         farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
         place = f" from {metres(run.nearest_um)}{farthest}"
-    limit = (
-        f"; within reach is less than {metres(explanation.reaches_um[run.seat])}"
-        if run.verdict is Verdict.OUT_OF_REACH
-        else ""
-    )
-    asked = f"{when} {explanation.names[run.seat]} {often} for {what}{place}"
+    limit = f"; within reach is less than {metres(reach_um)}" if run.verdict is Verdict.OUT_OF_REACH else ""
+    asked = f"{when} {name} {often} for {what}{place}"
     return f"{asked}: {run.verdict.name}, {REASONS[run.verdict]}{limit}."
 
 
-def _opening(explanation: Explanation) -> str:
-    scores = (f"{name} {score}" for name, score in zip(explanation.names, explanation.scores, strict=True))
-    title = f"{explanation.title}: " if explanation.title else ""
-    return (
-        f"{title}{_counted(explanation.steps, 'step')}, {_seconds(explanation.duration_ms)}, "
-        f"policy {explanation.policy}. Catches: {_listed(scores)}."
-    )
+def capture_sentence(one: Capture, names: Sequence[str], prey_names: Sequence[str]) -> str:
+    """Who caught a prey, from where, and when it returned."""
+    place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
+    after = "; it did not return"
+    if one.returned_ms is not None:
+        after = f"; it returned at {seconds(one.returned_ms)} as {one.returned_as}"
+    who = f"{names[one.seat]} caught {prey_names[one.prey]}, {one.target},{place}"
+    when = f"At {seconds(one.judged_ms)} (step {one.step})"
+    return f"{when} {who} after {seconds(one.in_play_ms)} in play{after} (R12.3)."
 
 
-def _summary_sentence(summary: HunterSummary, policy: str) -> str:
+def prey_sentence(summary: PreySummary) -> str:
+    """What became of one prey."""
+    parts = [
+        f"caught {_counted(summary.times_caught, 'time')}",
+        f"returned {_counted(summary.returns, 'time')}",
+        f"{seconds(summary.in_play_ms)} in play",
+    ]
+    if summary.out:
+        parts.append("out at the end")
+    if summary.withdrawn_ms is not None:
+        parts.append(f"withdrawn at {seconds(summary.withdrawn_ms)} (R12.5)")
+    return f"{summary.name}: {'; '.join(parts)}."
+
+
+def summary_sentence(summary: HunterSummary, policy: str) -> str:
+    """What became of one hunter."""
     parts = [_counted(summary.catches, "catch", "catches")]
     if policy != "capstone":  # where nobody loses
         for count, what, by in (
@@ -120,6 +138,8 @@ def _summary_sentence(summary: HunterSummary, policy: str) -> str:
         ):
             average = "" if by is None or policy != "nearest" else f", by {exact_length(by)} on average"
             parts.append(f"{_counted(count, 'contest')} {what}{average}")
+        if summary.contests_lost_to_mates:
+            parts[-1] += f", {summary.contests_lost_to_mates} of them to its own team-mates (R11.3)"
     if summary.refused:
         reasons = ", ".join(f"{count} {verdict}" for verdict, count in summary.refused.items())
         parts.append(f"{_counted(sum(summary.refused.values()), 'request')} refused ({reasons})")
@@ -129,44 +149,59 @@ def _summary_sentence(summary: HunterSummary, policy: str) -> str:
         parts.append(f"{_counted(summary.never_seen, 'target')} that it never had in sight caught by others (R7.5)")
     if summary.withdrawn_ms is not None:
         how = "dropped out at {} (R1.7)" if summary.dropped_out else "withdrawn at {} (R1.6)"
-        parts.append(how.format(_seconds(summary.withdrawn_ms)))
-    return f"{summary.name}: {'; '.join(parts)}."
+        parts.append(how.format(seconds(summary.withdrawn_ms)))
+    return f"{with_seat(summary.name, summary.seat)}: {'; '.join(parts)}."
 
 
-def _asked(one: HunterAction, explanation: StepExplanation) -> str:
+def action_sentences(
+    one: HunterAction, names: Sequence[str], view_radius_m: float | None, view_angle_deg: float
+) -> str:
+    """What one hunter did in a step, what it asked for, and what it did not see."""
     chosen = f" ({one.chosen})" if one.chosen else ""
-    seat = f"hunter_{one.seat}"
-    who = seat if explanation.names[one.seat] == seat else f"{explanation.names[one.seat]} ({seat})"
-    did = f"{who}, {one.control} control: {one.action}{chosen}."
-    return " ".join((did, *filter(None, (_left(one), _requested(one, explanation), _sight(one, explanation)))))
+    did = f"{with_seat(names[one.seat], one.seat)}, {one.control} control: {one.action}{chosen}."
+    sight = _sight(one, view_radius_m, view_angle_deg)
+    return " ".join((did, *filter(None, (_left(one), _requested(one, names), sight))))
+
+
+def prey_action_sentences(one: PreyAction, names: Sequence[str]) -> str:
+    """What one prey did in a step, and what became of it."""
+    if one.withdrawn:
+        told = ["withdrawn (R12.5)."]
+    elif one.target is None:
+        told = ["out (R12.3)."]
+    else:
+        told = [f"{one.action}, as {one.target}."]
+    if one.caught_by is not None:
+        told.append(f"It was caught by {names[one.caught_by]} (R12.3).")
+    if one.returned_as is not None:
+        told.append(f"It returned as {one.returned_as}.")
+    return f"{one.name}: {' '.join(told)}"
 
 
 def _left(one: HunterAction) -> str:
     return f"{_LEFT[one.out]}." if one.out is not None else ""
 
 
-def _requested(one: HunterAction, explanation: StepExplanation) -> str:
+def _requested(one: HunterAction, names: Sequence[str]) -> str:
     if one.verdict is None:
         return "It requested nothing."
     what = one.target or _EMPTY_RANK
     place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
     winner = (
-        f"; the winner is {explanation.names[one.winner]}"
-        if one.verdict is Verdict.LOST_CONTEST and one.winner is not None
-        else ""
+        f"; the winner is {names[one.winner]}" if one.verdict is Verdict.LOST_CONTEST and one.winner is not None else ""
     )
     return f"It requested {what}{place}: {one.verdict.name}, {one.reason}{winner}."
 
 
-def _sight(one: HunterAction, explanation: StepExplanation) -> str:
+def _sight(one: HunterAction, view_radius_m: float | None, view_angle_deg: float) -> str:
     """What was out of its sight, the nearest first, and why; nothing where it saw every target."""
     if not one.unseen:
         return ""
     limits = []
-    if explanation.view_radius_m is not None:
-        limits.append(f"nearer than {explanation.view_radius_m:g} m")
-    if explanation.view_angle_deg < 360.0:
-        limits.append(f"at most {explanation.view_angle_deg / 2.0:g} degrees off its heading")
+    if view_radius_m is not None:
+        limits.append(f"nearer than {view_radius_m:g} m")
+    if view_angle_deg < 360.0:
+        limits.append(f"at most {view_angle_deg / 2.0:g} degrees off its heading")
     shown = [_out_of_sight(target) for target in one.unseen[:_MOST_UNSEEN]]
     if more := len(one.unseen) - len(shown):
         shown.append(f"{more} more")
@@ -182,14 +217,25 @@ def _out_of_sight(one: Unseen) -> str:
     return f"{one.target}, {metres(one.distance_um)} away, {' and '.join(why)}"
 
 
-def _distances(target: str, explanation: StepExplanation) -> str:
-    hidden = explanation.out_of_sight[target]
+def distances_sentence(
+    target: str, distances_um: Sequence[int], names: Sequence[str], unseen_by: Sequence[int], prey: str | None
+) -> str:
+    """How far everybody was from one target.
+
+    Args:
+        target: its name.
+        distances_um: by seat [micrometres].
+        names: what the hunters are called, by seat.
+        unseen_by: the seats that did not see it.
+        prey: what the prey that plays it is called, where one does.
+    """
     ranked = sorted(
-        (distance, name, " (out of its sight)" if seat in hidden else "")
-        for seat, (distance, name) in enumerate(zip(explanation.distances_um[target], explanation.names, strict=True))
+        (distance, name, " (out of its sight)" if seat in unseen_by else "")
+        for seat, (distance, name) in enumerate(zip(distances_um, names, strict=True))
     )
     told = _listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
-    return f"Distances to {target}: {told}."
+    player = f", which {prey} plays" if prey is not None else ""
+    return f"Distances to {target}{player}: {told}."
 
 
 def _listed(words: Iterable[str]) -> str:
@@ -200,8 +246,3 @@ def _listed(words: Iterable[str]) -> str:
 
 def _counted(count: int, one: str, many: str | None = None) -> str:
     return f"{count} {one if count == 1 else many or one + 's'}"
-
-
-def _seconds(milliseconds: int) -> str:
-    """To the tenth, or to the millisecond where that is needed."""
-    return f"{milliseconds / 1000:.1f} s" if milliseconds % 100 == 0 else f"{milliseconds / 1000:.3f} s"

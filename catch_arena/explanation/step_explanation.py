@@ -1,43 +1,26 @@
 """All about one step: what each hunter did, what it asked for, and how far everybody was from that."""
 
+import math
 from dataclasses import asdict, dataclass
 from itertools import islice
 from typing import Any
 
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError
-from catch_arena.explanation.match_summary import Contest, contests_of, json_ready
-from catch_arena.explanation.seats import find_seat, how_it_left, labels
-from catch_arena.explanation.sight import Sight, Unseen
+from catch_arena.explanation.contests import contests_of
+from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
+from catch_arena.explanation.formatting import seconds
+from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels
+from catch_arena.explanation.sentences import (
+    action_sentences,
+    contest_sentence,
+    distances_sentence,
+    prey_action_sentences,
+)
+from catch_arena.explanation.sight import Sight
 from catch_arena.replay import Replay
-from catch_arena.verdicts import REASONS, Ruling, Verdict
+from catch_arena.verdicts import REASONS, Ruling
 from catch_arena.world import World
-
-
-@dataclass(frozen=True, slots=True)
-class HunterAction:
-    """What one hunter did in a step, and the answer."""
-
-    seat: int
-    control: str
-    action: str
-    """In words."""
-    chosen: str | None
-    """The target of the rank that it named; None without one."""
-    target: str | None
-    """What it requested; None where it requested nothing, or a rank without a target."""
-    verdict: Verdict | None
-    """None where it requested nothing."""
-    reason: str | None
-    distance_um: int | None
-    """The arbiter's evidence: None unless reach was tested."""
-    winner: int | None
-    out: str | None
-    """Why it took no part: "withdrawn" (R1.6) or "dropped out" (R1.7); None for one that did."""
-    seen: int
-    """How many targets it saw (R7.5)."""
-    unseen: tuple[Unseen, ...]
-    """Those that it did not, the nearest first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +35,10 @@ class StepExplanation:
     """What the hunters are called, by seat."""
     asked: tuple[HunterAction, ...]
     """A line for each hunter that was asked about."""
+    prey: tuple[PreyAction, ...]
+    """By index; none where one hunter alone was asked about."""
+    played: dict[str, str]
+    """For each target that prey plays: what this is called."""
     distances_um: dict[str, tuple[int, ...]]
     """For each target that these named or requested: every hunter's distance, by seat (R5.3)."""
     out_of_sight: dict[str, tuple[int, ...]]
@@ -62,13 +49,39 @@ class StepExplanation:
 
     def lines(self) -> list[str]:
         """The step in words: a paragraph for each hunter, each target and each contest."""
-        from catch_arena.explanation.sentences import step_paragraphs
-
-        return step_paragraphs(self)
+        begin, end = seconds(self.begin_ms), seconds(self.end_ms)
+        return [
+            f"Step {self.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
+            *(action_sentences(one, self.names, self.view_radius_m, self.view_angle_deg) for one in self.asked),
+            *(prey_action_sentences(one, self.names) for one in self.prey),
+            *(
+                distances_sentence(target, distances_um, self.names, self.out_of_sight[target], self.played.get(target))
+                for target, distances_um in self.distances_um.items()
+            ),
+            *(contest_sentence(contest, self.names) for contest in self.contests),
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits."""
         return {name: json_ready(value) for name, value in asdict(self).items()}
+
+
+def step_at(replay: Replay, at_s: float) -> int:
+    """The step, counted from 1, that is judged on the state at a time or on the last one before it.
+
+    Args:
+        replay: the recorded match.
+        at_s: since its beginning [s].
+
+    Raises:
+        ConfigError: for a time at which no step begins any more.
+    """
+    period_ms = replay.config.control_period_ms
+    step = round(1000 * at_s) // period_ms + 1 if math.isfinite(at_s) else 0
+    if not 1 <= step <= replay.steps:
+        last = f"to {seconds((replay.steps - 1) * period_ms)}, when the last step is judged"
+        raise ConfigError(f"at must be from 0 {last if replay.steps else 'on, and in a step'}, got {at_s:g} s")
+    return step
 
 
 def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> StepExplanation:
@@ -97,8 +110,14 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         step=step,
         begin_ms=before.time_ms,
         end_ms=after.time_ms,
-        names=labels(replay.names),
+        names=labels(replay.hunter_names),
         asked=asked,
+        prey=_prey_actions(replay, before, after) if hunter is None else (),
+        played={
+            one.target: name
+            for one, name in zip(before.prey, prey_labels(replay), strict=True)
+            if one.target is not None
+        },
         distances_um={
             target.name: tuple(_distances(before, (target.x, target.y)))
             for target in before.targets
@@ -112,6 +131,21 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         contests=tuple(
             contest for contest in contests_of(replay, after) if any(claim.seat in chosen for claim in contest.claims)
         ),
+    )
+
+
+def _prey_actions(replay: Replay, before: World, after: World) -> tuple[PreyAction, ...]:
+    return tuple(
+        PreyAction(
+            index=index,
+            name=name,
+            action=replay.prey_action(before.step, index),
+            target=then.target,
+            caught_by=now.caught_by,
+            returned_as=None if now.target == then.target else now.target,
+            withdrawn=now.withdrawn,
+        )
+        for index, (name, then, now) in enumerate(zip(prey_labels(replay), before.prey, after.prey, strict=True))
     )
 
 

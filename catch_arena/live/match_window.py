@@ -17,7 +17,8 @@ from catch_arena.render.shapes import Shape
 from catch_arena.render.viewport import Viewport
 from catch_arena.render.window import Screen
 from catch_arena.replay import Replay
-from catch_arena.tournament.match import ranks_of
+from catch_arena.tournament.match import ranks_of_sides
+from catch_arena.tournament.parties import Parties
 from catch_arena.world import World
 
 SPEEDS: Final = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -65,6 +66,7 @@ class MatchWindow:
     ) -> None:
         self._info, self._seed = info, seed
         self._inputs, self._seat, self._save = inputs, seat, save
+        self._parties = Parties.of(info.config)
         self._screen = Screen(f"Catch Arena: {info.title}", size, interactive=True)
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
@@ -87,15 +89,27 @@ class MatchWindow:
         return self._env.replay()
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """By party (tournament/parties.py), as all that follows: of teams and of prey."""
+        return tuple(self._info.called(seats[0]) for seats in self._parties.seats)
+
+    @property
     def scores(self) -> tuple[int, ...]:
-        """By seat, at the last state that was shown."""
-        return tuple(hunter.score for hunter in self._last.hunters)
+        """At the last state that was shown: catches, and how often prey was caught."""
+        return (*self._last.team_scores, *(prey.times_caught for prey in self._last.prey))
+
+    @property
+    def catches(self) -> tuple[int, ...]:
+        """By seat, as of `MatchResult`: none where no team has several hunters."""
+        agents = hud.standings_of(self._last)
+        return tuple(one.score for one in agents) if len(self._parties) < len(agents) else ()
 
     @property
     def ranks(self) -> tuple[int, ...]:
-        """By seat, as a tournament would rank them: who forfeited comes last."""
-        lasted = {seat: step for step, seat in self.replay.withdrawals}
-        return ranks_of(self.scores, [lasted.get(seat) for seat in range(len(self.scores))])
+        """As a tournament would rank them, on each side by itself: who forfeited comes last."""
+        lasted = {agent: step for step, agent in self.replay.withdrawals}
+        ends = [next((lasted[seat] for seat in seats if seat in lasted), None) for seats in self._parties.seats]
+        return ranks_of_sides(self.scores, ends, self._parties.hunting)
 
     def __call__(self, env: CatchArenaEnv) -> None:
         """One more state of the match: the first one, or the next."""
@@ -163,11 +177,12 @@ class MatchWindow:
 
     def _end(self, world: World) -> None:
         """The standings, until the user has seen them."""
+        agents = hud.standings_of(world)
         table = [
-            (rank, hud.HunterScore(seat, hunter.score, hunter.withdrawn))
-            for seat, (rank, hunter) in enumerate(zip(self.ranks, world.hunters, strict=True))
+            (rank, agents[seats[0]]._replace(score=score))
+            for rank, score, seats in zip(self.ranks, self.scores, self._parties.seats, strict=True)
         ]
-        table.sort(key=lambda line: (line[0], line[1].seat))
+        table.sort(key=lambda line: (line[1].hunted, line[0], line[1].agent))
         motion = self._motions[-1]
         while True:
             result = overlays.result_overlay(self._area, self._info, table, "R: again    Ctrl-S: save    Esc: end")
@@ -215,7 +230,7 @@ class MatchWindow:
         if not self._info.config.partial_view:
             self.notify("hunters see everything here")
             return
-        first = self._seat or 0
+        first = self._seat if self._seat is not None and self._seat < hunters else 0
         if self._view_of is None:
             self._view_of = first
         else:
@@ -243,14 +258,35 @@ class MatchWindow:
             return shapes + self._keys_overlay("H goes on")
         if self._paused:
             return shapes + overlays.note_overlay(self._area, "paused    space: go on    N: one step    H: keys")
-        return shapes + self._note_shapes()
+        return shapes + (self._note_shapes() or self._out_shapes())
+
+    def _out_shapes(self) -> list[Shape]:
+        """R12.3: the person's prey is out, and until when."""
+        index = -1 if self._seat is None else self._seat - self._info.config.hunters
+        caught_ms = self._last.prey[index].caught_ms if index >= 0 else None
+        if caught_ms is None:
+            return []
+        after_ms = self._info.config.prey_returns_ms
+        until = "" if after_ms is None else f": you return at {(caught_ms + after_ms) / 1000:.1f} s"
+        return overlays.note_overlay(self._area, f"you are out{until}")
 
     def _pointer(self, motion: StepMotion, time_ms: float) -> list[Shape]:
-        """Which hunter is the person's, in the first seconds and in a pause."""
-        if self._seat is None or not (time_ms < _POINTED_MS or self._paused):
+        """Which agent is the person's, in the first seconds and in a pause; and where its prey has just returned."""
+        if self._seat is None:
+            return []
+        poses, since_ms = motion.at(time_ms), 0
+        if self._seat < self._info.config.hunters:
+            place = poses.hunters[self._seat]
+        else:
+            name = self._info.config.prey_names[self._seat - self._info.config.hunters]
+            target = next((one for one in motion.after.targets if one.prey == name), None)
+            if target is None:
+                return []
+            place, since_ms = poses.targets[target.number], target.spawned_ms
+        if not (0 <= time_ms - since_ms < _POINTED_MS or self._paused):
             return []
         viewport = Viewport(*self._area, self._info.config.side_m)
-        return overlays.seat_pointer(viewport, motion.at(time_ms).hunters[self._seat][:2], self._info.color(self._seat))
+        return overlays.seat_pointer(viewport, place[:2], self._info.color(self._seat))
 
     def _keys_overlay(self, below: str) -> list[Shape]:
         rows = overlays.WINDOW if self._inputs is None else (*overlays.DRIVING, *overlays.WINDOW)

@@ -28,6 +28,7 @@ WINDOW: Final = (
     (("H",), "these keys"),
     (("Esc",), "end"),
 )
+_YOU: Final = "you"
 _ARROWS: Final = {"↑": (0, -1), "↓": (0, 1), "←": (-1, 0), "→": (1, 0)}
 
 Rows = Sequence[tuple[tuple[str, ...], str]]
@@ -63,9 +64,16 @@ def keys_overlay(area: tuple[int, int], title: str, rows: Rows, below: str) -> l
 
 
 def result_overlay(
-    area: tuple[int, int], info: MatchInfo, ranking: Sequence[tuple[int, hud.HunterScore]], below: str
+    area: tuple[int, int], info: MatchInfo, ranking: Sequence[tuple[int, hud.AgentScore]], below: str
 ) -> list[Shape]:
-    """The final standings, by rank, as many as there is room for."""
+    """The final standings, by rank, as many as there is room for.
+
+    Args:
+        area: (width, height).
+        info: who plays.
+        ranking: hunters or the first ones of teams, each with its side's catches, and then prey; each with its rank.
+        below: a line below them.
+    """
     width, height = area
     unit = min(width / 560.0, height / 560.0)
     size, big = hud.font_size(20 * unit, 11), hud.font_size(30 * unit, 14)
@@ -85,8 +93,11 @@ def result_overlay(
         chip = left + pad + 2.2 * size
         name = chip + hud.chip_width(info, size) + 0.7 * size
         shapes.append(Label(left + pad + 1.2 * size, y, str(rank), size, hud.DIM, 600, "right"))
-        shapes += hud.chip(chip, y, info, one.seat, size, faded=one.withdrawn)
-        shapes.append(Label(name, y, info.names[one.seat], size, hud.BRIGHT, 600, max_width=right - name - 2.4 * size))
+        shapes += hud.chip(chip, y, info, one.agent, size, faded=one.withdrawn)
+        room = right - name - (6.4 if one.hunted else 2.4) * size
+        shapes.append(Label(name, y, info.called(one.agent), size, hud.BRIGHT, 600, max_width=room))
+        if one.hunted:
+            shapes.append(Label(right - 2.0 * size, y, "caught", hud.font_size(0.8 * size, 9), hud.DIM, 500, "right"))
         shapes.append(Label(right, y, str(one.score), size, hud.BRIGHT, 800, "right"))
         y += line
     shapes.append(
@@ -120,12 +131,17 @@ def seat_pointer(viewport: Viewport, position: tuple[float, float], color: Color
     ]
 
 
-def _verdict(info: MatchInfo, ranking: Sequence[tuple[int, hud.HunterScore]]) -> str:
-    first = [one for rank, one in ranking if rank == 1]
+def _verdict(info: MatchInfo, ranking: Sequence[tuple[int, hud.AgentScore]]) -> str:
+    for _, one in ranking:
+        if one.hunted and info.names[one.agent] == _YOU:
+            return f"You were caught {one.score} time{'' if one.score == 1 else 's'}"
+    first = [one for rank, one in ranking if rank == 1 and not one.hunted]
     if len(first) > 1:
         return f"{len(first)} share the first rank"
-    name = info.names[first[0].seat]
-    return "You win" if name == "you" else f"{name} wins"
+    side = info.sides[info.side_by_seat[first[0].agent]]
+    if _YOU in (info.names[seat] for seat in side.seats):
+        return "You win" if len(side.seats) == 1 else "Your team wins"
+    return f"{side.name} wins"
 
 
 def _key_width(name: str, size: int) -> float:

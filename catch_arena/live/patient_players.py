@@ -5,7 +5,7 @@ from concurrent.futures import Future
 from threading import Thread
 from typing import Final
 
-from catch_arena.policy import Limits
+from catch_arena.policy import AnyLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.players import Answer, Fault, Observation, Players
 
@@ -28,7 +28,7 @@ class PatientPlayers:
         self._sandbox = sandbox
         self._wait = wait
 
-    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match."""
         return self._players.reset(seeds, limits)
 

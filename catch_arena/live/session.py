@@ -1,30 +1,30 @@
 """One match in the window, as often as its user wants it."""
 
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
+from io import BytesIO
 from typing import ClassVar, NamedTuple
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.live.match_window import MatchWindow, QuitRequested, RestartRequested
 from catch_arena.live.patient_players import PatientPlayers
 from catch_arena.live.user_input import InputState
-from catch_arena.policy import View
+from catch_arena.policy import PreyView, View
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.text import printable_lines
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import sandbox_for, start_players
+from catch_arena.tournament.isolation.starting import in_seats, sandbox_for, start_players
 from catch_arena.tournament.match import Forfeit, play
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import CompositePlayers, Players, TrustedPlayers
 
 
 class HumanPolicy:
-    """Drives by hand; the nearest target within reach is requested for it (R4.4)."""
+    """Drives by hand, a hunter or prey; the nearest target within reach is requested for a hunter (R4.4)."""
 
     control: ClassVar[Control] = "velocity"
 
@@ -36,7 +36,7 @@ class HumanPolicy:
         del seed
         self._inputs.release_all()
 
-    def act(self, view: View) -> tuple[float, float]:
+    def act(self, view: View | PreyView) -> tuple[float, float]:
         """What the person commands."""
         del view
         return self._inputs.velocity_command()
@@ -44,14 +44,12 @@ class HumanPolicy:
 
 @dataclass(frozen=True, slots=True)
 class Lineup:
-    """Who plays: entrants by seat, None for the person."""
+    """Who plays, by seat: those of the hunters first, then those of the prey."""
 
     players: tuple[Entrant | None, ...]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The person is «you»."""
-        return tuple("you" if player is None else player.name for player in self.players)
+    """None for the person."""
+    names: tuple[str, ...]
+    """The person is «you»."""
 
     @property
     def person(self) -> int | None:
@@ -65,14 +63,18 @@ class Lineup:
 
 
 class SessionResult(NamedTuple):
-    """What was played last, to its end or not; tuples are by seat."""
+    """What was played last, to its end or not; tuples are by party (tournament/parties.py)."""
 
     replay: Replay
+    names: tuple[str, ...]
     scores: tuple[int, ...]
     ranks: tuple[int, ...]
-    forfeits: tuple[Forfeit | None, ...]
+    details: tuple[Forfeit | None, ...]
+    """How it failed, where it did."""
+    catches: tuple[int, ...]
+    """By seat, as of `MatchResult`."""
     logs: tuple[str, ...]
-    """What isolated agents printed."""
+    """What isolated agents printed, by seat."""
 
 
 def show_match(
@@ -110,8 +112,7 @@ def show_match(
         save=save,
     )
     try:
-        with tempfile.TemporaryDirectory() as folder, sandbox_for(limits) as sandbox:
-            record = Path(folder, "match.replay")  # a match is recorded where it is to be written; `save` decides
+        with sandbox_for(limits) as sandbox:
             while True:
                 forfeits: dict[int, Forfeit] = {}
 
@@ -127,7 +128,7 @@ def show_match(
                             players,
                             lineup.names,
                             title=title,
-                            record=record,
+                            record=BytesIO(),  # what is recorded can be saved at any time
                             watch=window,
                             on_forfeit=on_forfeit,
                         )
@@ -136,12 +137,15 @@ def show_match(
                     except QuitRequested:
                         pass
                     logs = players.logs()
+                parties = Parties.of(config).seats
                 return SessionResult(
                     window.replay,
+                    window.names,
                     window.scores,
                     window.ranks,
-                    tuple(forfeits.get(seat) for seat in range(config.hunters)),
-                    tuple(printable_lines(logs.get(seat, "")) for seat in range(config.hunters)),
+                    tuple(next((forfeits[seat] for seat in seats if seat in forfeits), None) for seats in parties),
+                    window.catches,
+                    tuple(printable_lines(logs.get(seat, "")) for seat in range(len(lineup.names))),
                 )
     finally:
         window.close()
@@ -158,7 +162,18 @@ def _players(lineup: Lineup, inputs: InputState, sandbox: Sandbox | None, window
             yield CompositePlayers([TrustedPlayers({lineup.person: HumanPolicy(inputs)}), others])
 
 
-def line_up(players: Sequence[Entrant], hunters: int, person: int | None) -> Lineup:
-    """The entrants in their order, about the person's seat."""
-    rest = iter(players)
-    return Lineup(tuple(None if seat == person else next(rest) for seat in range(hunters)))
+def free_parties(config: ArenaConfig, person: int | None) -> list[int]:
+    """The parties in which agents play: all that have seats besides the person's."""
+    return [party for party, seats in enumerate(Parties.of(config).seats) if seats != (person,)]
+
+
+def line_up(config: ArenaConfig, players: Sequence[Entrant], person: int | None) -> Lineup:
+    """The entrants in the free parties, in their order, about the person's seat."""
+    parties = Parties.of(config)
+    entered = dict(zip(free_parties(config, person), players, strict=True))
+    seated: list[Entrant | None] = []
+    names = []
+    for seat, player in enumerate(in_seats(config, [entered.get(party, players[0]) for party in range(len(parties))])):
+        seated.append(None if seat == person else player)
+        names.append("you" if seat == person else entered[parties.by_seat[seat]].name)
+    return Lineup(tuple(seated), tuple(names))

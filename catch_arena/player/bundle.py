@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.explanation.match_summary import Contest, contests_of
+from catch_arena.explanation.contests import contests_of
+from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.seats import labels
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.render.match_info import MatchInfo
@@ -52,13 +53,15 @@ def encode_bundle(replay: Replay) -> bytes:
     Raises:
         ReplayError: where it is no replay, or a damaged one.
     """
-    info = MatchInfo.of(replay.config, labels(replay.names))
-    hunters: list[Poses] = [[] for _ in info.names]
+    info = MatchInfo.of_replay(replay)
+    names, prey_names = labels(replay.hunter_names), labels(replay.prey_names, "prey")
+    hunters: list[Poses] = [[] for _ in names]
+    lives: list[list[int]] = [[] for _ in prey_names]
     targets: dict[int, tuple[int, Poses]] = {}
     rulings: list[list[Any]] = []
     contests: list[dict[str, Any]] = []
     numbers: dict[object, int] = {}
-    left = {seat: before for before, seat in replay.withdrawals}
+    left = {agent: before for before, agent in replay.withdrawals}
     for state, world in enumerate(replay.worlds()):
         for seat, (hunter, poses) in enumerate(zip(world.hunters, hunters, strict=True)):
             poses.append((hunter.x, hunter.y, hunter.theta))
@@ -66,8 +69,11 @@ def encode_bundle(replay: Replay) -> bytes:
                 left.setdefault(seat, state - 1)  # R1.7: it dropped out before this step
         # judged on the state before (R1.4), where their targets were seen
         rulings += [[state - 1, one.hunter, one.verdict.name, numbers.get(one.target)] for one in world.rulings]
-        contests += [_contest(contest, info.names) for contest in contests_of(replay, world)]
+        contests += [_contest(contest, names) for contest in contests_of(replay, world)]
         _follow(state, world, targets, numbers)
+        for prey, numbers_of in zip(world.prey, lives, strict=True):
+            if prey.target is not None and numbers[prey.target] not in numbers_of:
+                numbers_of.append(numbers[prey.target])
     facts = {
         "title": replay.title,
         "seed": str(replay.seed),  # beyond what JavaScript's numbers hold
@@ -78,11 +84,20 @@ def encode_bundle(replay: Replay) -> bytes:
         "turn": TURN,
         "view": _view(replay.config),
         "hunters": [
-            {"name": name, "color": css(info.color(seat)), "reach": replay.config.reaches[seat]}
-            for seat, name in enumerate(info.names)
+            {
+                "name": name,
+                "color": css(info.color(seat)),
+                "reach": replay.config.reaches[seat],
+                "pieces": info.rings[seat],
+            }
+            for seat, name in enumerate(names)
         ],
+        "teams": [{"name": side.name, "color": css(side.color), "seats": side.seats} for side in info.sides]
+        if info.has_teams
+        else None,
+        "prey": [{"name": name, "targets": numbers_of} for name, numbers_of in zip(prey_names, lives, strict=True)],
         "targets": [[number, first, len(poses)] for number, (first, poses) in targets.items()],
-        "withdrawals": [[before, seat] for seat, before in left.items()],
+        "withdrawals": [[before, agent] for agent, before in left.items()],
         "rulings": rulings,
         "contests": contests,
     }

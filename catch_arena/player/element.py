@@ -62,6 +62,8 @@ def _look() -> dict[str, Any]:
         "ink": css(shapes.INK),
         "hunterLength": viewport.HUNTER_LENGTH_M,
         "targetLength": viewport.TARGET_LENGTH_M,
+        "preyLength": viewport.PREY_LENGTH_M,
+        "preyPieces": scene.PREY_PIECES,
         "margin": viewport.MARGIN,
         "turtle": [[own, white, points[::_EVERY].round(3).tolist()] for points, own, white in shapes.TURTLE_PARTS],
     }

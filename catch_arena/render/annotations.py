@@ -3,7 +3,7 @@
 Pure functions. Every text is written where it covers no other text and no number.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
 
@@ -63,6 +63,8 @@ class Annotation:
     """Of a catch: who else was near, the nearest first."""
     distance_um: int | None = None
     """From the hunter to the target."""
+    prey: int | None = None
+    """Of a catch: which agent was caught, behind the hunters; None for a target that nobody plays."""
 
     @property
     def visible_ms(self) -> float:
@@ -79,6 +81,7 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
         by_lot: whether contests go by lots and not by distance (R5.9).
     """
     targets = {target.name: (target.x, target.y) for target in before.targets}
+    played = {prey.target: agent for agent, prey in enumerate(before.prey, start=len(before.hunters))}
     distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}
     annotations = []
     for ruling in after.rulings:
@@ -89,7 +92,17 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
         x, y = position or (hunter.x, hunter.y)
         if ruling.verdict is Verdict.GRANTED:
             rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
-            annotation = Annotation("catch", before.time_ms, ruling.hunter, x, y, "+1", rivals, ruling.distance_um)
+            annotation = Annotation(
+                "catch",
+                before.time_ms,
+                ruling.hunter,
+                x,
+                y,
+                "+1",
+                rivals,
+                ruling.distance_um,
+                played.get(str(ruling.target)),
+            )
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]
             annotation = Annotation(
@@ -130,9 +143,9 @@ def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> li
 
 
 def annotation_shapes(
-    viewport: Viewport, info: MatchInfo, poses: Sequence[Pose], annotations: Sequence[Annotation], time_ms: float
+    viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose], annotations: Sequence[Annotation], time_ms: float
 ) -> list[Shape]:
-    """The rings of catches, the lines of contests, every hunter's number, and the words."""
+    """The rings of catches, the lines of contests, every agent's number, and the words; `poses` are by agent."""
     shapes: list[Shape] = []
     for annotation in annotations:
         part = (time_ms - annotation.time_ms) / annotation.visible_ms
@@ -151,11 +164,16 @@ def annotation_shapes(
                 )
             )
     size = max(10, round(0.34 * viewport.hunter_length))
-    numbers = spread_apart([viewport.to_pixels(x, y) for x, y, _ in poses], (1.1 if len(poses) <= 10 else 1.55) * size)
-    shapes += [
-        Label(*position, str(seat), size, WHITE, 800, "center", outline=INK) for seat, position in enumerate(numbers)
-    ]
-    return shapes + _text_shapes(viewport, info, poses, annotations, time_ms, numbers, size)
+    positions = [viewport.to_pixels(x, y) for x, y, _ in poses.values()]
+    apart = spread_apart(positions, (1.1 if len(poses) <= 10 else 1.55) * size)
+    numbers = [_number(info, agent, position, size) for agent, position in zip(poses, apart, strict=True)]
+    return [*shapes, *numbers, *_text_shapes(viewport, info, poses, annotations, time_ms, numbers)]
+
+
+def _number(info: MatchInfo, agent: int, position: tuple[float, float], size: int) -> Label:
+    """Bright and outlined dark on a hunter, and the other way round on prey."""
+    color, outline = (WHITE, INK) if agent < info.config.hunters else (INK, WHITE)
+    return Label(*position, info.number(agent), size, color, 800, "center", outline=outline)
 
 
 def _catch_ring(viewport: Viewport, annotation: Annotation, part: float) -> Ring:
@@ -217,19 +235,16 @@ class _TextBox(NamedTuple):
 def _text_shapes(
     viewport: Viewport,
     info: MatchInfo,
-    poses: Sequence[Pose],
+    poses: Mapping[int, Pose],
     annotations: Sequence[Annotation],
     time_ms: float,
-    numbers: Sequence[tuple[float, float]],
-    number_size: int,
+    numbers: Sequence[Label],
 ) -> list[Shape]:
     """+1 rising over the hunter, what a contest was lost by sinking below it, why a request was refused.
 
     Kept inside the picture; a text that would cover another one is moved on, the more the more it would.
     """
-    taken = [
-        _TextBox(x, y, 0.32 * len(str(seat)) * number_size, 0.45 * number_size) for seat, (x, y) in enumerate(numbers)
-    ]
+    taken = [_TextBox(one.x, one.y, 0.32 * len(one.text) * one.size, 0.45 * one.size) for one in numbers]
     length = viewport.hunter_length
     briefly = length < 26 or sum(annotation.kind == "refused" for annotation in annotations) > MOST_REASONS
     shapes: list[Shape] = []

@@ -64,7 +64,7 @@ def contact_sheet(
         progress: called with (pictures drawn, in all).
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a size that no frame has, or that is too small for so many pictures.
         ReplayError: where the match does not play as recorded.
     """
     width, height = checked_size(SIZE if size is None else size)
@@ -79,7 +79,7 @@ def contact_sheet(
         )
     sprites = SpriteCache()
     sheet = Canvas.blank(width, height, hud.PANEL, sprites)
-    info = MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay))
+    info = MatchInfo.of_replay(replay)
     sheet.draw(_heading(hud.Rect(0, 0, width, head), info, replay.seed))
     lines = round(_LINES * grid.side)
     renderer = MatchRenderer(info, (grid.side, grid.side + grid.extra - lines), "arena", sprites=sprites)

@@ -89,7 +89,7 @@ def format_of(path: Path) -> Format:
     """What the file's ending stands for.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an ending that is none of FORMATS.
     """
     found = FORMATS.get(path.suffix.lower())
     if found is None:
@@ -102,7 +102,7 @@ def output_path(path: Path) -> Path:
     """The name that a video of this name gets: where its encoder is missing, .mp4 is added to another ending.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an ending that is none of FORMATS.
     """
     if path.suffix.lower() == ".mp4" or _pyav_with(format_of(path).encoder) is not None:
         return path
@@ -162,7 +162,7 @@ def video_file(
         progress: told of work that is left when the last frame has come.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an ending that is none of FORMATS.
         OutputError: where it cannot be written.
     """
     kind = format_of(Path(path))

@@ -26,6 +26,7 @@ class FeedItem:
     seat: int
     text: str
     other: int | None = None
+    """Another agent: a hunter, or prey."""
     after: str = ""
     """What follows the other's number."""
     contest: bool = False
@@ -37,12 +38,13 @@ class FeedItem:
 
 
 def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
-    """What is worth a line: catches with somebody near, and refusals."""
+    """What is worth a line: catches of prey or with somebody near, and refusals."""
     items = []
     for annotation in annotations:
         if annotation.kind == "refused":
             items.append(FeedItem(annotation.time_ms, annotation.seat, annotation.text))
-        elif annotation.kind == "catch" and annotation.rivals and annotation.distance_um is not None:
+            continue
+        if annotation.kind == "catch" and annotation.rivals and annotation.distance_um is not None:
             rival = annotation.rivals[0]
             behind = rival.distance_um - annotation.distance_um
             how = f"by {short_length(behind)}" if behind > 0 else "by lot"
@@ -50,6 +52,8 @@ def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
                 items.append(FeedItem(annotation.time_ms, annotation.seat, "beat", rival.seat, how, contest=True))
             elif behind > 0:
                 items.append(FeedItem(annotation.time_ms, annotation.seat, "ahead of", rival.seat, how))
+        if annotation.kind == "catch" and annotation.prey is not None:
+            items.append(FeedItem(annotation.time_ms, annotation.seat, "caught", annotation.prey, contest=True))
     return items
 
 
@@ -90,7 +94,7 @@ def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: fl
         color, weight = (BRIGHT, 700) if item.contest else (DIM, 500)
         parts: tuple[int | str, ...] = (item.seat, words)
         if item.other is not None:
-            parts = (*parts, item.other, item.after)
+            parts = (*parts, item.other, *([item.after] if item.after else []))
         for part in parts:
             if isinstance(part, int):
                 shapes += chip(x, middle, info, part, size)

@@ -20,7 +20,7 @@ from catch_arena.render.shapes import Box, Color, Label, Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.text import text_width
 from catch_arena.render.timing import Clip, ClipSequence
-from catch_arena.render.video import RenderReport, duration_ms, frame_rate, frame_size, rendered_frames, write_video
+from catch_arena.render.video import RenderReport, frame_rate, frame_size, rendered_frames, write_video
 from catch_arena.replay import Replay
 
 SLOW: Final = Fraction(1, 4)
@@ -32,6 +32,7 @@ _CAPTION: Final = 0.13
 _ACCENT: Final[Color] = (255, 206, 84)
 HEADINGS: Final[dict[Kind, str]] = {
     "contest": "CONTEST",
+    "capture": "CAPTURE",
     "lead": "NEW LEADER",
     "streak": "STREAK",
     "finish": "FINISH",
@@ -60,7 +61,7 @@ def render_highlights(
     The arguments are those of `video.render_replay`. No half-written file is left.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for no highlights, and an ending, a size or fps that cannot be.
         OutputError: where the video cannot be written.
         ReplayError: where a match does not play as recorded.
     """
@@ -91,7 +92,7 @@ def _pictures(highlights: Sequence[RecordedHighlight], size: tuple[int, int], fp
     caption = hud.Rect(0, height - below, width, below)
     for number, (path, highlight) in enumerate(highlights, start=1):
         replay = Replay.load(path)
-        info = MatchInfo.of(replay.config, replay.names, replay.title or path.stem, duration_ms(replay))
+        info = MatchInfo.of_replay(replay, replay.title or path.stem)
         renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
         timing = slow_motion(highlight, fps)
         where = f"{path.stem}   {number} of {len(highlights)}"

@@ -11,6 +11,7 @@ from typing import Final, Literal, NamedTuple
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, mix
 from catch_arena.render.text import printable, text_width
+from catch_arena.world import World
 
 Layout = Literal["broadcast", "arena"]
 """With a panel of standings and a timeline beside the arena, or with one line over it."""
@@ -31,6 +32,10 @@ MOST_FEED_LINES: Final = 4
 """Lines."""
 LEAST_FEED_WIDTH: Final = 200
 """Pixels: narrower than that, a line cannot be read."""
+TEAMS: Final = 132.0
+"""The most that the teams' scores take, in units."""
+MOST_TEAMS: Final = 8
+"""With more, each score would be too small; the standings tell them."""
 TIMELINE: Final = 170.0
 """The least that the timeline keeps where the standings or the feed could take more, in units."""
 
@@ -55,21 +60,50 @@ class Arrangement:
     header: Rect
     unit: float
     """Pixels of the frame for a pixel of a 1280 x 720 one: texts and gaps follow it."""
+    teams: Rect = EMPTY_RECT
     standings: Rect = EMPTY_RECT
     feed: Rect = EMPTY_RECT
     timeline: Rect = EMPTY_RECT
 
 
-class HunterScore(NamedTuple):
-    """What one hunter has."""
+class AgentScore(NamedTuple):
+    """What one agent has."""
 
-    seat: int
+    agent: int
+    """A hunter's seat, or that of a prey behind them."""
     score: int
+    """Catches; of prey, how often it was caught."""
     withdrawn: bool = False
+    hunted: bool = False
+    """It is prey."""
+    out: bool = False
+    """R12.3: prey that was caught and has not returned."""
+
+    @property
+    def faded(self) -> bool:
+        """It takes no part just now."""
+        return self.withdrawn or self.out
 
 
-def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
-    """Where everything stands in a frame: the panel at the right of a wide one, below in a tall one, else around."""
+def standings_of(world: World) -> tuple[AgentScore, ...]:
+    """What all agents of a world have, hunters by seat and then prey by index."""
+    hunters = [AgentScore(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(world.hunters)]
+    prey = [
+        AgentScore(agent, one.times_caught, one.withdrawn, hunted=True, out=one.target is None)
+        for agent, one in enumerate(world.prey, start=len(hunters))
+    ]
+    return (*hunters, *prey)
+
+
+def arrange(size: tuple[int, int], layout: Layout, agents: int, teams: int = 0) -> Arrangement:
+    """Where everything stands in a frame: the panel at the right of a wide one, below in a tall one, else around.
+
+    Args:
+        size: (width, height) of the frame.
+        layout: with or without a panel.
+        agents: how many lines the standings have.
+        teams: how many columns the card of the teams' scores has, 0 for no such card.
+    """
     width, height = size
     if layout == "arena":
         strip = max(22, round(0.056 * min(width, height)))
@@ -80,7 +114,7 @@ def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
         gap, top = round(20 * unit), round(48 * unit)
         header = Rect(side + gap, gap, width - side - 2 * gap, top)
         below = gap + top + round(14 * unit)
-        cards = _cards(header._replace(top=below, height=height - below - gap), unit, hunters)
+        cards = _cards(header._replace(top=below, height=height - below - gap), unit, agents, teams)
         return Arrangement(Rect(0, 0, side, height), header, unit, *cards)
     if height >= 1.25 * width:
         unit = max(0.6, min(width / 560.0, height / 1160.0))
@@ -88,7 +122,7 @@ def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
         top = round(56 * unit) + gap
         arena = Rect(0, top, width, min(width, height - top - round(200 * unit)))
         below = top + arena.height + gap
-        cards = _cards(Rect(gap, below, width - 2 * gap, height - below - gap), unit, hunters)
+        cards = _cards(Rect(gap, below, width - 2 * gap, height - below - gap), unit, agents, teams)
         return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, *cards)
     unit = max(0.55, min(width, height) / 800.0)
     gap = round(14 * unit)
@@ -96,35 +130,49 @@ def arrange(size: tuple[int, int], layout: Layout, hunters: int) -> Arrangement:
     arena_width = min(round(0.66 * width), round(1.1 * (height - top - bottom)))
     arena = Rect(0, top, arena_width, height - top - bottom)
     beside = Rect(arena_width + gap, top, width - arena_width - 2 * gap, arena.height)
-    standings, feed = _with_feed(beside, unit, hunters, 0)
+    scores, beside = _with_teams(beside, unit, teams)
+    standings, feed = _with_feed(beside, unit, agents, 0)
     timeline = Rect(gap, height - bottom + gap, width - 2 * gap, bottom - 2 * gap)
-    return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, standings, feed, timeline)
+    return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, scores, standings, feed, timeline)
 
 
-def _cards(panel: Rect, unit: float, hunters: int) -> tuple[Rect, Rect, Rect]:
-    """Standings, event feed and timeline: one below the other, or the last beside the others in a wide panel."""
+def _cards(panel: Rect, unit: float, agents: int, teams: int) -> tuple[Rect, Rect, Rect, Rect]:
+    """Teams' scores, standings, event feed and timeline: one below the other, or the last beside the others in a wide
+    panel.
+    """
     gap = round(14 * unit)
     if panel.width > 1.6 * panel.height:
         half = (panel.width - gap) // 2
         right = Rect(panel.left + half + gap, panel.top, panel.width - half - gap, panel.height)
-        return *_with_feed(panel._replace(width=half), unit, hunters, 0), right
+        scores, left = _with_teams(panel._replace(width=half), unit, teams)
+        return scores, *_with_feed(left, unit, agents, 0), right
+    scores, panel = _with_teams(panel, unit, teams)
     least = min(round(0.36 * panel.height), round(TIMELINE * unit))
-    standings, feed = _with_feed(panel, unit, hunters, least + gap)
+    standings, feed = _with_feed(panel, unit, agents, least + gap)
     last = feed if feed.height else standings
     top = last.top + last.height + gap
     height = min(panel.top + panel.height - top, round(0.95 * panel.width))
-    return standings, feed, Rect(panel.left, top, panel.width, height)
+    return scores, standings, feed, Rect(panel.left, top, panel.width, height)
 
 
-def _with_feed(area: Rect, unit: float, hunters: int, reserved: int) -> tuple[Rect, Rect]:
+def _with_teams(panel: Rect, unit: float, teams: int) -> tuple[Rect, Rect]:
+    """The card of the teams' scores, and what is left below it."""
+    if not 0 < teams <= MOST_TEAMS:
+        return EMPTY_RECT, panel
+    height, gap = min(round(TEAMS * unit), round(0.3 * panel.height)), round(14 * unit)
+    below = panel._replace(top=panel.top + height + gap, height=panel.height - height - gap)
+    return panel._replace(height=height), below
+
+
+def _with_feed(area: Rect, unit: float, agents: int, reserved: int) -> tuple[Rect, Rect]:
     """The standings, and below them the feed if two lines of it fit; so many pixels below belong to others."""
     gap = round(14 * unit)
     wanted = round((MOST_FEED_LINES * FEED_ROW + 16) * unit) + gap + reserved
-    roomy, close = (round((hunters * row + 16) * unit) for row in (ROW, CLOSE_ROW))
+    roomy, close = (round((agents * row + 16) * unit) for row in (ROW, CLOSE_ROW))
     height = min(max(close, min(roomy, area.height - wanted)), area.height - reserved)
     left = area.height - height - reserved - gap
     rows = min(MOST_FEED_LINES, int((left - 16 * unit) / (FEED_ROW * unit)))
-    if rows < 2 or area.width < LEAST_FEED_WIDTH or hunters == 1:  # one alone has nobody to be near
+    if rows < 2 or area.width < LEAST_FEED_WIDTH or agents == 1:  # one alone has nobody to be near
         return area._replace(height=height), EMPTY_RECT
     feed = Rect(area.left, area.top + height + gap, area.width, round(rows * FEED_ROW * unit + 16 * unit))
     return area._replace(height=height), feed
@@ -138,9 +186,9 @@ def clock(time_ms: float) -> str:
     return f"{tenths // 600}:{tenths % 600 / 10:04.1f}"
 
 
-def ranked(standings: Sequence[HunterScore]) -> list[HunterScore]:
-    """The best first; equal scores in the order of seats."""
-    return sorted(standings, key=lambda one: (-one.score, one.seat))
+def ranked(standings: Sequence[AgentScore]) -> list[AgentScore]:
+    """Hunters, and below them prey (R12.5), the best first; equal scores in the order of seats."""
+    return sorted(standings, key=lambda one: (one.hunted, one.score if one.hunted else -one.score, one.agent))
 
 
 def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str, unit: float) -> list[Shape]:
@@ -188,21 +236,59 @@ def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
 
 def chip_width(info: MatchInfo, size: float) -> float:
     """Of the chips that bear a match's numbers beside text of that size."""
-    return (0.6 * len(str(len(info.names) - 1)) + 0.7) * size
+    return (0.6 * max(len(info.number(agent)) for agent in (info.config.hunters - 1, len(info.names) - 1)) + 0.7) * size
 
 
-def chip(x: float, middle: float, info: MatchInfo, seat: int, size: float, *, faded: bool = False) -> list[Shape]:
-    """A hunter's number on its colour; `x` is its left end."""
-    color = mix(info.color(seat), PANEL, 0.6 if faded else 0.0)
+def chip(x: float, middle: float, info: MatchInfo, agent: int, size: float, *, faded: bool = False) -> list[Shape]:
+    """An agent's number on its colour; `x` is its left end."""
+    color = mix(info.color(agent), PANEL, 0.6 if faded else 0.0)
     width = chip_width(info, size)
     return [
         Box(x, middle - 0.56 * size, width, 1.12 * size, color, 0.3 * size),
-        Label(x + width / 2.0, middle, str(seat), font_size(0.82 * size, 9), readable_on(color), 800, "center"),
+        Label(
+            x + width / 2.0, middle, info.number(agent), font_size(0.82 * size, 9), readable_on(color), 800, "center"
+        ),
     ]
 
 
-def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[HunterScore]) -> list[Shape]:
-    """Every hunter's chip, name and score: by seat, without names or only the best where there is no room for all."""
+def team_chip_shapes(
+    area: Rect, info: MatchInfo, scores: Sequence[int], standings: Sequence[AgentScore]
+) -> list[Shape]:
+    """Every team's score on its colour, and its name, without names where there is no room for all; then as much of the
+    prey as there is room for.
+    """
+    size = font_size(0.58 * area.height, 12)
+    small, middle = font_size(0.8 * size, 10), area.top + area.height / 2.0
+    digits = max(2, *(len(str(score)) for score in scores))
+    wide = (0.66 * digits + 0.6) * size
+    names = [0.3 * size + text_width(printable(side.name), small, 600) for side in info.sides]
+    room = area.width - 0.5 * size
+    if sum(names) + len(names) * (wide + 0.9 * size) > room:
+        names = [0.0] * len(names)
+    shapes: list[Shape] = []
+    x = area.left + 0.5 * size
+    for side, score, name in zip(info.sides, scores, names, strict=True):
+        if x + wide > area.left + room:
+            break
+        shapes += [
+            Box(x, middle - 0.62 * size, wide, 1.24 * size, side.color, 0.3 * size),
+            Label(x + wide / 2.0, middle, str(score), size, readable_on(side.color), 800, "center"),
+        ]
+        if name:
+            shapes.append(Label(x + wide + 0.3 * size, middle, side.name, small, legible(side.color), 600))
+        x += wide + name + 0.9 * size
+    for one in standings:
+        step = chip_width(info, size) + (0.9 + 0.66 * len(str(one.score))) * size
+        if one.hunted and x + step <= area.left + room:
+            shapes += chip(x, middle, info, one.agent, size, faded=one.faded)
+            beside = x + chip_width(info, size) + 0.3 * size
+            shapes.append(Label(beside, middle, str(one.score), size, BRIGHT, 700))
+            x += step
+    return shapes
+
+
+def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[AgentScore]) -> list[Shape]:
+    """Every agent's chip, name and score: by seat, without names or only the best where there is no room for all."""
     size = font_size(0.58 * area.height, 12)
     middle = area.top + area.height / 2.0
     digits = max(len(str(one.score)) for one in standings)
@@ -218,12 +304,12 @@ def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[HunterScore]) -
     shapes: list[Shape] = []
     x = area.left + 0.5 * size
     for one in shown:
-        shapes += chip(x, middle, info, one.seat, size, faded=one.withdrawn)
+        shapes += chip(x, middle, info, one.agent, size, faded=one.faded)
         beside = x + chip_width(info, size) + 0.3 * size
-        if names[one.seat]:
-            shapes.append(Label(beside, middle, info.names[one.seat], small, DIM, 600))
-        shapes.append(Label(beside + names[one.seat], middle, str(one.score), size, BRIGHT, 700))
-        x += step + names[one.seat]
+        if names[one.agent]:
+            shapes.append(Label(beside, middle, info.names[one.agent], small, DIM, 600))
+        shapes.append(Label(beside + names[one.agent], middle, str(one.score), size, BRIGHT, 700))
+        x += step + names[one.agent]
     return shapes
 
 

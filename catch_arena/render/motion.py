@@ -95,7 +95,7 @@ def step_motion(before: World, after: World) -> StepMotion:
     """One step's ticks, from the former world's poses with the velocities that the latter shows."""
     first = before.time_ms // TICK_MS
     fresh = min(after.time_ms, before.time_ms + WATCHDOG_MS) // TICK_MS - first
-    moved = any(target.linear_velocity for target in after.targets)
+    moved = any(target.linear_velocity or target.angular_velocity for target in after.targets)
     ticks = min(after.time_ms // TICK_MS - first, _MOST_TICKS) if moved else fresh
     hunters = [
         _body_ticks(start, end, fresh, after.side_m) for start, end in zip(before.hunters, after.hunters, strict=True)

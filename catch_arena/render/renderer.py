@@ -18,7 +18,8 @@ from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
-from catch_arena.render.viewport import Viewport
+from catch_arena.render.team_scores import team_scores_shapes
+from catch_arena.render.viewport import Pose, Viewport
 from catch_arena.world import World
 
 SMALLEST: Final = 320
@@ -30,7 +31,7 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
     """The (width, height) [pixels] of a frame, if it can be.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a size below SMALLEST or above LARGEST.
     """
     good = isinstance(size, Sequence) and len(size) == 2
     good = good and all(isinstance(part, int) and not isinstance(part, bool) for part in size)
@@ -61,7 +62,7 @@ class MatchRenderer:
         """The seat whose view is shown (R7.5), where hunters do not see everything."""
         self._seed = seed
         self._by_lot = info.config.policy == "first_come"
-        self._plan = hud.arrange(size, layout, info.config.hunters)
+        self._plan = hud.arrange(size, layout, len(info.names), len(info.sides) if info.has_teams else 0)
         if sprites is None:  # renderers of the same match or size share theirs
             sprites = SpriteCache()
         self._frame = Canvas.blank(*size, hud.PANEL, sprites)
@@ -81,9 +82,9 @@ class MatchRenderer:
 
     @property
     def leader(self) -> int | None:
-        """The seat that alone has the most catches, in the step that was entered last."""
-        best, *others = hud.ranked(self._standings)
-        return best.seat if best.score > 0 and all(one.score < best.score for one in others) else None
+        """The side that alone has the most catches, in the step that was entered last."""
+        side, _ = timeline.lead(self._scores)
+        return side if side >= 0 else None
 
     def reset(self, time_ms: float = 0.0) -> None:
         """A new match: no trails, no annotations."""
@@ -92,7 +93,9 @@ class MatchRenderer:
         self._timeline = timeline.Timeline(self.info.duration_ms)
         self._standings_animation = StandingsAnimation()
         self._feed = EventFeed()
-        self._standings: tuple[hud.HunterScore, ...] = ()
+        self._standings: tuple[hud.AgentScore, ...] = ()
+        self._scores: tuple[int, ...] = ()
+        self._players: dict[int, int] = {}
         self._motion: StepMotion | None = None
         self._poses = Poses((), {})
         self._moved_ms = time_ms
@@ -112,12 +115,15 @@ class MatchRenderer:
         annotations = annotations_of(motion.before, motion.after, by_lot=self._by_lot)
         self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
         self._feed.record(annotations)
-        self._standings = tuple(
-            hud.HunterScore(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(motion.after.hunters)
-        )
+        after = motion.after
+        self._standings = hud.standings_of(after)
+        self._scores = after.team_scores
+        self._players = {
+            target.number: self.info.prey(target.prey) for target in after.targets if target.prey is not None
+        }
         self._standings_animation.record(began_ms, self._standings)
-        catchers = [annotation.seat for annotation in annotations if annotation.kind == "catch"]
-        self._timeline.record(began_ms, catchers, [one.score for one in self._standings])
+        catchers = [self.info.side_by_seat[one.seat] for one in annotations if one.kind == "catch"]
+        self._timeline.record(began_ms, catchers, self._scores)
 
     def draw(self, time_ms: float, poses: Poses) -> Pixels:
         """Draw one instant of the step that was entered last into the buffer; everybody has come to these poses."""
@@ -139,6 +145,7 @@ class MatchRenderer:
                 annotations=self._annotations,
                 time_ms=time_ms,
                 view_of=self.view_of,
+                withdrawn_prey={one.agent for one in self._standings if one.hunted and one.withdrawn},
             )
         )
         self._draw_around(time_ms, min(time_ms, world.time_ms))
@@ -159,11 +166,18 @@ class MatchRenderer:
         for number, end in poses.targets.items():
             start = self._poses.targets.get(number, end)
             if start[:2] != end[:2]:
-                self._ground.target_trail(start, end)
+                self._trail_of_target(number, start, end)
         for seat, (start, end) in enumerate(zip(self._poses.hunters, poses.hunters, strict=True)):
             if start[:2] != end[:2]:
                 self._ground.trail(self.info.color(seat), start, end)
         self._poses = poses
+
+    def _trail_of_target(self, number: int, start: Pose, end: Pose) -> None:
+        """Prey leaves a trail as hunters do."""
+        if number in self._players:
+            self._ground.trail(self.info.color(self._players[number]), start, end)
+        else:
+            self._ground.target_trail(start, end)
 
     def _draw_around(self, time_ms: float, played_ms: float) -> None:
         """The panel's parts, each only when it would look different; the clock stands still after the end."""
@@ -172,12 +186,14 @@ class MatchRenderer:
         if not plan.standings.width:
             chips, right = hud.split_strip(plan.header, clock)
             if self._changed("chips", (chips, self._standings)):
-                self._redraw(chips, hud.chip_shapes(chips, info, self._standings))
+                self._redraw(chips, self._chips(chips))
             if self._changed("clock", clock):
                 self._redraw(right, hud.strip_clock_shapes(right, clock))
             return
         if self._changed("header", clock):
             self._redraw(plan.header, hud.header_shapes(plan.header, info, self._seed, clock, unit))
+        if plan.teams.width and self._changed("teams", self._scores):
+            self._redraw(plan.teams, team_scores_shapes(plan.teams, info, self._scores, unit))
         lines = self._standings_animation.lines(time_ms)
         if self._changed("standings", lines):
             self._redraw(plan.standings, standings_shapes(plan.standings, info, lines, unit))
@@ -193,6 +209,12 @@ class MatchRenderer:
         if self._changed("present", cursor):
             card[:] = self._history
             self._frame.draw(timeline.present_shapes(area, info, history, time_ms, unit))
+
+    def _chips(self, area: hud.Rect) -> list[Shape]:
+        """The scores over the arena."""
+        if self.info.has_teams:
+            return hud.team_chip_shapes(area, self.info, self._scores, self._standings)
+        return hud.chip_shapes(area, self.info, self._standings)
 
     def _changed(self, part: str, state: object) -> bool:
         if part in self._shown and self._shown[part] == state:
@@ -218,7 +240,7 @@ class ArenaPainter:
         layout: "arena" or "broadcast".
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a size below SMALLEST or above LARGEST, and names that are not one a seat.
     """
 
     def __init__(

@@ -5,7 +5,7 @@ World units are metres, y up; shapes are in pixels, y down. raster.py turns shap
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Final
 
 from catch_arena.render.annotations import Annotation, annotation_shapes
@@ -19,6 +19,8 @@ WALL: Final[Color] = (112, 127, 255)
 GRID: Final[Color] = (78, 95, 255)
 SPAWN_MS: Final = 450.0
 """How long the ring about a new target is seen."""
+PREY_PIECES: Final = 8
+"""Of prey's ring: more than any agent has seats for at once."""
 _VIEW_OPACITY: Final = 0.25
 
 
@@ -66,19 +68,27 @@ def arena_shapes(
     annotations: Sequence[Annotation],
     time_ms: float,
     view_of: int | None = None,
+    withdrawn_prey: Collection[int] = (),
 ) -> list[Shape]:
     """Everything that moves or comes and goes, from the lowest to the topmost; `view_of` is the seat whose view is
-    shown.
+    shown, `withdrawn_prey` are agents.
     """
     shapes: list[Shape] = []
     if view_of is not None and info.config.partial_view and not hunters[view_of].withdrawn:
         shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
+    places = dict(enumerate(poses.hunters))
     for target in targets:
-        shapes += _target(viewport, target, poses.targets[target.number], time_ms)
+        pose = poses.targets[target.number]
+        if target.prey is None:
+            shapes += _target(viewport, target, pose, time_ms)
+        else:
+            agent = info.prey(target.prey)
+            places[agent] = pose
+            shapes += _prey(viewport, target, pose, time_ms, faded=agent in withdrawn_prey)
     for seat, hunter in enumerate(hunters):
         reach = info.config.reaches[seat] * viewport.scale
-        shapes += _hunter(viewport, hunter, poses.hunters[seat], info.color(seat), reach)
-    return shapes + annotation_shapes(viewport, info, poses.hunters, annotations, time_ms)
+        shapes += _hunter(viewport, hunter, poses.hunters[seat], info.color(seat), reach, info.rings[seat])
+    return shapes + annotation_shapes(viewport, info, places, annotations, time_ms)
 
 
 def _view(viewport: Viewport, info: MatchInfo, pose: Pose, color: Color) -> Sector:
@@ -99,18 +109,33 @@ def _view(viewport: Viewport, info: MatchInfo, pose: Pose, color: Color) -> Sect
 
 
 def _target(viewport: Viewport, target: TargetState, pose: Pose, time_ms: float) -> list[Shape]:
+    body = Turtle(*viewport.to_pixels(*pose[:2]), pose[2], viewport.target_length, TARGET, contrast=0.6)
+    return [*_announcement(viewport, target, pose, time_ms), body]
+
+
+def _prey(viewport: Viewport, target: TargetState, pose: Pose, time_ms: float, *, faded: bool) -> list[Shape]:
+    """A target that somebody plays: larger and darker than the others, and in a ring that reaches for nothing."""
     x, y = viewport.to_pixels(*pose[:2])
-    shapes: list[Shape] = []
+    length = viewport.prey_length
+    shapes = _announcement(viewport, target, pose, time_ms)
+    if not faded:
+        shapes.append(Ring(x, y, 0.62 * length, max(1.5, 0.05 * length), WHITE, 0.9, pieces=PREY_PIECES))
+    return [*shapes, Turtle(x, y, pose[2], length, TARGET, faded=faded)]
+
+
+def _announcement(viewport: Viewport, target: TargetState, pose: Pose, time_ms: float) -> list[Shape]:
+    """The ring about a target that has just appeared."""
+    x, y = viewport.to_pixels(*pose[:2])
     age = time_ms - target.spawned_ms
-    if 0.0 <= age < SPAWN_MS and target.spawned_ms > 0:
-        part = age / SPAWN_MS
-        radius = viewport.target_length * (1.3 - 0.7 * part)
-        shapes.append(Ring(x, y, radius, 1.5, WHITE, 0.8 * part))
-    shapes.append(Turtle(x, y, pose[2], viewport.target_length, TARGET, contrast=0.6))
-    return shapes
+    if not (0.0 <= age < SPAWN_MS and target.spawned_ms > 0):
+        return []
+    part = age / SPAWN_MS
+    return [Ring(x, y, viewport.target_length * (1.3 - 0.7 * part), 1.5, WHITE, 0.8 * part)]
 
 
-def _hunter(viewport: Viewport, hunter: HunterState, pose: Pose, color: Color, reach: float) -> list[Shape]:
+def _hunter(
+    viewport: Viewport, hunter: HunterState, pose: Pose, color: Color, reach: float, pieces: int
+) -> list[Shape]:
     x, y = viewport.to_pixels(pose[0], pose[1])
     length = viewport.hunter_length
     body = Turtle(x, y, pose[2], length, color, faded=hunter.withdrawn)
@@ -124,5 +149,6 @@ def _hunter(viewport: Viewport, hunter: HunterState, pose: Pose, color: Color, r
         (x + forward[0] * base + left[0] * size * 0.62, y + forward[1] * base + left[1] * size * 0.62),
         (x + forward[0] * base - left[0] * size * 0.62, y + forward[1] * base - left[1] * size * 0.62),
     )
-    circle = Ring(x, y, reach, 1.3, mix(color, WHITE, 0.55), 0.85, veil=0.14)
+    width = 1.3 if pieces == 1 else 2.0
+    circle = Ring(x, y, reach, width, mix(color, WHITE, 0.55), 0.85, veil=0.14, pieces=pieces)
     return [circle, Polygon(tip, mix(color, WHITE, 0.45)), body]

@@ -27,6 +27,8 @@ class Ring:
     opacity: float = 1.0
     veil: float = 0.0
     glow: bool = False
+    pieces: int = 1
+    """Of how many arcs it is."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -85,7 +85,7 @@ class SpriteCache:
         x, y, phase_x, phase_y = _phase(shape.x, shape.y)
         radius, width = round(2.0 * shape.radius) / 2.0, round(4.0 * shape.width) / 4.0
         opacity, veil = round(shape.opacity * 24) / 24, round(shape.veil * 50) / 50
-        key = ("ring", radius, width, shape.color, opacity, veil, shape.glow, phase_x, phase_y)
+        key = ("ring", radius, width, shape.color, opacity, veil, shape.glow, shape.pieces, phase_x, phase_y)
         rounded = replace(shape, radius=radius, width=width, opacity=opacity, veil=veil)
         return self._figures.get(key, lambda: _ring(rounded, phase_x, phase_y)), x, y
 
@@ -182,14 +182,25 @@ def _tinted(inks: NDArray[np.uint8], shape: Turtle) -> Sprite:
     return _surface_of(np.asarray(pixels, dtype=np.uint8), half, half)
 
 
+_LEAST_GAP: Final = 1.5
+_WIDEST_GAP: Final = 3.0
+"""Between two pieces of a ring: half of it, in pixels and in widths of the line."""
+
+
 def _ring(shape: Ring, phase_x: int, phase_y: int) -> Sprite:
     radius, width, opacity = shape.radius, shape.width, shape.opacity
     reach = radius + (2.5 * width if shape.glow else 0.5 * width) + 2.0
     half = math.ceil(reach)
     position = np.arange(2 * half, dtype=np.float32) + 0.5 - half
-    distance = np.hypot(position[None, :] - phase_x / PHASES, position[:, None] - phase_y / PHASES)
+    right, down = position[None, :] - phase_x / PHASES, position[:, None] - phase_y / PHASES
+    distance = np.hypot(right, down)
     off = np.abs(distance - radius)
     cover = np.clip(0.5 + width / 2.0 - off, 0.0, 1.0) * opacity
+    if shape.pieces > 1:
+        piece = 2.0 * math.pi / shape.pieces
+        from_gap = np.abs(np.remainder(np.arctan2(-down, right), piece) - 0.5 * piece) * radius
+        gap = max(_LEAST_GAP, min(0.15 * piece * radius, _WIDEST_GAP * width))
+        cover *= np.clip(0.5 + from_gap - gap, 0.0, 1.0)
     if shape.glow:
         cover = np.maximum(cover, 0.55 * opacity * np.exp(-((off / (1.1 * width + 0.5)) ** 2)))
     cover = np.maximum(cover, shape.veil * np.clip(radius - distance + 0.5, 0.0, 1.0))

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from catch_arena.render.hud import BRIGHT, CARD, DIM, ROW, TRACK, HunterScore, Rect, font_size, legible, ranked
+from catch_arena.render.hud import BRIGHT, CARD, DIM, ROW, TRACK, AgentScore, Rect, font_size, legible, ranked
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape, Turtle, mix
 
@@ -18,11 +18,11 @@ CLIMB_MS: Final = 400.0
 class AnimatedLine(NamedTuple):
     """One hunter's line at an instant."""
 
-    hunter: HunterScore
+    who: AgentScore
     position: float
     """From 0, the best; between two positions while it moves."""
     share: float
-    """Of the best score: the length of its bar."""
+    """Of the best score: the length of its bar. Prey has none."""
     climbs: bool = False
 
 
@@ -34,26 +34,29 @@ class StandingsAnimation:
         self._start: tuple[AnimatedLine, ...] = ()
         self._since_ms = -math.inf
 
-    def record(self, time_ms: float, standings: Sequence[HunterScore]) -> None:
+    def record(self, time_ms: float, standings: Sequence[AgentScore]) -> None:
         """These are the standings from that instant on: lines begin to move where they differ from the last ones."""
         now = self.lines(time_ms)
-        best = max(1, *(one.score for one in standings)) if standings else 1
-        positions = {one.seat: position for position, one in enumerate(ranked(standings))}
-        goal = tuple(AnimatedLine(one, float(positions[one.seat]), one.score / best) for one in sorted(standings))
+        best = max(1, *(one.score for one in standings if not one.hunted)) if standings else 1
+        positions = {one.agent: position for position, one in enumerate(ranked(standings))}
+        goal = tuple(
+            AnimatedLine(one, float(positions[one.agent]), 0.0 if one.hunted else one.score / best)
+            for one in sorted(standings)
+        )
         if goal == self._goal:
             return
         self._start, self._goal = now or goal, goal
         self._since_ms = time_ms if now else -math.inf
 
     def lines(self, time_ms: float) -> tuple[AnimatedLine, ...]:
-        """By seat; the same tuple at every instant at which nothing moves."""
+        """By agent; the same tuple at every instant at which nothing moves."""
         part = (time_ms - self._since_ms) / CLIMB_MS
         if part >= 1.0:
             return self._goal
         eased = part * part * (3.0 - 2.0 * part)
         return tuple(
             AnimatedLine(
-                goal.hunter,
+                goal.who,
                 start.position + (goal.position - start.position) * eased,
                 start.share + (goal.share - start.share) * eased,
                 goal.position < start.position,
@@ -79,7 +82,7 @@ def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[AnimatedLine],
         return area.left + pad + column * width, area.top + pad + row * height
 
     shapes: list[Shape] = [Box(area.left, area.top, area.width, per_column * height + 2.0 * pad, CARD, 12 * unit)]
-    best = max(line.hunter.score for line in lines)
+    best = max(line.who.score for line in lines)
     for line in sorted(lines, key=lambda line: (line.climbs, -line.position)):  # those that climb pass over the others
         if line.position <= shown - 1:
             (x0, y0), (x1, y1) = corner(math.floor(line.position)), corner(math.ceil(line.position))
@@ -99,27 +102,28 @@ def _line_shapes(
     area: tuple[float, float, float, float], info: MatchInfo, line: AnimatedLine, best: int, unit: float
 ) -> list[Shape]:
     left, top, width, height = area
-    one = line.hunter
+    one = line.who
     middle = top + height / 2.0
     size = min(font_size(0.54 * height, 10), font_size(21 * unit, 11), font_size(0.1 * width, 9))
-    color = info.color(one.seat)
+    color = info.color(one.agent)
     x = left + 0.3 * size
-    shapes: list[Shape] = [Turtle(x + 0.85 * size, middle, 0.0, 1.75 * size, color, faded=one.withdrawn)]
+    shapes: list[Shape] = [Turtle(x + 0.85 * size, middle, 0.0, 1.75 * size, color, faded=one.faded)]
     x += 2.1 * size
     number_size = font_size(0.8 * size, 9)
-    number_room = 0.62 * number_size * len(str(len(info.names) - 1))
-    shapes.append(Label(x + number_room, middle, str(one.seat), number_size, DIM, 600, "right"))
+    widest = max(len(info.number(agent)) for agent in range(len(info.names)))
+    number_room = 0.62 * number_size * (widest + 0.3 * (info.config.prey > 0))  # a P is wider than a digit
+    shapes.append(Label(x + number_room, middle, info.number(one.agent), number_size, DIM, 600, "right"))
     x += number_room + 0.6 * size
     right = left + width - 0.5 * size
     bar_end = right - (0.78 * len(str(best)) + 0.6) * size
     has_bar = width >= 21 * size
     bar_start = max(x + 4.5 * size, bar_end - 0.3 * width) if has_bar else bar_end
-    name = info.names[one.seat] + ("  (out)" if one.withdrawn else "")
-    shapes.append(
-        Label(x, middle, name, size, DIM if one.withdrawn else BRIGHT, 500, max_width=bar_start - x - 0.5 * size)
-    )
+    name = info.names[one.agent] + ("  (out)" if one.faded else "")
+    shapes.append(Label(x, middle, name, size, DIM if one.faded else BRIGHT, 500, max_width=bar_start - x - 0.5 * size))
     shapes.append(Label(right, middle, str(one.score), font_size(1.1 * size, 11), BRIGHT, 800, "right"))
-    if has_bar:
+    if one.hunted and has_bar:
+        shapes.append(Label(bar_end, middle, "caught", font_size(0.8 * size, 9), DIM, 500, "right"))
+    elif has_bar:
         thick = max(3.0, 0.48 * size)
         length = bar_end - bar_start
         shapes.append(Box(bar_start, middle - thick / 2, length, thick, TRACK, thick / 2))

@@ -17,6 +17,7 @@ from catch_arena.render.motion import frame_spans
 from catch_arena.render.renderer import MatchRenderer, checked_size
 from catch_arena.render.timing import Clip, FrameTiming
 from catch_arena.replay import Replay
+from catch_arena.world import World
 
 SLOWEST: Final = Fraction(1, 100)
 FASTEST: Final = Fraction(100)
@@ -126,7 +127,7 @@ def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
     """What is asked for or usual (width, height) [pixels], made even where the format needs it.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a size that no frame has.
     """
     width, height = checked_size(kind.size if size is None else size)
     return (width + width % 2, height + height % 2) if kind.even else (width, height)
@@ -134,9 +135,7 @@ def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
 
 def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> MatchRenderer:
     """The renderer of a recorded match."""
-    return MatchRenderer(
-        MatchInfo.of(replay.config, replay.names, replay.title, duration_ms(replay)), size, layout, replay.seed
-    )
+    return MatchRenderer(MatchInfo.of_replay(replay), size, layout, replay.seed)
 
 
 def checked_view(replay: Replay, hunter: int | str) -> int:
@@ -159,11 +158,16 @@ def duration_ms(replay: Replay) -> int:
 
 
 def rendered_frames(replay: Replay, renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
+    """The frames of a recorded match; see `frames_of`."""
+    return frames_of(replay.worlds(), renderer, timing)
+
+
+def frames_of(worlds: Iterable[World], renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
     """The frames, one after the other, in the renderer's own buffer: the next one overwrites it.
 
     Steps before the first frame are played too, so that their trails and catches are there.
     """
-    for span in frame_spans(replay.worlds(), timing):
+    for span in frame_spans(worlds, timing):
         renderer.enter(span.motion)
         for frame in span.frames:
             time_ms = timing.time_ms(frame)
@@ -174,7 +178,7 @@ def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s
     """The part of a match and its pace, if they can be.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a part that is not in the match, and fps or a speed that cannot be.
     """
     fps = frame_rate(kind, fps)
     pace = pace_of(speed)
@@ -192,7 +196,7 @@ def frame_rate(kind: Format, fps: int | None) -> int:
     """What is asked for or usual, if it can be.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for fps that the format does not have.
     """
     fps = kind.fps if fps is None else fps
     if isinstance(fps, bool) or not isinstance(fps, int) or not 1 <= fps <= kind.most_fps:
@@ -204,7 +208,7 @@ def pace_of(speed: float) -> Fraction:
     """Seconds of the match in a second of the video, if they can be.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a speed outside [SLOWEST, FASTEST].
     """
     if not SLOWEST <= speed <= FASTEST:
         raise ConfigError(f"speed must lie in [{float(SLOWEST):g}, {float(FASTEST):g}], got {speed!r}")

@@ -20,6 +20,7 @@ TARGET_TRAIL: Final[Color] = (180, 165, 120)
 
 HUNTER_LENGTH_M: Final = 0.66
 TARGET_LENGTH_M: Final = 0.44
+PREY_LENGTH_M: Final = 0.55
 MARGIN: Final = 0.03
 """Room outside the walls, as a part of the side: a turtle at a wall is seen whole."""
 
@@ -57,6 +58,11 @@ class Viewport:
     def target_length(self) -> float:
         """Pixels."""
         return self.hunter_length * TARGET_LENGTH_M / HUNTER_LENGTH_M
+
+    @cached_property
+    def prey_length(self) -> float:
+        """Pixels."""
+        return self.hunter_length * PREY_LENGTH_M / HUNTER_LENGTH_M
 
     @cached_property
     def trail_width(self) -> float:

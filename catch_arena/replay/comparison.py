@@ -25,8 +25,9 @@ def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("i
         lines, none for equal replays.
     """
     found = [f"{name}: {ours} {labels[0]}, {theirs} {labels[1]}" for name, ours, theirs in _headers(one, other)]
-    if one.config.hunters != other.config.hunters:
-        return [*found, "with different numbers of hunters, actions and states are not compared"]
+    for what in ("hunters", "prey"):
+        if getattr(one.config, what) != getattr(other.config, what):
+            return [*found, f"with different numbers of {what}, actions and states are not compared"]
     steps = min(one.steps, other.steps)
     found += _first_actions(one, other, steps, labels)
     if one.config.targets_move == other.config.targets_move:
@@ -36,9 +37,12 @@ def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("i
     if one.steps != other.steps:
         found.append(f"steps: {one.steps} {labels[0]}, {other.steps} {labels[1]}")
     if found:
-        results = [", ".join(map(str, scores(each.states[-1], each.config.hunters))) for each in (one, other)]
-        same = "the same in both" if results[0] == results[1] else f"{labels[0]}, {results[1]} {labels[1]}"
-        found.append(f"final scores: {results[0]} {same}")
+        ours, theirs = (scores(each.states[-1], each.config) for each in (one, other))
+        for what, *results in zip(("final scores", "times that prey was caught"), ours, theirs, strict=True):
+            if results[0]:
+                told = [", ".join(map(str, result)) for result in results]
+                same = "the same in both" if told[0] == told[1] else f"{labels[0]}, {told[1]} {labels[1]}"
+                found.append(f"{what}: {told[0]} {same}")
     return found
 
 
@@ -47,13 +51,17 @@ def _headers(one: Replay, other: Replay) -> Iterator[tuple[str, Any, Any]]:
     for name in ("seed", "title"):
         if getattr(one, name) != getattr(other, name):
             yield name, repr(getattr(one, name)), repr(getattr(other, name))
-    for seat, names in enumerate(zip_longest(one.names, other.names)):
-        if names[0] != names[1]:
-            yield f"the agent of hunter_{seat}", repr(names[0]), repr(names[1])
-    ours, theirs = ({**_flat(each.config.to_dict()), "control": None} for each in (one, other))
-    for name in sorted(ours.keys() | theirs.keys()):
-        if ours.get(name) != theirs.get(name):
-            yield name, ours.get(name), theirs.get(name)
+    for side, ours, theirs in (
+        ("hunter", one.hunter_names, other.hunter_names),
+        ("prey", one.prey_names, other.prey_names),
+    ):
+        for place, names in enumerate(zip_longest(ours, theirs)):
+            if names[0] != names[1]:
+                yield f"the agent of {side}_{place}", repr(names[0]), repr(names[1])
+    settings, others = ({**_flat(each.config.to_dict()), "control": None} for each in (one, other))
+    for name in sorted(settings.keys() | others.keys()):
+        if settings.get(name) != others.get(name):
+            yield name, settings.get(name), others.get(name)
     for seat, controls in enumerate(zip_longest(one.config.controls, other.config.controls)):
         if controls[0] != controls[1]:
             yield f"control of hunter_{seat}", *controls
@@ -70,28 +78,36 @@ def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 def _first_actions(one: Replay, other: Replay, steps: int, labels: tuple[str, str]) -> list[str]:
     """Who did what in the first step in which somebody does something else."""
+    agents = one.config.hunter_names + one.config.prey_names
     for step in range(steps + 1):
-        gone = [{seat for before, seat in each.withdrawals if before == step} for each in (one, other)]
+        gone = [set(each.withdrawn_before(step)) for each in (one, other)]
         found = [
-            f"before step {step + 1}: hunter_{seat} is withdrawn {labels[0 if seat in gone[0] else 1]} alone"
-            for seat in sorted(gone[0] ^ gone[1])
+            f"before step {step + 1}: {agents[agent]} is withdrawn {labels[0 if agent in gone[0] else 1]} alone"
+            for agent in sorted(gone[0] ^ gone[1])
         ]
-        for seat in range(one.config.hunters if step < steps else 0):
-            ours, theirs = (each.action(step, seat) for each in (one, other))
+        for agent, ours, theirs in zip(agents, *(_actions(each, step) for each in (one, other)), strict=False):
             if ours != theirs:
-                found.append(f"step {step + 1}: hunter_{seat} acts otherwise: {ours} {labels[0]}, {theirs} {labels[1]}")
+                found.append(f"step {step + 1}: {agent} acts otherwise: {ours} {labels[0]}, {theirs} {labels[1]}")
         if found:
             return found
     return []
 
 
+def _actions(replay: Replay, step: int) -> list[str]:
+    """What each agent did in a step, counted from 0; nobody does anything after the end."""
+    if step == replay.steps:
+        return []
+    hunters = [replay.action(step, seat) for seat in range(replay.config.hunters)]
+    return hunters + [replay.prey_action(step, index) for index in range(replay.config.prey)]
+
+
 def _first_state(one: Replay, other: Replay, steps: int, labels: tuple[str, str]) -> list[str]:
+    agents = one.config.hunter_names + one.config.prey_names
     for step in range(steps + 1):
         ours, theirs = one.states[step], other.states[step]
         if one.digests[step] != other.digests[step] or not np.array_equal(ours, theirs):
             names = [
-                name if name == twin else seat
-                for name, twin, seat in zip(one.names, other.names, one.config.hunter_names, strict=True)
+                name if name == twin else seat for name, twin, seat in zip(one.names, other.names, agents, strict=True)
             ]
             lines = state_differences(one.config, names, ours, theirs, labels)
             return [f"{state_name(step)} is the first that differs", *first_lines(step, lines)]

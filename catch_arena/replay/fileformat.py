@@ -8,8 +8,10 @@ import hashlib
 import json
 import struct
 import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +26,8 @@ LARGEST_FILE: Final = 1 << 26
 """No file is longer than this, and no body when it is unpacked [bytes]."""
 _MAGIC: Final = b"\x89CATCH\r\n"  # as PNG does it: a transfer that mangles bytes is noticed at once
 _FORMAT: Final = 2
+_FORMAT_WITH_PREY: Final = 3
+"""A match without prey needs nothing that is new in it."""
 _PREFIX: Final = struct.Struct("<8sIQ")
 _LENGTH: Final = struct.Struct("<I")
 _CHECKSUM_BYTES: Final = 32
@@ -37,20 +41,27 @@ _LONGEST_REASON: Final = 300
 _KEYS: Final = {"ruleset", "package", "config", "seed", "names", "title", "steps", "withdrawals", "spans"}
 
 
-class ReplayContent(NamedTuple):
+@dataclass(slots=True)
+class ReplayContent:
     """What a file holds."""
 
     config: ArenaConfig
     seed: int
     names: tuple[str, ...]
-    title: str
-    choices: NDArray[np.int64]
-    """(steps, H)."""
-    commands: NDArray[np.float32]
-    """(steps, H, 2)."""
-    digests: list[bytes]
-    states: list[QuantisedState]
-    withdrawals: list[tuple[int, int]]
+    """The agents', of the hunters by seat and then of the prey by index."""
+    title: str = ""
+    choices: list[NDArray[np.int64]] = field(default_factory=list)
+    """The ranks of each step: (H,)."""
+    commands: list[NDArray[np.float32]] = field(default_factory=list)
+    """The velocity commands of each step: (H, 2)."""
+    prey_commands: list[NDArray[np.float32]] = field(default_factory=list)
+    """Prey's velocity commands of each step: (P, 2), also where there is none."""
+    digests: list[bytes] = field(default_factory=list)
+    """A.8, after the reset and after each step."""
+    states: list[QuantisedState] = field(default_factory=list)
+    """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
+    withdrawals: list[tuple[int, int]] = field(default_factory=list)
+    """(steps played before it, agent): R1.6, R12.5. Agents count as in `names`."""
 
 
 def encode_replay(match: ReplayContent) -> bytes:
@@ -62,7 +73,10 @@ def encode_replay(match: ReplayContent) -> bytes:
     config, steps = match.config, len(match.choices)
     _require_sizes(config, steps)
     driven = driven_seats(config)
-    states, spans = pack_states(config, match.commands, match.states)
+    choices = np.array(match.choices, dtype=np.int64).reshape(-1, config.hunters)
+    commands = np.array(match.commands, dtype=np.float32).reshape(-1, config.hunters, 2)
+    prey_commands = np.array(match.prey_commands, dtype=np.float32).reshape(steps, config.prey, 2)
+    states, spans = pack_states(config, commands, prey_commands, match.states)
     _require_few_spans(spans)
     header = {
         "ruleset": RULESET,
@@ -76,14 +90,13 @@ def encode_replay(match: ReplayContent) -> bytes:
         "spans": spans,
     }
     text = json.dumps(header, separators=(",", ":")).encode()
-    bits = match.commands[:, driven].reshape(steps, 2 * len(driven)).view(np.uint32)
-    turned = (bits << np.uint32(1)) | (bits >> np.uint32(31))  # the sign, which is noise, goes to the other noise
     body = b"".join(
         (
             _LENGTH.pack(len(text)),
             text,
-            pack_columns(match.choices.T),
-            pack_columns(turned.astype(np.int64).T),
+            pack_columns(choices.T),
+            _pack_commands(commands[:, driven]),
+            _pack_commands(prey_commands),
             *match.digests,
             states,
         )
@@ -91,7 +104,7 @@ def encode_replay(match: ReplayContent) -> bytes:
     if len(text) > _LONGEST_HEADER or len(body) > LARGEST_FILE:
         raise ReplayError(f"is too long to be kept: {len(body)} bytes, {len(text)} of them its header")
     shrunk = zlib.compress(body, 9)
-    content = _PREFIX.pack(_MAGIC, _FORMAT, len(shrunk)) + shrunk
+    content = _PREFIX.pack(_MAGIC, _format_of(config), len(shrunk)) + shrunk
     return content + _checksum(content)
 
 
@@ -101,34 +114,57 @@ def decode_replay(content: bytes) -> ReplayContent:
     Raises:
         ReplayError: for whatever is not a whole replay of this ruleset.
     """
-    reader = Reader(_checked_body(content))
+    form, body = _checked_body(content)
+    reader = Reader(body)
     header = _header_of(reader)
     config, seed, names, title, steps, withdrawals, spans = _checked_header(header)
+    if form != _format_of(config):
+        raise ReplayError(f"is of format {form}, which is not that of a match with {config.prey} prey")
     choices = reader.columns(config.hunters, steps)
     for seat, control in enumerate(config.controls):
         highest = 0 if control == "velocity" else config.targets_seen
         if steps and not 0 <= choices[:, seat].min() <= choices[:, seat].max() <= highest:
             raise ReplayError(f"holds actions of hunter_{seat} that no arena would have taken")
     driven = driven_seats(config)
-    turned = reader.columns(2 * len(driven), steps)
+    commands = np.zeros((steps, config.hunters, 2), dtype=np.float32)
+    commands[:, driven] = _read_commands(reader, steps, len(driven))
+    prey_commands = _read_commands(reader, steps, config.prey)
+    digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
+    states = unpack_states(config, commands, prey_commands, reader, spans)
+    reader.end()
+    steps_of = list(choices), list(commands), list(prey_commands)
+    return ReplayContent(config, seed, names, title, *steps_of, digests, states, withdrawals)
+
+
+def _format_of(config: ArenaConfig) -> int:
+    return _FORMAT_WITH_PREY if config.prey else _FORMAT
+
+
+def _pack_commands(commands: NDArray[np.float32]) -> bytes:
+    """Velocity commands, (steps, n, 2), as columns."""
+    steps, bodies, _ = commands.shape
+    bits = commands.reshape(steps, 2 * bodies).view(np.uint32)
+    turned = (bits << np.uint32(1)) | (bits >> np.uint32(31))  # the sign, which is noise, goes to the other noise
+    return pack_columns(turned.astype(np.int64).T)
+
+
+def _read_commands(reader: Reader, steps: int, bodies: int) -> NDArray[np.float32]:
+    """What `_pack_commands` wrote."""
+    turned = reader.columns(2 * bodies, steps)
     if turned.size and not 0 <= turned.min() <= turned.max() < 2**32:
         raise ReplayError("is damaged: a velocity command is not a float32")
     bits = (turned >> 1) | ((turned & 1) << 31)
-    commands = np.zeros((steps, config.hunters, 2), dtype=np.float32)
-    commands[:, driven] = bits.astype(np.uint32).view(np.float32).reshape(steps, len(driven), 2)
+    commands = bits.astype(np.uint32).view(np.float32).reshape(steps, bodies, 2)
     if not np.all(np.abs(commands) <= 1.0):  # NaN too
         raise ReplayError("holds velocity commands that no arena would have taken")
-    digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
-    states = unpack_states(config, commands, reader, spans)
-    reader.end()
-    return ReplayContent(config, seed, names, title, choices, commands, digests, states, withdrawals)
+    return commands
 
 
 def checked_text(what: str, text: object) -> str:
     """A name or a title that can be shown in one line.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a text that is too long or cannot be printed.
     """
     if not isinstance(text, str) or len(text) > _LONGEST_TEXT or not text.isprintable():
         shown = repr(text)[: _LONGEST_TEXT + 10]
@@ -136,11 +172,25 @@ def checked_text(what: str, text: object) -> str:
     return text
 
 
+def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
+    """The agents' names, of the hunters by seat and of the prey by index, each of which can be shown in one line.
+
+    Raises:
+        ConfigError: for a number of names that is not that of the agents, and one that cannot be shown.
+    """
+    wanted = config.hunters + config.prey
+    if not isinstance(names, Sequence) or isinstance(names, str) or len(names) != wanted:
+        each = "hunter and each prey" if config.prey else "hunter"
+        raise ConfigError(f"names must be {wanted}, one for each {each}, got {repr(names)[: _LONGEST_TEXT + 10]}")
+    return tuple(checked_text(f"names[{agent}]", name) for agent, name in enumerate(names))
+
+
 def _checksum(content: bytes | memoryview) -> bytes:
     return hashlib.blake2b(content, digest_size=_CHECKSUM_BYTES).digest()
 
 
-def _checked_body(content: bytes) -> bytes:
+def _checked_body(content: bytes) -> tuple[int, bytes]:
+    """The format, and the body as it is unpacked."""
     if not content.startswith(_MAGIC):
         raise ReplayError("is not a Catch Arena replay")
     if len(content) < _PREFIX.size + _CHECKSUM_BYTES:
@@ -148,8 +198,8 @@ def _checked_body(content: bytes) -> bytes:
     if len(content) > LARGEST_FILE:
         raise ReplayError(f"is longer than {LARGEST_FILE} bytes")
     _, form, length = _PREFIX.unpack_from(content)
-    if form != _FORMAT:
-        raise ReplayError(f"is of format {form}, and this version reads format {_FORMAT}")
+    if form not in (_FORMAT, _FORMAT_WITH_PREY):
+        raise ReplayError(f"is of format {form}, and this version reads formats {_FORMAT} and {_FORMAT_WITH_PREY}")
     whole = _PREFIX.size + length + _CHECKSUM_BYTES
     if len(content) != whole:
         raise ReplayError(f"should be {whole} bytes long, got {len(content)}")
@@ -165,7 +215,7 @@ def _checked_body(content: bytes) -> bytes:
         raise ReplayError(f"is damaged, or longer than {LARGEST_FILE} bytes when unpacked")
     if unpacker.unused_data:
         raise ReplayError(f"is damaged: {len(unpacker.unused_data)} bytes follow its body")
-    return body
+    return form, body
 
 
 def _header_of(reader: Reader) -> dict[str, Any]:
@@ -194,17 +244,15 @@ def _checked_header(
         config = ArenaConfig.from_dict(header["config"])
         seed, title = checked_seed(header["seed"]), checked_text("title", header["title"])
         checked_text("name_prefix", config.name_prefix)
-        if not isinstance(header["names"], list) or len(header["names"]) != config.hunters:
-            raise ConfigError(f"names must be {config.hunters}, one for each hunter")
-        names = tuple(checked_text(f"names[{seat}]", name) for seat, name in enumerate(header["names"]))
+        names = checked_names(header["names"], config)
         steps, spans = (_count(name, header[name]) for name in ("steps", "spans"))
         withdrawals = [
-            (_count("withdrawals", step), _count("withdrawals", seat)) for step, seat in header["withdrawals"]
+            (_count("withdrawals", step), _count("withdrawals", place)) for step, place in header["withdrawals"]
         ]
-        seats = {seat for _, seat in withdrawals}
-        in_order = withdrawals == sorted(withdrawals) and len(seats) == len(withdrawals)
-        if not in_order or any(step > steps or seat >= config.hunters for step, seat in withdrawals):
-            raise ConfigError("withdrawals must name hunters, each once, in the order of the steps")
+        places, agents = {place for _, place in withdrawals}, len(names)
+        in_order = withdrawals == sorted(withdrawals) and len(places) == len(withdrawals)
+        if not in_order or any(step > steps or place >= agents for step, place in withdrawals):
+            raise ConfigError("withdrawals must name agents, each once, in the order of the steps")
     except (CatchArenaError, TypeError, ValueError, AttributeError) as error:
         raise ReplayError(f"has a header that cannot be used: {ascii(str(error))[1:-1][:_LONGEST_REASON]}") from None
     _require_sizes(config, steps)

@@ -19,7 +19,9 @@ from catch_arena.errors import ReplayError
 from catch_arena.replay.codec import Reader, pack_columns
 
 QuantisedState = NDArray[np.int64]
-"""One state: the numbers of `Engine.state()`, those that have a unit other than ms in whole millionths of it."""
+"""One state: the numbers of `Engine.state()`, those that have a unit other than ms in whole millionths of it: of the
+arena, the hunters, the alive targets, and prey.
+"""
 Matrix = NDArray[np.int64]
 """A column for each number, a row for each state."""
 
@@ -38,11 +40,15 @@ HUNTER: Final = {
     "withdrawn": "",
 }
 """A hunter's numbers and their units; "" is a count."""
+PREY: Final = ("target", "times caught", "caught at")
+"""A prey's numbers, which are counts: its target is 0 while it is out, and it was caught at -1 while it is not."""
 _STILL_TARGET: Final = {"number": "", "x": "m", "y": "m", "theta": "rad", "appeared": ""}
 _MOVING_TARGET: Final = {**_STILL_TARGET, "linear velocity": "m/s", "angular velocity": "rad/s", "at wall": ""}
 X, Y, THETA, SPEED, TURN_RATE, ACTIVE, SCORE = 0, 1, 2, 3, 4, 7, 8
 """Of a hunter; a target's motion is packed in the order of the first five, with its wall flag behind them."""
 _NUMBER: Final = 0
+_PLAYS, _TIMES_CAUGHT = 0, 1
+"""Of prey: the number of its target, and its score."""
 _IDENTITY: Final = (_NUMBER, 4)
 """A target's number, and when it appeared."""
 _MOTION: Final = (1, 2, 3, 5, 6, 7)
@@ -58,10 +64,15 @@ def target_numbers(config: ArenaConfig) -> dict[str, str]:
 
 
 @cache
-def _scale(hunters: int, targets: int, *, moving: bool) -> NDArray[np.float64]:
+def _scale(hunters: int, targets: int, prey: int, *, moving: bool) -> NDArray[np.float64]:
     """What each number of a state is multiplied by."""
     target = _MOVING_TARGET if moving else _STILL_TARGET
-    units = [*[""] * len(ARENA), *[*HUNTER.values()] * hunters, *[*target.values()] * targets]
+    units = [
+        *[""] * len(ARENA),
+        *[*HUNTER.values()] * hunters,
+        *[*target.values()] * targets,
+        *[""] * len(PREY) * prey,
+    ]
     return np.array([1e6 if unit else 1.0 for unit in units])
 
 
@@ -72,24 +83,41 @@ def rounded(numbers: NDArray[np.float64], scale: float | NDArray[np.float64]) ->
 
 def quantise(state: NDArray[np.float64], config: ArenaConfig) -> QuantisedState:
     """A state as `Engine.state()` gives it, in whole millionths."""
-    targets = (len(state) - _fixed(config)) // len(target_numbers(config))
-    return rounded(state, _scale(config.hunters, targets, moving=config.targets_move))
+    targets = (len(state) - _before_targets(config) - _behind_targets(config)) // len(target_numbers(config))
+    return rounded(state, _scale(config.hunters, targets, config.prey, moving=config.targets_move))
 
 
-def _fixed(config: ArenaConfig) -> int:
+def parts_of(state: QuantisedState, config: ArenaConfig) -> tuple[Matrix, Matrix, Matrix, Matrix]:
+    """A state taken apart: the arena's numbers, in one row, and a row for each hunter, alive target and prey."""
+    hunters, targets = len(ARENA), _before_targets(config)
+    prey = len(state) - _behind_targets(config)
+    return (
+        state[:hunters].reshape(1, -1),
+        state[hunters:targets].reshape(-1, len(HUNTER)),
+        state[targets:prey].reshape(-1, len(target_numbers(config))),
+        state[prey:].reshape(-1, len(PREY)),
+    )
+
+
+def _before_targets(config: ArenaConfig) -> int:
     """How many numbers a state has before its targets'."""
     return len(ARENA) + config.hunters * len(HUNTER)
 
 
-def scores(state: QuantisedState, hunters: int) -> list[int]:
-    """Every hunter's score in that state."""
-    first, size = len(ARENA), len(HUNTER)
-    return [int(score) for score in state[first + SCORE : first + hunters * size : size]]
+def _behind_targets(config: ArenaConfig) -> int:
+    """How many numbers a state has after its targets'."""
+    return config.prey * len(PREY)
+
+
+def scores(state: QuantisedState, config: ArenaConfig) -> tuple[list[int], list[int]]:
+    """Every hunter's score in that state, and every prey's."""
+    _, hunters, _, prey = parts_of(state, config)
+    return hunters[:, SCORE].tolist(), prey[:, _TIMES_CAUGHT].tolist()
 
 
 def state_length(config: ArenaConfig) -> int:
     """How many numbers a quantised state has at most."""
-    return _fixed(config) + config.max_targets * len(target_numbers(config))
+    return _before_targets(config) + config.max_targets * len(target_numbers(config)) + _behind_targets(config)
 
 
 def driven_seats(config: ArenaConfig) -> list[int]:
@@ -98,38 +126,50 @@ def driven_seats(config: ArenaConfig) -> list[int]:
 
 
 def pack_states(
-    config: ArenaConfig, commands: NDArray[np.float32], states: Sequence[QuantisedState]
+    config: ArenaConfig,
+    commands: NDArray[np.float32],
+    prey_commands: NDArray[np.float32],
+    states: Sequence[QuantisedState],
 ) -> tuple[bytes, int]:
     """The states of a match, the initial one and that of each step, as bytes; and how many spans are in them.
 
     Args:
         config: the arena's settings.
         commands: (steps, H, 2).
+        prey_commands: (steps, P, 2).
         states: the states to be packed.
     """
-    fixed = np.array([row[: _fixed(config)] for row in states])
-    arena = fixed[:, : len(ARENA)]
-    parts = [pack_columns(np.diff(arena, axis=0, prepend=0).T)]
-    ticks = _ticks(arena[:, 0])
+    arena, hunters, targets, prey = zip(*(parts_of(state, config) for state in states), strict=True)
+    clock = np.concatenate(arena)
+    parts = [pack_columns(np.diff(clock, axis=0, prepend=0).T)]
+    ticks = _ticks(clock[:, 0])
+    by_seat = np.array(hunters)
     for seat, given in enumerate(_commanded(config, commands)):
-        first = len(ARENA) + seat * len(HUNTER)
-        numbers = fixed[:, first : first + len(HUNTER)]
+        numbers = by_seat[:, seat]
         rest = _without_motion(numbers, ticks)
         rest[:, ACTIVE] = numbers[:, ACTIVE]
         if given is not None:
             rest[:, SPEED : TURN_RATE + 1] = numbers[:, SPEED : TURN_RATE + 1] - given
         parts.append(pack_columns(rest.T))
-    targets = [row[fixed.shape[1] :].reshape(-1, len(target_numbers(config))) for row in states]
+    by_index = np.array(prey)
+    parts.append(pack_columns(np.diff(by_index, axis=0, prepend=0).reshape(len(states), -1).T))
     spans, tracks = _lives(targets) if config.targets_move else (_spans(targets), None)
     beginnings = np.diff(spans[:, :1], axis=0, prepend=0)
     parts.append(pack_columns(np.hstack((beginnings, spans[:, 1:])).T))
     if tracks is not None:
-        parts.append(pack_columns(_without_motion(tracks, _ticks_of_targets(ticks, spans)).T))
+        rest = _without_motion(tracks, _ticks_of_targets(ticks, spans))
+        given = _commanded_targets(config, prey_commands, by_index[:, :, _PLAYS], spans)
+        rest[:, SPEED : TURN_RATE + 1] -= np.diff(given, axis=0, prepend=0)
+        parts.append(pack_columns(rest.T))
     return b"".join(parts), len(spans)
 
 
 def unpack_states(
-    config: ArenaConfig, commands: NDArray[np.float32], reader: Reader, spans: int
+    config: ArenaConfig,
+    commands: NDArray[np.float32],
+    prey_commands: NDArray[np.float32],
+    reader: Reader,
+    spans: int,
 ) -> list[QuantisedState]:
     """The states that `pack_states` wrote.
 
@@ -137,7 +177,7 @@ def unpack_states(
         ReplayError: where it is no replay, or a damaged one.
     """
     size, hunter = len(commands) + 1, len(HUNTER)
-    fixed = np.zeros((size, _fixed(config)), dtype=np.int64)
+    fixed = np.zeros((size, _before_targets(config)), dtype=np.int64)
     fixed[:, : len(ARENA)] = _bounded(np.cumsum(reader.columns(len(ARENA), size), axis=0))
     ticks = _ticks(fixed[:, 0])
     for seat, given in enumerate(_commanded(config, commands)):
@@ -147,6 +187,7 @@ def unpack_states(
         if given is not None:
             numbers[:, SPEED : TURN_RATE + 1] = rest[:, SPEED : TURN_RATE + 1] + given
         fixed[:, len(ARENA) + seat * hunter :][:, :hunter] = _with_motion(numbers, ticks)
+    prey = _bounded(np.cumsum(reader.columns(config.prey * len(PREY), size), axis=0))
     numbers_of_target = len(target_numbers(config))
     table = reader.columns(2 + (len(_IDENTITY) if config.targets_move else numbers_of_target), spans)
     table[:, 0] = np.cumsum(table[:, 0])
@@ -154,11 +195,13 @@ def unpack_states(
     targets = np.repeat(table[:, 2:], table[:, 1], axis=0)
     if config.targets_move:
         tracks = np.cumsum(reader.columns(len(_MOTION), len(targets)), axis=0)
+        plays = prey[:, _PLAYS :: len(PREY)]
+        tracks[:, SPEED : TURN_RATE + 1] += _commanded_targets(config, prey_commands, plays, table)
         moving = np.zeros((len(targets), numbers_of_target), dtype=np.int64)
         moving[:, _IDENTITY] = targets
         moving[:, _MOTION] = _with_motion(tracks, _ticks_of_targets(ticks, table))
         targets = moving
-    return _with_targets(fixed, targets, _states_of(table))
+    return _with_targets(fixed, targets, _states_of(table), prey)
 
 
 def _bounded(numbers: Matrix) -> Matrix:
@@ -191,11 +234,39 @@ def _commanded(config: ArenaConfig, commands: NDArray[np.float32]) -> list[Matri
     """
     found: list[Matrix | None] = [None] * config.hunters
     for seat in driven_seats(config):
-        high = np.array([config.max_speeds[seat], config.max_turn_rates[seat]], dtype=np.float64)
-        low = -high if config.reverse else high * [0.0, -1.0]
-        asked = np.clip(commands[:, seat].astype(np.float64) * high, low, high)
-        found[seat] = np.vstack((np.zeros((1, 2), dtype=np.int64), rounded(asked, 1e6)))
+        limits = config.max_speeds[seat], config.max_turn_rates[seat]
+        asked = _asked(commands[:, seat], limits, reverse=config.reverse)
+        found[seat] = np.vstack((np.zeros((1, 2), dtype=np.int64), asked))
     return found
+
+
+def _asked(commands: NDArray[np.float32], limits: tuple[float, float], *, reverse: bool) -> Matrix:
+    """R2.5: the velocities that a body's commands ask for, as fractions of its limits: (..., 2) to the same."""
+    high = np.array(limits, dtype=np.float64)
+    low = -high if reverse else high * [0.0, -1.0]
+    return rounded(np.clip(commands.astype(np.float64) * high, low, high), 1e6)
+
+
+def _commanded_targets(config: ArenaConfig, prey_commands: NDArray[np.float32], plays: Matrix, spans: Matrix) -> Matrix:
+    """R12.2: the velocities that prey's commands ask for, in all states of the spans, span after span: (states, 2).
+
+    Zeros for targets that nobody plays, and where one has just appeared: it stands still (R3.8).
+
+    Args:
+        config: the arena's settings.
+        prey_commands: (steps, P, 2).
+        plays: the number of each prey's target in each state, 0 for none: (steps + 1, P).
+        spans: when each target is alive, and its number.
+    """
+    at, numbers = _states_of(spans), np.repeat(spans[:, 2], spans[:, 1])
+    appeared = np.cumsum(spans[:, 1]) - spans[:, 1]
+    limits = config.target_speed_mps, config.target_turn_rate_radps
+    asked = np.zeros((len(at), 2), dtype=np.int64)
+    for index in range(config.prey):
+        led = plays[at, index] == numbers
+        led[appeared] = False
+        asked[led] = _asked(prey_commands[at[led] - 1, index], limits, reverse=config.reverse)
+    return asked
 
 
 def _without_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
@@ -308,7 +379,7 @@ def _require_alive_together(spans: Matrix, size: int, most: int) -> None:
     raise ReplayError("is damaged: its witness has targets that cannot be alive together")
 
 
-def _with_targets(fixed: Matrix, targets: Matrix, at: NDArray[np.int64]) -> list[QuantisedState]:
+def _with_targets(fixed: Matrix, targets: Matrix, at: NDArray[np.int64], prey: Matrix) -> list[QuantisedState]:
     """Every state with the targets that are alive in it, by number; `at` says which state each row of targets is in.
 
     Raises:
@@ -319,4 +390,5 @@ def _with_targets(fixed: Matrix, targets: Matrix, at: NDArray[np.int64]) -> list
     if np.any((np.diff(at) == 0) & (np.diff(targets[:, _NUMBER]) == 0)):
         raise ReplayError("is damaged: its witness has targets that cannot be alive together")
     ends = np.searchsorted(at, np.arange(1, len(fixed)))
-    return [np.concatenate((row, tail.reshape(-1))) for row, tail in zip(fixed, np.split(targets, ends), strict=True)]
+    alive = np.split(targets, ends)
+    return [np.concatenate((row, tail.reshape(-1), last)) for row, tail, last in zip(fixed, alive, prey, strict=True)]

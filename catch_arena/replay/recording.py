@@ -3,47 +3,47 @@
 import copy
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, fields
 from html import escape
 from io import BytesIO
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
 from catch_arena.replay.fileformat import LARGEST_FILE, ReplayContent, decode_replay, encode_replay
-from catch_arena.replay.quantisation import QuantisedState, quantise
+from catch_arena.replay.quantisation import quantise
 from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
 from catch_arena.world import World
 
+_NO_PREY: Final = np.zeros((0, 2), dtype=np.float32)
+
+
+def _in_words(command: NDArray[np.float32]) -> str:
+    linear, angular = command.tolist()
+    return f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"
+
 
 @dataclass(slots=True)
-class Replay:
+class Replay(ReplayContent):
     """One recorded match, or the part of it that has been played."""
 
     html_formatter: ClassVar[Callable[["Replay"], str] | None] = None
     """Makes the HTML that a notebook shows: `catch_arena.player`, which stands above, sets it when it is imported."""
 
-    config: ArenaConfig
-    seed: int
-    names: tuple[str, ...]
-    """The agents' names by seat."""
-    title: str = ""
-    choices: list[NDArray[np.int64]] = field(default_factory=list)
-    """The ranks of each step: (H,)."""
-    commands: list[NDArray[np.float32]] = field(default_factory=list)
-    """The velocity commands of each step: (H, 2)."""
-    digests: list[bytes] = field(default_factory=list)
-    """A.8, after the reset and after each step."""
-    states: list[QuantisedState] = field(default_factory=list)
-    """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
-    withdrawals: list[tuple[int, int]] = field(default_factory=list)
-    """(steps played before it, seat): R1.6."""
+    @property
+    def hunter_names(self) -> tuple[str, ...]:
+        """By seat."""
+        return self.names[: self.config.hunters]
+
+    @property
+    def prey_names(self) -> tuple[str, ...]:
+        """By index."""
+        return self.names[self.config.hunters :]
 
     @property
     def steps(self) -> int:
@@ -57,25 +57,46 @@ class Replay:
         ranked = f"rank {rank}" if rank else "nothing" if control == "full" else "hold"
         if control == "target":
             return ranked
-        linear, angular = self.commands[step][seat].tolist()
-        commanded = f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"
+        commanded = _in_words(self.commands[step][seat])
         return commanded if control == "velocity" else f"{commanded}, catch {ranked}"
+
+    def prey_action(self, step: int, index: int) -> str:
+        """What a prey did in a step, likewise."""
+        return _in_words(self.prey_commands[step][index])
+
+    def withdrawn_before(self, step: int) -> list[int]:
+        """Which agents were withdrawn when so many steps had been played."""
+        return [agent for before, agent in self.withdrawals if before == step]
 
     def note(self, engine: Engine) -> None:
         """One more state: the first one after the reset, the others by `append`."""
         self.digests.append(engine.digest())
         self.states.append(quantise(engine.state(), self.config))
 
-    def append(self, choices: NDArray[np.int64], commands: NDArray[np.float32], engine: Engine) -> None:
-        """One more step: its actions, which are copied, and the state that it led to."""
+    def append(
+        self,
+        choices: NDArray[np.int64],
+        commands: NDArray[np.float32],
+        engine: Engine,
+        prey_commands: NDArray[np.float32] | None = None,
+    ) -> None:
+        """One more step: its actions, which are copied, and the state that it led to.
+
+        Args:
+            choices: (H,).
+            commands: (H, 2).
+            engine: whose first arena is recorded.
+            prey_commands: (P, 2), where there is prey.
+        """
         self.choices.append(choices.copy())
         self.commands.append(commands.copy())
+        self.prey_commands.append(_NO_PREY if prey_commands is None else prey_commands.copy())
         self.note(engine)
 
     def copy(self) -> "Replay":
         """The match so far; the steps that are appended to one of the two do not appear in the other."""
         twin = copy.copy(self)
-        for name in ("choices", "commands", "digests", "states", "withdrawals"):
+        for name in ("choices", "commands", "prey_commands", "digests", "states", "withdrawals"):
             setattr(twin, name, list(getattr(self, name)))
         return twin
 
@@ -85,10 +106,13 @@ class Replay:
         engine.reset([self.seed])
         yield engine
         for step in range(self.steps):
-            for before, seat in self.withdrawals:
-                if before == step:
-                    engine.withdraw(0, seat)
-            engine.step(self.choices[step][None], self.commands[step][None])
+            for agent in self.withdrawn_before(step):
+                if agent < self.config.hunters:
+                    engine.withdraw(0, agent)
+                else:
+                    engine.withdraw_prey(0, agent - self.config.hunters)
+            prey_commands = self.prey_commands[step][None] if self.config.prey else None
+            engine.step(self.choices[step][None], self.commands[step][None], prey_commands)
             yield engine
 
     def worlds(self) -> Iterator[World]:
@@ -124,21 +148,8 @@ class Replay:
         Raises:
             OutputError: where it cannot be written.
         """
-        hunters = self.config.hunters
         try:
-            content = encode_replay(
-                ReplayContent(
-                    self.config,
-                    self.seed,
-                    self.names,
-                    self.title,
-                    np.array(self.choices, dtype=np.int64).reshape(-1, hunters),
-                    np.array(self.commands, dtype=np.float32).reshape(-1, hunters, 2),
-                    self.digests,
-                    self.states,
-                    self.withdrawals,
-                )
-            )
+            content = encode_replay(self)
         except ReplayError as error:
             raise OutputError(f"{'the replay' if isinstance(file, BytesIO) else file}: {error}") from None
         if isinstance(file, BytesIO):
@@ -162,14 +173,4 @@ class Replay:
             match = decode_replay(content)
         except ReplayError as error:
             raise ReplayError(f"{path}: {error}") from None
-        return cls(
-            config=match.config,
-            seed=match.seed,
-            names=match.names,
-            title=match.title,
-            choices=list(match.choices),
-            commands=list(match.commands),
-            digests=match.digests,
-            states=match.states,
-            withdrawals=match.withdrawals,
-        )
+        return cls(*(getattr(match, field.name) for field in fields(match)))

@@ -16,6 +16,9 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
     differs: an action, a setting or a rule is another one. A step whose digest differs although all later ones agree
     was altered in the file, and so were a state's numbers (its witness) where the digest agrees.
 
+    With prey a match can differ for some steps alone: where prey was does not matter any more when it has been caught
+    and returned. Then the numbers differ as well as the digests.
+
     Args:
         replay: the recorded match.
         progress: called with (steps played, steps in all).
@@ -25,17 +28,22 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
     """
     digests: list[int] = []  # steps whose digest was altered
     numbers: list[int] = []  # steps whose numbers were
+    parted: list[tuple[int, QuantisedState, int]] = []  # the match differed: from, what was replayed there, until
     since: int | None = None  # the step from which on the digests differ
+    apart = False  # whether the numbers have differed too since then
     then = there = np.zeros(0, dtype=np.int64)  # what was replayed there, and at the first altered numbers
     for step, engine in enumerate(replay.engines()):
         state = quantise(engine.state(), replay.config)
         if engine.digest() != replay.digests[step]:
             if since is None:
-                since, then = step, state
+                since, then, apart = step, state, False
+            apart |= not np.array_equal(state, replay.states[step])
         else:
-            if since is not None:
+            if since is not None and apart and replay.config.prey:
+                parted.append((since, then, step))
+            elif since is not None:
                 digests += range(since, step)
-                since = None
+            since = None
             if not np.array_equal(state, replay.states[step]):
                 there = there if numbers else state
                 numbers.append(step)
@@ -51,6 +59,9 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
     if numbers:
         difference = on_one_line(differences(numbers[0], there))
         found.append(f"{_altered('witness', numbers)}: the digest agrees, but {difference}")
+    for first, replayed, until in parted:
+        found.append(f"{state_name(first)} is the first that differs; from {state_name(until)} on it plays as recorded")
+        found += first_lines(first, differences(first, replayed))
     if since is not None:
         found.append(f"{state_name(since)} is the first that differs")
         found += first_lines(since, differences(since, then))

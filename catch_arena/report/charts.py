@@ -1,13 +1,14 @@
 """Figures that a page draws: numbers become positions in per cent, and words."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
-from catch_arena.report.data import ReportData
+from catch_arena.policy import Side
+from catch_arena.report.data import ReportData, SideData
 from catch_arena.tournament.audit import Seat
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import sums_by
@@ -62,6 +63,13 @@ def _round_step(least: float) -> float:
     return next(power * digit for digit in (1.0, 2.0, 5.0, 10.0) if power * digit >= least * (1.0 - 1e-9))
 
 
+def headline_of_sides(tables: Mapping[Side, Sequence[Standing]], *, ended: bool) -> str:
+    """Who is ahead on each side."""
+    if len(tables) == 1:
+        return headline(tables["hunter"], ended=ended)
+    return "; ".join(f"as {word}: {headline(table, ended=ended)}" for word, table in tables.items()).capitalize()
+
+
 def headline(table: Sequence[Standing], *, ended: bool) -> str:
     """Who is ahead, as far as that is known."""
     leaders = [line.name for line in table if line.groups[0] == 1]
@@ -106,7 +114,7 @@ def lanes(table: Sequence[Standing]) -> list[list[str]]:
     return found
 
 
-def distributions(data: ReportData) -> dict[str, Any]:
+def distributions(data: SideData) -> dict[str, Any]:
     """How often each agent had which score, the best agent first: bars as a path in `bins` x 1, and the quartiles."""
     outcomes = data.outcomes
     most = int(outcomes.scores.max())
@@ -137,7 +145,7 @@ def distributions(data: ReportData) -> dict[str, Any]:
     return {"rows": rows, "bins": bins, "width": width, "ticks": ticks}
 
 
-def encounters(data: ReportData) -> dict[str, Any]:
+def encounters(data: SideData) -> dict[str, Any]:
     """Each against each, the best first: the shares as whole per cents, and in words where there is room for them."""
     names = [line.name for line in data.standings]
     wordy = len(names) <= _WORDY
@@ -162,7 +170,27 @@ def encounters(data: ReportData) -> dict[str, Any]:
     return {"names": names, "rows": rows, "small": len(names) > _ROOMY}
 
 
-def seat_results(data: ReportData) -> list[Seat]:
+def seat_tables(data: ReportData) -> list[dict[str, Any]]:
+    """How seats fared, of identical agents where there was an audit, and else of this tournament; a table for each side
+    that has several.
+    """
+    audit, parties = data.audit, data.parties
+    if audit is not None and len(audit.seats) != len(parties):  # it was made with other settings
+        return [_seat_table([str(number) for number in range(len(audit.seats))], audit.seats)]
+    tables = []
+    for side in data.sides:
+        cut = parties.on(side.side)
+        if len(parties.seats[cut]) > 1 or len(data.sides) == 1:
+            tables.append(_seat_table(parties.names[cut], seat_results(side) if audit is None else audit.seats[cut]))
+    return tables
+
+
+def _seat_table(names: Sequence[str], seats: Sequence[Seat]) -> dict[str, Any]:
+    ends = [end for seat in seats for end in (seat.wins.low, seat.wins.mean, seat.wins.high)]
+    return {"rows": list(zip(names, seats, strict=True)), "axis": Axis.over([0.0, *ends]), "even": 1 / len(seats)}
+
+
+def seat_results(data: SideData) -> list[Seat]:
     """How the seats of this tournament fared: each agent sat in each of them, block by block."""
     outcomes = data.outcomes
     seat = np.broadcast_to(np.arange(outcomes.seating.shape[1]), outcomes.seating.shape)

@@ -1,28 +1,57 @@
 """What a tournament's folder holds, read once: everything in the report is made from it."""
 
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
 
 from catch_arena.errors import ReplayError, StoreError, reason
+from catch_arena.policy import Side
 from catch_arena.replay import Replay
 from catch_arena.tournament.audit import FILE as AUDIT
-from catch_arena.tournament.audit import Audit, Check, Seat
+from catch_arena.tournament.audit import Audit
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import PlayedMatch
-from catch_arena.tournament.rows import DamagedError, number_of, text_of, whole
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.rows import DamagedError
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
-from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.standings import Standing, standings
 from catch_arena.tournament.store import Store, Tournament
 
-_MOST: Final = 10**9
-"""Of whatever an audit counts or measures."""
+
+@dataclass(frozen=True)
+class SideData:
+    """What the matches say of one side (R12.7); without prey there is but that of the hunters."""
+
+    side: Side
+    entrants: Sequence[Entrant]
+    played: Sequence[PlayedMatch]
+    """As of `on_side`."""
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The entrants' names, as matches number them."""
+        return [entrant.name for entrant in self.entrants]
+
+    @cached_property
+    def outcomes(self) -> Outcomes:
+        """The matches as arrays."""
+        return Outcomes.of(len(self.names), self.played)
+
+    @cached_property
+    def standings(self) -> list[Standing]:
+        """The best first."""
+        return standings(self.entrants, self.played)
+
+    @cached_property
+    def encounters(self) -> dict[tuple[str, str], Encounter]:
+        """Each against each, by their names."""
+        found = head_to_head(self.entrants, self.played, self.side)
+        return {(one.name, one.other): one for one in found}
 
 
 @dataclass(frozen=True)
@@ -62,19 +91,30 @@ class ReportData:
         return [entrant.name for entrant in self.tournament.entrants]
 
     @cached_property
+    def parties(self) -> Parties:
+        """Those of a match."""
+        return Parties.of(self.tournament.config)
+
+    @cached_property
+    def sides(self) -> list[SideData]:
+        """The hunters' first."""
+        entrants = self.tournament.entrants
+        return [SideData(side, entrants, on_side(self.played, self.parties, side)) for side in self.parties.sides]
+
+    @property
     def outcomes(self) -> Outcomes:
-        """The matches as arrays."""
-        return Outcomes.of(len(self.names), self.played)
+        """The matches as arrays, as the hunters'."""
+        return self.sides[0].outcomes
 
-    @cached_property
+    @property
     def standings(self) -> list[Standing]:
-        """The best first."""
-        return standings(self.tournament.entrants, self.played)
+        """Of the hunters, the best first."""
+        return self.sides[0].standings
 
-    @cached_property
+    @property
     def encounters(self) -> dict[tuple[str, str], Encounter]:
-        """Each against each, by their names."""
-        return {(one.name, one.other): one for one in head_to_head(self.tournament.entrants, self.played)}
+        """Of the hunters, each against each, by their names."""
+        return self.sides[0].encounters
 
     @property
     def audit(self) -> Audit | None:
@@ -96,7 +136,7 @@ class ReportData:
         path = self.folder / AUDIT
         try:
             found = json.loads(path.read_text(encoding="utf-8"))
-            return _audit(found), found["config_digest"]
+            return Audit.from_json(found), found["config_digest"]
         except FileNotFoundError:
             return None, None
         except (OSError, ValueError, TypeError, KeyError, RecursionError, DamagedError) as error:
@@ -116,31 +156,3 @@ class ReportData:
         if match not in self.recorded:
             raise ReplayError(f"match {match}: must be one that was played and recorded")
         return Replay.load(self.folder / REPLAYS / f"{match}.replay")
-
-
-def _audit(found: dict[str, Any]) -> Audit:
-    """What `audit_text` wrote; anybody may have written it."""
-    return Audit(
-        agent=text_of("agent", found["agent"]),
-        matches=whole("matches", found["matches"], 1, _MOST),
-        seats=tuple(Seat(_estimate(seat["wins"]), _figure("score", seat["score"])) for seat in found["seats"]),
-        twin_matches=whole("twin_matches", found["twin_matches"], 1, _MOST),
-        twin_difference=_estimate(found["twin_difference"]),
-        checks=tuple(
-            Check(
-                text_of("question", check["question"]),
-                check["passed"] is True,
-                text_of("finding", check["finding"]),
-                None if check["p"] is None else _figure("p", check["p"]),
-            )
-            for check in found["checks"]
-        ),
-    )
-
-
-def _estimate(found: dict[str, Any]) -> Estimate:
-    return Estimate(*(_figure(name, found[name]) for name in ("mean", "low", "high")))
-
-
-def _figure(what: str, value: object) -> float:
-    return math.nan if value != value else number_of(what, value, -_MOST, _MOST)  # noqa: PLR0124 - NaN: not known

@@ -16,7 +16,6 @@ from catch_arena.config import RULESET
 from catch_arena.files import write_whole
 from catch_arena.player import element_script, packed_text, page_file, script_json
 from catch_arena.report import charts
-from catch_arena.report.charts import Axis
 from catch_arena.report.data import ReportData
 from catch_arena.report.selection import SelectedMatch, select_matches
 from catch_arena.text import without_folders
@@ -58,20 +57,24 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
         selected: the matches that it plays.
         watched: whether it is served: it asks for news, and for the replays that it shows.
     """
-    audit = data.audit
-    seats = charts.seat_results(data) if audit is None else audit.seats
     forfeits = _forfeits(data)
     return _template().render(
         data=data,
         table=data.standings,
-        headline=charts.headline(data.standings, ended=data.ended),
-        ratings=charts.rating_axis(data.standings),
-        lanes=charts.lanes(data.standings),
-        distributions=charts.distributions(data),
-        encounters=charts.encounters(data),
-        audit=audit,
-        seats=seats,
-        seat_axis=Axis.over([0.0, *_ends(seat.wins for seat in seats)]),
+        headline=charts.headline_of_sides({side.side: side.standings for side in data.sides}, ended=data.ended),
+        sides=[
+            {
+                "prey": side.side == "prey",
+                "table": side.standings,
+                "ratings": charts.rating_axis(side.standings),
+                "lanes": charts.lanes(side.standings),
+                "distributions": charts.distributions(side),
+                "encounters": charts.encounters(side),
+            }
+            for side in data.sides
+        ],
+        audit=data.audit,
+        seat_tables=charts.seat_tables(data),
         refusals=charts.refusals(data),
         move_times=charts.move_times(data),
         forfeits=forfeits[:_MOST_WAYS],
@@ -125,16 +128,13 @@ def _template() -> jinja2.Template:
     return environment.get_template("report.html")
 
 
-def _ends(estimates: Any) -> list[float]:
-    return [end for one in estimates for end in (one.low, one.mean, one.high)]
-
-
 def _matches(data: ReportData) -> dict[str, Any]:
-    """The list of matches, in columns; what is by seat stands match after match."""
+    """The list of matches, in columns; what is by party stands match after match."""
     played = data.played[:MOST_LISTED]
     return {
         "names": data.names,
-        "seats": data.tournament.config.hunters,
+        "seats": len(data.parties),
+        "hunting": data.parties.hunting,
         "ids": [one.match.id for one in played],
         "recorded": [int(one.match.id in data.recorded) for one in played],
         "seating": [entrant for one in played for entrant in one.match.seating],

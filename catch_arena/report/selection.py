@@ -42,12 +42,12 @@ def select_matches(data: ReportData, budget: int, asked: Sequence[str] = ()) -> 
 def _by_interest(data: ReportData) -> Iterator[tuple[str, str]]:
     """Each recorded match once: in turn one with many contests, a close one, one that the best lost, a forfeit."""
     recorded = [one for one in data.played if one.match.id in data.recorded]
-    best = data.names.index(data.standings[0].name)
-    lost = [one for one in recorded if _lost_by(one, best)]
+    best, hunting = data.names.index(data.standings[0].name), data.parties.hunting
+    lost = [one for one in recorded if _lost_by(one, best, hunting)]
     orders = {
         "contests": sorted(recorded, key=_contests, reverse=True),
-        "close": sorted(recorded, key=_margin),
-        f"{data.names[best]} loses": sorted(lost, key=_margin, reverse=True),
+        "close": sorted(recorded, key=lambda one: _margin(one, hunting)),
+        f"{data.names[best]} loses": sorted(lost, key=lambda one: _margin(one, hunting), reverse=True),
         "forfeit": [one for one in recorded if any(one.result.forfeits)],
     }
     seen = set()
@@ -58,9 +58,9 @@ def _by_interest(data: ReportData) -> Iterator[tuple[str, str]]:
                 yield one.match.id, why
 
 
-def _margin(one: PlayedMatch) -> int:
-    """How far the first is ahead of the second."""
-    first, second, *_ = (*sorted(one.result.scores, reverse=True), 0)
+def _margin(one: PlayedMatch, hunting: int) -> int:
+    """How far the first of those that hunt is ahead of the second."""
+    first, second, *_ = (*sorted(one.result.scores[:hunting], reverse=True), 0)
     return first - second
 
 
@@ -68,5 +68,6 @@ def _contests(one: PlayedMatch) -> int:
     return sum(tally.get("LOST_CONTEST", 0) for tally in one.result.verdicts)
 
 
-def _lost_by(one: PlayedMatch, entrant: int) -> bool:
-    return any(who == entrant and rank > 1 for who, rank in zip(one.match.seating, one.result.ranks, strict=True))
+def _lost_by(one: PlayedMatch, entrant: int, hunting: int) -> bool:
+    hunters = zip(one.match.seating[:hunting], one.result.ranks[:hunting], strict=True)
+    return any(who == entrant and rank > 1 for who, rank in hunters)

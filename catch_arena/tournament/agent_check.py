@@ -6,12 +6,13 @@ from typing import Final, Literal
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
-from catch_arena.policy import Limits, View
+from catch_arena.policy import PreyView, limits_of
 from catch_arena.tournament.entrants import Inspection, enter
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import inspector, play_entrants
 from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.parties import Parties
 from catch_arena.verdicts import REASONS, Verdict
 
 _LINES_SHOWN: Final = 6
@@ -57,12 +58,13 @@ def check_fitness(
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
         return
-    yield Finding("ok", f"control {entrant.control}, digest {entrant.digest}")
+    prey = "plays prey itself" if entrant.prey else "a shipped one plays prey for it"
+    yield Finding("ok", f"control {entrant.control}, {prey}, digest {entrant.digest}")
     whole: dict[str, list[bytes]] = {}
     reported: set[tuple[str, str]] = set()
     for name, config in arenas.items():
         digests: list[bytes] = []
-        copies = enter([spec] * config.hunters, look)
+        copies = enter([spec] * len(Parties.of(config)), look)
         result = play_entrants(config, seed, copies, sandbox, watch=lambda env, to=digests: to.append(env.digest()))
         yield from _findings(name, config, result, limits.step_ms, reported)
         if not any(result.forfeits):
@@ -72,7 +74,7 @@ def check_fitness(
     name, first = next(iter(whole.items()))
     config = arenas[name]
     again: list[bytes] = []
-    copies = enter([spec] * config.hunters, look)
+    copies = enter([spec] * len(Parties.of(config)), look)
     play_entrants(config, seed, copies, sandbox, watch=lambda env: again.append(env.digest()))
     if again == first:
         yield Finding("ok", f"{name}: plays the same match again, given the same seed")
@@ -91,29 +93,32 @@ def _findings(
     """What one match shows.
 
     Args:
-        name: who is checked.
+        name: the scenario's, with which each finding begins.
         config: the arena's settings.
         result: how the match ended.
         step_ms: how long a move may take.
         reported: the failures that were shown at length before, to which it adds.
     """
-    failed = [(seat, forfeit) for seat, forfeit in enumerate(result.details) if forfeit is not None]
+    failed = [(party, forfeit) for party, forfeit in enumerate(result.details) if forfeit is not None]
     here: set[tuple[str, str]] = set()
-    for seat, forfeit in failed:
+    for party, forfeit in failed:
         kind = (forfeit.code, forfeit.reason)
         if kind in here:
             continue
         here.add(kind)
-        shown = "" if kind in reported else f"{_shown_to(forfeit, config, seat)}{_tail(result.logs[seat])}"
-        yield Finding("error", f"{name}: {forfeit}{shown}")
+        shown = "" if kind in reported else f"{_shown_to(forfeit, config)}{_tail(result.logs[party])}"
+        who = " as prey" if config.prey and forfeit.seat >= config.hunters else ""
+        yield Finding("error", f"{name}{who}: {forfeit}{shown}")
     reported |= here
     moves = sum(times.moves for times in result.thinking)
     mean_ms = 1000.0 * sum(times.total_s for times in result.thinking) / max(1, moves)
     longest_ms = 1000.0 * max(times.longest_s for times in result.thinking)
     timing = f"{mean_ms:.1f} ms a step, at longest {longest_ms:.1f} of {step_ms:g}"
     if not failed:
-        scores = " ".join(map(str, result.scores))
-        yield Finding("ok", f"{name}: {result.steps} steps, scores {scores}, {timing}")
+        hunting = Parties.of(config).hunting
+        scores = " ".join(map(str, result.scores[:hunting]))
+        caught = f", caught {' '.join(map(str, result.scores[hunting:]))}" if config.prey else ""
+        yield Finding("ok", f"{name}: {result.steps} steps, scores {scores}{caught}, {timing}")
     if longest_ms > step_ms:
         yield Finding("warning", f"{name}: is too slow: {timing}; what is over comes out of the bank of the match")
     if not failed and (printed := next((log for log in result.logs if log), "")):
@@ -125,11 +130,17 @@ def _findings(
             yield Finding("warning", f"{name}: {count} requests were {verdict.name}: {REASONS[verdict]}")
 
 
-def _shown_to(forfeit: Forfeit, config: ArenaConfig, seat: int) -> str:
+def _shown_to(forfeit: Forfeit, config: ArenaConfig) -> str:
     """The view that it failed on, on a line of its own."""
     if forfeit.observation is None:
         return ""
-    view = View(*forfeit.observation, Limits.of(config, seat))
+    view = limits_of(config, forfeit.seat).view(*forfeit.observation)
+    if isinstance(view, PreyView):
+        hunters = ", ".join(f"{hunter.distance:.2f} m" for hunter in view.hunters)
+        return (
+            f"\nit saw: hunters {hunters or 'none (view.hunters is empty)'}; other prey {len(view.others)}; "
+            f"{'alive' if view.alive else 'out'}; caught {view.times_caught:g} times; {view.time_left:.1f} s left"
+        )
     targets = ", ".join(f"{target.rank}: {target.distance:.2f} m" for target in view.targets)
     return (
         f"\nit saw: targets {targets or 'none (view.targets is empty)'}; rivals {len(view.rivals)}; "

@@ -1,28 +1,33 @@
 """Is the arena fair? Identical agents in all seats, permuted requests and labels, and one agent under two names."""
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import cycle, islice
 from random import Random
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
+from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.invariance import Step, lots, names_matter, order_matters, with_labels
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 from catch_arena.tournament.match import Match
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.rows import number_of, text_of, whole
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import holm, p_values
+from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.tail_probabilities import chi_squared_tail
 
 LEVEL: Final = 0.01
@@ -35,6 +40,8 @@ _STEPS: Final = 2000
 _REPLAYED: Final = 5
 _FEWEST_MATCHES: Final = 100
 _FEWEST_TWIN_BLOCKS: Final = 8
+_MOST: Final = 10**9
+"""Of whatever an audit counts or measures, where one is read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +60,7 @@ class Check:
 
 @dataclass(frozen=True, slots=True)
 class Seat:
-    """How the identical agents of one seat fared."""
+    """How the identical agents of one seat fared; of a team's seats, or of one prey's."""
 
     wins: Estimate
     """Its share of wins, ties shared."""
@@ -78,6 +85,40 @@ class Audit:
         """Whether nothing unfair was found."""
         return all(check.passed for check in self.checks)
 
+    @classmethod
+    def from_json(cls, found: Any) -> "Audit":
+        """What `audit_text` wrote, as JSON reads it; anybody may have written it.
+
+        Raises:
+            DamagedError: for a value that no audit has.
+            KeyError: where one is missing.
+            TypeError: where it is of another kind.
+        """
+        return cls(
+            agent=text_of("agent", found["agent"]),
+            matches=whole("matches", found["matches"], 1, _MOST),
+            seats=tuple(Seat(_estimate(seat["wins"]), _figure("score", seat["score"])) for seat in found["seats"]),
+            twin_matches=whole("twin_matches", found["twin_matches"], 1, _MOST),
+            twin_difference=_estimate(found["twin_difference"]),
+            checks=tuple(
+                Check(
+                    text_of("question", check["question"]),
+                    check["passed"] is True,
+                    text_of("finding", check["finding"]),
+                    None if check["p"] is None else _figure("p", check["p"]),
+                )
+                for check in found["checks"]
+            ),
+        )
+
+
+def _estimate(found: Any) -> Estimate:
+    return Estimate(*(_figure(name, found[name]) for name in ("mean", "low", "high")))
+
+
+def _figure(what: str, value: object) -> float:
+    return math.nan if value != value else number_of(what, value, -_MOST, _MOST)  # noqa: PLR0124 - NaN: not known
+
 
 def audit(
     config: ArenaConfig,
@@ -101,26 +142,28 @@ def audit(
         progress: called with (matches played, matches in all).
 
     Raises:
-        ConfigError: for an argument that cannot be.
-        AgentError: where an agent cannot be used.
+        ConfigError: for fewer than two hunters, and too few matches.
+        AgentError: for a spec that names no agent, and an agent that cannot play.
         NoContest: where a match could not be held.
     """
-    if config.hunters < 2:
-        raise ConfigError(f"hunters must be at least 2 for an audit, got {config.hunters}")
+    parties = Parties.of(config)
+    if len(parties) < 2:
+        raise ConfigError(f"at least 2 agents must play in a match for an audit, got {len(parties)}")
     if matches < _FEWEST_MATCHES:
         raise ConfigError(f"matches must be at least {_FEWEST_MATCHES} for an audit, got {matches}")
 
-    hunters, secret = config.hunters, Secret.of(seed)
+    secret = Secret.of(seed)
     with sandbox_for(limits) as sandbox:
         look = inspector(sandbox)
-        alike = enter([agent] * hunters, look)
-        twins = enter([agent, agent, *islice(cycle(_OTHERS), hunters - 2)], look)
-    seat_matches = seat_plan(hunters, matches, secret.part("audit seats"))
-    twin_blocks = max(_FEWEST_TWIN_BLOCKS, matches // 4 // hunters)
-    twin_matches = tuple(round_robin(hunters, hunters, twin_blocks, secret.part("audit twins")))
+        alike = enter([agent] * len(parties), look)
+        twins = enter([agent, agent, *islice(cycle(_OTHERS), parties.group - 2)], look)
+    seat_matches = seat_plan(len(parties), matches, secret.part("audit seats"))
+    twin_blocks = max(_FEWEST_TWIN_BLOCKS, matches // 4 // parties.block_size)
+    prey = parties if config.prey else None
+    twin_matches = tuple(round_robin(parties.group, parties.group, twin_blocks, secret.part("audit twins"), prey))
     total = len(seat_matches) + len(twin_matches)
 
-    def outcomes(entrants: Sequence[Entrant], plan: Sequence[Match], before: int) -> Outcomes:
+    def outcomes(entrants: Sequence[Entrant], plan: Sequence[Match], before: int) -> dict[Side, Outcomes]:
         def show(done: int, _: int) -> None:
             if progress is not None:
                 progress(before + done, total)
@@ -129,19 +172,25 @@ def audit(
         played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=1, progress=show)
         for forfeit in (forfeit for one in played for forfeit in one.result.details if forfeit is not None):
             raise AgentError(f"{agent}: must be able to play, for an audit: {forfeit}")
-        return Outcomes.of(hunters, played)
+        return {side: Outcomes.of(len(entrants), on_side(played, parties, side)) for side in parties.sides}
 
     identical, paired = outcomes(alike, seat_matches, 0), outcomes(twins, twin_matches, len(seat_matches))
     exact, drawn = permuted_steps(config, secret.seed("audit steps"))
-    difference, twin_check = twins_differ(paired)
+    twin_checks = {side: twins_differ(found, len(twin_matches)) for side, found in paired.items()}
+    seat_checks = [
+        check if side == "hunter" else replace(check, question=f"Of prey: {check.question}")
+        for side, found in identical.items()
+        if len(parties.seats[parties.on(side)]) > 1  # else there is none to differ from
+        for check in seats_differ(found)
+    ]
     return Audit(
         agent=alike[0].name,
-        matches=len(identical.block),
-        seats=seats_of(identical),
-        twin_matches=len(paired.block),
-        twin_difference=difference,
+        matches=len(seat_matches),
+        seats=tuple(seat for found in identical.values() for seat in seats_of(found)),
+        twin_matches=len(twin_matches),
+        twin_difference=max((difference for difference, _ in twin_checks.values()), key=lambda one: one.margin),
         checks=(
-            *corrected([*seats_differ(identical), twin_check, *drawn]),
+            *corrected([*seat_checks, *(check for _, check in twin_checks.values()), *drawn]),
             *exact,
             _exact(
                 "Does the order of a step's actions matter?",
@@ -204,14 +253,14 @@ def seats_differ(identical: Outcomes) -> list[Check]:
     ]
 
 
-def twins_differ(paired: Outcomes) -> tuple[Estimate, Check]:
-    """Whether the first two entrants, which are one agent, differ; and by how much."""
+def twins_differ(paired: Outcomes, matches: int) -> tuple[Estimate, Check]:
+    """Whether the first two entrants, which are one agent, differ; and by how much, after so many matches."""
     ratings = rate(paired)
     difference = ratings.difference(0, 1)
     return difference, _by_chance(
         "Does one agent under two names get two ratings?",
         float(p_values(ratings)[0, 1]),
-        f"{abs(difference.mean):.0f} points apart after {len(paired.block)} matches, "
+        f"{abs(difference.mean):.0f} points apart after {matches} matches, "
         f"where up to {difference.margin:.0f} are noise",
     )
 

@@ -14,9 +14,11 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Block, Match, PlayedMatch
+from catch_arena.tournament.parties import SIDES, Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
+from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.sprt import Decision, Sprt
 
 _A, _B, _FIELD = range(3)
@@ -26,7 +28,7 @@ _FIRST_BATCH: Final = 16
 
 @dataclass(frozen=True, slots=True)
 class ComparisonDesign:
-    """Who sits where in each block of a comparison.
+    """Who sits where in each block of a comparison; its *seats* are as many as a block has players (`Parties.group`).
 
     A field that leaves one seat free is met by both in turn, each from every seat, on the same targets. Otherwise both
     sit in the same match, and share what the field leaves free.
@@ -34,16 +36,18 @@ class ComparisonDesign:
 
     seats: int
     field: int
+    parties: Parties | None = None
+    """Where there is prey: each side is compared by itself."""
 
     def __post_init__(self) -> None:
         free = self.seats - self.field
         if free < 1 or (free > 1 and free % 2):
             fitting = [str(size) for size in range(self.seats) if size == self.seats - 1 or not (self.seats - size) % 2]
             raise ConfigError(
-                f"the field must be of {' or '.join(fitting)} agents where {self.seats} hunters play, got {self.field}"
+                f"the field must be of {' or '.join(fitting)} agents where {self.seats} play a block, got {self.field}"
             )
         if self.seats < 2:
-            raise ConfigError(f"the scenario must have at least 2 hunters, got {self.seats}")
+            raise ConfigError(f"the scenario must be for at least 2 agents, got {self.seats}")
 
     @property
     def in_turn(self) -> bool:
@@ -64,18 +68,25 @@ class ComparisonDesign:
 
     def outcome(self, block: Sequence[PlayedMatch]) -> float:
         """The share that A got of B in a block: in each comparison of two ranks a better one counts 1, an equal one
-        one half.
+        one half. With prey all ranks of a side in the block are compared: in a match the two may be on different sides.
         """
+        if self.parties is not None:
+            sides = [on_side(block, self.parties, side) for side in SIDES]
+            return sum(_share(side) for side in sides) / len(sides)
         step = 2 if self.in_turn else 1
-        found = []
-        for begin in range(0, len(block), step):
-            ranks: tuple[list[int], list[int]] = ([], [])
-            for one in block[begin : begin + step]:
-                for index, rank in zip(one.match.seating, one.result.ranks, strict=True):
-                    if index in (_A, _B):
-                        ranks[index].append(rank)
-            found += [0.5 + 0.5 * ((mine < theirs) - (mine > theirs)) for mine in ranks[_A] for theirs in ranks[_B]]
-        return sum(found) / len(found)
+        shares = [_share(block[begin : begin + step]) for begin in range(0, len(block), step)]
+        return sum(shares) / len(shares)
+
+
+def _share(matches: Sequence[PlayedMatch]) -> float:
+    """The share that A got of B, of all comparisons of their ranks in these matches."""
+    ranks: tuple[list[int], list[int]] = ([], [])
+    for one in matches:
+        for index, rank in zip(one.match.seating, one.result.ranks, strict=True):
+            if index in (_A, _B):
+                ranks[index].append(rank)
+    found = [0.5 + 0.5 * ((mine < theirs) - (mine > theirs)) for mine in ranks[_A] for theirs in ranks[_B]]
+    return sum(found) / len(found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +116,7 @@ class _UntilDecided:
         secret: Secret,
         progress: Callable[[int, Sprt], None] | None,
     ) -> None:
-        plan = round_robin(design.seats, design.seats, max_blocks, secret.part("compare"))
+        plan = round_robin(design.seats, design.seats, max_blocks, secret.part("compare"), design.parties)
         self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks}
         self.size = plan.size * (2 if design.in_turn else 1)
         self.outcomes: list[float] = []
@@ -161,13 +172,15 @@ def compare(
         progress: called with (blocks, test) after each batch.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for no blocks, and a field that does not fit the scenario's seats.
         NoContest: where a match could not be held.
     """
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
     secret = Secret.of(seed)
-    plan = _UntilDecided(ComparisonDesign(config.hunters, len(entrants) - _FIELD), test, max_blocks, secret, progress)
+    parties = Parties.of(config)
+    design = ComparisonDesign(parties.group, len(entrants) - _FIELD, parties if len(parties.sides) > 1 else None)
+    plan = _UntilDecided(design, test, max_blocks, secret, progress)
     played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits)
     forfeits: dict[str, Counter[str]] = {}
     for one in played:

@@ -10,17 +10,17 @@ import shutil
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from inspect import signature
 from pathlib import Path
 from stat import S_ISREG
 from types import ModuleType
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from catch_arena.config import Control
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
-from catch_arena.policy import Policy, control_of
+from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.text import name_fault, one_line
 
 COMMAND: Final = "cmd:"
@@ -28,6 +28,10 @@ COMMAND: Final = "cmd:"
 NOT_INSTALLED: Final = "which is not installed here"
 """What is said of a module that an agent imports, and that is not there."""
 _SHIPPED: Final = "catch_arena.agents"
+_SHIPPED_PREY: Final = f"{_SHIPPED}.flee:Agent"
+"""Who plays prey for an agent that does not."""
+_PREY: Final = "Prey"
+"""What the class is called that plays prey."""
 _LARGEST_SOURCE: Final = 1 << 26
 """Bytes of a file that is taken for a module's source."""
 
@@ -47,6 +51,25 @@ class Entrant:
     """16 hexadecimal digits of the source file's bytes; of a command, of its words and of the files that they name."""
     fault: str | None = None
     """Why it cannot play, where that showed when it was looked at in isolation: it forfeits all its matches."""
+    prey: bool = False
+    """R12.7: whether it plays prey itself; else a shipped one plays there."""
+    prey_fault: str | None = None
+    """Why it cannot play prey, though it has a class for that."""
+    side: Side = "hunter"
+    """What it plays in a match; no part of what is known of it."""
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What is known of it, as it is stored."""
+        known = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        del known["side"]
+        return known
+
+    def as_prey(self) -> "Entrant":
+        """Who plays prey for it."""
+        fault = self.fault or self.prey_fault
+        spec = self.spec if self.prey or fault is not None else _SHIPPED_PREY
+        return replace(self, spec=spec, control="velocity", fault=fault, side="prey")
 
     @property
     def source(self) -> str:
@@ -58,13 +81,13 @@ class Entrant:
             return "a command"
         return Path(self.spec).name if self.spec.endswith(".py") else self.spec
 
-    def create(self) -> Policy:
+    def create(self) -> Policy | PreyPolicy:
         """A fresh instance in this process, for one match.
 
         Raises:
-            AgentError: where an agent cannot be used.
+            AgentError: where it cannot be loaded or made.
         """
-        return create_policy(self.spec)
+        return create_policy(self.spec, self.side)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +101,10 @@ class Inspection:
     """Why it cannot play."""
     log: str = ""
     """What it printed meanwhile."""
+    prey: bool = False
+    """Whether it plays prey itself."""
+    prey_fault: str | None = None
+    """Why it cannot, though it has a class for that."""
 
 
 def shipped() -> dict[str, str]:
@@ -94,7 +121,8 @@ def inspect_agent(spec: str) -> Inspection:
         AgentError: where it cannot play.
     """
     policy = create_policy(spec)
-    return Inspection(control_of(policy), source_of(policy))
+    prey, prey_fault = look_for_prey(spec)
+    return Inspection(control_of(policy), source_of(policy), prey=prey, prey_fault=prey_fault)
 
 
 def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_agent) -> tuple[Entrant, ...]:
@@ -132,19 +160,20 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
             content = _content_of(found.source) or one.spec.encode()
         digest = hashlib.blake2b(content, digest_size=8).hexdigest()
         fault = None if found.fault is None else one_line(found.fault)
-        entrants.append(Entrant(unique, one.spec, found.control, digest, fault))
+        prey_fault = None if found.prey_fault is None else one_line(found.prey_fault)
+        entrants.append(Entrant(unique, one.spec, found.control, digest, fault, found.prey, prey_fault))
     return tuple(entrants)
 
 
-def create_policy(spec: str) -> Policy:
-    """A new instance of an agent that can play.
+def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
+    """A new instance of an agent that can play on that side.
 
     Raises:
         AgentError: that says why it cannot.
     """
-    found = agent_class(spec)
+    found = agent_class(spec, side)
     try:
-        policy: Policy = found()
+        policy: Policy | PreyPolicy = found()
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         raise AgentError(f"{spec}: {found.__name__}() raised {reason(error)}") from error
     for method, argument in (("reset", "seed"), ("act", "view")):
@@ -154,13 +183,34 @@ def create_policy(spec: str) -> Policy:
             raise AgentError(
                 f"{spec}: {found.__name__}.{method} must take one argument: def {method}(self, {argument})"
             )
+    control = getattr(policy, "control", None)
+    if side == "prey":
+        if control not in {None, "velocity"}:
+            raise AgentError(f"{spec}: Prey.control must be velocity or be left out (R12.2), got {control!r}")
+        return policy
     try:
         control_of(policy)
     except CatchArenaError:
-        raise AgentError(
-            f"{spec}: control must be target, velocity or full, got {getattr(policy, 'control', None)!r}"
-        ) from None
+        raise AgentError(f"{spec}: control must be target, velocity or full, got {control!r}") from None
     return policy
+
+
+def look_for_prey(spec: str) -> tuple[bool, str | None]:
+    """Whether an agent in Python plays prey itself, and why it cannot where it has a class for that; none is made.
+
+    Raises:
+        AgentError: where its module cannot be used.
+    """
+    if not hasattr(load_module(_module_of(spec)), _PREY):
+        return False, None
+    try:
+        found = agent_class(spec, "prey")
+        for method, argument in (("reset", "seed"), ("act", "view")):
+            if not callable(getattr(found, method, None)):
+                raise AgentError(f"{spec}: {_PREY} must have a method {method}(self, {argument})")
+    except AgentError as error:
+        return True, str(error)
+    return True, None
 
 
 def is_shipped(spec: str) -> bool:
@@ -168,7 +218,7 @@ def is_shipped(spec: str) -> bool:
     return spec.startswith(f"{_SHIPPED}.")
 
 
-def source_of(policy: Policy) -> str | None:
+def source_of(policy: Policy | PreyPolicy) -> str | None:
     """The file that an agent's class comes from."""
     return getattr(sys.modules.get(type(policy).__module__), "__file__", None)
 
@@ -179,16 +229,16 @@ def command_of(spec: str) -> list[str] | None:
 
 
 @cache
-def agent_class(spec: str) -> type:
-    """The class that a spec stands for.
+def agent_class(spec: str, side: Side = "hunter") -> type:
+    """The class that a spec stands for; that of its prey stands beside it.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: for a command, a module that cannot be imported, and one without that class.
     """
     if spec.startswith(COMMAND):
         raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
-    module_name, _, name = (spec, ":", "Agent") if spec.endswith(".py") else spec.partition(":")
-    module = load_module(module_name)
+    name = _PREY if side == "prey" else "Agent" if spec.endswith(".py") else spec.partition(":")[2]
+    module = load_module(_module_of(spec))
     found = getattr(module, name, None)
     if not isinstance(found, type):
         classes = [key for key, value in vars(module).items() if isinstance(value, type)]
@@ -196,11 +246,15 @@ def agent_class(spec: str) -> type:
     return found
 
 
+def _module_of(spec: str) -> str:
+    return spec if spec.endswith(".py") else spec.partition(":")[0]
+
+
 def load_module(name: str) -> ModuleType:
     """The module with a dotted name, or in a .py file.
 
     Raises:
-        AgentError: where an agent cannot be used.
+        AgentError: where importing it raises.
     """
     if name.endswith(".py"):
         return _import_file(Path(name))
@@ -236,6 +290,8 @@ def _resolve(spec: str) -> _Resolved:
         if not path.is_file():
             raise AgentError(f"{spec}: no such file")
         return _Resolved(str(path), _name_parts(path), path.read_bytes())
+    if (file := spec.rpartition(":")[0]).endswith(".py"):
+        raise AgentError(f"{spec}: a file is given alone, and its class is called Agent: {file}")
     if ":" in spec:
         return _Resolved(spec, tuple(spec.replace(":", ".").split(".")))
     known = shipped()
@@ -330,8 +386,8 @@ def _why_not_imported(error: BaseException, module: str, folder: Path | None = N
 
     Args:
         error: what was raised.
-        module: that was to be imported, and its `folder`, where it is a file that plays alone.
-        folder: the tournament's folder.
+        module: that was to be imported.
+        folder: the one that the file is in, where it is a file that plays alone.
     """
     missing = error.name if isinstance(error, ModuleNotFoundError) else None
     if missing is None or module == missing or module.startswith(f"{missing}."):

@@ -1,4 +1,5 @@
-"""A store's matches for other tools: JSON lines, one a match, or a table with a row for each seat of each match.
+"""A store's matches for other tools: JSON lines, one a match, or a table with a row for each seat of each match; of a
+team, one row for all its seats.
 
 Sorted by match. Without timing, the same plan gives the same bytes, however it was played.
 """
@@ -17,10 +18,11 @@ from catch_arena.errors import ConfigError
 from catch_arena.files import whole_file
 from catch_arena.text import spreadsheet_cell
 from catch_arena.tournament.match import MatchResult
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.store import Store
 from catch_arena.verdicts import Verdict
 
-_RESULTS: Final = [field.name for field in dataclasses.fields(MatchResult) if field.compare]
+_RESULTS: Final = [field.name for field in dataclasses.fields(MatchResult) if field.compare and field.name != "catches"]
 _BY_MATCH: Final[dict[str, type]] = {
     "match": str,
     "block": int,
@@ -32,7 +34,8 @@ _BY_MATCH: Final[dict[str, type]] = {
     "config_digest": str,
     "tournament_seed": str,
 }
-_BY_SEAT: Final[dict[str, type]] = {
+_BY_PARTY: Final[dict[str, type]] = {
+    "side": str,
     "agent": str,
     "agent_digest": str,
     "agent_seed": int,
@@ -70,8 +73,11 @@ def export(store: Store, form: str, path: Path, *, timing: bool = True) -> None:
 
 
 def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
-    """What is known of each match that was played; lists are by seat."""
+    """What is known of each match that was played; lists are by party (parties.py), which is by seat without teams."""
     tournament = store.tournament
+    parties = Parties.of(tournament.config)
+    sides = [parties.side_of(party) for party in range(len(parties))]
+    with_teams = len(parties) < len(parties.by_seat)
     entrants, config_digest = tournament.entrants, tournament.config.digest
     secret, ended = tournament.secret, store.ended
     for played, versions in store.records():
@@ -81,10 +87,12 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
             "match": match.id,
             "block": match.block,
             "seed": match.seed,
+            "sides": sides,
             "agents": [entrant.name for entrant in players],
             "agent_digests": [entrant.digest for entrant in players],
             "agent_seeds": list(match.agent_seeds),
             **{name: getattr(result, name) for name in _RESULTS},
+            **({"seats": parties.seats, "catches": result.catches} if with_teams else {}),
             "replay_digest": played.replay,
             "ruleset": RULESET,
             "config_digest": config_digest,
@@ -98,19 +106,20 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
 
 
 def rows(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
-    """The same as a table: a row for each seat, with `columns`; a verdict that it never met is 0."""
+    """The same as a table: a row for each party, with `columns`; a verdict that it never met is 0."""
+    first_seats = [seats[0] for seats in Parties.of(store.tournament.config).seats]
     for record in records(store, timing=timing):
-        for seat in range(len(record["agents"])):
+        for party, seat in enumerate(first_seats):
             row = {name: record[name] for name in _BY_MATCH} | record["versions"] | {"seat": seat}
-            row |= {name: record[name if name in record else f"{name}s"][seat] for name in _BY_SEAT}
-            row |= {verdict.name.lower(): record["verdicts"][seat].get(verdict.name, 0) for verdict in Verdict}
-            yield row | (record["thinking"][seat] if timing else {})
+            row |= {name: record[name if name in record else f"{name}s"][party] for name in _BY_PARTY}
+            row |= {verdict.name.lower(): record["verdicts"][party].get(verdict.name, 0) for verdict in Verdict}
+            yield row | (record["thinking"][party] if timing else {})
 
 
 def columns(*, timing: bool = True) -> dict[str, type]:
     """The table's columns, in order."""
     verdicts = {verdict.name.lower(): int for verdict in Verdict}
-    return _BY_MATCH | {"seat": int} | _BY_SEAT | verdicts | _VERSIONS | (_TIMING if timing else {})
+    return _BY_MATCH | {"seat": int} | _BY_PARTY | verdicts | _VERSIONS | (_TIMING if timing else {})
 
 
 def _write_jsonl(store: Store, file: IO[bytes], timing: bool) -> None:

@@ -7,20 +7,22 @@ import json
 import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import cycle, islice
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol, cast
 from xml.etree import ElementTree as ET
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, suggest
+from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
 from catch_arena.text import printable, printable_lines
 from catch_arena.tournament.entrants import NOT_INSTALLED, Entrant
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import play_entrants
 from catch_arena.tournament.match import Forfeit, Match, MatchResult
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 
 _MATCHES: Final = 10
@@ -66,11 +68,15 @@ class Test:
     """How many are played; without a number, as many as the spec says."""
     points: float = 1.0
     min_mean_score: float | None = None
-    """Catches a match."""
+    """Catches in a match in which it hunted; of a team, all its hunters' together."""
     min_win_share: float | None = None
-    """Matches won, in [0, 1]; a shared win counts in parts."""
+    """Matches won, in [0, 1], on its side; a shared win counts in parts. Those of an only prey are left out."""
     max_mean_refused: float | None = None
     """Requests a match that were refused, lost contests not counted."""
+    max_mean_caught: float | None = None
+    """How often it was caught, in a match in which it was prey."""
+    cases: tuple[str, ...] = ()
+    """For a ROS 2 node in place of an agent: cases of the conformance suite, or what their ids begin with."""
 
     @property
     def config(self) -> ArenaConfig:
@@ -90,8 +96,8 @@ class Spec:
     """Where its seed was read from, if not from itself."""
 
     def matches(self, test: Test) -> tuple[Match, ...]:
-        """Those of one of the tests, with the student, 0, in each seat in turn."""
-        secret, seats = self.secret.part("grade", self.tests.index(test)), test.config.hunters
+        """Those of one of the tests, with the student, 0, in each seat in turn: each team, and each prey."""
+        secret, seats = self.secret.part("grade", self.tests.index(test)), len(Parties.of(test.config))
         return tuple(
             Match(
                 id=f"m{number + 1:05d}",
@@ -102,6 +108,34 @@ class Spec:
             )
             for number in range(test.matches)
         )
+
+
+class Marks(Protocol):
+    """What one test gave, of an agent or of a node: a dataclass."""
+
+    @property
+    def test(self) -> str:
+        """Its name."""
+
+    @property
+    def points(self) -> float:
+        """Those of the test where nothing failed, else 0."""
+
+    @property
+    def possible(self) -> float:
+        """Those of the test."""
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What failed."""
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """What to read."""
+
+    @property
+    def log(self) -> str:
+        """The last of what was printed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +150,8 @@ class Grade:
     mean_score: float
     win_share: float
     mean_refused: float
+    mean_caught: float | None
+    """Where it was prey."""
     verdicts: Mapping[str, int]
     failures: tuple[str, ...]
     hints: tuple[str, ...]
@@ -129,6 +165,8 @@ class Grade:
             f"{self.matches} matches, score {self.mean_score:.2f}, wins {100 * self.win_share:.0f} %, "
             f"refused {self.mean_refused:.2f}"
         )
+        if self.mean_caught is not None:
+            head += f", caught {self.mean_caught:.2f}"
         return "\n        ".join([head, *self.failures, *(f"hint: {hint}" for hint in self.hints)])
 
 
@@ -176,8 +214,9 @@ def grade_agent(
         NoContest: where a match could not be held.
     """
     config = test.config
-    others = list(islice(cycle(opponents), config.hunters - 1)) if opponents else []
-    others = [Entrant(f"{one.name} {seat}", one.spec, one.control, one.digest) for seat, one in enumerate(others, 1)]
+    parties = Parties.of(config)
+    others = list(islice(cycle(opponents), len(parties) - 1)) if opponents else []
+    others = [replace(one, name=f"{one.name} {seat}") for seat, one in enumerate(others, 1)]
     played: list[tuple[int, MatchResult]] = []
     forfeited = 0
     for match in spec.matches(test):
@@ -188,28 +227,34 @@ def grade_agent(
         forfeited = 0 if result.forfeits[seat] is None else forfeited + 1
         if max_forfeits and forfeited == max_forfeits:
             break
-    return _grade(test, played, max_forfeits)
+    return _grade(test, played, parties, max_forfeits)
 
 
-def _grade(test: Test, played: Sequence[tuple[int, MatchResult]], max_forfeits: int) -> Grade:
+def _grade(test: Test, played: Sequence[tuple[int, MatchResult]], parties: Parties, max_forfeits: int) -> Grade:
     verdicts: Counter[str] = Counter()
     reasons: dict[str, str] = {}
     causes: list[str] = []
-    score = wins = 0.0
+    scores: dict[Side, list[int]] = {"hunter": [], "prey": []}
+    wins: list[float] = []
     log = ""
     for seat, result in played:
         verdicts.update(result.verdicts[seat])
-        score += result.scores[seat]
-        forfeit = result.details[seat]
+        side = parties.side_of(seat)
+        scores[side].append(result.scores[seat])
+        forfeit, rivals = result.details[seat], result.ranks[parties.on(side)]
+        if len(rivals) > 1 or len(parties.sides) == 1:  # the only prey has nobody to win against
+            wins.append(0.0 if forfeit else (result.ranks[seat] == 1) / rivals.count(1))
         if forfeit is None:
-            wins += (result.ranks[seat] == 1) / result.ranks.count(1)
-        elif forfeit.code not in reasons:
+            continue
+        if forfeit.code not in reasons:
             reasons[forfeit.code] = str(forfeit)
             log = log or result.logs[seat][-_LOG_SHOWN:]
             causes.append("not installed" if _misses_a_module(forfeit) else forfeit.code)
     count = len(played)
     refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
-    measured = {"mean_score": score / count, "win_share": wins / count, "mean_refused": refused / count}
+    hunted, caught = (sum(own) / len(own) if own else None for own in scores.values())
+    win_share = sum(wins) / len(wins) if wins else 0.0
+    measured = {"mean_score": hunted or 0.0, "win_share": win_share, "mean_refused": refused / count}
     failures = list(reasons.values())
     if count < test.matches:
         left = test.matches - count
@@ -220,6 +265,8 @@ def _grade(test: Test, played: Sequence[tuple[int, MatchResult]], max_forfeits: 
             failures.append(f"{name} must be at least {least:g}, got {value:.4g}")
         if most is not None and value > most:
             failures.append(f"{name} must be at most {most:g}, got {value:.4g}")
+    if test.max_mean_caught is not None and caught is not None and caught > test.max_mean_caught:
+        failures.append(f"mean_caught must be at most {test.max_mean_caught:g}, got {caught:.4g}")
     if failures:
         often = [name for name, times in verdicts.items() if times > _OFTEN * verdicts.total()]
         causes += [name for name in often if name != "GRANTED"]
@@ -230,6 +277,7 @@ def _grade(test: Test, played: Sequence[tuple[int, MatchResult]], max_forfeits: 
         possible=test.points,
         matches=count,
         **measured,
+        mean_caught=caught,
         verdicts=dict(sorted(verdicts.items())),
         failures=tuple(failures),
         hints=tuple(_HINTS[cause] for cause in causes if cause in _HINTS),
@@ -241,32 +289,39 @@ def _misses_a_module(forfeit: Forfeit) -> bool:
     return NOT_INSTALLED in forfeit.reason or ModuleNotFoundError.__name__ in forfeit.reason
 
 
-def json_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
-    """The grades as JSON; no seed is told."""
+def json_text(spec: Spec, name: str, digest: str | None, grades: Sequence[Marks]) -> str:
+    """The grades as JSON; no seed is told.
+
+    Args:
+        spec: by which it was graded.
+        name: the agent's, or the node's.
+        digest: of the agent's files; a node has none.
+        grades: of the spec's tests.
+    """
     content = {
         "title": spec.title,
-        "agent": student.name,
-        "digest": student.digest,
+        "agent": name,
+        "digest": digest,
         "ruleset": RULESET,
         "points": sum((one.points for one in grades), 0.0),
         "possible": sum((one.possible for one in grades), 0.0),
-        "tests": [asdict(one) for one in grades],
+        "tests": [asdict(cast(Any, one)) for one in grades],
     }
     return json.dumps(content, indent=2) + "\n"
 
 
-def junit_text(spec: Spec, student: Entrant, grades: Sequence[Grade]) -> str:
+def junit_text(spec: Spec, name: str, grades: Sequence[Marks]) -> str:
     """The grades as JUnit XML, a test case for each test; no seed is told."""
     failed = sum(bool(one.failures) for one in grades)
     suite = ET.Element(
         "testsuite", name=printable(spec.title), tests=str(len(grades)), failures=str(failed), errors="0"
     )
     properties = ET.SubElement(suite, "properties")
-    for name in ("points", "possible"):
-        total = sum(getattr(one, name) for one in grades)
-        ET.SubElement(properties, "property", name=name, value=f"{total:g}")
+    for what in ("points", "possible"):
+        total = sum(getattr(one, what) for one in grades)
+        ET.SubElement(properties, "property", name=what, value=f"{total:g}")
     for one in grades:
-        case = ET.SubElement(suite, "testcase", classname=student.name, name=printable(one.test))
+        case = ET.SubElement(suite, "testcase", classname=name, name=printable(one.test))
         if one.failures:
             failure = ET.SubElement(case, "failure", message=printable(one.failures[0]))
             failure.text = printable_lines("\n".join([*one.failures, *one.hints]))
@@ -302,13 +357,21 @@ def _test(at: str, table: Any, matches: Any, folder: Path) -> Test:
         _checked(f"{at}.{name}", table.get(name, "" if name == "name" else "standard"), str)
     if not table.get("name"):
         raise ConfigError(f"{at}.name must be given")
-    for name, most in (("points", 1e6), ("min_mean_score", 1e6), ("min_win_share", 1.0), ("max_mean_refused", 1e6)):
+    thresholds = {"min_mean_score": 1e6, "min_win_share": 1.0, "max_mean_refused": 1e6, "max_mean_caught": 1e6}
+    for name, most in {"points": 1e6, **thresholds}.items():
         value = table.get(name, 0.0)
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= most:
             raise ConfigError(f"{at}.{name} must be a number from 0 to {most:g}, got {value!r}")
     opponents = _checked(f"{at}.opponents", table.get("opponents", []), list)
     for word in opponents:
         _checked(f"{at}.opponents", word, str)
+    cases = _checked(f"{at}.cases", table.get("cases", []), list)
+    for word in cases:
+        _checked(f"{at}.cases", word, str)
+    if cases:
+        if rest := sorted(table.keys() - {"name", "points", "cases"}):
+            raise ConfigError(f"{at}.{rest[0]} must be left out beside cases, which are asked of a node")
+        return Test(name=table["name"], points=float(table.get("points", 1)), cases=tuple(cases))
     own = table.get("matches", matches)
     if isinstance(own, bool) or not isinstance(own, int) or not 1 <= own <= _MOST_MATCHES:
         where = f"{at}.matches" if "matches" in table else "matches"
@@ -323,8 +386,12 @@ def _test(at: str, table: Any, matches: Any, folder: Path) -> Test:
         config = test.config
     except ConfigError as error:
         raise ConfigError(f"{at}: {error}") from None
-    if config.hunters > 1 and not opponents:
-        empty = config.hunters - 1
+    parties = len(Parties.of(config))
+    if test.max_mean_caught is not None and (not config.prey or own < parties):
+        need = f"of at least {parties} matches, so that it is prey in one" if config.prey else "of a scenario with prey"
+        raise ConfigError(f"{at}.max_mean_caught must be {need}, got {own if config.prey else test.scenario!r}")
+    if parties > 1 and not opponents:
+        empty = parties - 1
         seats = "1 seat is" if empty == 1 else f"{empty} seats are"
         raise ConfigError(f'{at} needs opponents: {seats} empty; name agents, as in opponents = ["nearest"]')
     return test

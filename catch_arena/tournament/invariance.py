@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from random import Random
-from typing import Final
+from typing import Any, Final
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
@@ -116,8 +116,11 @@ def order_matters(config: ArenaConfig, seed: int) -> bool:
     one, other = (CatchArenaEnv(config.replace(control="target", mask_in_observation=False)) for _ in range(2))
     one.reset(seed=seed)
     other.reset(seed=seed)
+    prey = set(config.prey_names)
     while one.agents:
-        actions = {agent: random.choice((0, 1, 1, 1, 2)) for agent in one.agents}
+        hunting = [agent for agent in one.agents if agent not in prey]
+        actions: dict[str, Any] = {agent: min(random.choice((0, 1, 1, 1, 2)), config.targets_seen) for agent in hunting}
+        actions |= {agent: (random.random(), random.uniform(-1.0, 1.0)) for agent in one.agents if agent in prey}
         one.step(actions)
         other.step({agent: actions[agent] for agent in random.sample(sorted(actions), len(actions))})
     return one.digest() != other.digest()
@@ -131,12 +134,13 @@ def names_matter(config: ArenaConfig, seed: int, agent: Entrant) -> bool:
         seed: a whole number in [0, 2^64).
         agent: which must draw nothing: each index is told as an agent's seed.
     """
-    indices = list(range(config.hunters))
+    indices = list(range(config.hunters + config.prey))
+    kinds = [agent] * config.hunters + [agent.as_prey()] * config.prey
     digests = {
         play(
             config,
             seed,
-            [agent.create() for _ in indices],
+            [kind.create() for kind in kinds],
             [f"agent {index}" for index in turned],
             agent_seeds=turned,
         ).digest

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
 from itertools import groupby
@@ -12,8 +12,9 @@ from typing import Any, Final
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError
-from catch_arena.policy import Limits, Policy
+from catch_arena.policy import Policy, PreyPolicy, limits_of
 from catch_arena.text import one_line, printable_lines
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Fault, ForfeitCode, Observation, Players, TrustedPlayers
 from catch_arena.tournament.secret import Secret
 from catch_arena.verdicts import Verdict
@@ -33,28 +34,28 @@ class Match:
     seed: int = field(repr=False)
     """The arena's. Like `agent_seeds` no message shows it: other matches of its block may not have been played yet."""
     seating: tuple[int, ...]
-    """By seat: the index of its player among the entrants."""
+    """By party (parties.py): the index of its player among the entrants."""
     agent_seeds: tuple[int, ...] = field(default=(), repr=False)
-    """By seat: what its player is told as its seed; where there are none they follow from the match's own."""
+    """By party: what its player is told as its seed; where there are none they follow from the match's own."""
 
 
 Block = tuple[Match, ...]
-"""One seed, played in every rotation of its players through the seats (docs/tournaments.md)."""
+"""One seed, played in every rotation of its players through the parties (docs/tournaments.md)."""
 
 
 @dataclass(frozen=True, slots=True)
 class MoveTimes:
-    """How long one seat took over its moves, by the clock on the wall."""
+    """How long one party took over its moves, by the clock on the wall; all its seats together."""
 
     moves: int
-    """The steps that it was asked in, the one that it failed in among them."""
+    """How often it was asked, the step that it failed in among them."""
     total_s: float
     longest_s: float
 
 
 @dataclass(frozen=True, slots=True)
 class Forfeit:
-    """How one seat failed."""
+    """How one party failed: that of one of its seats is that of all (R11.1)."""
 
     code: ForfeitCode
     step: int
@@ -63,6 +64,8 @@ class Forfeit:
     """One line for people, as `text.one_line` makes it."""
     observation: Observation | None = None
     """What it was shown in that step; a store does not keep it."""
+    seat: int = -1
+    """Which of its seats failed, likewise."""
 
     def __str__(self) -> str:
         """For people."""
@@ -71,22 +74,24 @@ class Forfeit:
 
 @dataclass(frozen=True, slots=True)
 class MatchResult:
-    """What came out of one match; tuples are by seat."""
+    """What came out of one match; tuples are by party (parties.py), the hunting ones first."""
 
     scores: tuple[int, ...]
+    """R11.1, R12.5: a team's catches; of prey, how often it was caught."""
     ranks: tuple[int, ...]
-    """R6.1: 1 is best; equal scores share a rank, and the ranks that they use up are left out (1, 1, 3). Those who
-    forfeited come last, whatever their scores: the longer one lasted, the better.
+    """R6.1, R12.5: 1 is best, on either side by itself; equal scores share a rank, and the ranks that they use up are
+    left out (1, 1, 3). Those who forfeited come last, whatever their scores: of hunters, the longer one lasted, the
+    better; of prey, the seldomer it was caught.
     """
     verdicts: tuple[dict[str, int], ...]
-    """How many of the seat's requests met each verdict, by its name; verdicts that it never met are left out."""
+    """How many of its requests met each verdict, by its name; verdicts that it never met are left out."""
     contests_won: tuple[int, ...]
     """How many contests it won (R5.4): targets, killed or not, that others in reach requested in the same step."""
     steps: int
     digest: str
     """The final state's (A.8): matches that agree in it ended alike."""
     forfeits: tuple[str | None, ...]
-    """One of players.ForfeitCode where a seat failed, as FORFEIT_CRASH."""
+    """One of players.ForfeitCode where it failed, as FORFEIT_CRASH."""
     thinking: tuple[MoveTimes, ...] = field(compare=False)
     """Like all that follows, no part of what another run of the same match repeats. Stores and exports have this name.
     """
@@ -95,6 +100,10 @@ class MatchResult:
     logs: tuple[str, ...] = field(default=(), compare=False)
     """What isolated agents printed, tracebacks included, as far as it is kept; control characters are escapes in it.
     A store does not hold it.
+    """
+    catches: tuple[int, ...] = ()
+    """By seat: each hunter's catches, then how often each prey was caught. It is left out where no team has several
+    hunters, as `scores` says it; another run repeats it.
     """
 
 
@@ -111,7 +120,7 @@ class PlayedMatch:
 def play(
     config: ArenaConfig,
     seed: int,
-    players: Players | Sequence[Policy],
+    players: Players | Sequence[Policy | PreyPolicy],
     names: Sequence[str],
     *,
     agent_seeds: Sequence[int] = (),
@@ -120,18 +129,21 @@ def play(
     watch: Callable[[CatchArenaEnv], None] | None = None,
     on_forfeit: Callable[[int, Forfeit], None] | None = None,
 ) -> MatchResult:
-    """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6); the others play on.
+    """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6), and so do the others of its team
+    (R11.1); the others play on.
+
+    Seats count the hunters first, and then the prey.
 
     Args:
         config: whose `control` gives way to what the players ask for.
         seed: the arena's, a whole number in [0, 2^64).
-        players: fresh for this match (policies are trusted, and play in this process), and their `names`, by seat.
+        players: fresh for this match (policies are trusted, and play in this process), by seat.
         names: the agents' names by seat.
         agent_seeds: what each is told as its own, by seat; where there are none they follow from `seed`.
         title: of the replay.
         record: whether the match is recorded.
         watch: called after the reset and after every step.
-        on_forfeit: called with (seat, how) when a seat fails.
+        on_forfeit: called with (seat, how) for each seat of a party that fails.
 
     Raises:
         OutputError: for a replay that cannot be written.
@@ -140,87 +152,116 @@ def play(
     if isinstance(players, Sequence):
         players = TrustedPlayers(dict(enumerate(players)))
     controls = players.controls
-    if not len(controls) == len(names) == config.hunters:
-        raise ConfigError(f"players must be {config.hunters}, one for each hunter, got {len(controls)}")
-    seats = range(config.hunters)
-    control = tuple(controls[seat] for seat in seats)
+    parties = Parties.of(config)
+    party_of = parties.by_seat
+    seats = range(len(party_of))
+    if not len(controls) == len(names) == len(seats):
+        each = "one for each hunter and each prey" if config.prey else "one for each hunter"
+        raise ConfigError(f"players must be {len(seats)}, {each}, got {len(controls)}")
+    control = tuple(controls[seat] for seat in range(config.hunters))
+    held = [*(_HOLD[word] for word in control), *(_HOLD["velocity"] for _ in range(config.prey))]
     env = CatchArenaEnv(config.replace(control=control, mask_in_observation=False))
     if record is not None:
         env.record(names, title)
     observations, infos = env.reset(seed=seed)
     agents = env.possible_agents
-    forfeits: list[Forfeit | None] = [None] * config.hunters
-    tallies: dict[str, Counter[str]] = {agent: Counter() for agent in agents}
-    total_s, longest_s = [0.0] * config.hunters, [0.0] * config.hunters
+    forfeits: list[Forfeit | None] = [None] * len(parties)
+    tallies: list[Counter[str]] = [Counter() for _ in parties.seats]
+    tally_of = {agent: tallies[party] for agent, party in zip(agents, party_of, strict=True)}
+    moves, total_s, longest_s = [0] * len(seats), [0.0] * len(seats), [0.0] * len(seats)
     won: Counter[int] = Counter()
     step = 0
     playing = dict(enumerate(agents))
     actions: dict[str, Any] = {}
 
-    def forfeit(seat: int, fault: Fault, observation: Observation | None = None) -> None:
-        forfeits[seat] = how = Forfeit(fault.code, step, one_line(fault.reason), observation)
-        if on_forfeit is not None:
-            on_forfeit(seat, how)
-        actions[agents[seat]] = _HOLD[controls[seat]]  # R1.6: it is among the env's agents for one more step
-        del playing[seat]
-        env.withdraw(agents[seat])
-        players.drop(seat)
+    def forfeit(faults: dict[int, Fault], observations: Mapping[int, Observation]) -> None:
+        for seat, fault in sorted(faults.items()):
+            party = party_of[seat]
+            if forfeits[party] is not None:  # a team-mate has failed in the same step
+                continue
+            how = Forfeit(fault.code, step, one_line(fault.reason), observations.get(seat), seat)
+            forfeits[party] = how
+            for one in parties.seats[party]:
+                if one not in playing:  # it has dropped out
+                    continue
+                if on_forfeit is not None:
+                    on_forfeit(one, how)
+                actions[agents[one]] = held[one]  # R1.6: it is among the env's agents for one more step
+                del playing[one]
+                env.withdraw(agents[one])
+                players.drop(one)
 
     told = agent_seeds or [agent_seed(seed, seat) for seat in seats]
-    for seat, failed in players.reset(told, [Limits.of(env.config, seat) for seat in seats]).items():
-        forfeit(seat, failed)
+    forfeit(players.reset(told, [limits_of(env.config, seat) for seat in seats]), {})
     if watch is not None:
         watch(env)
     while env.agents:
         step += 1
         made = dict(infos)  # they are made when they are first read, and an ordinary dict is read faster
         shown = {seat: _observation(observations[agent], made[agent]) for seat, agent in playing.items()}
+        faults: dict[int, Fault] = {}
         for seat, (action, seconds, fault) in players.act(shown).items():
+            moves[seat] += 1
             total_s[seat] += seconds
             if seconds > longest_s[seat]:  # noqa: PLR1730 - max() takes twice as long
                 longest_s[seat] = seconds
             if fault is None:
                 actions[agents[seat]] = action
             else:
-                forfeit(seat, fault, shown[seat])
+                faults[seat] = fault
+        if faults:
+            forfeit(faults, shown)
         try:
             observations, _, _, _, infos = env.step(actions)
         except ActionError:
-            for seat, failed in _illegal(env, actions).items():
-                forfeit(seat, failed, shown[seat])
+            forfeit(_illegal(env, actions), shown)
             observations, _, _, _, infos = env.step(actions)
         actions.clear()
         winners = set()
         for agent, info in infos.items():
-            verdict = info["verdict"]
+            verdict = info.get("verdict")
             if verdict is not None:
-                tallies[agent][verdict.name] += 1
+                tally_of[agent][verdict.name] += 1
                 if verdict is Verdict.LOST_CONTEST:
                     winners.add(info["winner"])
         won.update(winners)
-        if 0 < len(env.agents) < len(playing):  # R1.7: some have dropped out
+        if 0 < len(env.agents) < len(playing):  # R1.7, R12.3: some have dropped out, or prey is out for good
             for seat in [seat for seat in playing if agents[seat] not in env.agents]:
                 del playing[seat]
                 players.drop(seat)
         if watch is not None:
             watch(env)
-    logs = {seat: printable_lines(log) for seat, log in players.logs().items()}
-    moves = [step if one is None else one.step for one in forfeits]
-    scores = tuple(hunter.score for hunter in env.world().hunters)
+    logs = {agents[seat]: printable_lines(log) for seat, log in sorted(players.logs().items())}
+    world = env.world()
+    catches = [*(hunter.score for hunter in world.hunters), *(prey.times_caught for prey in world.prey)]
+    scores = [sum(catches[seat] for seat in party) for party in parties.seats]
     if record is not None:
         env.replay().save(record)
     return MatchResult(
-        scores=scores,
-        ranks=ranks_of(scores, [None if one is None else one.step for one in forfeits]),
-        verdicts=tuple(dict(sorted(tally.items())) for tally in tallies.values()),
-        contests_won=tuple(won[seat] for seat in seats),
+        scores=tuple(scores),
+        ranks=ranks_of_sides(scores, [None if one is None else one.step for one in forfeits], parties.hunting),
+        verdicts=tuple(dict(sorted(tally.items())) for tally in tallies),
+        contests_won=tuple(sum(won[seat] for seat in party) for party in parties.seats),
         steps=step,
         digest=env.digest().hex(),
         forfeits=tuple(None if one is None else one.code for one in forfeits),
-        thinking=tuple(MoveTimes(*times) for times in zip(moves, total_s, longest_s, strict=True)),
+        thinking=tuple(
+            MoveTimes(
+                sum(moves[seat] for seat in party),
+                sum(total_s[seat] for seat in party),
+                max(longest_s[seat] for seat in party),
+            )
+            for party in parties.seats
+        ),
         details=tuple(forfeits),
-        logs=tuple(logs.get(seat, "") for seat in seats),
+        logs=tuple(_log([agents[seat] for seat in party], logs) for party in parties.seats),
+        catches=tuple(catches) if len(parties) < len(seats) else (),
     )
+
+
+def players_of(block: Block) -> frozenset[int]:
+    """Who plays in any of its matches, by index among the entrants."""
+    return frozenset(index for match in block for index in match.seating)
 
 
 def blocks_of(matches: Iterable[Match]) -> list[Block]:
@@ -233,18 +274,48 @@ def agent_seed(seed: int, seat: int) -> int:
     return Secret.of(seed).seed("agent", 0, seat)
 
 
-def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) -> tuple[int, ...]:
-    """R6.1: each one's rank is 1 + how many did better.
+def ranks_of_sides(scores: Sequence[int], lasted: Sequence[int | None], hunting: int) -> tuple[int, ...]:
+    """The ranks by party, on each side by itself: of `hunting` teams by R11.1, then of prey by R12.5.
 
     Args:
-        scores: catches by seat.
-        lasted: the step at which a seat forfeited, None for those that did not: they did better than all who did.
+        scores: a team's catches, and how often prey was caught.
+        lasted: as of `ranks_of`.
+        hunting: how many of them hunt.
+    """
+    ranks = ranks_of(scores[:hunting], lasted[:hunting])
+    return *ranks, *prey_ranks_of(scores[hunting:], [end is not None for end in lasted[hunting:]])
+
+
+def prey_ranks_of(caught: Sequence[int], withdrawn: Sequence[bool]) -> tuple[int, ...]:
+    """R12.5: the fewest first; withdrawn prey behind all other.
+
+    Args:
+        caught: how often each was.
+        withdrawn: who was.
+    """
+    merits = list(zip(withdrawn, caught, strict=True))
+    return tuple(1 + sum(other < merit for other in merits) for merit in merits)
+
+
+def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) -> tuple[int, ...]:
+    """R6.1, R11.1: each one's rank is 1 + how many did better.
+
+    Args:
+        scores: catches of each, a hunter or a team.
+        lasted: the step at which one forfeited, None for those that did not: they did better than all who did.
     """
     merits = [
         (math.inf, score) if end is None else (end, 0)
         for score, end in zip(scores, lasted or [None] * len(scores), strict=True)
     ]
     return tuple(1 + sum(other > merit for other in merits) for merit in merits)
+
+
+def _log(agents: Sequence[str], logs: Mapping[str, str]) -> str:
+    """What a party's instances have printed; of several, each under its name."""
+    if len(agents) == 1:
+        return logs.get(agents[0], "")
+    return "\n".join(f"{agent}:\n{logs[agent].rstrip()}" for agent in agents if logs.get(agent))
 
 
 def _observation(vector: Any, info: dict[str, Any]) -> Observation:

@@ -10,7 +10,7 @@ from typing import Any, Literal, Protocol
 
 from catch_arena.config import Control
 from catch_arena.errors import AgentError, reason
-from catch_arena.policy import Limits, Policy, View, control_of
+from catch_arena.policy import AnyLimits, Policy, PreyPolicy, control_of
 from catch_arena.tournament.entrants import Entrant
 
 ForfeitCode = Literal[
@@ -32,7 +32,7 @@ class Fault:
 
 # plain tuples: a trusted match makes thousands of them
 Observation = tuple[list[float], list[int]]
-"""What one seat is shown in a step: R7.1's vector, and R7.2's mask, which is empty under velocity control."""
+"""What a seat is shown in a step: R7.1's or R12.4's vector, and R7.2's mask, which not every seat has (empty then)."""
 Answer = tuple[Any, float, Fault | None]
 """What it makes of that: its action, unchecked (None where there is a fault), how long that took [s], and its fault."""
 
@@ -44,7 +44,7 @@ class Players(Protocol):
     def controls(self) -> Mapping[int, Control]:
         """What each seat asks for."""
 
-    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match: each seat is told its own seed.
 
         Returns:
@@ -66,13 +66,13 @@ class TrustedPlayers:
     limits their time, their memory or their reach.
 
     Args:
-        policies: by seat.
+        policies: by seat; what prey says of its control does not matter.
     """
 
-    def __init__(self, policies: Mapping[int, Policy]) -> None:
+    def __init__(self, policies: Mapping[int, Policy | PreyPolicy]) -> None:
         self.controls: dict[int, Control] = {seat: control_of(policy) for seat, policy in policies.items()}
         self._policies = dict(policies)
-        self._limits: Sequence[Limits] = ()
+        self._limits: Sequence[AnyLimits] = ()
         self._faults: dict[int, Fault] = {}
 
     @classmethod
@@ -87,7 +87,7 @@ class TrustedPlayers:
                 players._faults[seat] = Fault("FORFEIT_INIT", str(error))
         return players
 
-    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match."""
         self._limits = limits
         for seat, policy in self._policies.items():
@@ -102,10 +102,10 @@ class TrustedPlayers:
         answers: dict[int, Answer] = {}
         policies, all_limits, clock = self._policies, self._limits, time.perf_counter
         for seat, (vector, mask) in observations.items():
-            view = View(vector, mask, all_limits[seat])
+            view = all_limits[seat].view(vector, mask)
             begin = clock()
             try:
-                action = policies[seat].act(view)
+                action = policies[seat].act(view)  # type: ignore[arg-type]  # a seat's limits make its side's view
             except (Exception, SystemExit) as error:  # noqa: BLE001 - a stranger's code may raise anything
                 fault = Fault("FORFEIT_CRASH", f"act raised {reason(error)}")
                 answers[seat] = None, clock() - begin, fault
@@ -128,7 +128,7 @@ class AbsentPlayers:
         self.controls = controls
         self._faults = faults
 
-    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match, without them."""
         del seeds, limits
         return dict(self._faults)
@@ -154,7 +154,7 @@ class CompositePlayers:
         self._part_of = {seat: part for part in parts for seat in part.controls}
         self._parts = parts
 
-    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match."""
         return {seat: fault for part in self._parts for seat, fault in part.reset(seeds, limits).items()}
 

@@ -118,7 +118,8 @@ def versions_of(text: object, known: Iterable[str]) -> dict[str, str]:
 class Rows:
     """How the matches of one tournament are read."""
 
-    hunters: int
+    parties: int
+    seats: int
     entrants: int
 
     def match(self, row: Sequence[Any]) -> Match:
@@ -144,28 +145,34 @@ class Rows:
         match = self.match(planned)
         with _within(match.id):
             parts = {name: parsed(name, text) for name, text in zip(RESULTS, row[-len(RESULTS) :], strict=True)}
-            forfeits = self._by_seat("forfeits", parts["forfeits"], _forfeit_code)
-            details = self._by_seat("details", parts["details"], _forfeit) if parts["details"] != [] else ()
+            forfeits = self._by_party("forfeits", parts["forfeits"], _forfeit_code)
+            details = self._by_party("details", parts["details"], _forfeit) if parts["details"] != [] else ()
             if details and forfeits != tuple(one and one.code for one in details):
                 raise DamagedError("details must be of its forfeits")
             result = MatchResult(
                 scores=self._wholes("scores", parts["scores"], 0, _MOST),
-                ranks=self._wholes("ranks", parts["ranks"], 1, self.hunters),
-                verdicts=self._by_seat("verdicts", parts["verdicts"], _tally),
+                ranks=self._wholes("ranks", parts["ranks"], 1, self.parties),
+                verdicts=self._by_party("verdicts", parts["verdicts"], _tally),
                 contests_won=self._wholes("contests_won", parts["contests_won"], 0, _MOST),
                 steps=whole("steps", parts["steps"], 0, _MOST_STEPS),
                 digest=_digest("digest", parts["digest"]),
                 forfeits=forfeits,
-                thinking=self._by_seat("thinking", parts["thinking"], _move_times),
+                thinking=self._by_party("thinking", parts["thinking"], _move_times),
                 details=details,
+                catches=self._catches(parts["catches"]),
             )
             return PlayedMatch(match, result, None if replay is None else _digest("replay", replay))
 
-    def _by_seat(self, what: str, value: object, read: Callable[[object], T]) -> tuple[T, ...]:
-        return tuple(map(read, _list_of(what, value, self.hunters, self.hunters)))
+    def _catches(self, value: object) -> tuple[int, ...]:
+        if self.seats == self.parties and value == []:
+            return ()
+        return tuple(whole("catches", one, 0, _MOST) for one in _list_of("catches", value, self.seats, self.seats))
+
+    def _by_party(self, what: str, value: object, read: Callable[[object], T]) -> tuple[T, ...]:
+        return tuple(map(read, _list_of(what, value, self.parties, self.parties)))
 
     def _wholes(self, what: str, value: object, least: int, most: int) -> tuple[int, ...]:
-        found = _list_of(what, value, self.hunters, self.hunters)
+        found = _list_of(what, value, self.parties, self.parties)
         for one in found:
             whole(what, one, least, most)
         return tuple(found)
@@ -239,8 +246,10 @@ def _digest(what: str, value: object) -> str:
 
 
 def _entrant(value: object) -> Entrant:
-    table = _table("entrant", value, [field.name for field in fields(Entrant)])
-    name, fault = text_of("entrant: name", table["name"], LONGEST_NAME), table["fault"]
+    table = _table("entrant", value, [field.name for field in fields(Entrant) if field.name != "side"])
+    name, fault, prey_fault = text_of("entrant: name", table["name"], LONGEST_NAME), table["fault"], table["prey_fault"]
+    if not isinstance(table["prey"], bool):
+        raise DamagedError(f"entrant: prey must be true or false, got {in_short(table['prey'])}")
     if (wrong := name_fault(name)) is not None:
         raise DamagedError(f"entrant: {wrong}")
     if table["control"] not in get_args(Control):
@@ -254,6 +263,8 @@ def _entrant(value: object) -> Entrant:
         table["control"],
         _digest("entrant: digest", table["digest"]),
         None if fault is None else one_line(text_of("entrant: fault", fault, most=None)),
+        table["prey"],
+        None if prey_fault is None else one_line(text_of("entrant: prey_fault", prey_fault, most=None)),
     )
 
 

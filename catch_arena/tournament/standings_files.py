@@ -1,4 +1,5 @@
-"""What a tournament leaves in its folder beside its store: standings.csv and standings.json.
+"""What a tournament leaves in its folder beside its store: standings.csv and standings.json, and prey_standings.csv
+where there is prey.
 
 Nothing in them depends on time, machine or the number of processes: the same plan writes the same bytes.
 """
@@ -7,30 +8,35 @@ import csv
 import io
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.config import RULESET
 from catch_arena.files import write_whole
+from catch_arena.policy import Side
 from catch_arena.text import spreadsheet_cell
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 from catch_arena.tournament.store import Tournament
 
-TABLE, SUMMARY = "standings.csv", "standings.json"
+SUMMARY: Final = "standings.json"
+TABLES: Final[Mapping[Side, str]] = {"hunter": "standings.csv", "prey": "prey_standings.csv"}
 _DIGITS: Final = 6
 
 
-def write_standings(folder: Path, tournament: Tournament, matches: int, table: Sequence[Standing]) -> None:
-    """Write both files of a tournament that has ended, whose seed they tell; each whole or not at all; files of these
+def write_standings(
+    folder: Path, tournament: Tournament, matches: int, tables: Mapping[Side, Sequence[Standing]]
+) -> None:
+    """Write the files of a tournament that has ended, whose seed they tell; each whole or not at all; files of these
     names are replaced, others left alone.
 
     Raises:
         OutputError: where it cannot be written.
     """
-    write_whole(folder / TABLE, table_text(table).encode())
-    write_whole(folder / SUMMARY, summary_text(tournament, matches, table).encode())
+    for side, table in tables.items():
+        write_whole(folder / TABLES[side], table_text(table).encode())
+    write_whole(folder / SUMMARY, summary_text(tournament, matches, tables).encode())
 
 
 def table_text(table: Sequence[Standing]) -> str:
@@ -43,8 +49,9 @@ def table_text(table: Sequence[Standing]) -> str:
     return text.getvalue()
 
 
-def summary_text(tournament: Tournament, matches: int, table: Sequence[Standing]) -> str:
+def summary_text(tournament: Tournament, matches: int, tables: Mapping[Side, Sequence[Standing]]) -> str:
     """The standings with all that is needed to play the tournament again."""
+    names: dict[Side, str] = {"hunter": "standings", "prey": "prey_standings"}
     summary = {
         "ruleset": RULESET,
         "plan": dict(tournament.plan),
@@ -56,16 +63,14 @@ def summary_text(tournament: Tournament, matches: int, table: Sequence[Standing]
             {"name": entrant.name, "control": entrant.control, "digest": entrant.digest}
             for entrant in tournament.entrants
         ],
-        "standings": [
-            _flat(standing)
-            | {
-                "refusals": {name: _plain(often) for name, often in standing.refusals.items()},
-                "forfeits": standing.forfeits,
-            }
-            for standing in table
-        ],
+        **{names[side]: [_whole(standing) for standing in table] for side, table in tables.items()},
     }
     return json.dumps(summary, indent=2) + "\n"
+
+
+def _whole(standing: Standing) -> dict[str, Any]:
+    refusals = {name: _plain(often) for name, often in standing.refusals.items()}
+    return _flat(standing) | {"refusals": refusals, "forfeits": standing.forfeits}
 
 
 def _flat(standing: Standing) -> dict[str, Any]:

@@ -4,7 +4,6 @@ Each block is a transaction of its own, in write-ahead mode: a process that is k
 none that was kept. Keeping a match twice changes nothing.
 """
 
-import dataclasses
 import json
 import platform
 import sqlite3
@@ -24,11 +23,12 @@ from catch_arena.text import one_line
 from catch_arena.tournament import rows
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, Match, PlayedMatch
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 
 STORE: Final = "tournament.sqlite"
 _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: what kind of file it is
-_FORMAT: Final = 2
+_FORMAT: Final = 3
 _PAGE: Final = 1000
 """How many matches that wait are read at once."""
 _PATIENCE_S: Final = 60.0
@@ -91,7 +91,7 @@ class Tournament:
         return {
             "ruleset": RULESET,
             "config": self.config.to_dict(),
-            "entrants": [dataclasses.asdict(entrant) for entrant in self.entrants],
+            "entrants": [entrant.facts for entrant in self.entrants],
             "plan": dict(self.plan),
             "seed": None if self.secret is None else self.secret.text,
             "terms": dict(self.terms),
@@ -362,7 +362,8 @@ class Store:
 
     def _rows(self) -> rows.Rows:
         tournament = self.tournament
-        return rows.Rows(tournament.config.hunters, len(tournament.entrants))
+        parties = Parties.of(tournament.config)
+        return rows.Rows(len(parties), len(parties.by_seat), len(tournament.entrants))
 
     def _count(self, table: str) -> int:
         with self._store_errors():
@@ -430,9 +431,9 @@ def versions() -> dict[str, str]:
     }
 
 
-def store_bytes(seats: int) -> int:
+def store_bytes(parties: int) -> int:
     """What a match takes in the store, about: scripts/measure_store.py."""
-    return 90 + 84 * seats
+    return 90 + 84 * parties
 
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
@@ -448,10 +449,10 @@ def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
     if names[0] != names[1]:
         return f"its agents are {' '.join(names[0])}, and here {' '.join(names[1])}"
     for begun, now in zip(there["entrants"], here["entrants"], strict=True):
-        for name in ("digest", "control"):
+        for name in ("digest", "control", "prey"):
             if begun[name] != now[name]:
                 return f"the {name} of agent {now['name']} is {begun[name]} there, and {now[name]} here"
-        fit = ["can begin" if one["fault"] is None else "cannot begin" for one in (begun, now)]
+        fit = ["can begin" if one["fault"] is one["prey_fault"] is None else "cannot begin" for one in (begun, now)]
         if fit[0] != fit[1]:
             return f"agent {now['name']} {fit[0]} there, and {fit[1]} here"
     return None

@@ -47,8 +47,8 @@ def agent(name: str, seed: int = 5) -> Any:
 
 
 def test_the_shipped_agents_are_these():
-    ours = ["contested", "contested_by_time", "first", "idle", "intercept", "nearest", "patrol", "random"]
-    assert list(shipped()) == ours
+    hunters = ["contested", "contested_by_time", "first", "idle", "intercept", "nearest", "patrol", "random"]
+    assert list(shipped()) == sorted([*hunters, "corners", "flee"])
     assert all(line.endswith(".") for line in shipped().values())
 
 
@@ -141,7 +141,10 @@ def test_random_follows_from_its_seed_alone():
 def test_every_agent_plays_a_whole_match_in_its_own_control():
     names = list(shipped())
     policies = [one.create() for one in enter(names)]
-    result = play(scenario("standard", hunters=len(names), time_limit_s=20), 11, policies, names)
+    played: set[tuple[str, ...]] = set()
+    config = scenario("standard", hunters=len(names), time_limit_s=20)
+    result = play(config, 11, policies, names, watch=lambda env: played.add(env.config.controls))
+    assert played == {tuple("velocity" if name in {"intercept", "patrol"} else "target" for name in names)}
     scores = dict(zip(names, result.scores, strict=True))
     assert scores["idle"] == 0
     assert scores["patrol"] > scores["random"]

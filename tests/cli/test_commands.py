@@ -47,12 +47,12 @@ def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_pat
     assert len(replays) == 2
     verified = catch_arena("verify", *replays)
     assert verified.exit_code == 0
-    assert verified.output.count("all of 30 steps play as recorded") == 2
+    assert verified.stdout.count("all of 30 steps play as recorded") == 2
 
 
 def test_no_line_of_the_table_is_longer_than_80_columns(catch_arena):
     result = catch_arena("tournament", "contested_by_time", "contested_by_time", *QUICK, "--jobs", "1", "--out", "o")
-    assert max(map(len, result.output.splitlines())) <= 80
+    assert max(map(len, result.stdout.splitlines())) <= 80
     assert "contested_by_time#2" in result.output
 
 
@@ -104,7 +104,7 @@ def test_one_that_is_trusted_and_one_that_is_isolated_play_the_same_tournament(c
 def test_a_match_says_who_forfeited_and_what_they_printed(catch_arena):
     result = catch_arena("match", str(BAD / "crashes.py"), "nearest", *QUICK)
     assert result.exit_code == 0, result.output
-    assert "crashes: FORFEIT_CRASH in step 5: act raised ZeroDivisionError" in result.stdout
+    assert "crashes (hunter_0): FORFEIT_CRASH in step 5: act raised ZeroDivisionError" in result.stdout
     assert result.stderr.startswith(f"{level_line(LEVELS[0])}\ncrashes printed:\nTraceback")
 
 
@@ -245,7 +245,7 @@ def test_the_script_is_the_command(catch_arena, tmp_path):
     words = ["nearest", "idle", *QUICK, "--seed", "0", "--jobs", "1", "--out"]
     script = [sys.executable, str(ROOT / "scripts" / "tournament.py"), *words, "a"]
     done = subprocess.run(script, cwd=tmp_path, check=True, capture_output=True, text=True)
-    assert done.stdout.replace(": a", ": b") == catch_arena("tournament", *words, "b").output
+    assert done.stdout.replace(": a", ": b") == catch_arena("tournament", *words, "b").stdout
     assert (tmp_path / "a" / "standings.json").read_bytes() == (tmp_path / "b" / "standings.json").read_bytes()
 
 
@@ -326,7 +326,7 @@ def test_a_tournament_is_not_overwritten_and_is_continued_by_the_same_words_alon
         other = catch_arena(*first, "--resume", *more)
         assert (other.exit_code, other.stderr.count("\n")) == (2, 1)
         assert message in other.stderr
-    assert catch_arena(*first, "--resume").output == begun.output
+    assert catch_arena(*first, "--resume").stdout == begun.stdout
     assert (tmp_path / "o" / "tournament.sqlite").read_bytes() == content
 
 

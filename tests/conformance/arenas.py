@@ -5,12 +5,13 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from oracle.arena import Hunter, OracleArena, Target, in_own_frame
+from oracle.arena import OracleArena
 from oracle.arithmetic import DROPOUT, KILL_DOWN, KILL_REFUSED, SPAWN_DOWN, SPAWN_REFUSED, draw, fraction, key
+from oracle.turtles import Hunter, Target, in_own_frame
 from rulebook.adjudicators import Adjudicator, OracleAdjudicator, adjudicator
 
 from catch_arena.config import ArenaConfig
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_columns
+from catch_arena.layout import SELF_COLUMNS, rival_columns, target_columns
 from catch_arena.verdicts import Verdict
 
 STEPS, COUNTED = range(3), range(1, 6)
@@ -32,7 +33,7 @@ class AdjudicatorUnderTest:
     def reset(self, settings: Mapping[str, Any]) -> None:
         seed, faults = arranged({fault: settings.get(fault, []) for fault in STREAMS})
         dropout_rate = faults.pop("drop_outs", 0.0)
-        quiet = {"hunters": 1, "initial_targets": 0, "spawn_frequency_hz": 0.001}
+        quiet = {"hunters": 1, "initial_targets": settings.get("prey", 0), "spawn_frequency_hz": 0.001}
         of_arena = {name: value for name, value in settings.items() if name not in STREAMS}
         config = ArenaConfig().replace(**quiet | of_arena, control="full", faults=faults, dropout_rate=dropout_rate)
         config = config.replace(observed_targets=config.max_targets)
@@ -49,7 +50,16 @@ class AdjudicatorUnderTest:
         self.match.withdraw(seat)
         self.is_observed = False
 
-    def step(self, requests: Sequence[tuple[int, int]], drive: Mapping[int, tuple[float, float]]) -> list[object]:
+    def withdraw_prey(self, index: int) -> None:
+        self.match.withdraw_prey(index)
+        self.is_observed = False
+
+    def step(
+        self,
+        requests: Sequence[tuple[int, int]],
+        drive: Mapping[int, tuple[float, float]],
+        prey: Mapping[int, tuple[float, float]] | None = None,
+    ) -> list[object]:
         config, ranks = self.match.config, dict(requests)
         actions = []
         for seat in range(config.hunters):
@@ -57,7 +67,7 @@ class AdjudicatorUnderTest:
             rank = self.rank(seat, ranks[seat]) if seat in ranks else 0
             actions.append(((v / config.max_speeds[seat], w / config.max_turn_rates[seat]), rank))
         try:
-            self.match.step(*actions)
+            self.match.step(*actions, prey=self.commands(prey or {}))
         except RuntimeError:  # some adjudicators refuse to step after the end
             return [(Verdict.MATCH_OVER, seat, number) for seat, number in requests]
         self.is_observed = True
@@ -71,6 +81,12 @@ class AdjudicatorUnderTest:
             elif self.match.hunter(seat).withdrawn:  # the parallel env takes no actions of one that has left
                 rulings.append((Verdict.HUNTER_INACTIVE, seat, number))
         return rulings
+
+    def commands(self, prey: Mapping[int, tuple[float, float]]) -> list[tuple[float, float]]:
+        """Prey's velocities as its actions."""
+        config = self.match.config
+        velocities = [prey.get(index, (0.0, 0.0)) for index in range(config.prey)]
+        return [(v / config.target_speed_mps, w / config.target_turn_rate_radps) for v, w in velocities]
 
     def rank(self, seat: int, number: int) -> int:
         """R7.1, R7.5: the rank at which a seat sees that number; for what it does not see the first without a target.
@@ -94,7 +110,7 @@ class AdjudicatorUnderTest:
         config, columns = self.match.config, len(target_columns(self.match.config))
         others = {other: self.match.hunter(other) for other in range(config.hunters) if other != seat}
         first = len(SELF_COLUMNS) + columns * config.targets_seen
-        return self.found(seat, first, len(RIVAL_COLUMNS), config.hunters_seen, others)
+        return self.found(seat, first, len(rival_columns(config)), config.hunters_seen, others)
 
     def found(self, seat: int, first: int, columns: int, ranks: int, things: Mapping[int, Any]) -> list[int]:
         """Which things, by label, the ranks of one kind in a seat's observation show: what stands just there."""
@@ -128,6 +144,9 @@ class AdjudicatorUnderTest:
             "skipped_down": match.skipped_down,
             "refused": match.refused,
             "scores": match.scores,
+            "team_scores": match.team_scores,
+            "prey": [prey.number for prey in match.prey],
+            "times_caught": [prey.times_caught for prey in match.prey],
             "ended": "terminated" if match.terminated else "truncated" if match.truncated else "",
             "seen": [self.seen(seat) for seat in seats] if self.is_observed else [],
             "rivals_seen": [self.rivals_seen(seat) for seat in seats] if self.is_observed else [],

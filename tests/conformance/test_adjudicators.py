@@ -2,14 +2,17 @@
 
 import pytest
 from conformance.arenas import AdjudicatorUnderTest, OracleUnderTest
-from conformance.wrong_arenas import WRONG
-from oracle.arena import judge
+from conformance.wrong_arenas import WRONG as WRONG_OF_HUNTERS
+from conformance.wrong_teams_and_prey import WRONG_OF_TEAMS_AND_PREY
+from oracle.arbiter import judge
 from rulebook.adjudicators import ADJUDICATORS
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import ArbiterCase
 from catch_arena.testing import run_conformance
+
+WRONG = (*WRONG_OF_HUNTERS, *WRONG_OF_TEAMS_AND_PREY)
 
 
 @pytest.mark.parametrize("arbiter", [judge, arbitrate], ids=["oracle", "arbitrate"])

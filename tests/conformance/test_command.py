@@ -84,7 +84,7 @@ def test_an_arena_can_be_named_alone(conformance, tmp_path):
     )
     result = conformance("--arena", "mine.py:oracle", "--only", "spawning", "--only", "reach.in-a-corner")
     assert result.exit_code == 0, result.output
-    assert result.output == "cases: 23 passed, 0 failed\n"
+    assert result.output == "cases: 25 passed, 0 failed\n"
 
 
 def test_the_cases_can_be_listed_and_one_be_played(conformance):
@@ -135,6 +135,7 @@ def test_a_report_without_failures_is_whole_xml():
         (["catch_arena:__doc__"], "has no function __doc__"),
         (["no_such_module:f"], "no_such_module: importing it raised ModuleNotFoundError"),
         (["missing.py:f"], "missing.py:f: no such file"),
+        (["catch_arena.agents.nearest:Agent"], "is a class, and an arbiter is a function: `catch-arena check-agent`"),
         (["broken.py:f"], "importing it raised ZeroDivisionError"),
         (["--arena", "broken_arena.py:make"], "broken_arena.py:make: making it raised ZeroDivisionError"),
         (["catch_arena:arbitrate", "--only", "reech"], "no case begins with 'reech': did you mean reach"),

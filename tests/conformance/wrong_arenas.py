@@ -8,17 +8,9 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from oracle.arena import (
-    GRANTED,
-    KILL_FAILED,
-    LOST_CONTEST,
-    Hunter,
-    OracleArena,
-    Request,
-    Target,
-    distance,
-    micrometres,
-)
+from oracle.arbiter import GRANTED, KILL_FAILED, LOST_CONTEST, Request
+from oracle.arena import Command, OracleArena
+from oracle.turtles import Hunter, Target, distance, micrometres
 
 
 class CutsThePeriodOff(OracleArena):
@@ -131,15 +123,15 @@ class EndsBeforeItsLimit(OracleArena):
 
 
 class TruncatesWhatIsDone(OracleArena):
-    def step(self, actions: Sequence[Any]) -> None:
-        super().step(actions)
+    def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
+        super().step(actions, prey_actions)
         if self.terminated and self.time >= self.limit:
             self.terminated, self.truncated = False, True
 
 
 class EndsWhenEmpty(OracleArena):
-    def step(self, actions: Sequence[Any]) -> None:
-        super().step(actions)
+    def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
+        super().step(actions, prey_actions)
         self.terminated = self.terminated or (self.budget is not None and not self.alive and self.spawned > 0)
 
 
@@ -159,8 +151,8 @@ class RemovesRefusedTargets(OracleArena):
 
 
 class WithdrawsForOneStep(OracleArena):
-    def step(self, actions: Sequence[Any]) -> None:
-        super().step(actions)
+    def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
+        super().step(actions, prey_actions)
         for hunter in self.hunters:
             hunter.withdrawn = False
 
@@ -433,9 +425,9 @@ class DropsOutAfterTheRulings(OracleArena):
 
 
 class DropsOutForOneStep(OracleArena):
-    def step(self, actions: Sequence[Any]) -> None:
+    def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
         before = [hunter.withdrawn for hunter in self.hunters]
-        super().step(actions)
+        super().step(actions, prey_actions)
         for hunter, was in zip(self.hunters, before, strict=True):
             hunter.withdrawn = was
 
@@ -449,8 +441,8 @@ class DropoutsForfeit(OracleArena):
 
 
 class DropoutsEndTheMatch(OracleArena):
-    def step(self, actions: Sequence[Any]) -> None:
-        super().step(actions)
+    def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
+        super().step(actions, prey_actions)
         self.terminated = self.terminated or any(hunter.withdrawn for hunter in self.hunters)
         self.truncated = self.truncated and not self.terminated
 

@@ -1,7 +1,10 @@
 """What an import costs, and what a user of the package can rely on."""
 
+import ast
 import subprocess
 import sys
+from importlib import import_module
+from pathlib import Path
 
 import catch_arena
 
@@ -16,8 +19,12 @@ def test_the_import_is_light():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_every_public_name_is_there():
-    """`__all__` tells the truth, and `dir` shows it."""
-    for name in catch_arena.__all__:
-        assert getattr(catch_arena, name) is not None
+def test_every_public_name_is_what_type_checkers_are_told():
+    """Else an editor would show another thing than the one that is loaded."""
+    tree = ast.parse(Path(catch_arena.__file__).read_text())
+    (told,) = (node for node in tree.body if isinstance(node, ast.If))
+    home = {name.asname: node.module for node in told.body for name in node.names if name.asname}
+    assert sorted(home) == catch_arena.__all__
+    for name, module in home.items():
+        assert getattr(catch_arena, name) is getattr(import_module(module), name)
         assert name in dir(catch_arena)

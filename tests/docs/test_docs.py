@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.policy import Limits
+from catch_arena.policy import Limits, PreyLimits
 from catch_arena.training import LearnerBatch, Mlp
 
 ROOT = Path(__file__).parent.parent.parent
@@ -101,6 +101,7 @@ def test_the_made_pages_are_up_to_date():
     write_docs = runpy.run_path(str(ROOT / "scripts" / "write_docs.py"))
 
     assert (ROOT / "docs" / "observation.md").read_text() == write_docs["observation_page"]()
+    assert (ROOT / "docs" / "settings.md").read_text() == write_docs["settings_page"]()
     agents = (ROOT / "docs" / "agents.md").read_text()
     assert agents == write_docs["agents_page"](agents)
 
@@ -108,9 +109,10 @@ def test_the_made_pages_are_up_to_date():
 def test_the_page_about_agents_lists_every_limit_with_its_meaning_and_the_units_of_its_name():
     """The names end in their units: metres, seconds, and parts of them."""
     page = (ROOT / "docs" / "agents.md").read_text()
-    (table,) = re.findall(r"<!-- made from catch_arena/policy.py .*? -->(.*?)<!-- end -->", page, re.DOTALL)
-    rows = dict(re.findall(r"^\| `(\w+)` \| ([^|]*) \| [^|]{12,} \|$", table, re.MULTILINE))
-    assert list(rows) == [field.name for field in dataclasses.fields(Limits)]
+    tables = re.findall(r"<!-- made from catch_arena/policy.py .*? -->(.*?)<!-- end -->", page, re.DOTALL)
     units = {"m": "m", "mps": "m/s", "radps": "rad/s", "ms": "ms", "s": "s", "deg": "degrees"}
-    for name, unit in rows.items():
-        assert unit == units.get(name.rpartition("_")[2], "")
+    for table, kind in zip(tables, (Limits, PreyLimits), strict=True):
+        rows = dict(re.findall(r"^\| `(\w+)` \| ([^|]*) \| [^|]{12,} \|$", table, re.MULTILINE))
+        assert list(rows) == [field.name for field in dataclasses.fields(kind)]
+        for name, unit in rows.items():
+            assert unit == units.get(name.rpartition("_")[2], "")

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 from catch_arena import Verdict, arbitrate, explain, explain_step
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
+from catch_arena.explanation import step_at
 from catch_arena.explanation.formatting import short_length
 from catch_arena.explanation.sight import Sight
 
@@ -47,7 +48,7 @@ def test_every_contest_is_what_the_arbiter_decides(crowded):
             assert ruling.winner == winner.seat
         assert winner.verdict in (Verdict.GRANTED, Verdict.KILL_FAILED)
         assert {claim.verdict for claim in losers} == {Verdict.LOST_CONTEST}
-        assert (contest.clause, contest.time_ms) == ("R5.4", 100 * contest.step)
+        assert (contest.clause, contest.judged_ms) == ("R5.4", before.time_ms)
 
 
 def test_the_summary_adds_up(crowded):
@@ -88,13 +89,13 @@ def test_a_contest_is_told_with_clause_distances_and_winner(play):
     told = explain(play(chase=True, names=("ann", "bob", "cid"), **CLOSE), "bob").lines()
 
     assert (
-        "At 0.1 s (step 1) bob, ann and cid asked for target_turtle_2. bob was 0.854333 m away; ann 1.053799 m, "
+        "At 0.0 s (step 1) bob, ann and cid asked for target_turtle_2. bob was 0.854333 m away; ann 1.053799 m, "
         "199.466 mm farther; cid 1.053799 m, 199.466 mm farther. The smaller distance decides (R5.4): bob is granted "
         "it, ann and cid get LOST_CONTEST (R5.6)."
     ) in told
 
 
-def test_an_exact_tie_tells_the_tickets_of_the_lot(play):
+def test_an_exact_tie_tells_the_lots_of_the_tied(play):
     """R5.5, as the appendix draws them; the lowest wins."""
     match = play(chase=True, **CLOSE)
     tie = next(contest for contest in explain(match).contests if contest.clause == "R5.5")
@@ -143,6 +144,24 @@ def test_repeated_refusals_are_one_line_with_a_count(play):
     assert f" hunter_0 asked {times} times for target_turtle_1 from " in refused
     assert refused.endswith("the target is out of reach (R5.3); within reach is less than 0.000001 m.")
     assert "No contest: in no step could two hunters have caught the same target." in lines
+
+
+def test_refusals_of_two_targets_are_two_runs(play):
+    """So that what was asked for when, and from where, can be read; times are those of the states that were judged."""
+    match = play("faulty", seed=5, control="full", reach_m=3.0, max_cycles=200)
+    runs = explain(match).refusals
+    found = Counter()
+    for before, after in pairwise(match.worlds()):
+        for ruling in after.rulings:
+            mine = [run for run in runs if run.seat == ruling.hunter and run.verdict is ruling.verdict]
+            inside = [run for run in mine if run.first_step <= after.step <= run.last_step]
+            if not ruling.success and ruling.verdict is not Verdict.LOST_CONTEST:
+                assert [run.target for run in inside if run.first_ms <= before.time_ms <= run.last_ms] == [
+                    ruling.target
+                ]
+                found[ruling.verdict.name, ruling.target] += 1
+    assert sum(run.times for run in runs) <= sum(found.values())
+    assert len({target for _, target in found}) > 10
 
 
 def test_every_refusal_has_its_reason_and_clause(play):
@@ -209,6 +228,24 @@ def test_a_step_is_told_whole(crowded):
     assert len(explain_step(crowded, contest.step, "bob").asked) == 1
 
 
+def test_a_step_is_found_by_the_time_at_which_it_was_judged(crowded, play):
+    """Or by any time until the next one."""
+    for contest in explain(crowded).contests:
+        assert step_at(crowded, contest.judged_ms / 1000) == contest.step
+    assert [step_at(crowded, at) for at in (0, 0.05, 12.3, 12.399, 12.4, 29.9)] == [1, 1, 124, 124, 125, 300]
+    for at in (-0.1, 30.0, math.nan, math.inf):
+        with pytest.raises(ConfigError, match=r"at must be from 0 to 29\.9 s, when the last step is judged, got"):
+            step_at(crowded, at)
+    assert step_at(play("duel", control_period_ms=134, max_cycles=9), 8 * 0.134) == 9
+
+
+def test_the_seat_of_every_hunter_is_told_where_there_are_copies(play):
+    """nearest#2 is not hunter_2."""
+    told = explain(play("duel", max_cycles=20, names=("nearest#2", "nearest"))).lines()
+    assert re.search(r"Catches: nearest#2 \(hunter_0\) \d+ and nearest \(hunter_1\) \d+\.$", told[0])
+    assert [line.split(":")[0] for line in told[-2:]] == ["nearest#2 (hunter_0)", "nearest (hunter_1)"]
+
+
 def test_a_step_that_is_not_there_is_refused(crowded):
     """Steps count from 1."""
     for step in (0, 301, -1):
@@ -232,7 +269,14 @@ def test_explain_prints_paragraphs_of_80_columns_or_json(crowded, tmp_path, monk
     assert json.loads(call("--json").stdout) == explain(crowded).to_dict()
     told = json.loads(call("--json", "--step", "62").stdout)
     assert told["asked"][0]["verdict"] in {verdict.name for verdict in Verdict} | {None}
-    for words in (["--hunter", "bbo"], ["--step", "0"], ["--hunter", "9"]):
+    assert call("--at", "6.1", "--hunter", "ann").stdout == step.stdout
+    for words in (
+        ["--hunter", "bbo"],
+        ["--step", "0"],
+        ["--hunter", "9"],
+        ["--at", "30"],
+        ["--at", "1", "--step", "11"],
+    ):
         refused = call(*words)
         assert (refused.exit_code, len(refused.stderr.splitlines())) == (2, 1)
 
@@ -393,7 +437,7 @@ def test_a_refusal_tells_the_hunters_own_reach(play):
     reaches = (0.000001, 0.000002)
     match = play("duel", control="full", reach_m=reaches, initial_targets=4, spawn_frequency_hz=0, max_cycles=30)
     refused = [line for line in explain(match).lines() if "OUT_OF_REACH, " in line]
-    assert len(refused) == 2
-    for line in refused:
-        seat = int(line.split("hunter_")[1][0])
+    seats = [int(line.split("hunter_")[1][0]) for line in refused]
+    assert set(seats) == {0, 1}
+    for line, seat in zip(refused, seats, strict=True):
         assert line.endswith(f"within reach is less than {reaches[seat]:.6f} m.")

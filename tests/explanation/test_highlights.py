@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from catch_arena.explanation.facts import Capture, Claim, Contest
 from catch_arena.explanation.highlights import (
     REPEAT_FACTOR,
     Catch,
@@ -15,24 +16,36 @@ from catch_arena.explanation.highlights import (
     win_rates,
     win_records,
 )
-from catch_arena.explanation.match_summary import Claim, Contest, explain
+from catch_arena.explanation.match_summary import explain
 from catch_arena.render.contact_sheet import same_picture
 from catch_arena.verdicts import Verdict
 
 
-def match_with(catches=(), contests=(), names=("ann", "bob", "cy"), duration_ms=60_000) -> MatchEvents:
-    """The events of a match in which these seats catch at these times: (ms, seat)."""
+def match_with(
+    catches=(), contests=(), names=("ann", "bob", "cy"), duration_ms=60_000, captures=(), hunters=None
+) -> MatchEvents:
+    """The events of a match in which these sides catch at these times: (ms, side)."""
     scores = [0] * len(names)
     rows = []
-    for time_ms, seat in catches:
-        scores[seat] += 1
-        rows.append(Catch(time_ms, seat, tuple(scores)))
-    return MatchEvents(names, names, duration_ms, 100, 300_000, tuple(rows), tuple(contests))
+    for time_ms, side in catches:
+        scores[side] += 1
+        rows.append(Catch(time_ms, side, side, tuple(scores)))
+    return MatchEvents(
+        hunters=hunters or names,
+        prey=("pip (prey_0)",),
+        names=names,
+        entrants=names,
+        duration_ms=duration_ms,
+        reach_um=300_000,
+        catches=tuple(rows),
+        contests=tuple(contests),
+        captures=tuple(captures),
+    )
 
 
-def contest(margin_um: int, *, clause="R5.4", verdict=Verdict.GRANTED, at_ms=5100) -> Contest:
+def contest(margin_um: int, *, clause="R5.4", verdict=Verdict.GRANTED, at_ms=5000) -> Contest:
     claims = (Claim(1, verdict, 120_000), Claim(0, Verdict.LOST_CONTEST, 120_000 + margin_um))
-    return Contest(at_ms // 100, at_ms, "target_turtle_7", clause, claims)
+    return Contest(at_ms // 100 + 1, at_ms, "target_turtle_7", clause, claims)
 
 
 def of_kind(kind, *args, **kwargs) -> list[Highlight]:
@@ -81,7 +94,7 @@ def test_the_lead_changes_where_another_leads_alone_ties_between_or_not():
 def test_catches_of_one_step_count_together():
     """One who is caught up with in the very step in which it catches does not lose the lead in between."""
     apart = match_with([(1000, 0), (2000, 1), (2000, 0)])
-    together = tuple(one._replace(scores=(2, 1, 0)) if one.time_ms == 2000 else one for one in apart.catches)
+    together = tuple(one._replace(scores=(2, 1, 0)) if one.judged_ms == 2000 else one for one in apart.catches)
     assert of_kind("lead", replace(apart, catches=together)) == []
 
 
@@ -174,3 +187,29 @@ def test_the_events_of_a_real_match_are_what_was_played(play):
     assert sum(events.scores) == len(events.catches)
     assert all(0.0 <= one.score <= 1.0 and one.start_ms < one.end_ms for one in find_highlights(events))
     assert of_kind("contest", events)
+
+
+def test_prey_that_is_caught_is_worth_the_more_the_longer_it_had_got_away():
+    captures = [Capture(0, 51, 5000, 1, "target_turtle_1", 212_345, 5000, 7100, "target_turtle_9")]
+    captures.append(Capture(0, 401, 40_000, 2, "target_turtle_9", None, 30_000))
+    one, other = of_kind("capture", match_with(captures=captures))
+    assert (one.what, one.decisive_ms) == ("bob catches pip (prey_0)", 5000)
+    assert one.why == "It had got away for 5.0 s, from 0.212345 m (R12.3)"
+    assert other.what == "cy catches pip (prey_0)"
+    assert other.why == "It had got away for 30.0 s (R12.3)"
+    assert other.score == 0.5 > one.score
+
+
+def test_a_contest_among_team_mates_is_no_highlight():
+    claims = (Claim(1, Verdict.GRANTED, 120_000), Claim(0, Verdict.LOST_CONTEST, 120_050, mate=True))
+    assert not of_kind("contest", match_with(contests=[replace(contest(50), claims=claims)]))
+
+
+def test_highlights_of_a_match_with_teams_are_those_of_its_teams(hunted):
+    events = extract_events(hunted)
+    *_, last = hunted.worlds()
+    assert events.names == ("a", "b + c")
+    assert events.entrants == ("a", "b + c")
+    assert events.scores == last.team_scores
+    assert len(events.captures) == sum(prey.times_caught for prey in last.prey)
+    assert {one.kind for one in find_highlights(events)} >= {"capture"}

@@ -6,9 +6,10 @@ import pytest
 
 from catch_arena.config import ArenaConfig
 from catch_arena.live import overlays
-from catch_arena.render.hud import HunterScore
+from catch_arena.render.hud import AgentScore
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label
+from catch_arena.render.text import text_width
 from catch_arena.render.viewport import Viewport
 
 AREAS = [(320, 240), (720, 720), (2160, 2160)]
@@ -38,7 +39,7 @@ def test_every_key_is_on_the_card(area):
 
 @pytest.mark.parametrize("area", AREAS)
 def test_the_result_is_told_by_rank(area):
-    table = [(1, HunterScore(2, 9)), (2, HunterScore(0, 7)), (2, HunterScore(3, 7)), (4, HunterScore(1, 0))]
+    table = [(1, AgentScore(2, 9)), (2, AgentScore(0, 7)), (2, AgentScore(3, 7)), (4, AgentScore(1, 0))]
     shapes = overlays.result_overlay(area, INFO, table, "Esc: end")
     texts = [shape.text for shape in shapes if isinstance(shape, Label)]
     assert texts[0] == "patrol wins"
@@ -47,14 +48,30 @@ def test_the_result_is_told_by_rank(area):
 
 
 def test_a_shared_first_rank_and_ones_own_win():
-    tie = [(1, HunterScore(0, 7)), (1, HunterScore(1, 7))]
+    tie = [(1, AgentScore(0, 7)), (1, AgentScore(1, 7))]
     assert overlays.result_overlay((720, 720), INFO, tie, "")[1].text == "2 share the first rank"
-    assert overlays.result_overlay((720, 720), INFO, [(1, HunterScore(0, 7))], "")[1].text == "You win"
+    assert overlays.result_overlay((720, 720), INFO, [(1, AgentScore(0, 7))], "")[1].text == "You win"
 
 
-@pytest.mark.parametrize("y", [0.2, 5.0, 10.8])
-def test_the_pointer_stays_in_the_picture(y):
-    viewport = Viewport(720, 720, INFO.config.side_m)
-    label = next(shape for shape in overlays.seat_pointer(viewport, (5.0, y), (255, 0, 0)) if isinstance(shape, Label))
-    assert 0 < label.y < 720
-    assert math.dist((label.x, label.y), viewport.to_pixels(5.0, y)) < 2.5 * viewport.hunter_length
+@pytest.mark.parametrize("area", AREAS)
+@pytest.mark.parametrize("x", [0.0, 5.0, 11.088])
+@pytest.mark.parametrize("y", [0.0, 5.0, 11.088])
+def test_the_pointer_and_its_word_stay_in_the_picture(area, x, y):
+    viewport = Viewport(*area, INFO.config.side_m)
+    arrow, label = overlays.seat_pointer(viewport, (x, y), (255, 0, 0))
+    half = text_width(label.text, label.size, label.weight) / 2.0 - 1.0  # of which a letter leaves a pixel free
+    assert half <= label.x <= area[0] - half
+    assert 0.4 * label.size <= label.y <= area[1] - 0.4 * label.size
+    assert all(0 <= px <= area[0] and 0 <= py <= area[1] for px, py in arrow.points)
+    assert math.dist((label.x, label.y), viewport.to_pixels(x, y)) < 2.5 * viewport.hunter_length
+
+
+def test_a_team_wins_together_and_prey_is_told_how_often_it_was_caught():
+    info = MatchInfo.of(ArenaConfig(teams=((0, 1), (2, 3)), prey=1), ("you", "nearest", "patrol", "patrol", "flee"))
+    table = [(1, AgentScore(0, 9)), (2, AgentScore(2, 7)), (1, AgentScore(4, 3, hunted=True))]
+    texts = [one.text for one in overlays.result_overlay((720, 720), info, table, "") if isinstance(one, Label)]
+    assert texts[0] == "Your team wins"
+    assert texts[9:14] == ["1", "P0", "flee", "caught", "3"]
+    info = MatchInfo.of(ArenaConfig(prey=1), ("a", "b", "c", "d", "you"))
+    table = [(1, AgentScore(0, 9)), (1, AgentScore(4, 1, hunted=True))]
+    assert overlays.result_overlay((720, 720), info, table, "")[1].text == "You were caught 1 time"

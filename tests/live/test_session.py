@@ -91,6 +91,38 @@ def test_a_scenario_can_be_played_by_a_person(session, tmp_path, name):
     assert list(verify(replay)) == []
 
 
+def test_a_person_plays_prey(session, tmp_path):
+    """Against hunters; what it drives is recorded as the prey's actions."""
+    words = ["play", "--scenario", "tag", "--seat", "prey_0", "--against", "nearest", "--record", "mine.replay"]
+    result = session(words, pygame.K_UP, *nothing(150))
+    assert result.exit_code == 0, result.output
+    replay = Replay.load(tmp_path / "mine.replay")
+    assert replay.names[3:] == ("you",)
+    assert set(replay.config.controls) == {"target"}
+    assert {float(commands[0][0]) for commands in replay.prey_commands} == {1.0}
+    assert list(verify(replay)) == []
+    assert "prey, by how often it was caught:\n  1    0  you" in result.output
+
+
+def test_a_person_plays_in_a_team_whose_other_hunters_the_first_agent_plays(session, tmp_path):
+    words = ["play", "--scenario", "pairs", "--against", "nearest", "patrol", "--seat", "hunter_1"]
+    result = session([*words, "--record", "mine.replay"], pygame.K_UP, *nothing(150))
+    assert result.exit_code == 0, result.output
+    replay = Replay.load(tmp_path / "mine.replay")
+    assert replay.names == ("nearest", "you", "patrol", "patrol")
+    assert replay.config.controls[1] == "velocity"
+    assert list(verify(replay)) == []
+    assert " patrol (" in result.output  # with the catches of its hunters
+
+
+def test_agents_are_watched_in_teams_and_as_prey(session, tmp_path):
+    result = session(["watch", "nearest", "patrol", "--scenario", "herd", "--record", "seen.replay"], *nothing(150))
+    assert result.exit_code == 0, result.output
+    replay = Replay.load(tmp_path / "seen.replay")
+    assert len(replay.names) == 8
+    assert replay.steps == 10
+
+
 def test_pause_holds_the_match_and_a_step_is_one_step(session, tmp_path):
     result = session(
         ["play", "--record", "mine.replay"],
@@ -195,8 +227,8 @@ def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, tmp_path
     result = session(["watch", "bad.py", "idle", "--scenario", "duel"], *nothing(150))
     assert result.exit_code == 0, result.output
     assert result.stdout.splitlines() == [
-        "  1    0  idle",
-        "  2    0  bad: FORFEIT_CRASH in step 1: act raised ZeroDivisionError: division by zero",
+        "  1    0  idle (hunter_1)",
+        "  2    0  bad (hunter_0): FORFEIT_CRASH in step 1: act raised ZeroDivisionError: division by zero",
     ]
     assert "\nbad printed:\nTraceback" in result.stderr
 
@@ -219,7 +251,7 @@ def test_while_an_agent_hangs_the_window_hears_its_user(session, tmp_path):
     patient = ["--limit", "step_ms=1e6", "--limit", "bank_s=3600"]
     result = session(["watch", "hangs.py", "idle", "--scenario", "duel", *patient], *nothing(20))
     assert result.exit_code == 0, result.output
-    assert result.stdout.splitlines() == ["  1    0  hangs", "  1    0  idle"]
+    assert result.stdout.splitlines() == ["  1    0  hangs (hunter_0)", "  1    0  idle (hunter_1)"]
 
 
 def test_the_match_begins_again_while_an_agent_hangs(session, tmp_path):
@@ -236,7 +268,9 @@ def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path):
     short = ["--limit", "step_ms=100", "--limit", "bank_s=0.1", "--record", "r.replay"]
     result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], *nothing(400))
     assert result.exit_code == 0, result.output
-    assert "  2    0  hangs: FORFEIT_TIMEOUT in step 1: act took longer than step_ms (100 ms)" in result.stdout
+    assert (
+        "  2    0  hangs (hunter_0): FORFEIT_TIMEOUT in step 1: act took longer than step_ms (100 ms)" in result.stdout
+    )
     assert Replay.load(tmp_path / "r.replay").withdrawals == [(0, 0)]
 
 
@@ -255,7 +289,9 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, tmp_pa
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["play", "--seat", "4"], "--seat must be from 0 to 3"),
+        (["play", "--seat", "4"], "--seat must be from 0 to 3 in standard, got 4"),
+        (["play", "--seat", "prey_0"], "--seat must be from 0 to 3 in standard, got prey_0"),
+        (["play", "--scenario", "tag", "--seat", "3"], "--seat must be from 0 to 2, or prey_0 to prey_0 in tag, got 3"),
         (["play", "--against", "nearst"], "did you mean nearest"),
         (["play", "nearest", "patrol", "idle", "first"], "agents must be 3 at most"),
         (["watch", "nearest", "--scenario", "dual"], "did you mean duel"),

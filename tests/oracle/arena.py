@@ -8,9 +8,19 @@ It shares no code with the package. Where it and the engine differ, the book dec
 import hashlib
 import math
 import struct
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from oracle.arbiter import (
+    GRANTED,
+    HUNTER_INACTIVE,
+    LOST_CONTEST,
+    MALFORMED,
+    OUT_OF_REACH,
+    SERVICE_DOWN,
+    Request,
+    decide_contests,
+)
 from oracle.arithmetic import (
     DROPOUT,
     DT,
@@ -19,13 +29,11 @@ from oracle.arithmetic import (
     KILL_REFUSED,
     PI,
     PLACE,
-    SERVICE_LOT,
     SPAWN_DOWN,
     SPAWN_REFUSED,
     START_TURN,
     TAU,
     THREAT_LOT,
-    TIE_LOT,
     WANDER,
     atan2,
     clamp,
@@ -36,199 +44,32 @@ from oracle.arithmetic import (
     to_float32,
     wrap,
 )
+from oracle.turtles import (
+    Hunter,
+    Prey,
+    Target,
+    Turtle,
+    by_seat,
+    distance,
+    in_own_frame,
+    micrometres,
+    nearness,
+    reach_in_micrometres,
+    relative_heading,
+)
 
-MATCH_OVER: Final = 1
-MALFORMED: Final = 2
-HUNTER_INACTIVE: Final = 3
-DUPLICATE: Final = 4
-UNKNOWN_TARGET: Final = 5
-ALREADY_CAUGHT: Final = 6
-SERVICE_DOWN: Final = 7
-OUT_OF_REACH: Final = 8
-LOST_CONTEST: Final = 9
-KILL_FAILED: Final = 10
-GRANTED: Final = 11
-
-PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time")
+PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time", "mate_catch")
+PREY_PART_NAMES: Final = ("caught", "survived", "gained")
 
 Action = Any
 """An int under target control, (a1, a2) under velocity control, ((a1, a2), rank) under full control."""
+Command = tuple[float, float]
+"""(a1, a2), prey's action."""
+Pose = tuple[float, float, float]
+Chase = tuple[tuple[float, float], tuple[float, float] | None]
+"""Where prey stands, and the hunter nearest to it."""
 RulingTuple = tuple[int, int | None, int | None, int | None]
 """(verdict, target's number, distance in micrometres, winner's seat)."""
-
-
-def distance(x: float, y: float, x_other: float, y_other: float) -> float:
-    """A.7, geometry: d [m]."""
-    dx = x_other - x
-    dy = y_other - y
-    return math.sqrt(dx * dx + dy * dy)
-
-
-def micrometres(d: float) -> int:
-    """R5.3: a distance [m] in whole micrometres."""
-    return math.floor(1000000.0 * d + 0.5)
-
-
-def reach_in_micrometres(reach_m: float) -> int:
-    """R5.3: the reach that a distance must stay below."""
-    return max(1, math.floor(1000000.0 * reach_m + 0.5))
-
-
-def by_seat(value: float | Sequence[float], count: int) -> list[float]:
-    """R2.7: a number for all hunters, or one for each seat."""
-    return [value] * count if isinstance(value, int | float) else list(value)
-
-
-def nearness(x: float, y: float, x_other: float, y_other: float) -> int:
-    """A.7, geometry: near, by which what is seen is ordered."""
-    dx = x_other - x
-    dy = y_other - y
-    (bits,) = struct.unpack("<I", struct.pack("<f", dx * dx + dy * dy))
-    return (int(bits) + 32) // 64
-
-
-class Turtle:
-    """What chapter 2 moves: a pose, a command, and whether the last step met a wall."""
-
-    def __init__(self, x: float, y: float, theta: float) -> None:
-        self.x = x
-        self.y = y
-        self.theta = theta
-        self.v = 0.0
-        self.w = 0.0
-        self.at_wall = False
-
-
-class Hunter(Turtle):
-    """One hunter: besides, its controller's memory and its score."""
-
-    def __init__(self, seat: int, x: float, y: float, theta: float) -> None:
-        super().__init__(x, y, theta)
-        self.seat = seat
-        self.distance_integral = 0.0
-        self.bearing_integral = 0.0
-        self.active = 0
-        self.score = 0
-        self.withdrawn = False
-
-    def stand_still(self) -> None:
-        """What holding does: no velocity, no integrals, no active target (A.7)."""
-        self.v = self.w = 0.0
-        self.distance_integral = self.bearing_integral = 0.0
-        self.active = 0
-
-
-class Target(Turtle):
-    """One alive target."""
-
-    def __init__(self, number: int, x: float, y: float, theta: float, appeared: int) -> None:
-        super().__init__(x, y, theta)
-        self.number = number
-        self.appeared = appeared
-
-
-class Request:
-    """One catch request on its way through the arbiter's tests."""
-
-    def __init__(self, seat: int, number: int | None) -> None:
-        self.seat = seat
-        self.number = number
-        """The target's number; None where no target can be meant."""
-        self.verdict = 0
-        self.distance_um: int | None = None
-        self.winner: int | None = None
-
-
-def contest_winner(eligible: Sequence[Request], number: int, policy: str, seed: int, step: int) -> int:
-    """R5.4, R5.5, R5.9: the seat that wins one target."""
-    seats = [request.seat for request in eligible]
-    if policy == "first_come":
-        lots = draw(key(seed, SERVICE_LOT), step)
-        return min(seats, key=lambda seat: (draw(lots, seat), seat))
-    nearest = min(request.distance_um for request in eligible if request.distance_um is not None)
-    tied = [request.seat for request in eligible if request.distance_um == nearest]
-    lots = draw(draw(key(seed, TIE_LOT), step), number)
-    return min(tied, key=lambda seat: (draw(lots, seat), seat))
-
-
-def decide_contests(requests: Sequence[Request], refused: Iterable[int], policy: str, seed: int, step: int) -> None:
-    """R5.4 to R5.7: verdicts for all requests that no earlier test has refused."""
-    contests: dict[int, list[Request]] = {}
-    for request in requests:
-        if request.verdict == 0 and request.number is not None:
-            contests.setdefault(request.number, []).append(request)
-    unkillable = set(refused)
-    for number, eligible in contests.items():
-        winner = contest_winner(eligible, number, policy, seed, step)
-        for request in eligible:
-            if request.seat != winner:
-                request.verdict = LOST_CONTEST
-                request.winner = winner
-            elif number in unkillable:
-                request.verdict = KILL_FAILED
-                request.winner = winner if len(eligible) > 1 else None
-            else:
-                request.verdict = GRANTED
-                request.winner = winner
-
-
-def judge(
-    *,
-    hunters: Sequence[tuple[float, float]],
-    targets: Mapping[str, tuple[float, float]],
-    requests: Sequence[tuple[int, object]],
-    reach_m: float | Sequence[float] = 0.3,
-    policy: str = "nearest",
-    seed: int = 0,
-    step: int = 0,
-    caught: Iterable[str] = (),
-    inactive: Iterable[int] = (),
-    kill_service_up: bool = True,
-    kill_refused: Iterable[str] = (),
-    match_over: bool = False,
-) -> list[tuple[int, int, object, int | None, int | None]]:
-    """Chapter 5 for requests by name: (verdict, seat, name, distance_um, winner) in the order of the requests."""
-    names = list(targets)
-    number_of = {name: place for place, name in enumerate(names, start=1)}
-    caught, inactive = set(caught), set(inactive)
-    reaches_um = [reach_in_micrometres(reach) for reach in by_seat(reach_m, len(hunters))]
-    judged: list[Request] = []
-    seen: set[int] = set()
-    for seat, name in requests:
-        if not 0 <= seat < len(hunters):
-            raise ValueError(f"no hunter has seat {seat}")
-        request = Request(seat, None)
-        judged.append(request)
-        is_first = seat not in seen
-        seen.add(seat)
-        if match_over:
-            request.verdict = MATCH_OVER
-        elif not isinstance(name, str) or len(name) > 255:
-            request.verdict = MALFORMED
-        elif seat in inactive:
-            request.verdict = HUNTER_INACTIVE
-        elif policy == "capstone":
-            request.verdict = GRANTED if kill_service_up else SERVICE_DOWN
-            request.winner = seat if kill_service_up else None
-        elif not is_first:
-            request.verdict = DUPLICATE
-        elif name not in number_of and name not in caught:
-            request.verdict = UNKNOWN_TARGET
-        elif name in caught:
-            request.verdict = ALREADY_CAUGHT
-        elif not kill_service_up:
-            request.verdict = SERVICE_DOWN
-        else:
-            request.number = number_of[name]
-            request.distance_um = micrometres(distance(*hunters[seat], *targets[name]))
-            if not request.distance_um < reaches_um[seat]:
-                request.verdict = OUT_OF_REACH
-    refused = [number_of[name] for name in kill_refused if name in number_of]
-    decide_contests(judged, refused, policy, seed, step)
-    return [
-        (request.verdict, request.seat, name, request.distance_um, request.winner)
-        for request, (_, name) in zip(judged, requests, strict=True)
-    ]
 
 
 class OracleArena:
@@ -255,7 +96,11 @@ class OracleArena:
         self.v_max = by_seat(settings["max_speed_mps"], count)
         self.v_low = [-v_max if settings["reverse"] else 0.0 for v_max in self.v_max]
         self.w_max = by_seat(settings["max_turn_rate_radps"], count)
-        self.targets_move: bool = settings["target_motion"] != "still"
+        self.teams: Sequence[Sequence[int]] | None = settings["teams"]
+        self.prey_count: int = settings["prey"]
+        self.target_speed: float = settings["target_speed_mps"]
+        self.target_turn_rate: float = settings["target_turn_rate_radps"]
+        self.targets_move: bool = settings["target_motion"] != "still" or self.prey_count > 0
         self.policy: str = settings["policy"]
         self.budget: int | None = settings["target_budget"]
 
@@ -279,12 +124,16 @@ class OracleArena:
         for _ in range(self.settings["initial_targets"]):
             self.used += 1
             self._appear(self.used, 0)
+        self.prey = [Prey(index, target) for index, target in enumerate(self.alive[: self.prey_count])]
         self._no_results()
 
     def _no_results(self) -> None:
         self.rulings: list[RulingTuple | None] = [None] * len(self.hunters)
         self.rewards = [0.0] * len(self.hunters)
-        self.parts = [(0.0,) * 6] * len(self.hunters)
+        self.parts = [(0.0,) * len(PART_NAMES)] * len(self.hunters)
+        self.caught_by: list[int | None] = [None] * self.prey_count
+        self.prey_rewards = [0.0] * self.prey_count
+        self.prey_parts = [(0.0,) * len(PREY_PART_NAMES)] * self.prey_count
 
     def _start_poses(self) -> list[tuple[float, float, float]]:
         poses = self.settings["hunter_poses"]
@@ -305,7 +154,7 @@ class OracleArena:
             found.append((side / 2.0 + radius * cosine, side / 2.0 + radius * sine, wrap(angle + PI)))
         return found
 
-    def _appear(self, number: int, when: int) -> None:
+    def _appear(self, number: int, when: int) -> Target:
         """R3.2, R3.3: the target with that number appears at its place."""
         stream = key(self.seed, PLACE)
         f_x, f_y, f_theta = (fraction(draw(stream, 3 * (number - 1) + j)) for j in range(3))
@@ -319,8 +168,10 @@ class OracleArena:
         theta = TAU * f_theta
         if self.targets_move:
             theta = wrap(theta)
-        self.alive.append(Target(number, x, y, theta, when))
+        target = Target(number, x, y, theta, when)
+        self.alive.append(target)
         self.spawned += 1
+        return target
 
     def withdraw(self, seat: int) -> None:
         """R1.6: the hunter takes no further part."""
@@ -328,13 +179,33 @@ class OracleArena:
         hunter.withdrawn = True
         hunter.stand_still()
 
-    def place(self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]]) -> None:
-        """For tests: hunters at rest at these poses, and these targets, with new numbers, instead of the alive ones."""
+    def withdraw_prey(self, index: int) -> None:
+        """R12.5: it stands still from now on."""
+        prey = self.prey[index]
+        prey.withdrawn = True
+        if prey.target is not None:
+            prey.target.v = prey.target.w = 0.0
+
+    def place(
+        self,
+        hunters: Sequence[Pose],
+        targets: Sequence[tuple[float, float]],
+        prey: Sequence[Pose] | None = None,
+    ) -> None:
+        """For tests: hunters at rest at these poses, and these targets, with new numbers, instead of the alive ones
+        that nobody plays; and prey that is in play at rest at its pose, by index, where there are any.
+        """
         for hunter, (x, y, theta) in zip(self.hunters, hunters, strict=True):
             hunter.x, hunter.y, hunter.theta = x, y, wrap(theta)
             hunter.stand_still()
             hunter.at_wall = False
-        self.alive = []
+        for played, pose in zip(self.prey, prey or (), strict=prey is not None):
+            target = played.target
+            if target is not None:
+                target.x, target.y, target.theta = *pose[:2], wrap(pose[2])
+                target.v = target.w = 0.0
+                target.at_wall = False
+        self.alive = [target for target in self.alive if self._is_played(target)]
         for x, y in targets:
             self.used += 1
             self.spawned += 1
@@ -342,16 +213,20 @@ class OracleArena:
 
     # ---- one step ----
 
-    def step(self, actions: Sequence[Action]) -> None:
-        """R1.4's seven phases."""
+    def step(self, actions: Sequence[Action], prey_actions: Sequence[Command] = ()) -> None:
+        """R1.4's seven phases, with an action for each seat and each prey."""
         if self.terminated or self.truncated:
             raise RuntimeError("the episode has ended")
         self._drop_out()
         requests = [self._intake(hunter, action) for hunter, action in zip(self.hunters, actions, strict=True)]
-        if self.targets_move:
+        for prey, action in zip(self.prey, prey_actions, strict=True):
+            self._command(prey, action)
+        if self.settings["target_motion"] != "still":
             for target in self.alive:
-                self._choose(target)
+                if not self._is_played(target):
+                    self._choose(target)
         self._judge(requests)
+        chased = self._chased()
         self._commit(requests)
         goals = [self._goal(hunter) for hunter in self.hunters]
         before = [
@@ -360,12 +235,19 @@ class OracleArena:
         ]
         self._move()
         self._spawn()
+        self._return_prey()
         self.time += self.period
         self.steps += 1
-        done = self.budget is not None and self.spawned >= self.budget and not self.alive
-        self.terminated = done
-        self.truncated = not done and self.time >= self.limit
+        self.terminated = self._is_done()
+        self.truncated = not self.terminated and self.time >= self.limit
         self._reward(requests, goals, before)
+        self._reward_prey(chased)
+
+    def _is_done(self) -> bool:
+        """R1.5, R12.6: no target is alive, and none will appear."""
+        all_spawned = self.budget is not None and self.spawned >= self.budget
+        some_return = self.prey_count > 0 and self.settings["prey_returns_s"] is not None
+        return not self.alive and (all_spawned or not self.settings["spawning"]) and not some_return
 
     def _drop_out(self) -> None:
         """R1.7: before phase 1."""
@@ -439,15 +321,27 @@ class OracleArena:
             hunter.bearing_integral = grown
         hunter.w = clamp(w, -w_max, w_max)
 
+    def _command(self, prey: Prey, action: Command) -> None:
+        """R12.2: phase 2 of prey."""
+        if prey.target is None or prey.withdrawn:
+            return
+        slowest = -self.target_speed if self.settings["reverse"] else 0.0
+        prey.target.v = clamp(to_float32(action[0]) * self.target_speed, slowest, self.target_speed)
+        prey.target.w = clamp(
+            to_float32(action[1]) * self.target_turn_rate, -self.target_turn_rate, self.target_turn_rate
+        )
+
+    def _is_played(self, target: Target) -> bool:
+        return any(prey.target is target for prey in self.prey)
+
     def _choose(self, target: Target) -> None:
-        """R3.8: phase 2 of a moving target."""
-        speed: float = self.settings["target_speed_mps"]
+        """R3.8: phase 2 of a moving target that nobody plays."""
         if self.settings["target_motion"] == "wander":
-            self._wander(target, speed)
+            self._wander(target, self.target_speed)
             return
         threat = self._threat(target)
         if threat is None:
-            self._wander(target, speed / 2.0)
+            self._wander(target, self.target_speed / 2.0)
         else:
             self._flee(target, threat)
 
@@ -458,21 +352,26 @@ class OracleArena:
         else:
             periods = (self.time - target.appeared) // self.settings["wander_period_ms"]
             f = fraction(draw(draw(key(self.seed, WANDER), target.number), periods))
-            target.w = (2.0 * f - 1.0) * self.settings["target_turn_rate_radps"]
+            target.w = (2.0 * f - 1.0) * self.target_turn_rate
         target.v = speed
 
     def _threat(self, target: Target) -> Hunter | None:
         """R3.10: the hunter that the target flees from, if there is one."""
+        hunter = self._nearest_hunter(target)
+        if hunter is None:
+            return None
+        um = micrometres(distance(target.x, target.y, hunter.x, hunter.y))
+        return hunter if um < micrometres(self.settings["alarm_m"]) else None
+
+    def _nearest_hunter(self, target: Target) -> Hunter | None:
+        """R3.10, R12.5: of those equally near one by lot; None if all are withdrawn."""
         lots = draw(draw(key(self.seed, THREAT_LOT), self.steps), target.number)
         found = [
             (micrometres(distance(target.x, target.y, hunter.x, hunter.y)), draw(lots, hunter.seat), hunter.seat)
             for hunter in self.hunters
             if not hunter.withdrawn
         ]
-        if not found:
-            return None
-        um, _, seat = min(found)
-        return self.hunters[seat] if um < micrometres(self.settings["alarm_m"]) else None
+        return self.hunters[min(found)[2]] if found else None
 
     def _flee(self, target: Target, threat: Hunter) -> None:
         """R3.10: away from the threat, and off the walls."""
@@ -484,7 +383,7 @@ class OracleArena:
             away_y, away_x = sincos(target.theta)
         push_x, push_y = self._push(target.x), self._push(target.y)
         target.w = self._turn_towards(target, away_x + 2.0 * push_x, away_y + 2.0 * push_y)
-        target.v = self.settings["target_speed_mps"]
+        target.v = self.target_speed
 
     def _push(self, c: float) -> float:
         """A.7: how deep in the wall's metre a coordinate lies, with the sign of the way out."""
@@ -494,8 +393,7 @@ class OracleArena:
         """A.7's steer: the turn rate towards a direction in the world frame."""
         sine, cosine = sincos(target.theta)
         e = wrap(atan2(cosine * py - sine * px, cosine * px + sine * py))
-        w_max = self.settings["target_turn_rate_radps"]
-        return clamp(6.0 * e, -w_max, w_max)
+        return clamp(6.0 * e, -self.target_turn_rate, self.target_turn_rate)
 
     def _judge(self, requests: Sequence[Request | None]) -> None:
         """Phase 3: R5.2's tests, for the requests that a step can hold."""
@@ -541,6 +439,17 @@ class OracleArena:
         if self.policy == "capstone":  # the grant stands, but what the simulator refuses to kill stays alive
             caught -= set(self._unkillable())
         self.alive = [target for target in self.alive if target.number not in caught]
+        self.caught_by = [None] * self.prey_count
+        for prey in self.prey:
+            if prey.target is None or prey.target.number not in caught:
+                continue
+            granted = (GRANTED, prey.target.number)
+            self.caught_by[prey.index] = next(
+                one.seat for one in requests if one and (one.verdict, one.number) == granted
+            )
+            prey.target = None
+            prey.times_caught += 1
+            prey.caught_at = self.time
 
     def _move(self) -> None:
         """Phase 5, motion: chapter 2 for the ticks in (t, t + period]."""
@@ -574,7 +483,9 @@ class OracleArena:
         turtle.theta = wrap(turtle.theta + turn * ticks)
 
     def _spawn(self) -> None:
-        """Phase 5, spawning: the timer's firings in (t, t + period]."""
+        """Phase 5, spawning: the timer's firings in (t, t + period], unless it is off."""
+        if not self.settings["spawning"]:
+            return
         faults = self.settings["faults"]
         first = self.time // self.spawn_period + 1
         last = (self.time + self.period) // self.spawn_period
@@ -593,6 +504,19 @@ class OracleArena:
                 else:
                     self._appear(self.used, firing * self.spawn_period)
 
+    def _return_prey(self) -> None:
+        """R12.3: at the end of phase 5."""
+        away = self.settings["prey_returns_s"]
+        if away is None:
+            return
+        end = self.time + self.period
+        for prey in self.prey:
+            is_due = prey.caught_at is not None and end >= prey.caught_at + math.floor(1000.0 * away + 0.5)
+            if is_due and len(self.alive) < self.settings["max_targets"]:
+                self.used += 1
+                prey.target = self._appear(self.used, end)
+                prey.caught_at = None
+
     def _goal(self, hunter: Hunter) -> tuple[float, float] | None:
         """R6.2: where the nearest seen target stood on S_t."""
         ranked = self._ranked_targets(hunter)
@@ -604,7 +528,7 @@ class OracleArena:
         goals: Sequence[tuple[float, float] | None],
         before: Sequence[float],
     ) -> None:
-        """Phase 7: R6.2."""
+        """Phase 7: R6.2, and R11.2."""
         weights = self.settings["rewards"]
         verdicts = [0 if request is None else request.verdict for request in requests]
         catches = [1.0 if verdict == GRANTED else 0.0 for verdict in verdicts]
@@ -614,21 +538,76 @@ class OracleArena:
             if goal is not None:
                 progress = was - distance(hunter.x, hunter.y, *goal)
             own = catches[hunter.seat]
+            mates = sum(catches[seat] for seat in self._team_of(hunter.seat)) - own
             parts = (
                 own,
-                sum(catches) - own,
+                sum(catches) - own - mates,
                 1.0 if verdict == LOST_CONTEST else 0.0,
                 1.0 if verdict not in (0, GRANTED, LOST_CONTEST) else 0.0,
                 progress,
                 self.period / 1000.0,
+                mates,
             )
             if hunter.withdrawn:
-                parts = (0.0,) * 6
-            reward = weights[PART_NAMES[0]] * parts[0]
-            for name, amount in zip(PART_NAMES[1:], parts[1:], strict=True):
-                reward = reward + weights[name] * amount
+                parts = (0.0,) * len(parts)
+            paid = PART_NAMES if self.teams is not None else PART_NAMES[:-1]
+            reward, *others = (weights[name] * parts[PART_NAMES.index(name)] for name in paid)
+            for other in others:
+                reward = reward + other
             self.parts.append(parts)
             self.rewards.append(reward)
+        if self.teams is not None and self.settings["team_share"] > 0:
+            self.rewards = [self._shared(hunter, self.rewards) for hunter in self.hunters]
+
+    def _team_of(self, seat: int) -> list[int]:
+        """R11.1: the seats of a seat's team, in ascending order; without teams its own."""
+        return next((sorted(team) for team in self.teams or () if seat in team), [seat])
+
+    def _shared(self, hunter: Hunter, own: Sequence[float]) -> float:
+        """R11.2: a hunter's reward where its team shares."""
+        if hunter.withdrawn:
+            return 0.0
+        first, *others = self._team_of(hunter.seat)
+        total = own[first]
+        for seat in others:
+            total = total + own[seat]
+        q: float = self.settings["team_share"]
+        return (1.0 - q) * own[hunter.seat] + q * (total / (1 + len(others)))
+
+    def _chased(self) -> list[Chase | None]:
+        """R12.5: where each prey stands on S_t, and the nearest hunter, if there is one; None of prey that is out."""
+        found: list[Chase | None] = []
+        for prey in self.prey:
+            if prey.target is None:
+                found.append(None)
+                continue
+            hunter = self._nearest_hunter(prey.target)
+            found.append(((prey.target.x, prey.target.y), None if hunter is None else (hunter.x, hunter.y)))
+        return found
+
+    def _reward_prey(self, chased: Sequence[Chase | None]) -> None:
+        """Phase 7: R12.5."""
+        weights = self.settings["prey_rewards"]
+        self.prey_rewards, self.prey_parts = [], []
+        for prey, chase in zip(self.prey, chased, strict=True):
+            caught = survived = gained = 0.0
+            if not prey.withdrawn and self.caught_by[prey.index] is not None:
+                caught = 1.0
+            elif not prey.withdrawn and chase is not None:
+                survived = self.period / 1000.0
+                (x, y), hunter = chase
+                if hunter is not None:
+                    assert prey.target is not None
+                    gained = distance(prey.target.x, prey.target.y, *hunter) - distance(x, y, *hunter)
+            parts = (caught, survived, gained)
+            reward = weights["caught"] * caught + weights["survived"] * survived + weights["gained"] * gained
+            self.prey_parts.append(parts)
+            self.prey_rewards.append(0.0 if prey.withdrawn else reward)
+
+    def team_scores(self) -> list[int]:
+        """R11.1: by team, in the order in which the settings name them; without teams by seat."""
+        teams = self.teams if self.teams is not None else [[hunter.seat] for hunter in self.hunters]
+        return [sum(self.hunters[seat].score for seat in team) for team in teams]
 
     # ---- what is seen ----
 
@@ -675,9 +654,11 @@ class OracleArena:
         """R7.1: by seat, every number rounded to float32."""
         return [[to_float32(value) for value in self._observe(hunter)] for hunter in self.hunters]
 
+    def _time_left(self) -> float:
+        return (self.limit - self.time) / 1000.0 if self.limit > self.time else 0.0
+
     def _observe(self, hunter: Hunter) -> list[float]:
         sine, cosine = sincos(hunter.theta)
-        left_over = (self.limit - self.time) / 1000.0 if self.limit > self.time else 0.0
         numbers = [
             hunter.x,
             hunter.y,
@@ -685,7 +666,7 @@ class OracleArena:
             sine,
             hunter.v,
             hunter.w,
-            left_over,
+            self._time_left(),
             float(hunter.score),
             hunter.distance_integral,
             hunter.bearing_integral,
@@ -701,11 +682,35 @@ class OracleArena:
         columns = 8 if self.targets_move else 5
         numbers += [0.0] * (columns * (self.targets_seen - len(targets)))
         rivals = sorted(self._rivals(hunter))[: self.hunters_seen]
-        for _, minus_left, *others, seat in rivals:
+        for _, minus_left, *others, mate, seat in rivals:
             forward, relative_cosine, relative_sine, velocity, difference = (-number for number in others)
             numbers += self._blurred(forward, -minus_left, hunter.seat, 1, int(seat))
             numbers += [1.0, relative_cosine, relative_sine, velocity, difference]
-        numbers += [0.0] * (7 * (self.hunters_seen - len(rivals)))
+            if self.teams is not None:
+                numbers.append(-mate)
+        columns = 7 if self.teams is None else 8
+        numbers += [0.0] * (columns * (self.hunters_seen - len(rivals)))
+        return numbers
+
+    def prey_observations(self) -> list[list[float]]:
+        """R12.4: by index, every number rounded to float32."""
+        return [[to_float32(value) for value in self._observe_as_prey(prey)] for prey in self.prey]
+
+    def _observe_as_prey(self, prey: Prey) -> list[float]:
+        most = (min(len(self.hunters), 8), min(self.prey_count - 1, 8))
+        me = prey.target
+        if me is None:
+            return [0.0] * 6 + [self._time_left(), float(prey.times_caught), 0.0] + [0.0] * (6 * sum(most))
+        sine, cosine = sincos(me.theta)
+        numbers = [me.x, me.y, cosine, sine, me.v, me.w, self._time_left(), float(prey.times_caught), 1.0]
+        hunters = [hunter for hunter in self.hunters if not hunter.withdrawn]
+        others = [other.target for other in self.prey if other is not prey and other.target is not None]
+        for seen, ranks in zip((hunters, others), most, strict=True):
+            rows = sorted(body_row(me, turtle) for turtle in seen)[:ranks]
+            for _, minus_left, *row in rows:
+                forward, relative_cosine, relative_sine, velocity = (-number for number in row)
+                numbers += [forward, -minus_left, 1.0, relative_cosine, relative_sine, velocity]
+            numbers += [0.0] * (6 * (ranks - len(rows)))
         return numbers
 
     def _blurred(self, forward: float, left: float, observer: int, kind: int, who: int) -> list[float]:
@@ -726,12 +731,9 @@ class OracleArena:
         for rival in self.hunters:
             if rival is hunter or rival.withdrawn or not self._sees(hunter, rival):
                 continue
-            forward, left = in_own_frame(hunter, rival.x, rival.y)
-            near = nearness(hunter.x, hunter.y, rival.x, rival.y)
-            relative_cosine, relative_sine = relative_heading(hunter, rival)
             difference = float(rival.score - hunter.score)
-            row = (near, -left, -forward, -relative_cosine, -relative_sine, -rival.v, -difference, rival.seat)
-            rows.append(row)
+            mate = 1.0 if rival.seat in self._team_of(hunter.seat) else 0.0
+            rows.append((*body_row(hunter, rival), -difference, -mate, rival.seat))
         return rows
 
     # ---- digest ----
@@ -766,6 +768,9 @@ class OracleArena:
             numbers += [target.number, target.x, target.y, target.theta, target.appeared]
             if self.targets_move:
                 numbers += [target.v, target.w, target.at_wall]
+        for prey in self.prey:
+            number = 0 if prey.target is None else prey.target.number
+            numbers += [number, prey.times_caught, -1 if prey.caught_at is None else prey.caught_at]
         return [float(number) for number in numbers]
 
     def number_names(self) -> list[str]:
@@ -777,6 +782,8 @@ class OracleArena:
         moving = ("v", "w", "at_wall") if self.targets_move else ()
         for target in self.alive:
             names += [f"target {target.number}.{name}" for name in ("number", "x", "y", "theta", "appeared", *moving)]
+        for prey in self.prey:
+            names += [f"prey_{prey.index}.{name}" for name in ("number", "times_caught", "caught_at")]
         return names
 
     def digest(self) -> bytes:
@@ -785,16 +792,9 @@ class OracleArena:
         return hashlib.blake2b(struct.pack(f"<{len(numbers)}d", *numbers), digest_size=8).digest()
 
 
-def in_own_frame(hunter: Hunter, x: float, y: float) -> tuple[float, float]:
-    """A.7, geometry: (forward, left) of a point [m]."""
-    sine, cosine = sincos(hunter.theta)
-    dx = x - hunter.x
-    dy = y - hunter.y
-    return cosine * dx + sine * dy, cosine * dy - sine * dx
-
-
-def relative_heading(hunter: Hunter, other: Turtle) -> tuple[float, float]:
-    """A.7, observation: cosine and sine of another's heading relative to the hunter's."""
-    sine, cosine = sincos(hunter.theta)
-    its_sine, its_cosine = sincos(other.theta)
-    return its_cosine * cosine + its_sine * sine, its_sine * cosine - its_cosine * sine
+def body_row(observer: Turtle, other: Turtle) -> tuple[float, ...]:
+    """What sorts as R7.1 says of rivals, and R12.4 of all: near, and then the columns negated, left first."""
+    forward, left = in_own_frame(observer, other.x, other.y)
+    relative_cosine, relative_sine = relative_heading(observer, other)
+    near = nearness(observer.x, observer.y, other.x, other.y)
+    return (near, -left, -forward, -relative_cosine, -relative_sine, -other.v)

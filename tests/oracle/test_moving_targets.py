@@ -4,9 +4,11 @@ import math
 from random import Random
 
 import pytest
-from oracle.arena import GRANTED, OracleArena, Target
+from oracle.arbiter import GRANTED
+from oracle.arena import OracleArena
 from oracle.arithmetic import PI, THREAT_LOT, WANDER, draw, fraction, key, wrap
 from oracle.quiet import drive, quiet, rest
+from oracle.turtles import Target
 
 MIDDLE = 5.5444445610046385
 """Half of the arena's side, exactly."""

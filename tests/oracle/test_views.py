@@ -4,9 +4,11 @@ import math
 from random import Random
 
 import pytest
-from oracle.arena import GRANTED, LOST_CONTEST, MALFORMED, OracleArena, micrometres
+from oracle.arbiter import GRANTED, LOST_CONTEST, MALFORMED
+from oracle.arena import OracleArena
 from oracle.arithmetic import ERROR, draw, fraction, key, to_float32
 from oracle.quiet import drive, quiet, rest
+from oracle.turtles import micrometres
 
 OWN, TARGET, MOVING_TARGET, RIVAL = 10, 5, 8, 7
 """How many numbers of an observation are about what."""

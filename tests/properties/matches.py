@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from oracle.arena import PART_NAMES, PREY_PART_NAMES, Command, OracleArena, Pose
 from oracle.arithmetic import to_float32
 
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
@@ -55,10 +56,7 @@ def some_config(source: Random) -> ArenaConfig:
         "rewards": pick(
             [
                 {},
-                {
-                    name: source.uniform(-3, 3)
-                    for name in ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time")
-                },
+                {name: source.uniform(-3, 3) for name in PART_NAMES},
             ]
         ),
         "faults": pick(
@@ -93,7 +91,32 @@ def some_config(source: Random) -> ArenaConfig:
         settings["view_noise_m"] = pick([1e-9, 0.1, 3.0])
     if chance() < 0.2:
         settings["dropout_rate"] = pick([0.01, 0.2, 1.0])
+    if chance() < 0.4:
+        settings |= {"teams": some_teams(source, hunters), "team_share": pick([0.0, 0.3, 1.0, chance()])}
+    if initial and chance() < 0.5:
+        settings |= {
+            "prey": pick([1, source.randint(1, initial), source.randint(1, initial), initial]),
+            "prey_returns_s": pick([None, None, 0.0, 0.05, 0.1, 0.34567, 2.0, 1e9]),
+            "prey_rewards": pick([{}, {name: source.uniform(-3, 3) for name in PREY_PART_NAMES}]),
+            "target_budget": None,
+            "target_speed_mps": pick([0.2, 1.0, 5.0, 1000.0]),
+            "target_turn_rate_radps": pick([0.1, 3.0, 1000.0]),
+        }
+        if settings["prey_returns_s"] is None and chance() < 0.5:  # the episode can end
+            settings |= {"initial_targets": settings["prey"], "spawning": False}
+    if chance() < 0.2:
+        settings["spawning"] = False
     return ArenaConfig().replace(**settings)
+
+
+def some_teams(source: Random, hunters: int) -> tuple[tuple[int, ...], ...]:
+    """Each seat in one of them, in any order; now and then all in one, or each in one of its own."""
+    seats = source.sample(range(hunters), hunters)
+    count = source.choice([1, 2, 2, 2, 3, hunters])
+    teams: list[list[int]] = [[] for _ in range(count)]
+    for place, seat in enumerate(seats):
+        teams[place if place < count else source.randrange(count)].append(seat)
+    return tuple(tuple(team) for team in teams if team)
 
 
 def some_pose(source: Random, side: float) -> tuple[float, float, float]:
@@ -118,22 +141,53 @@ def some_actions(source: Random, config: ArenaConfig, masks: list[list[int] | No
             present = sum(mask) - 1
             rank = source.choice([0, 1, 1, source.randint(0, present), source.randint(0, config.targets_seen)])
             rank = min(rank, config.targets_seen)
-        command = tuple(
-            to_float32(source.choice([source.uniform(-1, 1), source.uniform(-1, 1), 1.0, -1.0, 0.0, -0.0]))
-            for _ in range(2)
-        )
+        command = some_command(source)
         actions.append(rank if control == "target" else command if control == "velocity" else (command, rank))
     return actions
 
 
+def some_command(source: Random) -> Command:
+    """A hunter's velocities, or prey's: any, at the limits, or none."""
+    v, w = (
+        to_float32(source.choice([source.uniform(-1, 1), source.uniform(-1, 1), 1.0, -1.0, 0.0, -0.0]))
+        for _ in range(2)
+    )
+    return v, w
+
+
+def some_prey_actions(source: Random, config: ArenaConfig) -> list[Command]:
+    """An action for each prey."""
+    return [some_command(source) for _ in range(config.prey)]
+
+
+Position = tuple[list[Pose], list[tuple[float, float]], list[Pose]]
+
+
+def some_position(source: Random, oracle: OracleArena) -> Position:
+    """What `place` takes: poses of the hunters, places of as many targets as there is room for beside prey, and poses
+    of prey; some of them just where a hunter is.
+    """
+    in_play = sum(prey.target is not None for prey in oracle.prey)
+    room: int = oracle.settings["max_targets"] - in_play
+    hunters = [some_pose(source, oracle.side) for _ in oracle.hunters]
+
+    def some() -> Pose:
+        return source.choice(hunters) if source.random() < 0.1 else some_pose(source, oracle.side)
+
+    return hunters, [some()[:2] for _ in range(source.randint(0, room))], [some() for _ in oracle.prey]
+
+
 def some_batch_actions(
     source: Random, config: ArenaConfig, arenas: int
-) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Random choices and commands for every row."""
+) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
+    """Random choices, commands and prey's commands for every row."""
     generator = np.random.default_rng(source.getrandbits(64))
     shape = (arenas, config.hunters)
     choices = generator.integers(0, min(3, config.targets_seen) + 1, shape)
-    return choices, generator.uniform(-1, 1, (*shape, 2)).astype(np.float32)
+    commands, prey_commands = (
+        generator.uniform(-1, 1, (arenas, count, 2)).astype(np.float32) for count in (config.hunters, config.prey)
+    )
+    return choices, commands, prey_commands
 
 
 def seen(engine: Engine, row: int) -> list[object]:
@@ -147,6 +201,9 @@ def seen(engine: Engine, row: int) -> list[object]:
         engine.parts[row].tobytes(),
         bool(engine.terminated[row]),
         bool(engine.truncated[row]),
+        engine.prey_observations[row].tobytes(),
+        engine.prey_rewards[row].tobytes(),
+        engine.prey_parts[row].tobytes(),
         engine.rulings(row),
         engine.world(row),
     ]

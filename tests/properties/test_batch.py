@@ -18,7 +18,21 @@ from catch_arena.engine import Engine, batch_seeds
 FIRST_SEED = 70
 STEPS = 20
 
-NAMES = ("state", "digest", "observations", "masks", "rewards", "parts", "terminated", "truncated", "rulings", "world")
+NAMES = (
+    "state",
+    "digest",
+    "observations",
+    "masks",
+    "rewards",
+    "parts",
+    "terminated",
+    "truncated",
+    "prey_observations",
+    "prey_rewards",
+    "prey_parts",
+    "rulings",
+    "world",
+)
 
 
 def assert_rows_same(batch: Engine, row: int, other: Engine, other_row: int, where: str) -> None:
@@ -44,15 +58,20 @@ def test_a_row_of_a_batch_equals_an_arena_alone(arenas: int) -> None:
                 row, seat = source.randrange(arenas), source.randrange(config.hunters)
                 batch.withdraw(row, seat)
                 alone[row].withdraw(0, seat)
+                if config.prey:
+                    index = source.randrange(config.prey)
+                    batch.withdraw_prey(row, index)
+                    alone[row].withdraw_prey(0, index)
             if step % 7 == 4:
                 row = source.randrange(arenas)
                 hunters = [some_pose(source, config.side_m) for _ in range(config.hunters)]
-                batch.place(row, hunters, [(1.0, 1.0)])
-                alone[row].place(0, hunters, [(1.0, 1.0)])
-            choices, commands = some_batch_actions(source, config, arenas)
-            batch.step(choices, commands)
+                targets = [(1.0, 1.0)] if config.prey < config.max_targets else []
+                batch.place(row, hunters, targets)
+                alone[row].place(0, hunters, targets)
+            actions = some_batch_actions(source, config, arenas)
+            batch.step(*actions)
             for row, engine in enumerate(alone):
-                engine.step(choices[row : row + 1], commands[row : row + 1])
+                engine.step(*(given[row : row + 1] for given in actions))
                 assert_rows_same(batch, row, engine, 0, f"row {row}, {where}")
 
 
@@ -83,9 +102,9 @@ def test_the_order_of_the_rows_does_not_matter(arenas: int) -> None:
     one.reset(seeds)
     other.reset(seeds[::-1])
     for step in range(STEPS):
-        choices, commands = some_batch_actions(source, config, arenas)
-        one.step(choices, commands)
-        other.step(choices[::-1].copy(), commands[::-1].copy())
+        actions = some_batch_actions(source, config, arenas)
+        one.step(*actions)
+        other.step(*(given[::-1].copy() for given in actions))
         for row in range(arenas):
             assert_rows_same(one, row, other, arenas - 1 - row, f"row {row}, step {step}")
 
@@ -95,8 +114,10 @@ UNCERTAIN: Mapping[str, Mapping[str, Any]] = {
     "flee": {"target_motion": "flee", "wander_period_ms": 170, "target_speed_mps": 5.0, "alarm_m": 3.0},
     "views": {"view_radius_m": 3.0, "view_angle_deg": 120.0, "view_noise_m": 0.1, "reach_m": (0.5, 1.0, 1.5)},
     "dropouts": {"dropout_rate": 0.03, "dropouts": "fixed", "target_motion": "flee"},
+    "teams": {"teams": ((0, 2), (1,)), "team_share": 0.5, "rewards": {"mate_catch": 0.5, "progress": 0.1}},
+    "prey": {"prey": 3, "prey_returns_s": 0.3, "prey_rewards": {"survived": 1.0, "gained": 1.0}, "reach_m": 3.0},
 }
-"""Targets that move, partial views, reaches by seat, and dropouts."""
+"""Targets that move, partial views, reaches by seat, dropouts, teams, and prey."""
 
 
 @pytest.mark.parametrize(
@@ -136,7 +157,7 @@ def test_some_rows_can_begin_anew_while_the_others_go_on(arenas: int, period: in
         actions = some_batch_actions(source, config, arenas)
         batch.step(*actions)
         undisturbed.step(*actions)
-        fresh.step(actions[0][row : row + 1], actions[1][row : row + 1])
+        fresh.step(*(given[row : row + 1] for given in actions))
         for other in range(arenas):
             if other != row:
                 assert_rows_same(batch, other, undisturbed, other, f"row {other}, step {step}")
@@ -188,9 +209,9 @@ def test_a_saved_row_goes_on_in_any_row_of_another_engine() -> None:
         big.step(*some_batch_actions(source, config, 70))
     small.restore_row(2, big.save_row(40))
     for step in range(10):
-        choices, commands = some_batch_actions(source, config, 70)
-        big.step(choices, commands)
-        small.step(choices[38:41], commands[38:41])
+        actions = some_batch_actions(source, config, 70)
+        big.step(*actions)
+        small.step(*(given[38:41] for given in actions))
         assert_rows_same(big, 40, small, 2, f"step {step}")
 
 

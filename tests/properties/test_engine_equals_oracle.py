@@ -1,5 +1,6 @@
 """The engine and the oracle, which were written apart from one book, play the same matches bit for bit."""
 
+import math
 import struct
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -8,24 +9,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracle.arena import (
-    PART_NAMES,
-    Hunter,
-    OracleArena,
-    Request,
-    Target,
-    Turtle,
-    distance,
-    in_own_frame,
-    micrometres,
+from oracle.arbiter import Request
+from oracle.arena import PART_NAMES, PREY_PART_NAMES, Command, OracleArena
+from oracle.turtles import Hunter, Prey, Target, Turtle, distance, in_own_frame, micrometres
+from properties.matches import (
+    EFFORT,
+    settings_of,
+    some_actions,
+    some_config,
+    some_position,
+    some_prey_actions,
+    some_seed,
 )
-from oracle.arithmetic import wrap
-from properties.matches import EFFORT, settings_of, some_actions, some_config, some_pose, some_seed
 from rulebook.adjudicators import as_arrays, by_seat
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
-from catch_arena.layout import columns
+from catch_arena.layout import SELF_COLUMNS, columns, prey_columns
 from catch_arena.verdicts import Verdict
 
 FIRST_SEED = 20261121
@@ -74,8 +74,39 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
             f"hunter_{seat}'s parts", list(PART_NAMES), engine.parts[row, seat].tolist(), list(oracle.parts[seat])
         )
     assert_same("rewards", [f"hunter_{seat}" for seat in seats], engine.rewards[row].tolist(), oracle.rewards)
+    assert engine.team_scores()[row].tolist() == oracle.team_scores(), "team scores"
+    compare_prey(engine, oracle, config, row)
     assert bool(engine.terminated[row]) == oracle.terminated, "terminated"
     assert bool(engine.truncated[row]) == oracle.truncated, "truncated"
+
+
+def compare_prey(engine: Engine, oracle: OracleArena, config: ArenaConfig, row: int) -> None:
+    """What prey sees, its parts, rewards, and whether it is out, and what the world tells of it."""
+    names = [column.name for column in prey_columns(config)]
+    agents = list(config.prey_names)
+    for index, observation in enumerate(oracle.prey_observations()):
+        assert_same(f"prey_{index}'s observation", names, engine.prey_observations[row, index].tolist(), observation)
+    for index, parts in enumerate(oracle.prey_parts):
+        assert_same(f"prey_{index}'s parts", list(PREY_PART_NAMES), engine.prey_parts[row, index].tolist(), list(parts))
+    assert_same("prey's rewards", agents, engine.prey_rewards[row].tolist(), oracle.prey_rewards)
+    assert engine.prey_active()[row].tolist() == [prey.target is not None for prey in oracle.prey], "active"
+    told = [(prey.times_caught, prey.caught_by, prey.withdrawn) for prey in engine.world(row).prey]
+    found = zip(oracle.prey, oracle.caught_by, strict=True)
+    assert told == [(prey.times_caught, caught_by, prey.withdrawn) for prey, caught_by in found], "world"
+
+
+def step_both(
+    engine: Engine, oracle: OracleArena, actions: Sequence[Any], prey_actions: Sequence[Command], config: ArenaConfig
+) -> None:
+    """The same step on both."""
+    choices, commands = as_arrays(config, actions)
+    engine.step(choices[np.newaxis], commands[np.newaxis], prey_array(prey_actions)[np.newaxis])
+    oracle.step(actions, prey_actions)
+
+
+def prey_array(prey_actions: Sequence[Command]) -> np.ndarray:
+    """One arena's prey actions as the engine takes them: (P, 2)."""
+    return np.array(prey_actions, np.float32).reshape(-1, 2)
 
 
 def play(source: Random, met: set[Any]) -> int:
@@ -96,19 +127,21 @@ def play(source: Random, met: set[Any]) -> int:
                 engine.withdraw(0, seat)
                 oracle.withdraw(seat)
                 assert_same("state", oracle.number_names(), engine.state(0).tolist(), oracle.numbers())
-            if source.random() < 0.08:
-                poses = [some_pose(source, config.side_m) for _ in range(config.hunters)]
-                hunters = [(x, y, wrap(theta)) for x, y, theta in poses]
-                targets = [some_pose(source, config.side_m)[:2] for _ in range(source.randint(0, config.max_targets))]
-                history.append(f"place(0, {hunters}, {targets}) before step {step}")
-                engine.place(0, hunters, targets)
-                oracle.place(hunters, targets)
+            if config.prey and source.random() < 0.04:
+                index = source.randrange(config.prey)
+                history.append(f"withdraw_prey({index}) before step {step}")
+                engine.withdraw_prey(0, index)
+                oracle.withdraw_prey(index)
                 assert_same("state", oracle.number_names(), engine.state(0).tolist(), oracle.numbers())
-            actions = some_actions(source, config, oracle.masks())
-            history.append(f"step({actions})")
-            choices, commands = as_arrays(config, actions)
-            engine.step(choices[np.newaxis], commands[np.newaxis])
-            oracle.step(actions)
+            if source.random() < 0.08:
+                position = some_position(source, oracle)
+                history.append(f"place(0, *{position}) before step {step}")
+                engine.place(0, *position)
+                oracle.place(*position)
+                assert_same("state", oracle.number_names(), engine.state(0).tolist(), oracle.numbers())
+            actions, prey_actions = some_actions(source, config, oracle.masks()), some_prey_actions(source, config)
+            history.append(f"step({actions}, {prey_actions})")
+            step_both(engine, oracle, actions, prey_actions, config)
             compare(engine, oracle, config, names)
             met |= {(config.policy, found[0]) for found in oracle.rulings if found}
             met |= {"wall" for hunter in oracle.hunters if hunter.at_wall}
@@ -152,16 +185,20 @@ def test_every_row_of_a_batch_plays_as_the_oracle_does(arenas: int) -> None:
             if source.random() < 0.2:
                 batch.withdraw(row, seat)
                 oracles[row].withdraw(seat)
+            if config.prey and source.random() < 0.2:
+                index = source.randrange(config.prey)
+                batch.withdraw_prey(row, index)
+                oracles[row].withdraw_prey(index)
             if source.random() < 0.2:
-                poses = [some_pose(source, config.side_m) for _ in range(config.hunters)]
-                targets = [some_pose(source, config.side_m)[:2] for _ in range(source.randint(0, config.max_targets))]
-                batch.place(row, poses, targets)
-                oracles[row].place(poses, targets)
+                position = some_position(source, oracles[row])
+                batch.place(row, *position)
+                oracles[row].place(*position)
             actions = [some_actions(source, config, oracle.masks()) for oracle in oracles]
+            prey_actions = [some_prey_actions(source, config) for _ in oracles]
             choices, commands = zip(*(as_arrays(config, own) for own in actions), strict=True)
-            batch.step(np.stack(choices), np.stack(commands))
+            batch.step(np.stack(choices), np.stack(commands), np.stack([prey_array(own) for own in prey_actions]))
             for row, oracle in enumerate(oracles):
-                oracle.step(actions[row])
+                oracle.step(actions[row], prey_actions[row])
                 try:
                     compare(batch, oracle, config, names, row)
                 except (AssertionError, pytest.fail.Exception) as difference:
@@ -198,7 +235,7 @@ def test_the_random_matches_meet_every_verdict_and_end() -> None:
         for _ in range(8):
             if source.random() < 0.1:
                 oracle.withdraw(0)
-            oracle.step(some_actions(source, config, oracle.masks()))
+            oracle.step(some_actions(source, config, oracle.masks()), some_prey_actions(source, config))
             met |= {(config.policy, found[0]) for found in oracle.rulings if found}
             if oracle.terminated or oracle.truncated:
                 met.add("terminated" if oracle.terminated else "truncated")
@@ -210,7 +247,7 @@ def test_the_random_matches_meet_every_verdict_and_end() -> None:
 
 
 class Watched(OracleArena):
-    """An oracle that notes which clauses of moving targets, views, handicaps and dropouts decide something."""
+    """An oracle that notes what decides something in moving targets, views, handicaps, dropouts, teams and prey."""
 
     def __init__(self, config: ArenaConfig) -> None:
         super().__init__(config.to_dict())
@@ -279,6 +316,88 @@ class Watched(OracleArena):
             self.note("a request that a longer reach would have got through", far and um < max(self.reaches_um))
             self.note("a request that a shorter reach would not", not far and um >= min(self.reaches_um))
 
+    def _commit(self, requests: Sequence[Request | None]) -> None:
+        played = {prey.target.number for prey in self.prey if prey.target is not None}
+        super()._commit(requests)
+        mates = {(seat, mate) for team in self.teams or () for seat in team for mate in team}
+        for seat, found in enumerate(self.rulings):
+            if found is not None and found[0] == Verdict.LOST_CONTEST:
+                self.note("a contest that a team-mate wins", (seat, found[3]) in mates)
+                self.note("a contest for prey", found[1] in played)
+            elif found is not None and found[0] == Verdict.KILL_FAILED:
+                self.note("a refused kill of prey", found[1] in played)
+        caught = [prey for prey, seat in zip(self.prey, self.caught_by, strict=True) if seat is not None]
+        self.note("two prey caught in one step", len(caught) > 1)
+        self.note("withdrawn prey is caught", any(prey.withdrawn for prey in caught))
+        self.note("prey caught again", any(prey.times_caught > 1 for prey in caught))
+
+    def _return_prey(self) -> None:
+        out = [prey for prey in self.prey if prey.target is None]
+        at_once = [prey for prey in out if prey.caught_at == self.time]
+        for_good = self.settings["prey_returns_s"] is None
+        due = [] if for_good else [p for p in out if self.time + self.period >= self._due_at(p)]
+        fired = any(target.appeared > self.time for target in self.alive)
+        super()._return_prey()
+        back = [prey for prey in out if prey.target is not None]
+        self.note("prey returns", bool(back))
+        self.note("two prey return in one step", len(back) > 1)
+        self.note("prey returns in the step of its catch", any(prey in at_once for prey in back))
+        self.note("prey returns later", any(prey not in at_once for prey in back))
+        self.note("prey returns with a firing", fired and bool(back))
+        self.note("withdrawn prey returns", any(prey.withdrawn for prey in back))
+        self.note("prey waits for room", len(back) < len(due))
+        self.note("prey is out for good", for_good and bool(out))
+
+    def _due_at(self, prey: Prey) -> float:
+        assert prey.caught_at is not None
+        due: float = prey.caught_at + 1000.0 * self.settings["prey_returns_s"]
+        return due
+
+    def _reward(self, *given: Any) -> None:
+        super()._reward(*given)
+        mates = any(parts[PART_NAMES.index("mate_catch")] for parts in self.parts)
+        self.note("a team-mate's catch", mates)
+        share = self.settings["team_share"] if self.teams else 0
+        self.note("a share of a team-mate's reward", share > 0 and mates)
+        self.note("a withdrawn hunter's team shares", share > 0 and any(hunter.withdrawn for hunter in self.hunters))
+
+    def _reward_prey(self, *given: Any) -> None:
+        super()._reward_prey(*given)
+        gains = [parts[2] for parts in self.prey_parts]
+        self.note("prey gains", any(gain > 0 for gain in gains))
+        self.note("prey loses ground", any(gain < 0 for gain in gains))
+        self.note("prey without hunters", bool(self.prey) and all(hunter.withdrawn for hunter in self.hunters))
+
+    def _nearest_hunter(self, target: Target) -> Hunter | None:
+        hunter = super()._nearest_hunter(target)
+        away = sorted(distance(target.x, target.y, one.x, one.y) for one in self.hunters if not one.withdrawn)
+        tied = len(away) > 1 and micrometres(away[0]) == micrometres(away[1])
+        self.note("the hunter nearest to prey is drawn by lot", tied and self._is_played(target))
+        return hunter
+
+    def _move(self) -> None:
+        super()._move()
+        self.note("prey meets a wall", any(target.at_wall for target in self.played))
+        self.note("prey drives backwards", any(target.v < 0 for target in self.played))
+        stands = self.prey_count > 0 and self.settings["target_motion"] == "still"
+        self.note("a still target beside prey", stands and len(self.alive) > len(self.played))
+
+    @property
+    def played(self) -> list[Target]:
+        return [prey.target for prey in self.prey if prey.target is not None]
+
+    def _observe_as_prey(self, prey: Prey) -> list[float]:
+        for kind, those in (("hunters", self.hunters), ("other prey", self.played)):
+            self.note(f"prey does not see all {kind}", prey.target is not None and len(those) > 9)
+        return super()._observe_as_prey(prey)
+
+    def _is_done(self) -> bool:
+        done = super()._is_done()
+        self.note("an end with the timer off", done and not self.settings["spawning"])
+        self.note("an end with prey", done and self.prey_count > 0)
+        self.note("nothing alive, and prey that will return", not self.alive and self.prey_count > 0 and not done)
+        return done
+
     def note(self, event: str, happened: bool) -> None:
         if happened:
             self.met.add(event)
@@ -304,28 +423,64 @@ EVENTS = {
     "a blurred rival",
     "a request that a longer reach would have got through",
     "a request that a shorter reach would not",
+    "a contest that a team-mate wins",
+    "a team-mate's catch",
+    "a share of a team-mate's reward",
+    "a withdrawn hunter's team shares",
+    "a contest for prey",
+    "two prey caught in one step",
+    "prey caught again",
+    "withdrawn prey is caught",
+    "a refused kill of prey",
+    "prey returns",
+    "two prey return in one step",
+    "prey returns in the step of its catch",
+    "prey returns later",
+    "prey returns with a firing",
+    "withdrawn prey returns",
+    "prey waits for room",
+    "prey is out for good",
+    "prey gains",
+    "prey loses ground",
+    "prey without hunters",
+    "the hunter nearest to prey is drawn by lot",
+    "prey meets a wall",
+    "prey drives backwards",
+    "a still target beside prey",
+    "prey does not see all hunters",
+    "prey does not see all other prey",
+    "an end with the timer off",
+    "an end with prey",
+    "nothing alive, and prey that will return",
 }
 
 
-def test_the_random_matches_meet_moving_targets_views_handicaps_and_dropouts() -> None:
+def test_the_random_matches_meet_what_few_positions_ask() -> None:
     """Each in two of the first matches at least: what is met in one may be lost by the next change of some_config."""
     matches: Counter[str] = Counter()
-    for match in range(250):
+    for match in range(300):
         source = Random(FIRST_SEED + GROUPS * match)
         arena = Watched(some_config(source))
         arena.reset(some_seed(source))
         for _ in range(8):
+            if arena.prey and source.random() < 0.08:
+                arena.withdraw_prey(source.randrange(len(arena.prey)))
             if source.random() < 0.08:
-                side = arena.side
-                hunters = [some_pose(source, side) for _ in arena.hunters]
-                arena.place(hunters, [some_pose(source, side)[:2] for _ in range(arena.settings["max_targets"])])
+                arena.place(*some_position(source, arena))
             config = ArenaConfig.from_dict(arena.settings)
-            arena.step(some_actions(source, config, arena.masks()))
+            arena.step(some_actions(source, config, arena.masks()), some_prey_actions(source, config))
             arena.observations()
+            arena.prey_observations()
             if arena.terminated or arena.truncated:
                 break
         matches.update(arena.met)
     assert {event for event, count in matches.items() if count >= 2} == EVENTS, matches
+
+
+def towards_the_nearest(observation: Sequence[float]) -> Command:
+    """Velocities that chase the target at rank 1."""
+    forward, left, present = observation[len(SELF_COLUMNS) :][:3]
+    return present, max(-1.0, min(1.0, math.atan2(left, forward)))
 
 
 def test_whole_episodes_of_every_scenario_are_the_same() -> None:
@@ -339,8 +494,8 @@ def test_whole_episodes_of_every_scenario_are_the_same() -> None:
         steps = 600 if EFFORT > 1 else 600 // config.hunters
         for step in range(steps):
             actions = [1 if (step // 20 + seat) % 7 else 2 for seat in range(config.hunters)]
-            choices, commands = as_arrays(config, actions)
-            engine.step(choices[np.newaxis], commands[np.newaxis])
-            oracle.step(actions)
+            if config.control == "velocity":
+                actions = [towards_the_nearest(seen) for seen in oracle.observations()]
+            step_both(engine, oracle, actions, [(1.0, 1.0)] * config.prey, config)
             assert bytes(engine.digest(0)) == oracle.digest(), f"{name}, seed {seed}, step {step + 1}"
         assert sum(hunter.score for hunter in oracle.hunters) > 0, name

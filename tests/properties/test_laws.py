@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracle.arena import Hunter, OracleArena, Turtle, distance, micrometres
+from oracle.arena import OracleArena
 from oracle.arithmetic import wrap
+from oracle.turtles import Hunter, Turtle, distance, micrometres
 from properties.matches import EFFORT, seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
 
 from catch_arena.arbitration import arbitrate
@@ -242,8 +243,9 @@ def test_nothing_is_lost_and_nothing_caught_twice(source: Random, seed: int, act
     chosen = Random(actions)
     credited: list[object] = []
     for _ in range(STEPS):
-        choices, commands = some_batch_actions(chosen, config, 1)
-        engine.step(choices, commands)
+        actions = some_batch_actions(chosen, config, 1)
+        engine.step(*actions)
+        choices = actions[0]
         rulings = {ruling.hunter: ruling for ruling in engine.rulings(0)}
         assert len(rulings) == len(engine.rulings(0))
         for seat, control in enumerate(config.controls):
@@ -255,7 +257,7 @@ def test_nothing_is_lost_and_nothing_caught_twice(source: Random, seed: int, act
         assert numbers == sorted(set(numbers))
         assert len(numbers) <= config.max_targets
         assert spawned == used - refused
-        assert firings == time // config.spawn_period_ms
+        assert firings == (time // config.spawn_period_ms if config.spawning else 0)
         if config.policy != "capstone":
             credited += [ruling.target for ruling in rulings.values() if ruling.success]
             assert len(set(credited)) == len(credited) == sum(hunter.score for hunter in world.hunters)
@@ -269,7 +271,8 @@ def test_nothing_is_lost_and_nothing_caught_twice(source: Random, seed: int, act
 @given(source=SOURCES, seed=SEEDS, actions=st.tuples(SEEDS, SEEDS))
 def test_places_are_common_to_all_who_play_a_seed(source: Random, seed: int, actions: tuple[int, int]) -> None:
     """R3.3, R3.6: the k-th place and its refusal are the same whatever the hunters can do and do; where it goes from
-    there is another matter.
+    there is another matter. Prey that returns takes its number and place without faults (R12.3), so that they can be
+    those of a refusal in another match.
     """
     config = some_config(source)
     changed = config.replace(
@@ -289,7 +292,8 @@ def test_places_are_common_to_all_who_play_a_seed(source: Random, seed: int, act
         appeared.append(places)
         used.append(int(engine.state(0)[3]))
     for number in range(1, min(used) + 1):
-        assert appeared[0].get(number) == appeared[1].get(number), f"target {number}"
+        if not config.prey or all(number in places for places in appeared):
+            assert appeared[0].get(number) == appeared[1].get(number), f"target {number}"
 
 
 @MATCHES
@@ -311,7 +315,10 @@ def test_seats_are_labels_for_whole_matches(source: Random, actions: int, data: 
         "reach_m": config.reaches,
     }
     one = Engine(config.replace(**by_seat))
-    other = Engine(config.replace(**{name: tuple(given[seat] for seat in order) for name, given in by_seat.items()}))
+    elsewhere: dict[str, Any] = {name: tuple(given[seat] for seat in order) for name, given in by_seat.items()}
+    if config.teams is not None:
+        elsewhere["teams"] = tuple(tuple(order.tolist().index(seat) for seat in team) for team in config.teams)
+    other = Engine(config.replace(**elsewhere))
     seed = some_seed(source)
     one.reset([seed])
     other.reset([seed])
@@ -320,27 +327,34 @@ def test_seats_are_labels_for_whole_matches(source: Random, actions: int, data: 
         assert np.array_equal(other.hunter_rows(0)[:, :15], one.hunter_rows(0)[order, :15])
         assert np.array_equal(other.observations[0], one.observations[0, order])
         assert np.array_equal(other.masks[0], one.masks[0, order])
-        assert np.array_equal(other.rewards[0], one.rewards[0, order])
+        assert np.array_equal(other.parts[0], one.parts[0, order])
+        # a team's rewards are added up by seat
+        same = np.allclose if config.team_share else np.array_equal
+        assert same(other.rewards[0], one.rewards[0, order])
+        assert np.array_equal(other.prey_observations, one.prey_observations)
+        assert np.array_equal(other.prey_rewards, one.prey_rewards)
         assert other.world(0).targets == one.world(0).targets
-        if config.target_motion == "flee" and has_tied_threats(one, config):
+        if has_tied_threats(one, config):
             break
-        choices, commands = some_batch_actions(chosen, config, 1)
-        one.step(choices, commands)
-        other.step(choices[:, order], commands[:, order])
+        choices, commands, prey_commands = some_batch_actions(chosen, config, 1)
+        one.step(choices, commands, prey_commands)
+        other.step(choices[:, order], commands[:, order], prey_commands)
         if config.policy == "nearest" and tied_for(list(one.rulings(0))):
             break
 
 
 def has_tied_threats(engine: Engine, config: ArenaConfig) -> bool:
-    """R3.10: whether a lot decides from whom a target flees."""
+    """R3.10, R12.5: whether a lot decides from whom a target flees, or which hunter is the nearest to prey."""
     world = engine.world(0)
     for target in world.targets:
+        if config.target_motion != "flee" and target.prey is None:
+            continue
         away = sorted(
             micrometres(distance(target.x, target.y, hunter.x, hunter.y))
             for hunter in world.hunters
             if not hunter.withdrawn
         )
-        if len(away) > 1 and away[0] == away[1] < config.alarm_um:
+        if len(away) > 1 and away[0] == away[1] and (target.prey is not None or away[0] < config.alarm_um):
             return True
     return False
 
@@ -355,11 +369,14 @@ def test_what_a_hunter_does_not_see_changes_nothing_for_it(source: Random, seed:
     for changed in (engine, other):
         changed.reset([seed])
     for _ in range(source.randint(0, 3)):
-        choices, commands = some_batch_actions(chosen, config, 1)
-        engine.step(choices, commands)
-        other.step(choices, commands)
-    hunters = [some_pose(source, config.side_m) for _ in range(config.hunters)]
-    targets = [some_pose(source, config.side_m)[:2] for _ in range(source.randint(1, config.max_targets))]
+        actions_of_all = some_batch_actions(chosen, config, 1)
+        engine.step(*actions_of_all)
+        other.step(*actions_of_all)
+    hunters, prey = (
+        [some_pose(source, config.side_m) for _ in range(count)] for count in (config.hunters, config.prey)
+    )
+    room = config.max_targets - config.prey
+    targets = [some_pose(source, config.side_m)[:2] for _ in range(source.randint(min(1, room), room))]
     seat = source.randrange(config.hunters)
     x, y, theta = hunters[seat]
     me, eyes = Hunter(seat, x, y, wrap(theta)), OracleArena(config.to_dict())  # its heading as `place` takes it
@@ -376,8 +393,9 @@ def test_what_a_hunter_does_not_see_changes_nothing_for_it(source: Random, seed:
         pose if who == seat or eyes._sees(me, Turtle(*pose)) else elsewhere(pose) for who, pose in enumerate(hunters)
     ]
     moved_targets: list[Any] = [place if eyes._sees(me, Turtle(*place, 0.0)) else elsewhere(place) for place in targets]
-    engine.place(0, hunters, targets)
-    other.place(0, moved_hunters, moved_targets)
+    moved_prey: list[Any] = [pose if eyes._sees(me, Turtle(*pose)) else elsewhere(pose) for pose in prey]
+    engine.place(0, hunters, targets, prey)
+    other.place(0, moved_hunters, moved_targets, moved_prey)
     assert np.array_equal(other.observations[0, seat], engine.observations[0, seat]), settings_of(config)
     assert np.array_equal(other.masks[0, seat], engine.masks[0, seat])
 

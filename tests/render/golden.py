@@ -34,6 +34,8 @@ GOLDEN_FRAMES = [
     GoldenFrame("portrait", (540, 960), 8_050, scenario="duel"),
     GoldenFrame("square", (640, 640), 8_050, settings={"hunters": 6, "reach_m": 0.8, "faults": FAULTS}),
     GoldenFrame("crowd", (1281, 721), 5_030, scenario="crowd"),
+    GoldenFrame("teams", (1280, 720), 8_050, scenario="pairs", settings={"names": ("a", "a", "b", "b")}),
+    GoldenFrame("prey", (960, 540), 8_050, scenario="herd"),
     GoldenFrame("cone", (720, 720), 8_050, "arena", "evasive", {"view_radius_m": 4.0, "view_angle_deg": 120.0}, 0),
 ]
 

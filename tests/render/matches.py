@@ -9,10 +9,11 @@ def played(scenario: str = "standard", *, seed: int = 3, names=None, title: str 
     env = catch_arena.parallel_env(scenario, **overrides)
     env.record(names, title)
     _, infos = env.reset(seed=seed)
-    for seat, agent in enumerate(env.possible_agents):
-        env.action_space(agent).seed(seat)
-    chasing = {
-        agent: control == "target" for agent, control in zip(env.possible_agents, env.config.controls, strict=True)
+    for place, agent in enumerate(env.possible_agents):
+        env.action_space(agent).seed(place)
+    chasing = dict.fromkeys(env.possible_agents, False)  # prey drives itself
+    chasing |= {
+        agent: control == "target" for agent, control in zip(env.config.hunter_names, env.config.controls, strict=True)
     }
     while env.agents:
         actions = {

@@ -45,7 +45,7 @@ def test_a_mosaic_of_a_folder(tmp_path):
 def test_the_list_says_file_time_kind_and_caption_and_writes_nothing(tmp_path):
     result = call("highlights", "replays", "--list", "--count", "2")
     assert result.exit_code == 0, result.output
-    lines = result.output.splitlines()
+    lines = result.stdout.splitlines()
     assert len(lines) == 2
     assert all(line.startswith("m") and ".replay  " in line and " s  " in line and ": " in line for line in lines)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["replays"]
@@ -72,11 +72,11 @@ def test_a_sheet_has_as_many_pictures_as_were_asked_for_or_says_why_not(play):
     count = len(select_highlights(found, 100, clash=same_picture))
     assert count > len(select_highlights(found, 100))
     result = call("sheet", "busy.replay", "--pick", "moments", "--count", str(count))
-    assert result.output.endswith(f"sheet: sheet.png ({count} pictures)\n")
+    assert result.stdout.endswith(f"sheet: sheet.png ({count} pictures)\n")
     result = call("sheet", "busy.replay", "--pick", "moments", "--count", "99", "--force")
-    assert result.output.endswith(f"sheet: sheet.png ({count} pictures, not 99: the match has no more moments)\n")
+    assert result.stdout.endswith(f"sheet: sheet.png ({count} pictures, not 99: the match has no more moments)\n")
     result = call("sheet", "busy.replay", "--count", "1", "--force")
-    assert result.output.endswith("sheet: sheet.png (1 picture)\n")
+    assert result.stdout.endswith("sheet: sheet.png (1 picture)\n")
 
 
 def test_fewer_highlights_than_asked_for_are_not_passed_over_in_silence():
@@ -110,7 +110,7 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
         result = call("highlights", where, "-o", "best.mp4", "--force")
         assert result.exit_code == 2
         assert said in result.output
-        assert len(result.output.splitlines()) == 1
+        assert len(result.stderr.splitlines()) == 1
     assert (folder.parent / "best.mp4").read_bytes() == b"as it was"
     (quiet / "q.replay").write_bytes(b"nothing")
     assert "none of 1 replays" in call("mosaic", "quiet", "-o", "grid.mp4").output
@@ -130,7 +130,7 @@ def test_bad_words_are_one_line(words, said):
     result = call(*words)
     assert result.exit_code == 2
     assert said in result.output
-    assert len(result.output.splitlines()) == 1
+    assert len(result.stderr.splitlines()) == 1
 
 
 def test_ctrl_c_leaves_no_half_written_video(tmp_path):

@@ -1,5 +1,7 @@
 """The event feed, without a pixel."""
 
+from dataclasses import replace
+
 import pytest
 from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart, kinds
 
@@ -80,3 +82,14 @@ def test_a_line_about_two_hunters_says_by_how_much_in_full(size):
         label for label in kinds(feed_shapes(plan.feed, info, feed.items, plan.unit), Label) if "by" in label.text
     )
     assert truncated(how.text, how.size, how.weight, how.max_width) == "by 31 cm"
+
+
+def test_a_catch_of_prey_is_in_the_feed_whoever_was_near():
+    """With its number, above the contest that it was won in."""
+    feed = EventFeed()
+    feed.record([Annotation("catch", 0, 1, 1.0, 1.0, prey=5), replace(CONTEST, prey=4)])
+    assert [(item.seat, item.text, item.other) for item in feed.items] == [
+        (0, "caught", 4),
+        (0, "beat", 2),
+        (1, "caught", 5),
+    ]

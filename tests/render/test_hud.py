@@ -16,13 +16,16 @@ def overlap(a: hud.Rect, b: hud.Rect) -> bool:
     return not (apart or a.top + a.height <= b.top or b.top + b.height <= a.top)
 
 
-@pytest.mark.parametrize("hunters", [1, 4, 16, 64])
+@pytest.mark.parametrize(("agents", "teams"), [(1, 0), (4, 0), (16, 0), (64, 0), (4, 2), (8, 4), (24, 8), (64, 32)])
 @pytest.mark.parametrize("layout", ["broadcast", "arena"])
 @pytest.mark.parametrize("size", SIZES)
-def test_the_parts_lie_in_the_frame_and_apart_and_the_arena_is_the_largest(size, layout, hunters):
-    plan = hud.arrange(size, layout, hunters)
-    parts = [part for part in (plan.arena, plan.header, plan.standings, plan.feed, plan.timeline) if part.width]
-    assert len(parts) in ((4, 5) if layout == "broadcast" else (2,))
+def test_the_parts_lie_in_the_frame_and_apart_and_the_arena_is_the_largest(size, layout, agents, teams):
+    plan = hud.arrange(size, layout, agents, teams)
+    parts = [plan.arena, plan.header, plan.teams, plan.standings, plan.feed, plan.timeline]
+    parts = [part for part in parts if part.width]
+    card = layout == "broadcast" and 0 < teams <= hud.MOST_TEAMS
+    assert (plan.teams.width > 0) == card
+    assert len(parts) - card in ((4, 5) if layout == "broadcast" else (2,))
     for part in parts:
         assert part.left >= 0
         assert part.top >= 0
@@ -47,7 +50,7 @@ def test_the_header_fits(size, time_text):
 def test_the_line_over_the_arena_fits(size, hunters):
     plan = hud.arrange(size, "arena", hunters)
     chips, clock = hud.split_strip(plan.header, "59.9")
-    standings = [hud.HunterScore(seat, 11 * seat) for seat in range(hunters)]
+    standings = [hud.AgentScore(seat, 11 * seat) for seat in range(hunters)]
     shapes = hud.chip_shapes(chips, an_info(hunters), standings)
     assert_inside(shapes, chips)
     assert_texts_apart(shapes)
@@ -55,8 +58,8 @@ def test_the_line_over_the_arena_fits(size, hunters):
 
 
 def test_the_best_stand_first_and_equals_by_seat():
-    standings = [hud.HunterScore(0, 2), hud.HunterScore(1, 5), hud.HunterScore(2, 5)]
-    assert [one.seat for one in hud.ranked(standings)] == [1, 2, 0]
+    standings = [hud.AgentScore(0, 2), hud.AgentScore(1, 5), hud.AgentScore(2, 5)]
+    assert [one.agent for one in hud.ranked(standings)] == [1, 2, 0]
 
 
 @pytest.mark.parametrize(
@@ -80,7 +83,7 @@ def test_every_hunters_colour_is_lightened_until_it_can_be_read_on_a_card(seat):
 @pytest.mark.parametrize(("width", "named"), [(1920, True), (720, True), (400, False)])
 def test_the_line_over_the_arena_has_all_names_or_none(width, named):
     info = MatchInfo.of(ArenaConfig(hunters=4), ["nearest", "patrol", "contested", "first"])
-    shapes = hud.chip_shapes(hud.Rect(0, 0, width, 40), info, [hud.HunterScore(seat, 10 + seat) for seat in range(4)])
+    shapes = hud.chip_shapes(hud.Rect(0, 0, width, 40), info, [hud.AgentScore(seat, 10 + seat) for seat in range(4)])
     shown = [shape.text for shape in shapes if isinstance(shape, Label)]
     assert [name in shown for name in info.names] == [named] * 4
     assert all(str(10 + seat) in shown for seat in range(4))

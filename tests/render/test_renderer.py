@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import catch_arena
+from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.render.match_info import HUNTER_COLORS, MatchInfo
 from catch_arena.render.motion import frame_spans
@@ -110,13 +111,13 @@ def test_a_painter_draws_the_way_to_a_world_and_ends_with_the_picture_of_it(matc
 
 def test_moving_targets_leave_trails_of_a_colour_of_their_own_which_fade_to_nothing(moving):
     """And still ones leave none; nothing of a target's trail stays in the trace of the hunters' ways."""
-    info = MatchInfo.of(moving.config)
+    info = MatchInfo.of(ArenaConfig(hunters=64))
     ground = Ground(Viewport(1200, 1200, moving.config.side_m), SpriteCache())
     clean = ground.pixels.copy()
     ground.target_trail((2.0, 2.0, 0.0), (6.0, 2.0, 0.0))
     x, y = (round(part) for part in ground.viewport.to_pixels(4.0, 2.0))
     assert tuple(ground.pixels[y, x, :3]) == TARGET_TRAIL
-    assert TARGET_TRAIL not in {info.color(seat) for seat in range(64)}
+    assert TARGET_TRAIL not in info.colors
     ground.fade(30_000.0)
     assert np.array_equal(ground.pixels, clean)
 

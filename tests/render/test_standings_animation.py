@@ -20,7 +20,7 @@ def settled(standings) -> tuple:
 @pytest.mark.parametrize("size", SIZES)
 def test_the_standings_fit_their_card(size, hunters):
     plan, info = hud.arrange(size, "broadcast", hunters), an_info(hunters)
-    standings = [hud.HunterScore(seat, (seat * 37) % 123, withdrawn=seat == 1) for seat in range(hunters)]
+    standings = [hud.AgentScore(seat, (seat * 37) % 123, withdrawn=seat == 1) for seat in range(hunters)]
     shapes = standings_shapes(plan.standings, info, settled(standings), plan.unit)
     assert_inside(shapes, plan.standings)
     assert_texts_apart(shapes)
@@ -32,15 +32,15 @@ def test_the_standings_fit_their_card(size, hunters):
 def test_lines_that_climb_stay_in_the_card(size, hunters):
     plan, info = hud.arrange(size, "broadcast", hunters), an_info(hunters)
     animation = StandingsAnimation()
-    animation.record(0.0, [hud.HunterScore(seat, seat) for seat in range(hunters)])
-    animation.record(1000.0, [hud.HunterScore(seat, hunters - seat) for seat in range(hunters)])
+    animation.record(0.0, [hud.AgentScore(seat, seat) for seat in range(hunters)])
+    animation.record(1000.0, [hud.AgentScore(seat, hunters - seat) for seat in range(hunters)])
     for time_ms in range(1000, 1500, 30):
         assert_inside(standings_shapes(plan.standings, info, animation.lines(time_ms), plan.unit), plan.standings)
 
 
 def test_bars_are_as_long_as_their_part_of_the_leaders_score():
     plan, info = hud.arrange((1280, 720), "broadcast", 2), an_info(2)
-    lines = settled([hud.HunterScore(0, 40), hud.HunterScore(1, 20)])
+    lines = settled([hud.AgentScore(0, 40), hud.AgentScore(1, 20)])
     shapes = standings_shapes(plan.standings, info, lines, plan.unit)
     full, half = (next(s for s in shapes if isinstance(s, Box) and s.color == info.color(seat)) for seat in (0, 1))
     assert half.width == pytest.approx(full.width / 2)
@@ -48,9 +48,9 @@ def test_bars_are_as_long_as_their_part_of_the_leaders_score():
 
 def test_a_line_climbs_to_its_place_in_small_steps_and_then_rests():
     animation = StandingsAnimation()
-    animation.record(0.0, [hud.HunterScore(0, 2), hud.HunterScore(1, 1), hud.HunterScore(2, 0)])
+    animation.record(0.0, [hud.AgentScore(0, 2), hud.AgentScore(1, 1), hud.AgentScore(2, 0)])
     assert [line.position for line in animation.lines(0.0)] == [0.0, 1.0, 2.0]
-    animation.record(100.0, [hud.HunterScore(0, 2), hud.HunterScore(1, 1), hud.HunterScore(2, 3)])
+    animation.record(100.0, [hud.AgentScore(0, 2), hud.AgentScore(1, 1), hud.AgentScore(2, 3)])
     seen = [animation.lines(100.0 + CLIMB_MS * part / 20.0) for part in range(21)]
     assert [line.position for line in seen[0]] == [0.0, 1.0, 2.0]
     assert [line.position for line in seen[-1]] == [1.0, 2.0, 0.0]
@@ -62,9 +62,9 @@ def test_a_line_climbs_to_its_place_in_small_steps_and_then_rests():
 
 def test_a_change_on_the_way_does_not_make_lines_jump():
     animation = StandingsAnimation()
-    animation.record(0.0, [hud.HunterScore(0, 2), hud.HunterScore(1, 1)])
-    animation.record(100.0, [hud.HunterScore(0, 2), hud.HunterScore(1, 3)])
+    animation.record(0.0, [hud.AgentScore(0, 2), hud.AgentScore(1, 1)])
+    animation.record(100.0, [hud.AgentScore(0, 2), hud.AgentScore(1, 3)])
     before = animation.lines(300.0)
-    animation.record(300.0, [hud.HunterScore(0, 4), hud.HunterScore(1, 3)])
+    animation.record(300.0, [hud.AgentScore(0, 4), hud.AgentScore(1, 3)])
     assert [line.position for line in animation.lines(300.0)] == pytest.approx([line.position for line in before])
     assert [line.position for line in animation.lines(300.0 + CLIMB_MS)] == [0.0, 1.0]

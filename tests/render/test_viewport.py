@@ -84,3 +84,32 @@ def test_sixty_four_hunters_have_colours_and_neighbours_in_the_table_differ():
     colors = [info.color(seat) for seat in range(64)]
     assert len(set(colors)) == 24
     assert all(a != b for a, b in itertools.pairwise(colors))
+
+
+@pytest.mark.parametrize("sight", _SIGHTS)
+@pytest.mark.parametrize(("teams", "least"), [(2, 15.0), (3, 12.5), (4, 9.0)])
+def test_hunters_of_up_to_four_teams_are_told_apart_by_their_colours_in_every_shade(sight, teams, least):
+    """Those of different teams; members of one have numbers. And nobody is taken for the ground or a target."""
+    seats = tuple(tuple(range(4 * team, 4 * team + 4)) for team in range(teams))
+    info = MatchInfo.of(ArenaConfig(hunters=4 * teams, teams=seats))
+    seen = [[lab(info.color(seat), sight) for seat in team] for team in seats]
+    assert min(ciede2000(a, b) for one, other in itertools.combinations(seen, 2) for a in one for b in other) > least
+    around = [lab(GROUND, sight), lab(TARGET, sight)]
+    assert min(ciede2000(a, b) for team in seen for a in team for b in around) > 9.0
+    for team in seats:
+        assert len({info.color(seat) for seat in team}) == 4
+
+
+def test_a_team_is_called_as_its_only_agent_or_by_its_colour():
+    config = ArenaConfig(hunters=6, teams=((0, 1), (2, 3), (4, 5)))
+    info = MatchInfo.of(config, ("a", "a", "b", "c", "d", "d"))
+    assert [side.name for side in info.sides] == ["a", "mint", "d"]
+    assert [side.name for side in MatchInfo.of(config, ("a",) * 6).sides] == ["amber", "mint", "purple"]
+    assert MatchInfo.of(config).side_by_seat == (0, 0, 1, 1, 2, 2)
+    many = MatchInfo.of(ArenaConfig(hunters=64, teams=tuple((seat,) for seat in range(64))), ("a",) * 64)
+    assert [many.sides[team].name for team in (0, 8, 16)] == ["amber", "light amber", "dark amber"]
+
+
+def test_the_seats_of_one_agent_have_rings_of_different_pieces():
+    assert MatchInfo.of(ArenaConfig(), ("a", "b", "a", "a")).rings == (1, 1, 2, 3)
+    assert MatchInfo.of(ArenaConfig()).rings == (1, 1, 1, 1)

@@ -10,7 +10,7 @@ from typing import Any
 from oracle.arithmetic import sincos
 
 MILLION = 1000000
-CLOCK, HUNTER, TARGET, MOTION = 8, 11, 5, 6
+CLOCK, HUNTER, TARGET, MOTION, PREY = 8, 11, 5, 6, 3
 LINEAR, ANGULAR, ACTIVE = 3, 4, 7
 
 
@@ -33,10 +33,10 @@ class Body:
 
 
 def decode(content: bytes) -> dict[str, Any]:
-    """The header's entries, and `ranks`, `commands`, `digests` and `states`, by state or step."""
+    """The header's entries, and `ranks`, `commands`, `prey_commands`, `digests` and `states`, by state or step."""
     assert content[:8] == bytes.fromhex("894341544348 0D0A")
     form, length = struct.unpack("<IQ", content[8:20])
-    assert form == 2
+    assert form in (2, 3)
     assert len(content) == 20 + length + 32
     assert hashlib.blake2b(content[:-32], digest_size=32).digest() == content[-32:]
     body = Body(zlib.decompress(content[20:-32]))
@@ -50,11 +50,15 @@ def decode(content: bytes) -> dict[str, Any]:
         for seat in range(hunters)
         if controls[seat] != "target"
     }
+    many = config.get("prey", 0)
+    assert form == (3 if many else 2)
+    prey_commands = [[[float32(word) for word in body.column(steps)] for _ in range(2)] for _ in range(many)]
     digests = [body.bytes(8) for _ in range(steps + 1)]
     clock = [summed(body.column(steps + 1)) for _ in range(CLOCK)]
     ticks = [0, *(max(0, min(62, now // 16 - then // 16)) for then, now in zip(clock[0], clock[0][1:], strict=False))]
     seats = [hunter(body, config, seat, ticks, commands.get(seat)) for seat in range(hunters)]
-    moving = config.get("target_motion", "still") != "still"
+    prey = [[summed(body.column(steps + 1)) for _ in range(PREY)] for _ in range(many)]
+    moving = config.get("target_motion", "still") != "still" or many > 0
     spans = [body.column(header["spans"]) for _ in range(4 if moving else 2 + TARGET)]
     spans[0] = summed(spans[0])
     alive: list[list[list[int]]] = [[] for _ in clock[0]]
@@ -62,7 +66,16 @@ def decode(content: bytes) -> dict[str, Any]:
         rows = [n for begin, length, *_ in zip(*spans, strict=True) for n in range(begin, begin + length)]
         first = {sum(spans[1][:span]) for span in range(header["spans"])}
         motion = [body.column(len(rows)) for _ in range(MOTION)]
-        motion = moved(motion, [0 if at in first else ticks[n] for at, n in enumerate(rows)])
+        numbers = [number for _, length, number, _ in zip(*spans, strict=True) for _ in range(length)]
+        given = {which: summed(motion[which]) for which in (LINEAR, ANGULAR)}
+        for at, n in enumerate(rows):
+            for index in range(many):
+                if at not in first and prey[index][0][n] == numbers[at]:
+                    for which, asked in zip(
+                        (LINEAR, ANGULAR), asked_of_prey(config, prey_commands[index], n), strict=True
+                    ):
+                        given[which][at] += asked
+        motion = moved(motion, [0 if at in first else ticks[n] for at, n in enumerate(rows)], given)
         at = 0
         for begin, length, number, appeared in zip(*spans, strict=True):
             for n in range(begin, begin + length):
@@ -78,8 +91,26 @@ def decode(content: bytes) -> dict[str, Any]:
     for n in range(steps + 1):
         numbers = [column[n] for column in clock]
         numbers += [column[n] for seat in seats for column in seat]
-        states.append(numbers + [number for target in sorted(alive[n]) for number in target])
-    return {**header, "ranks": ranks, "commands": commands, "digests": digests, "states": states}
+        numbers += [number for target in sorted(alive[n]) for number in target]
+        states.append(numbers + [column[n] for one in prey for column in one])
+    return {
+        **header,
+        "ranks": ranks,
+        "commands": commands,
+        "prey_commands": prey_commands,
+        "digests": digests,
+        "states": states,
+    }
+
+
+def asked_of_prey(config: dict[str, Any], commands: list[list[float]], n: int) -> list[int]:
+    """The velocities that a prey's command asks for which leads to state n."""
+    fastest, quickest = config["target_speed_mps"], config["target_turn_rate_radps"]
+    limits = ((-fastest if config["reverse"] else 0.0, fastest), (-quickest, quickest))
+    return [
+        millionths(max(low, min(high, column[n - 1] * high)))
+        for column, (low, high) in zip(commands, limits, strict=True)
+    ]
 
 
 def float32(rotated: int) -> float:

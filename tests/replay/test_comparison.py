@@ -122,3 +122,35 @@ def test_diff_exits_with_0_1_or_2(play, mixed, tmp_path, monkeypatch):
     assert "hunters: 4 in A, 2 in B" in different.stdout
     assert "with different numbers of hunters" in different.stdout
     assert (unreadable.exit_code, unreadable.stderr[:33]) == (2, "catch-arena: c.replay: cannot be ")
+
+
+def test_actions_names_and_captures_of_prey_are_compared(hunted):
+    other = copy.deepcopy(hunted)
+    other.names = (*hunted.names[:6], "r")
+    other.prey_commands[12][2] = 0.5, -0.25
+    other.withdrawals.remove((90, 5))
+    found = replay_differences(hunted, other)
+
+    assert found[0] == "the agent of prey_2: 'p' in A, 'r' in B"
+    assert re.match(
+        r"step 13: prey_2 acts otherwise: linear \S+, angular \S+ of the limits in A, "
+        r"linear \+0.5, angular -0.25 of the limits in B$",
+        found[1],
+    )
+    assert found[-1].startswith("times that prey was caught: ")
+    assert found[-1].endswith(" the same in both")
+
+
+def test_a_withdrawal_of_prey_is_told_by_its_name(hunted):
+    other = copy.deepcopy(hunted)
+    other.withdrawals.remove((90, 5))
+    assert replay_differences(hunted, other)[0] == "before step 91: prey_1 is withdrawn in A alone"
+
+
+def test_matches_with_different_prey_have_only_their_headers_compared(play):
+    one, other = (play("duel", max_cycles=3, prey=prey) for prey in (1, 2))
+    assert replay_differences(one, other) == [
+        "the agent of prey_1: None in A, 'prey_1' in B",
+        "prey: 1 in A, 2 in B",
+        "with different numbers of prey, actions and states are not compared",
+    ]

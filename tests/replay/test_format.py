@@ -41,10 +41,10 @@ def body_of(content: bytes) -> bytes:
     return zlib.decompress(content[20:-32])
 
 
-def sealed(body: bytes, *, packed_as: bytes | None = None) -> bytes:
+def sealed(body: bytes, *, packed_as: bytes | None = None, form: int = 2) -> bytes:
     """A file with a right length and a right checksum around any body."""
     shrunk = zlib.compress(body) if packed_as is None else packed_as
-    content = b"\x89CATCH\r\n" + struct.pack("<IQ", 2, len(shrunk)) + shrunk
+    content = b"\x89CATCH\r\n" + struct.pack("<IQ", form, len(shrunk)) + shrunk
     return content + hashlib.blake2b(content, digest_size=32).digest()
 
 
@@ -54,7 +54,7 @@ def with_header(content: bytes, **changes) -> bytes:
     (length,) = struct.unpack_from("<I", body)
     header = {**json.loads(body[4 : 4 + length]), **changes}
     text = json.dumps({name: value for name, value in header.items() if value is not ...}).encode()
-    return sealed(struct.pack("<I", len(text)) + text + body[4 + length :])
+    return sealed(struct.pack("<I", len(text)) + text + body[4 + length :], form=content[8])
 
 
 def refusal(content: bytes, folder: Path) -> str:
@@ -83,6 +83,13 @@ def small_moving(play, tmp_path_factory) -> bytes:
     return file_of(match, tmp_path_factory.mktemp("moving"))
 
 
+@pytest.fixture(scope="module")
+def small_hunted(play, tmp_path_factory) -> bytes:
+    """Another, with prey that is caught and returns."""
+    match = play("duel", max_cycles=6, prey=2, prey_returns_s=0.1, reach_m=9.0, chase=True, withdraw={2: ["prey_1"]})
+    return file_of(match, tmp_path_factory.mktemp("hunted"))
+
+
 # what a file is
 
 
@@ -101,6 +108,13 @@ def small_moving(play, tmp_path_factory) -> bytes:
         ("duel", {"target_motion": "wander", "target_speed_mps": 1000.0, "target_turn_rate_radps": 1000.0}),
         ("duel", {"target_motion": "flee", "initial_targets": 0, "time_limit_s": 0.5}),
         ("duel", {"control": "full", "max_speed_mps": (1.0, 3.0), "max_turn_rate_radps": (9.0, 2.0), "reverse": True}),
+        ("standard", {"prey": 3, "reach_m": 1.5, "chase": True, "withdraw": {20: ["prey_1"], 30: ["hunter_2"]}}),
+        ("standard", {"prey": 2, "reach_m": 2.0, "chase": True, "prey_returns_s": 0.0, "target_motion": "flee"}),
+        (
+            "duel",
+            {"prey": 2, "reach_m": 2.0, "chase": True, "prey_returns_s": None, "reverse": True, "spawning": False},
+        ),
+        ("standard", {"teams": ((0, 2), (1, 3)), "team_share": 0.5}),
     ],
 )
 def test_a_decoder_by_the_document_alone_reads_the_same(play, tmp_path, scenario, overrides):
@@ -114,20 +128,23 @@ def test_a_decoder_by_the_document_alone_reads_the_same(play, tmp_path, scenario
     assert np.array_equal(np.array(read["ranks"]).T, np.array(match.choices))
     for seat, columns in read["commands"].items():
         assert np.array_equal(np.array(columns).T, np.array(match.commands)[:, seat])
+    of_prey = np.array(read["prey_commands"]).reshape(match.config.prey, 2, match.steps)
+    assert np.array_equal(of_prey.transpose(2, 0, 1), match.prey_commands)
     assert read["digests"] == match.digests
     assert read["states"] == [state.tolist() for state in match.states]
 
 
-@pytest.mark.parametrize("which", ["mixed", "fleeing"])
+@pytest.mark.parametrize("which", ["mixed", "fleeing", "hunted"])
 def test_a_quantised_state_is_the_state_in_whole_millionths(which, request):
     """At most half a millionth from the numbers that the digest stands for."""
     match = request.getfixturevalue(which)
     hunters, targets = 4 * ([1e6] * 7 + [1] * 4), [1, 1e6, 1e6, 1e6, 1]
-    if which == "fleeing":
+    if which != "mixed":
         targets += [1e6, 1e6, 1]
+    prey = [1] * 3 * match.config.prey
     for engine, quantised in zip(match.engines(), match.states, strict=True):
         state = engine.state()
-        scale = np.array([1] * 8 + hunters + targets * ((len(state) - 52) // len(targets)))
+        scale = np.array([1] * 8 + hunters + targets * ((len(state) - 52 - len(prey)) // len(targets)) + prey)
         assert np.abs(state * scale - quantised).max() <= 0.5 + 1e-6
 
 
@@ -144,6 +161,9 @@ def test_a_quantised_state_is_the_state_in_whole_millionths(which, request):
         (33_000, {"chase": True, "target_motion": "flee"}),
         (52_000, {"control": "full", "target_motion": "wander"}),
         (56_000, {"control": "full", "target_motion": "flee"}),
+        (30_000, {"chase": True, "prey": 1, "initial_targets": 1, "spawning": False}),
+        (70_000, {"chase": True, "prey": 4, "target_motion": "wander"}),
+        (90_000, {"control": "full", "prey": 4, "target_motion": "wander"}),
     ],
 )
 def test_a_minute_of_four_hunters_is_small(play, tmp_path, most, overrides):
@@ -156,7 +176,7 @@ def test_a_minute_of_four_hunters_is_small(play, tmp_path, most, overrides):
     assert len(file_of(match, tmp_path)) < most
 
 
-@pytest.mark.parametrize("which", ["mixed", "fleeing"])
+@pytest.mark.parametrize("which", ["mixed", "fleeing", "hunted", "hunted_once"])
 def test_a_replay_is_the_same_after_saving_and_loading(which, request, tmp_path):
     """Everything, and the file that it is saved to again."""
     match = request.getfixturevalue(which)
@@ -183,16 +203,16 @@ def test_any_match_is_read_as_it_was_written(tmp_path):
     for seed in range(60 * EFFORT):
         source = Random(seed)
         config = some_config(source)
-        match = Replay(config, source.getrandbits(64), config.hunter_names)
+        match = Replay(config, source.getrandbits(64), config.hunter_names + config.prey_names)
         engine = Engine(config)
         engine.reset([match.seed])
         match.note(engine)
         while match.steps < 30 and not (engine.terminated | engine.truncated)[0]:
-            choices, commands = some_batch_actions(source, config, 1)
+            choices, commands, prey_commands = some_batch_actions(source, config, 1)
             choices[:, [control == "velocity" for control in config.controls]] = 0
             commands[:, [control == "target" for control in config.controls]] = 0.0
-            engine.step(choices, commands)
-            match.append(choices[0], commands[0], engine)
+            engine.step(choices, commands, prey_commands)
+            match.append(choices[0], commands[0], engine, prey_commands[0])
         match.save(tmp_path / "any.replay")
         loaded = Replay.load(tmp_path / "any.replay")
         assert all(map(np.array_equal, loaded.states, match.states)), settings_of(config)
@@ -266,7 +286,10 @@ def test_every_flipped_bit_is_refused(small):
         (b"", "is not a Catch Arena replay"),
         (b"PK\x03\x04 something else", "is not a Catch Arena replay"),
         (b"\x89CATCH\r\n" + bytes(9), "is truncated"),
-        (b"\x89CATCH\r\n" + struct.pack("<IQ", 1, 5) + bytes(37), "is of format 1, and this version reads format 2"),
+        (
+            b"\x89CATCH\r\n" + struct.pack("<IQ", 1, 5) + bytes(37),
+            "is of format 1, and this version reads formats 2 and 3",
+        ),
         (b"\x89CATCH\r\n" + struct.pack("<IQ", 2, 2**63) + bytes(37), "should be 9223372036854775860 bytes long"),
         (sealed(b"", packed_as=b"not zlib"), "its body does not unpack"),
         (sealed(b"", packed_as=zlib.compress(bytes(9))[:-1]), "is damaged"),
@@ -284,6 +307,44 @@ def test_every_flipped_bit_is_refused(small):
 def test_what_is_no_replay_is_refused_with_its_reason(tmp_path, content, says):
     """Foreign, older, lying about its size, packed wrongly, nested without end."""
     assert says in refusal(content, tmp_path)
+
+
+def test_only_a_match_with_prey_is_kept_in_the_format_that_has_prey(small, small_hunted):
+    assert (small[8], small_hunted[8]) == (2, 3)
+
+
+def test_a_format_that_is_not_that_of_its_match_is_refused(small, small_hunted, tmp_path):
+    """Somebody has changed the number and sealed the file anew; or the number of prey."""
+    assert (
+        refusal(sealed(body_of(small), form=3), tmp_path) == "is of format 3, which is not that of a match with 0 prey"
+    )
+    text = refusal(sealed(body_of(small_hunted), form=2), tmp_path)
+    assert text == "is of format 2, which is not that of a match with 2 prey"
+    assert "is of format 4, and this version reads formats 2 and 3" in refusal(sealed(b"", form=4), tmp_path)
+    names = ["a", "b"]
+    config = {**decode(small_hunted)["config"], "prey": 0}
+    text = refusal(with_header(small_hunted, config=config, names=names, withdrawals=[]), tmp_path)
+    assert text == "is of format 3, which is not that of a match with 0 prey"
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"names": ["a", "b", "c"]}, "names must be 4, one for each hunter and each prey"),
+        ({"names": ["a", "b", "c", "\x00"]}, "names[3] must be at most 200 printable characters"),
+        ({"withdrawals": [[2, 4]]}, "withdrawals must name agents, each once"),
+    ],
+)
+def test_a_header_of_a_match_with_prey_counts_all_agents(small_hunted, tmp_path, changes, says):
+    assert says in refusal(with_header(small_hunted, **changes), tmp_path)
+
+
+def test_one_bad_setting_of_prey_is_named(small_hunted, tmp_path):
+    config = decode(small_hunted)["config"]
+    text = refusal(with_header(small_hunted, config={**config, "prey": 33}), tmp_path)
+    assert "prey must be a whole number from 0 to 32, got 33" in text
+    text = refusal(with_header(small_hunted, config={**config, "teams": [[0], [0, 1]]}), tmp_path)
+    assert "teams must name each seat from 0 to 1 once, got seat 0 more than once" in text
 
 
 CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
@@ -315,8 +376,8 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
         ({"spans": 2**31 - 1}, "is too long to be kept: 2147483647 targets"),
         ({"spans": 0}, "bytes follow its end"),
         ({"spans": -1}, "spans must be whole numbers"),
-        ({"withdrawals": [[2, 2]]}, "withdrawals must name hunters"),
-        ({"withdrawals": [[4, 1]]}, "withdrawals must name hunters"),
+        ({"withdrawals": [[2, 2]]}, "withdrawals must name agents"),
+        ({"withdrawals": [[4, 1]]}, "withdrawals must name agents"),
         ({"withdrawals": [[2, 1], [1, 0]]}, "in the order of the steps"),
         ({"withdrawals": [[1, 1], [2, 1]]}, "each once"),
         ({"withdrawals": [[-1, 1]]}, "withdrawals must be whole numbers"),
@@ -378,6 +439,19 @@ def test_actions_and_numbers_that_cannot_be_are_refused(mixed, tmp_path, change,
     assert says in refusal(rebuilt(mixed, tmp_path, change), tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda match: match.prey_commands[3].__setitem__((1, 0), np.nan), "holds velocity commands"),
+        (lambda match: match.prey_commands[3].__setitem__((2, 1), 1.0000001), "holds velocity commands"),
+        (lambda match: match.states[3].__setitem__(-1, 2**60), "a number beyond 2^53"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:invalid value encountered in cast:RuntimeWarning")  # a NaN is made on purpose
+def test_commands_and_numbers_of_prey_that_cannot_be_are_refused(hunted, tmp_path, change, says):
+    assert says in refusal(rebuilt(hunted, tmp_path, change), tmp_path)
+
+
 @contextmanager
 def named_in_one_line():
     """A ReplayError's text has no line break and no control character."""
@@ -400,9 +474,10 @@ def load_and_play(content: bytes, folder: Path) -> None:
 
 @settings(max_examples=300 * EFFORT, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
-def test_whatever_is_sealed_loads_and_plays_or_is_refused(small, small_moving, tmp_path, data):
+def test_whatever_is_sealed_loads_and_plays_or_is_refused(small, small_moving, small_hunted, tmp_path, data):
     """Bytes of the body replaced, removed, inserted or repeated, under a right checksum: no other error than ours."""
-    body = bytearray(body_of(data.draw(st.sampled_from([small, small_moving]))))
+    content = data.draw(st.sampled_from([small, small_moving, small_hunted]))
+    body = bytearray(body_of(content))
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(body) - 1))
         size = data.draw(st.integers(0, min(40, len(body) - at)))
@@ -410,7 +485,7 @@ def test_whatever_is_sealed_loads_and_plays_or_is_refused(small, small_moving, t
             st.binary(max_size=12) | st.sampled_from([b"\xff" * 8, b"\x08" * 9, bytes(40), b"1e999", b"[]"])
         )
         body[at : at + size] = new * data.draw(st.integers(0, 3))
-    load_and_play(sealed(bytes(body)), tmp_path)
+    load_and_play(sealed(bytes(body), form=content[8]), tmp_path)
 
 
 JSON = st.recursive(

@@ -6,6 +6,7 @@ import re
 import pytest
 from typer.testing import CliRunner
 
+import catch_arena
 from catch_arena import Replay
 from catch_arena.cli import main
 from catch_arena.errors import ReplayError
@@ -203,6 +204,13 @@ def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path,
     assert lines[-1] == "catch-arena: 3 of 4 replays failed"
 
 
+def test_verify_says_by_its_exit_code_whether_a_file_was_altered_or_cannot_be_read(mixed, tmp_path):
+    """As diff does: 1 for another match, 2 for no match."""
+    altered(mixed, alter_action).save(tmp_path / "played.replay")
+    for name, code in (("played.replay", 1), ("none.replay", 2)):
+        assert CliRunner().invoke(main, ["verify", str(tmp_path / name)]).exit_code == code
+
+
 def test_verify_prints_no_more_than_a_screen_for_a_file(play, tmp_path):
     """Another seed: everything differs."""
     match = altered(play("crowd", max_cycles=2), lambda match: setattr(match, "seed", 99))
@@ -211,3 +219,54 @@ def test_verify_prints_no_more_than_a_screen_for_a_file(play, tmp_path):
 
     assert len(lines) == 15
     assert re.search(r"m\.replay: the initial state: and \d+ more$", lines[-2])
+
+
+def test_a_match_with_prey_plays_as_recorded_from_its_file(hunted, hunted_once, tmp_path):
+    for match in (hunted, hunted_once):
+        match.save(tmp_path / "match.replay")
+        assert verify(Replay.load(tmp_path / "match.replay")) == []
+        assert {one.times_caught > 0 for one in list(match.worlds())[-1].prey} >= {True}
+
+
+def test_an_edited_action_of_prey_is_named_by_the_target_that_it_moves(hunted):
+    """Its first command; it plays target 1 then."""
+    found = verify(altered(hunted, lambda match: match.prey_commands[0].__setitem__(0, (0.1, 0.9))))
+
+    assert found[0] == "step 1 is the first that differs"
+    assert all(line.startswith("step 1: target_turtle_1: ") for line in found[1:])
+    assert any("linear velocity is " in line and "as recorded and 0.100000 m/s as replayed" in line for line in found)
+
+
+def test_a_withdrawal_of_prey_that_was_taken_out_is_found(hunted):
+    found = verify(altered(hunted, lambda match: match.withdrawals.remove((90, 5))))
+
+    assert found[0].startswith("step 91 is the first that differs")
+
+
+def test_an_edited_action_of_prey_whose_effect_ends_with_its_return_is_found():
+    """A hunter that reaches everything asks in step 10; where the prey had driven until then matters no more."""
+    env = catch_arena.parallel_env("tag", hunters=1, control="full", reach_m=100.0, max_cycles=40)
+    env.record()
+    env.reset(seed=2)
+    while env.agents:
+        asks = int(env.world().step == 9)
+        env.step({"hunter_0": {"cmd_vel": (0.0, 0.0), "catch": asks}, "prey_0": (0.5, 0.25)})
+    match = env.replay()
+    found = verify(altered(match, lambda match: match.prey_commands[4].__setitem__(0, (1.0, 0.25))))
+
+    assert verify(match) == []
+    assert found[0] == "step 5 is the first that differs; from step 10 on it plays as recorded"
+    assert any(line.startswith("step 5: target_turtle_1: x is ") for line in found)
+    (line,) = verify(altered(match, lambda match: match.digests.__setitem__(5, b"12345678")))
+    assert line == "step 5: its digest was altered: the match plays on as recorded"
+
+
+def test_altered_numbers_of_prey_are_told_by_its_name(hunted):
+    """Its score, the target that it plays, and when it was caught."""
+    for place, line in (
+        (-9, r"prey_0 \(p\): target is target_turtle_\d+ as recorded and target_turtle_1 as replayed"),
+        (-5, r"prey_1 \(q\): times caught is 7 as recorded and 0 as replayed, 7 apart"),
+        (-1, r"prey_2 \(p\): caught at is 7 ms as recorded and not out as replayed"),
+    ):
+        (found,) = verify(altered(hunted, lambda match, place=place: match.states[1].__setitem__(place, 7)))
+        assert re.search(rf"step 1: its witness was altered: the digest agrees, but {line}", found), found

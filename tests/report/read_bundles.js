@@ -15,7 +15,8 @@ async function read(text) {
     const bodies = [...replay.hunters, ...replay.targets];
     return {
       ...replay,
-      hunters: replay.hunters.map(({ name, color, reach }) => ({ name, color, reach })),
+      hunters: replay.hunters.map(({ name, color, reach, pieces }) => ({ name, color, reach, pieces })),
+      prey: replay.prey.map(({ name, lives }) => ({ name, targets: lives.map(({ number }) => number) })),
       targets: replay.targets.map(({ number, first, last }) => [number, first, last - first + 1]),
       moving: replay.targets.filter(({ moves }) => moves).map(({ number }) => number),
       rulings: replay.rulings.map((ruling) => ({ ...ruling, target: ruling.target?.number ?? null })),
@@ -26,7 +27,9 @@ async function read(text) {
         return {
           alive: replay.alive(time).map((target) => target.number),
           scores: replay.scores(time),
-          withdrawn: replay.hunters.map((_, seat) => replay.withdrawn(seat, time)),
+          teamScores: replay.teamScores(time),
+          hunted: replay.hunted(time),
+          withdrawn: [...replay.hunters, ...replay.prey].map((_, agent) => replay.withdrawn(agent, time)),
           later: bodies.map((body) => replay.pose(body, time + replay.period / 2)),
         };
       }),

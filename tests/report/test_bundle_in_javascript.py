@@ -21,6 +21,7 @@ from catch_arena.explanation import explain
 from catch_arena.player import bundle_text, packed_text
 from catch_arena.player.bundle import encode_bundle
 from catch_arena.player.element import element_script
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 
 DENO = Path(sys.executable).with_name("deno")
@@ -52,14 +53,19 @@ def refused(text):
     return found["error"]
 
 
+def chase(env, infos):
+    """Hunters go for the nearest target, and prey drives in circles."""
+    prey = [0.5, 0.3]
+    return {agent: prey if "prey" in agent else int(infos[agent]["action_mask"][1]) for agent in env.agents}
+
+
 @pytest.fixture(scope="module")
 def replays(tmp_path_factory):
     """A match of each scenario, by its name: saved and loaded again. Somebody withdraws from one."""
     folder = tmp_path_factory.mktemp("replays")
     for scenario in SCENARIOS:
-        env = catch_arena.parallel_env(scenario, time_limit_s=8.0)
-        if scenario == "dropout":
-            env = catch_arena.parallel_env(scenario, time_limit_s=8.0, dropout_rate=0.02)
+        changes = {"dropout_rate": 0.02} if scenario == "dropout" else {}
+        env = catch_arena.parallel_env(scenario, time_limit_s=8.0, control="target", **changes)
         env.record(title=f"«{scenario}» in U+1F422 \N{TURTLE}")
         _, infos = env.reset(seed=5)
         for step in range(10**6):
@@ -67,7 +73,9 @@ def replays(tmp_path_factory):
                 break
             if scenario == "crowd" and step == WITHDRAWN_AT:
                 env.withdraw("hunter_3")
-            _, _, _, _, infos = env.step({agent: int(infos[agent]["action_mask"][1]) for agent in env.agents})
+            if scenario == "herd" and step == WITHDRAWN_AT:
+                env.withdraw("prey_1")
+            _, _, _, _, infos = env.step(chase(env, infos))
         env.replay().save(folder / f"{scenario}.replay")
     return {scenario: Replay.load(folder / f"{scenario}.replay") for scenario in SCENARIOS}
 
@@ -83,7 +91,8 @@ def bundles(replays):
 def test_every_number_of_a_bundle_is_the_one_that_python_decodes(bundles, scenario):
     shown, replay = bundles[scenario]
     facts, bodies = decoded(encode_bundle(replay))
-    for name in ("title", "seed", "side", "period", "steps", "view", "hunters", "targets", "withdrawals"):
+    names = ("title", "seed", "side", "period", "steps", "view", "hunters", "teams", "prey", "targets", "withdrawals")
+    for name in names:
         assert shown[name] == facts[name], name
     assert shown["rulings"] == [
         {"time": state * facts["period"], "seat": seat, "verdict": verdict, "target": number}
@@ -112,12 +121,34 @@ def test_targets_scores_and_withdrawals_are_those_of_the_match_in_every_state(bu
     for there, world in zip(shown["states"], replay.worlds(), strict=True):
         assert set(there["alive"]) == {target.number for target in world.targets}
         assert there["scores"] == [hunter.score for hunter in world.hunters]
-    withdrawn = [[seat for seat, gone in enumerate(there["withdrawn"]) if gone] for there in shown["states"]]
-    gone = [[seat for seat, hunter in enumerate(world.hunters) if hunter.withdrawn] for world in replay.worlds()]
+        assert there["teamScores"] == (list(world.team_scores) if replay.config.teams else [])
+        assert there["hunted"] == [{"caught": one.times_caught, "out": one.target is None} for one in world.prey]
+    withdrawn = [[agent for agent, gone in enumerate(there["withdrawn"]) if gone] for there in shown["states"]]
+    gone = [
+        [agent for agent, one in enumerate((*world.hunters, *world.prey)) if one.withdrawn] for world in replay.worlds()
+    ]
     assert withdrawn == [*gone[1:], gone[-1]]  # from the beginning of the step in which it takes no part
     if scenario == "crowd":
         assert withdrawn == [[]] * WITHDRAWN_AT + [[3]] * (len(withdrawn) - WITHDRAWN_AT)
-    assert any(withdrawn) == (scenario in {"crowd", "dropout"})
+    assert any(withdrawn) == (scenario in {"crowd", "dropout", "herd"})
+
+
+def test_prey_is_caught_and_returns_in_the_matches_that_are_read(bundles):
+    """Else the numbers above would prove little."""
+    for scenario in ("tag", "herd"):
+        shown, _ = bundles[scenario]
+        assert any(len(one["targets"]) > 1 for one in shown["prey"]), scenario
+        assert any(one["out"] for there in shown["states"] for one in there["hunted"]), scenario
+
+
+def test_the_player_knows_the_teams_and_in_how_many_pieces_each_ring_is(bundles):
+    shown, replay = bundles["pairs"]
+    info = MatchInfo.of_replay(replay)
+    assert [(one["name"], tuple(one["seats"])) for one in shown["teams"]] == [
+        (one.name, one.seats) for one in info.sides
+    ]
+    assert [one["pieces"] for one in shown["hunters"]] == list(info.rings)
+    assert bundles["standard"][0]["teams"] is None
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
@@ -125,6 +156,8 @@ def test_the_player_knows_who_moves_who_reaches_how_far_and_what_is_seen(bundles
     shown, replay = bundles[scenario]
     config = replay.config
     lasting = {number for number, _, length in shown["targets"] if length > 2}
+    if scenario == "herd":  # who is withdrawn stands still
+        lasting -= set(shown["prey"][1]["targets"])
     assert set(shown["moving"]) >= lasting if config.targets_move else shown["moving"] == []
     assert [one["reach"] for one in shown["hunters"]] == list(config.reaches)
     partial = {"radius": config.view_radius_m, "angle": config.view_angle_deg}
@@ -145,16 +178,17 @@ def test_contests_are_those_that_explain_tells_and_lie_at_their_targets(bundles)
 @pytest.fixture(scope="module")
 def small():
     """(facts, tracks) of a short bundle with something in each list."""
-    env = catch_arena.parallel_env("crowd", time_limit_s=1.5, hunters=6, reach_m=3.0, side_m=6.0)
+    teams = ((0, 1, 2), (3, 4, 5))
+    env = catch_arena.parallel_env("crowd", time_limit_s=1.5, hunters=6, reach_m=3.0, side_m=6.0, teams=teams, prey=2)
     env.record(title="short")
     _, infos = env.reset(seed=1)
     while env.agents:
-        _, _, _, _, infos = env.step({agent: int(infos[agent]["action_mask"][1]) for agent in env.agents})
-        if len(env.agents) == 6:
+        _, _, _, _, infos = env.step(chase(env, infos))
+        if len(env.agents) == 8:
             env.withdraw("hunter_3")
     head, tracks = encode_bundle(env.replay()).split(b"\n", 1)
     facts = json.loads(head)
-    assert all(facts[name] for name in ("hunters", "targets", "withdrawals", "rulings", "contests"))
+    assert all(facts[name] for name in ("hunters", "teams", "prey", "targets", "withdrawals", "rulings", "contests"))
     return facts, tracks
 
 
@@ -176,15 +210,25 @@ def test_a_bundle_that_is_written_anew_is_read(small):
         ({"side": "11"}, 'side must be a number from 2 to 5000, not "11"'),
         ({"title": None}, "title must be text, not null"),
         ({"hunters": {}}, "hunters must be a list, not {}"),
-        ({"hunters": [{"name": "a"}]}, 'hunters[0] must be a name, a colour and a reach, not {"name":"a"}'),
+        (
+            {"hunters": [{"name": "a"}]},
+            'hunters[0] must be a name, a colour, a reach and a ring\'s pieces, not {"name":"a"}',
+        ),
         (
             {"hunters": [{"name": "a", "color": "#aabbcc", "reach": -1}]},
-            'hunters[0] must be a name, a colour and a reach, not {"name":"a","color":"#aabbcc","reach":-1}',
+            "hunters[0] must be a name, a colour, a reach and a ring's pieces, not {",
         ),
+        (
+            {"hunters": [{"name": "a", "color": "#aabbcc", "reach": 1, "pieces": 0}]},
+            "hunters[0] must be a name, a colour, a reach and a ring's pieces, not",
+        ),
+        ({"teams": [{"name": "a", "color": "red"}]}, "teams must be names, colours and seats, or null, not [{"),
+        ({"prey": [{"name": "a"}]}, 'prey[0] must be a name and the numbers of its targets, not {"name":"a"}'),
+        ({"prey": [{"name": "a", "targets": [1, 999]}]}, "prey[0] plays target 999, which it does not have"),
         ({"view": {"radius": 2}}, 'view must be a radius and an angle, or null, not {"radius":2}'),
         ({"view": {"radius": 2, "angle": 400}}, "view must be a radius and an angle, or null, not"),
         ({"targets": [[1, 0]]}, "targets[0] must be a number, the first of its states, and how many it has, not [1,0]"),
-        ({"withdrawals": [[0, 99]]}, "withdrawals[0] must be a step and a seat, not [0,99]"),
+        ({"withdrawals": [[0, 99]]}, "withdrawals[0] must be a step and an agent, not [0,99]"),
         ({"rulings": [[0, 0, "GRANTED", 999]]}, "rulings[0] is about target 999, which it does not have"),
         ({"rulings": []}, "contests[0] is about no ruling that it has"),
         ({"steps": 10**6}, "its tracks must have "),

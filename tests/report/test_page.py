@@ -1,7 +1,10 @@
 """The page itself, as text."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 from html.parser import HTMLParser
 
 import pytest
@@ -64,9 +67,17 @@ def test_names_are_escaped_wherever_they_stand(tmp_path):
     assert "<b>no</b>" not in text  # what an agent raised
 
 
-def test_the_same_matches_make_the_same_bytes(tmp_path):
+def test_the_same_matches_make_the_same_bytes_in_every_process_and_at_any_time(tmp_path):
     tournament(tmp_path, 1)
-    assert report_of(tmp_path) == report_of(tmp_path)
+    text = report_of(tmp_path)
+    write = (
+        "import sys, time; from pathlib import Path; time.time = lambda: 2e9; "
+        "from catch_arena.report import write_report; write_report(Path(sys.argv[1]))"
+    )
+    for order in ("1", "2"):  # of sets
+        environment = os.environ | {"PYTHONHASHSEED": order}
+        subprocess.run([sys.executable, "-c", write, tmp_path], check=True, env=environment)
+        assert (tmp_path / REPORT).read_text(encoding="utf-8") == text
 
 
 def test_forfeits_are_told_with_code_reason_and_place(tmp_path):

@@ -17,7 +17,7 @@ from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
 from catch_arena.text import spreadsheet_cell, without_folders
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.standings_files import TABLE, write_standings
+from catch_arena.tournament.standings_files import TABLES, write_standings
 
 
 def policy_of(text):
@@ -107,6 +107,6 @@ def test_any_name_that_may_be_entered_stands_in_the_report_as_it_is(tmp_path_fac
     assert {name for name in shown if name in names} == set(names)
     assert len(scripts_of(text)) == 2
     data = ReportData.of(folder)
-    write_standings(folder, data.tournament, len(data.played), data.standings)
-    with (folder / TABLE).open(newline="", encoding="utf-8") as file:
+    write_standings(folder, data.tournament, len(data.played), {"hunter": data.standings})
+    with (folder / TABLES["hunter"]).open(newline="", encoding="utf-8") as file:
         assert {row["agent"] for row in csv.DictReader(file)} == set(map(spreadsheet_cell, names))

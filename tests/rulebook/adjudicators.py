@@ -8,10 +8,11 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from oracle.arena import OracleArena
+from oracle.arena import Command, OracleArena
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import EpisodeError
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_columns
 from catch_arena.verdicts import Ruling, Verdict
 
 Action = Any
@@ -47,6 +48,16 @@ class TargetNumbers(NamedTuple):
     at_wall: float = 0.0
 
 
+class PreyNumbers(NamedTuple):
+    """A.8's numbers of one prey."""
+
+    number: float
+    """Of the target that it plays, 0 while it is out."""
+    times_caught: float
+    caught_at: float
+    """-1 unless it is out."""
+
+
 class Evidence(NamedTuple):
     """R5.6 with the target's number in place of its name."""
 
@@ -54,6 +65,11 @@ class Evidence(NamedTuple):
     number: int | None
     distance_um: int | None
     winner: int | None
+
+
+def rows_by_name(names: Sequence[str], numbers: Sequence[float]) -> list[dict[str, float]]:
+    """Numbers that lie one behind the other, as many to a row as there are names."""
+    return [dict(zip(names, numbers[at : at + len(names)], strict=True)) for at in range(0, len(numbers), len(names))]
 
 
 class Adjudicator:
@@ -65,11 +81,12 @@ class Adjudicator:
     # what each adjudicator does in its own way
 
     def reset(self, seed: int) -> None: ...
-    def step(self, *actions: Action) -> None: ...
+    def play(self, actions: Sequence[Action], prey: Sequence[Command]) -> None: ...
     def withdraw(self, seat: int) -> None: ...
-    def place(
-        self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]] = ()
-    ) -> None: ...
+    def withdraw_prey(self, index: int) -> None: ...
+    def place(self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]] = ()) -> None:
+        """Hunters at rest at these poses, and these targets instead of those that nobody plays."""
+
     def numbers(self) -> list[float]: ...
     def digest(self) -> bytes: ...
     def evidence(self) -> list[Evidence | None]: ...
@@ -80,11 +97,24 @@ class Adjudicator:
     @property
     def parts(self) -> list[tuple[float, ...]]: ...
     @property
+    def team_scores(self) -> list[int]: ...
+    def prey_observation(self, index: int) -> list[float]: ...
+    @property
+    def prey_rewards(self) -> list[float]: ...
+    @property
+    def prey_parts(self) -> list[tuple[float, ...]]: ...
+    @property
+    def caught_by(self) -> list[int | None]: ...
+    @property
     def terminated(self) -> bool: ...
     @property
     def truncated(self) -> bool: ...
 
     # what follows from it
+
+    def step(self, *actions: Action, prey: Sequence[Command] = ()) -> None:
+        """One step; prey that has no action stands still."""
+        self.play(actions, [*prey, *[(0.0, 0.0)] * (self.config.prey - len(prey))])
 
     def hold(self, times: int = 1) -> None:
         """Nobody moves, and nobody asks (but under velocity control, where whoever is in reach does)."""
@@ -106,9 +136,16 @@ class Adjudicator:
 
     @property
     def targets(self) -> list[TargetNumbers]:
-        numbers = self.numbers()[8 + 11 * self.config.hunters :]
+        everything = self.numbers()
+        numbers = everything[8 + 11 * self.config.hunters : len(everything) - 3 * self.config.prey]
         width = 8 if self.config.targets_move else 5
         return [TargetNumbers(*numbers[at : at + width]) for at in range(0, len(numbers), width)]
+
+    @property
+    def prey(self) -> list[PreyNumbers]:
+        count = self.config.prey
+        numbers = self.numbers()[-3 * count :] if count else []
+        return [PreyNumbers(*numbers[at : at + 3]) for at in range(0, len(numbers), 3)]
 
     @property
     def alive(self) -> list[int]:
@@ -121,6 +158,20 @@ class Adjudicator:
     @property
     def scores(self) -> list[int]:
         return [int(self.hunter(seat).score) for seat in range(self.config.hunters)]
+
+    def own(self, seat: int = 0) -> dict[str, float]:
+        """What one hunter sees of itself, by its columns' names."""
+        return dict(zip(SELF_COLUMNS, self.observation(seat)[: len(SELF_COLUMNS)], strict=True))
+
+    def seen_targets(self, seat: int = 0) -> list[dict[str, float]]:
+        """What it sees of the target of each rank."""
+        names, first = target_columns(self.config), len(SELF_COLUMNS)
+        return rows_by_name(names, self.observation(seat)[first : first + len(names) * self.config.targets_seen])
+
+    def seen_rivals(self, seat: int = 0) -> list[dict[str, float]]:
+        """What it sees of the rival of each rank."""
+        first = len(SELF_COLUMNS) + len(target_columns(self.config)) * self.config.targets_seen
+        return rows_by_name(RIVAL_COLUMNS, self.observation(seat)[first:])
 
     time = property(lambda self: self.numbers()[0])
     steps = property(lambda self: self.numbers()[1])
@@ -142,11 +193,14 @@ class OracleAdjudicator(Adjudicator):
     def reset(self, seed: int) -> None:
         self.oracle.reset(seed)
 
-    def step(self, *actions: Action) -> None:
-        self.oracle.step(actions)
+    def play(self, actions: Sequence[Action], prey: Sequence[Command]) -> None:
+        self.oracle.step(actions, prey)
 
     def withdraw(self, seat: int) -> None:
         self.oracle.withdraw(seat)
+
+    def withdraw_prey(self, index: int) -> None:
+        self.oracle.withdraw_prey(index)
 
     def place(self, hunters: Any, targets: Any = ()) -> None:
         self.oracle.place(hunters, targets)
@@ -166,8 +220,15 @@ class OracleAdjudicator(Adjudicator):
     def mask(self, seat: int) -> list[int]:
         return self.oracle.masks()[seat] or []
 
+    def prey_observation(self, index: int) -> list[float]:
+        return self.oracle.prey_observations()[index]
+
     rewards = property(lambda self: self.oracle.rewards)
     parts = property(lambda self: self.oracle.parts)
+    team_scores = property(lambda self: self.oracle.team_scores())
+    prey_rewards = property(lambda self: self.oracle.prey_rewards)
+    prey_parts = property(lambda self: self.oracle.prey_parts)
+    caught_by = property(lambda self: self.oracle.caught_by)
     terminated = property(lambda self: self.oracle.terminated)
     truncated = property(lambda self: self.oracle.truncated)
 
@@ -211,7 +272,7 @@ class EngineAdjudicator(Adjudicator):
     def reset(self, seed: int) -> None:
         self.engine.reset([(seed + 1000 * (row - self.row)) % 2**64 for row in range(self.arenas)])
 
-    def step(self, *actions: Action) -> None:
+    def play(self, actions: Sequence[Action], prey: Sequence[Command]) -> None:
         shape = (self.arenas, self.config.hunters)
         choices = self.others.integers(0, 2, shape)
         for seat, control in enumerate(self.config.controls):
@@ -219,10 +280,15 @@ class EngineAdjudicator(Adjudicator):
                 choices[:, seat] = 0
         commands = self.others.uniform(-1, 1, (*shape, 2)).astype(np.float32)
         choices[self.row], commands[self.row] = as_arrays(self.config, actions)
-        self.engine.step(choices, commands)
+        prey_commands = self.others.uniform(-1, 1, (self.arenas, self.config.prey, 2)).astype(np.float32)
+        prey_commands[self.row] = np.reshape(prey, (-1, 2))
+        self.engine.step(choices, commands, prey_commands)
 
     def withdraw(self, seat: int) -> None:
         self.engine.withdraw(self.row, seat)
+
+    def withdraw_prey(self, index: int) -> None:
+        self.engine.withdraw_prey(self.row, index)
 
     def place(self, hunters: Any, targets: Any = ()) -> None:
         self.engine.place(self.row, hunters=hunters, targets=targets)
@@ -244,8 +310,15 @@ class EngineAdjudicator(Adjudicator):
             return []
         return [int(bit) for bit in self.engine.masks[self.row, seat]]
 
+    def prey_observation(self, index: int) -> list[float]:
+        return [float(number) for number in self.engine.prey_observations[self.row, index]]
+
     rewards = property(lambda self: [float(reward) for reward in self.engine.rewards[self.row]])
     parts = property(lambda self: [tuple(float(part) for part in row) for row in self.engine.parts[self.row]])
+    team_scores = property(lambda self: [int(score) for score in self.engine.team_scores()[self.row]])
+    prey_rewards = property(lambda self: [float(reward) for reward in self.engine.prey_rewards[self.row]])
+    prey_parts = property(lambda self: [tuple(map(float, row)) for row in self.engine.prey_parts[self.row]])
+    caught_by = property(lambda self: [prey.caught_by for prey in self.engine.world(self.row).prey])
     terminated = property(lambda self: bool(self.engine.terminated[self.row]))
     truncated = property(lambda self: bool(self.engine.truncated[self.row]))
 
@@ -284,15 +357,18 @@ class EnvAdjudicator(Adjudicator):
         )
         self.is_shown = True
 
-    def step(self, *actions: Action) -> None:
-        self._step_env(actions)
-        self.oracle.step(actions)
+    def play(self, actions: Sequence[Action], prey: Sequence[Command]) -> None:
+        self._step_env(actions, prey)
+        self.oracle.step(actions, prey)
 
-    def _step_env(self, actions: Sequence[Action]) -> None:
+    def _step_env(self, actions: Sequence[Action], prey: Sequence[Command]) -> None:
         if not self.env.agents:  # the env would take no actions, and play nothing
             raise EpisodeError("this episode is over")
         given = {}
         for agent in self.env.agents:
+            if agent in self.config.prey_names:
+                given[agent] = np.array(prey[self.config.prey_names.index(agent)], np.float32)
+                continue
             seat = int(agent.removeprefix("hunter_"))
             control, action = self.config.controls[seat], actions[seat]
             if control == "velocity":
@@ -308,6 +384,11 @@ class EnvAdjudicator(Adjudicator):
         self.oracle.withdraw(seat)
         self.is_shown = False
 
+    def withdraw_prey(self, index: int) -> None:
+        self.env.withdraw(f"prey_{index}")
+        self.oracle.withdraw_prey(index)
+        self.is_shown = False
+
     def place(self, hunters: Any, targets: Any = ()) -> None:
         """An env cannot move its hunters: another one begins with them there, and holds for as many steps as were
         played. Where more than motion happened before, that is another state, and fails.
@@ -315,7 +396,7 @@ class EnvAdjudicator(Adjudicator):
         self.oracle.place(hunters, targets)
         self._begin(self.config.replace(hunter_poses=tuple(hunters)))
         for _ in range(self.oracle.steps):
-            self._step_env(self.at_rest)
+            self._step_env(self.at_rest, [(0.0, 0.0)] * self.config.prey)
         for x, y in targets:
             self.env.spawn(x, y)
             self.is_shown = False
@@ -360,15 +441,33 @@ class EnvAdjudicator(Adjudicator):
         mask = self.results[4][f"hunter_{seat}"]["action_mask"]
         return [int(bit) for bit in (mask if self.config.controls[seat] == "target" else mask["catch"])]
 
+    def prey_observation(self, index: int) -> list[float]:
+        assert self.is_shown, "look first"
+        return [float(number) for number in self.results[0][f"prey_{index}"]]
+
+    def _of_prey(self, results: Any, default: Any) -> list[Any]:
+        return [results.get(name, default) for name in self.config.prey_names]
+
     def _of_seats(self, results: Any, default: Any) -> list[Any]:
         return [results.get(f"hunter_{seat}", default) for seat in range(self.config.hunters)]
 
     rewards = property(lambda self: self._of_seats(self.results[1], 0.0))
     parts = property(
         lambda self: [
-            tuple(info["reward_parts"].values()) if info else (0.0,) * 6
+            tuple(info["reward_parts"].values()) if info else (0.0,) * 7
             for info in self._of_seats(self.results[4], None)
         ]
+    )
+    team_scores = property(lambda self: list(self.env.world().team_scores))
+    prey_rewards = property(lambda self: self._of_prey(self.results[1], 0.0))
+    prey_parts = property(
+        lambda self: [
+            tuple(info["reward_parts"].values()) if info else (0.0,) * 3
+            for info in self._of_prey(self.results[4], None)
+        ]
+    )
+    caught_by = property(
+        lambda self: [info["caught_by"] for info in self._of_prey(self.results[4], {"caught_by": None})]
     )
     terminated = property(lambda self: all(self._of_seats(self.results[2], True)))
     truncated = property(lambda self: any(self._of_seats(self.results[3], False)))

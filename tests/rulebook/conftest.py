@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from oracle.arena import judge
+from oracle.arbiter import judge
 from rulebook.adjudicators import ADJUDICATORS, Adjudicator, adjudicator
 
 from catch_arena.arbitration import arbitrate

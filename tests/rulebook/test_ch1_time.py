@@ -106,8 +106,7 @@ def test_r1_4_what_spawns_within_a_step_is_seen_after_it(arena: ArenaFactory) ->
     match.hold()
     assert match.mask(0) == [1, 1, 0]
     assert match.targets[0].appeared == 150
-    age = match.observation(0)[10 + 3]
-    assert age == pytest.approx(0.050, abs=1e-8)
+    assert match.seen_targets()[0]["age"] == pytest.approx(0.050, abs=1e-8)
 
 
 @pytest.mark.rule("R1.4")
@@ -237,15 +236,15 @@ def test_r1_6_a_withdrawn_hunter_stands_still(arena: ArenaFactory) -> None:
 def test_r1_6_the_others_do_not_see_a_withdrawn_hunter(arena: ArenaFactory) -> None:
     """At once, and in the next step; it goes on seeing them."""
     match = arena(control="velocity", hunters=3, max_targets=1, observed_targets=1)
-    rival = 10 + 5
     match.place(hunters=[(5.0, 5.0, 0.0), (6.0, 5.0, 0.0), (8.0, 5.0, 0.0)])
-    assert match.observation(0)[rival : rival + 3] == [1.0, 0.0, 1.0]
+    assert [rival["forward"] for rival in match.seen_rivals()] == [1.0, 3.0]
     match.withdraw(1)
     match.look()
-    assert match.observation(1)[rival + 2] == 1.0
+    assert [rival["present"] for rival in match.seen_rivals(1)] == [1.0, 1.0]
     for _ in range(2):
-        assert match.observation(0)[rival : rival + 3] == [3.0, 0.0, 1.0]
-        assert match.observation(0)[rival + 7 :] == [0.0] * 7
+        near, far = match.seen_rivals()
+        assert (near["forward"], near["left"], near["present"]) == (3.0, 0.0, 1.0)
+        assert set(far.values()) == {0.0}
         match.hold()
 
 
@@ -259,5 +258,5 @@ def test_r1_6_a_withdrawn_hunters_requests_are_hunter_inactive_and_its_rewards_z
     match.step(((0.0, 0.0), 1), ((0.0, 0.0), 1))
     assert match.verdicts == [Verdict.HUNTER_INACTIVE, Verdict.GRANTED]
     assert match.rewards[0] == 0.0
-    assert match.parts[0] == (0.0,) * 6
+    assert match.parts[0] == (0.0,) * 7
     assert match.rewards[1] != 0.0

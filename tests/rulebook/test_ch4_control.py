@@ -68,10 +68,10 @@ def test_r4_1_the_target_named_is_active_until_another_is_named(arena: ArenaFact
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(6.5, 5.0), (3.4, 5.0)])
     match.step(2)
     assert match.hunter().active == 2
-    assert [match.observation(0)[10 + 5 * rank + 4] for rank in (0, 1)] == [0.0, 1.0]
+    assert [target["active"] for target in match.seen_targets()] == [0.0, 1.0]
     match.step(1)
     assert match.hunter().active == 1
-    assert [match.observation(0)[10 + 5 * rank + 4] for rank in (0, 1)] == [1.0, 0.0]
+    assert [target["active"] for target in match.seen_targets()] == [1.0, 0.0]
 
 
 @pytest.mark.rule("R4.1")

@@ -23,8 +23,8 @@ def test_r6_1_the_score_is_the_number_of_granted_catches(arena: ArenaFactory) ->
         match.step((STILL, 1), (STILL, 1))
         assert match.verdicts == [Verdict.GRANTED, Verdict.OUT_OF_REACH]
         assert match.scores == [catches, 0]
-        assert match.observation(0)[7] == catches
-        assert match.observation(1)[7] == 0.0
+        assert match.own(0)["score"] == catches
+        assert match.own(1)["score"] == 0.0
 
 
 @pytest.mark.rule("R6.1")
@@ -42,7 +42,7 @@ def test_r6_1_a_match_is_ranked_by_score_and_equal_scores_share_a_rank(
 @pytest.mark.rule("R6.2")
 def test_r6_2_by_default_a_catch_is_worth_one_and_nothing_else_counts(arena: ArenaFactory) -> None:
     """The weights of the book's table."""
-    assert dataclasses.astuple(RewardWeights()) == (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert dataclasses.astuple(RewardWeights()) == (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     match = arena(control="full", hunters=3)
     match.place(hunters=[(5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (1.0, 1.0, 0.0)], targets=[(5.0, 5.0)])
     match.step((STILL, 1), (STILL, 1), (STILL, 1))
@@ -67,11 +67,11 @@ def test_r6_2_every_part_is_reported_unweighted(arena: ArenaFactory) -> None:
         None,
     ]
     assert match.parts == [
-        (1.0, 0.0, 0.0, 0.0, 0.0, 0.1),
-        (0.0, 1.0, 1.0, 0.0, 0.0, 0.1),
-        (0.0, 1.0, 0.0, 1.0, 0.0, 0.1),
-        (0.0, 1.0, 0.0, 1.0, 0.0, 0.1),
-        (0.0, 1.0, 0.0, 0.0, 0.0, 0.1),
+        (1.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0),
+        (0.0, 1.0, 1.0, 0.0, 0.0, 0.1, 0.0),
+        (0.0, 1.0, 0.0, 1.0, 0.0, 0.1, 0.0),
+        (0.0, 1.0, 0.0, 1.0, 0.0, 0.1, 0.0),
+        (0.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.0),
     ]
     assert match.rewards == pytest.approx([1.95, -3.3, -5.3, -5.3, -0.3], abs=1e-15)
 

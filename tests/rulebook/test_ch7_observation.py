@@ -5,30 +5,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rulebook.adjudicators import Adjudicator
 from rulebook.conftest import ArenaFactory
 
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import parallel_env
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS, columns, state_columns
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, columns, state_columns, target_columns, width
 from catch_arena.policy import Limits, View
 
 STILL = (0.0, 0.0)
-OWN, TARGET, RIVAL = len(SELF_COLUMNS), len(TARGET_COLUMNS), len(RIVAL_COLUMNS)
-
-
-def own(match: Adjudicator, seat: int = 0) -> dict[str, float]:
-    return dict(zip(SELF_COLUMNS, match.observation(seat)[:OWN], strict=True))
-
-
-def seen_targets(match: Adjudicator, seat: int = 0) -> list[dict[str, float]]:
-    numbers = match.observation(seat)[OWN : OWN + TARGET * match.config.targets_seen]
-    return [dict(zip(TARGET_COLUMNS, numbers[at : at + TARGET], strict=True)) for at in range(0, len(numbers), TARGET)]
-
-
-def seen_rivals(match: Adjudicator, seat: int = 0) -> list[dict[str, float]]:
-    numbers = match.observation(seat)[OWN + TARGET * match.config.targets_seen :]
-    return [dict(zip(RIVAL_COLUMNS, numbers[at : at + RIVAL], strict=True)) for at in range(0, len(numbers), RIVAL)]
+OWN = len(SELF_COLUMNS)
 
 
 @pytest.mark.rule("R7.1")
@@ -37,14 +22,14 @@ def test_r7_1_first_the_hunter_itself(arena: ArenaFactory) -> None:
     match = arena(control="velocity", time_limit_s=0.25)
     match.place(hunters=[(3.0, 4.0, 0.7)])
     match.step((0.5, 0.25))
-    found = own(match)
+    found = match.own()
     x, y, theta, v, w = match.hunter()[:5]
     assert (v, w) == (1.0, 1.0)
     expected = (x, y, math.cos(theta), math.sin(theta), 1.0, 1.0, 0.15, 0.0, 0.0, 0.0)
     assert tuple(found.values()) == pytest.approx(expected, abs=1e-6)
     match.hold(2)
     assert match.truncated
-    assert own(match)["time_left"] == 0.0
+    assert match.own()["time_left"] == 0.0
 
 
 @pytest.mark.rule("R7.1")
@@ -53,8 +38,8 @@ def test_r7_1_the_integrals_are_seen(arena: ArenaFactory) -> None:
     match = arena(gains={"ki_w": 1.0}, max_speed_mps=50.0, max_turn_rate_radps=50.0)
     match.place(hunters=[(3.0, 4.0, 0.0)], targets=[(5.0, 6.0)])
     match.step(1)
-    assert own(match)["distance_integral"] == pytest.approx(0.1 * math.sqrt(8), abs=1e-6)
-    assert own(match)["bearing_integral"] == pytest.approx(0.1 * math.pi / 4, abs=1e-6)
+    assert match.own()["distance_integral"] == pytest.approx(0.1 * math.sqrt(8), abs=1e-6)
+    assert match.own()["bearing_integral"] == pytest.approx(0.1 * math.pi / 4, abs=1e-6)
 
 
 @pytest.mark.rule("R7.1")
@@ -65,14 +50,14 @@ def test_r7_1_targets_stand_in_the_hunters_own_frame_nearest_first(arena: ArenaF
     match.place(hunters=[(5.0, 5.0, math.pi / 2)], targets=[(5.0, 8.0), (4.0, 5.0), (7.0, 5.0)])
     match.look()
     age = (match.time - 100) / 1000
-    first, second, third, fourth = seen_targets(match)
+    first, second, third, fourth = match.seen_targets()
     assert tuple(first.values()) == pytest.approx((0.0, 1.0, 1.0, age, 0.0), abs=1e-7)
     assert tuple(second.values()) == pytest.approx((0.0, -2.0, 1.0, age, 0.0), abs=1e-7)
     assert tuple(third.values()) == pytest.approx((3.0, 0.0, 1.0, age, 0.0), abs=1e-7)
     assert set(fourth.values()) == {0.0}
     match.step((STILL, 2))
-    assert [target["age"] for target in seen_targets(match)] == pytest.approx([age + 0.1] * 3 + [0.0])
-    assert [target["active"] for target in seen_targets(match)] == [0.0, 1.0, 0.0, 0.0]
+    assert [target["age"] for target in match.seen_targets()] == pytest.approx([age + 0.1] * 3 + [0.0])
+    assert [target["active"] for target in match.seen_targets()] == [0.0, 1.0, 0.0, 0.0]
 
 
 @pytest.mark.rule("R7.1")
@@ -81,8 +66,8 @@ def test_r7_1_targets_equally_near_are_ordered_by_number(arena: ArenaFactory) ->
     match = arena(observed_targets=3)
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(6.0, 5.0), (5.0, 6.0000001), (4.000001, 5.0)])
     match.look()
-    assert [round(target["left"]) for target in seen_targets(match)] == [0, 0, 1]
-    assert [round(target["forward"]) for target in seen_targets(match)] == [-1, 1, 0]
+    assert [round(target["left"]) for target in match.seen_targets()] == [0, 0, 1]
+    assert [round(target["forward"]) for target in match.seen_targets()] == [-1, 1, 0]
 
 
 @pytest.mark.rule("R7.1")
@@ -91,7 +76,7 @@ def test_r7_1_the_k_nearest_are_seen_eight_by_default(arena: ArenaFactory) -> No
     match = arena()
     match.place(hunters=[(0.0, 0.0, 0.0)], targets=[(11.0 - 0.5 * i, 0.0) for i in range(12)])
     match.look()
-    assert [target["forward"] for target in seen_targets(match)] == pytest.approx([5.5 + 0.5 * i for i in range(8)])
+    assert [target["forward"] for target in match.seen_targets()] == pytest.approx([5.5 + 0.5 * i for i in range(8)])
     assert ArenaConfig(max_targets=3, initial_targets=0).targets_seen == 3
 
 
@@ -103,15 +88,15 @@ def test_r7_1_rivals_stand_in_the_hunters_own_frame_nearest_first(arena: ArenaFa
         hunters=[(5.0, 5.0, math.pi / 2), (5.0, 8.0, 0.0), (7.0, 5.0, math.pi)], targets=[(5.0, 8.0), (9.0, 9.0)]
     )
     match.look()
-    near, far = seen_rivals(match)
+    near, far = match.seen_rivals()
     assert tuple(near.values()) == pytest.approx((0.0, -2.0, 1.0, 0.0, 1.0, 0.0, 0.0), abs=1e-6)
     assert tuple(far.values()) == pytest.approx((3.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0), abs=1e-6)
     match.step((STILL, 0), (STILL, 1), ((0.25, 0.0), 0))
-    near, far = seen_rivals(match)
+    near, far = match.seen_rivals()
     assert near["linear_velocity"] == 0.5
     assert near["score_difference"] == 0.0
     assert far["score_difference"] == 1.0
-    assert [rival["score_difference"] for rival in seen_rivals(match, 1)] == [-1.0, -1.0]
+    assert [rival["score_difference"] for rival in match.seen_rivals(1)] == [-1.0, -1.0]
 
 
 @pytest.mark.rule("R7.1")
@@ -127,7 +112,7 @@ def test_r7_1_equally_near_rivals_are_ordered_by_what_is_seen_of_them(arena: Are
     ):
         rivals = [other, one] if swapped else [one, other]
         match.place(hunters=[(5.0, 5.0, 0.0), *rivals])
-        assert [rival[column] for rival in seen_rivals(match)] == pytest.approx([greater, lesser], abs=1e-6)
+        assert [rival[column] for rival in match.seen_rivals()] == pytest.approx([greater, lesser], abs=1e-6)
 
 
 @pytest.mark.rule("R7.1")
@@ -137,7 +122,7 @@ def test_r7_1_rivals_that_differ_in_velocity_alone_are_ordered_by_it(arena: Aren
     match = arena(hunters=3, control="velocity")
     match.place(hunters=[(5.0, 5.0, 0.0), *[(0.0, 0.0, -2.0)] * 2])
     match.step((0.0, 0.0), *[(0.5, 0.0), (1.0, 0.0)][:: -1 if swapped else 1])
-    assert [rival["linear_velocity"] for rival in seen_rivals(match)] == [2.0, 1.0]
+    assert [rival["linear_velocity"] for rival in match.seen_rivals()] == [2.0, 1.0]
 
 
 @pytest.mark.rule("R7.1")
@@ -145,8 +130,8 @@ def test_r7_1_at_most_the_nearest_seven_rivals_are_seen_by_default(arena: ArenaF
     """Of nine; or all of fewer; or as many as the scenario says."""
     match = arena(hunters=10)
     match.place(hunters=[(float(seat), 5.0, 0.0) for seat in range(10)])
-    assert [rival["forward"] for rival in seen_rivals(match)] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
-    assert [rival["forward"] for rival in seen_rivals(match, 9)] == [-1.0, -2.0, -3.0, -4.0, -5.0, -6.0, -7.0]
+    assert [rival["forward"] for rival in match.seen_rivals()] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+    assert [rival["forward"] for rival in match.seen_rivals(9)] == [-1.0, -2.0, -3.0, -4.0, -5.0, -6.0, -7.0]
     assert ArenaConfig(hunters=3).hunters_seen == 2
     assert ArenaConfig(hunters=3, observed_hunters=1).hunters_seen == 1
     assert ArenaConfig(hunters=1).hunters_seen == 0
@@ -166,16 +151,37 @@ def test_r7_1_from_the_same_place_everybody_sees_the_same(arena: ArenaFactory) -
     assert views[0] == views[1] == views[2]
 
 
+def read_by_name(view: View, config: ArenaConfig) -> dict[str, float]:
+    """All that a view shows, under the names of the observation's columns."""
+    read = {name: getattr(view, name) for name in SELF_COLUMNS}
+    for target in view.targets:
+        its = {name: getattr(target, name, 1.0) for name in target_columns(config)}  # who is in view is present
+        read |= {f"target_{target.rank}.{name}": float(value) for name, value in its.items()}
+    for rival in view.rivals:
+        its = {name: getattr(rival, name, 1.0) for name in RIVAL_COLUMNS}
+        read |= {f"rival_{rival.rank}.{name}": float(value) for name, value in its.items()}
+    return read
+
+
 @pytest.mark.rule("R7.1")
+@pytest.mark.parametrize("motion", ["still", "wander"])
 @pytest.mark.parametrize("control", ["target", "velocity", "full"])
-def test_r7_1_one_table_gives_every_number_its_name_place_and_range(control: str) -> None:
+def test_r7_1_one_table_gives_every_number_its_name_place_and_range(control: str, motion: str) -> None:
     """A random match stays within the table's bounds and the space's; the named view reads the same numbers."""
-    env = parallel_env("standard", hunters=3, control=control, reverse=True, time_limit_s=20.0, gains={"ki_w": 1.0})
+    env = parallel_env(
+        "standard",
+        hunters=3,
+        control=control,
+        target_motion=motion,
+        reverse=True,
+        time_limit_s=20.0,
+        gains={"ki_w": 1.0},
+    )
     config = env.config
     table = columns(config)
     low = np.array([column.low for column in table], np.float32)
     high = np.array([column.high for column in table], np.float32)
-    assert len({column.name for column in table}) == len(table) == OWN + 8 * TARGET + 2 * RIVAL
+    assert len({column.name for column in table}) == len(table) == width(config)
     observations, infos = env.reset(seed=4)
     for agent in env.agents:
         env.action_space(agent).seed(4)
@@ -192,6 +198,8 @@ def test_r7_1_one_table_gives_every_number_its_name_place_and_range(control: str
             assert (view.x, view.y, view.score) == (np.float32(world.x), np.float32(world.y), world.score)
             assert len(view.targets) == min(8, len(env.world().targets))
             assert len(view.rivals) == 2
+            named = dict(zip((column.name for column in table), observation.tolist(), strict=True))
+            assert named == {**dict.fromkeys(named, 0.0), **read_by_name(view, config)}
         observations, _, _, _, infos = env.step({agent: env.action_space(agent).sample() for agent in env.agents})
 
 
@@ -202,10 +210,10 @@ def test_r7_2_ranks_without_a_target_are_zero_and_masked(arena: ArenaFactory) ->
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(5.1, 5.0), (9.0, 5.0)])
     match.look()
     assert match.mask(0) == [1, 1, 1, 0]
-    assert set(seen_targets(match)[2].values()) == {0.0}
+    assert set(match.seen_targets()[2].values()) == {0.0}
     match.step((STILL, 1))
     assert match.mask(0) == [1, 1, 0, 0]
-    assert [set(target.values()) for target in seen_targets(match)[1:]] == [{0.0}] * 2
+    assert [set(target.values()) for target in match.seen_targets()[1:]] == [{0.0}] * 2
     match.step(((1.0, 0.0), 0))
     assert match.mask(0) == [1, 1, 0, 0]
 

@@ -4,8 +4,9 @@ import math
 from random import Random
 
 import pytest
-from oracle.arena import judge
+from oracle.arbiter import judge
 from oracle.arithmetic import KILL_DOWN, KILL_REFUSED, draw, fraction, key
+from ros.match import Match
 
 from catch_arena import ArenaService, Ruling, Verdict
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
@@ -100,9 +101,9 @@ def test_r8_1_faults_of_the_arena_reach_the_named_services():
 
 
 def test_the_service_keeps_its_own_settings_and_times():
-    """It needs full control and the whole view; and an episode to act in."""
+    """It needs the whole view; and an episode to act in."""
     with pytest.raises(ConfigError, match="must be left to the service"):
-        ArenaService(control="target")
+        ArenaService(observed_targets=3)
     service = ArenaService("duel", max_cycles=1)
     with pytest.raises(EpisodeError):
         service.spawn(1.0, 1.0)
@@ -114,6 +115,51 @@ def test_the_service_keeps_its_own_settings_and_times():
 
     with pytest.raises(EpisodeError, match="under way"):
         service.spawn(1.0, 1.0)
+
+
+@pytest.mark.rule("R8.4")
+def test_r8_4_requests_between_two_steps_are_judged_together_in_the_next():
+    """Whoever asks first: the nearer is preferred, on the state that was published last, and both hear in that step."""
+    match = Match(hunters=2, hunter_poses=POSES)
+    name = match.service.spawn(2.1, 2.0)
+    match.drive(match.a, turtle="hunter_0")
+    match.drive(match.b, turtle="hunter_1")
+    match.tick()
+    far, near = match.ask(match.b, name), match.ask(match.a, name)
+
+    assert far.response is near.response is None
+
+    shown = match.sent("/hunter_0/pose")[-1]
+    match.tick()
+
+    assert (far.response, near.response) == (CatchTurtleResponse(False), CatchTurtleResponse(True))
+    assert [(one.verdict, one.step, one.distance) for one in match.sent("/rulings")] == [
+        ("LOST_CONTEST", 1, 0.2),
+        ("GRANTED", 1, 0.1),
+    ]
+    assert shown[:2] == (2.0, 2.0)
+
+    late = match.ask(match.a, name)
+    match.tick()
+
+    assert (late.response, match.sent("/rulings")[-1].verdict) == (CatchTurtleResponse(False), "ALREADY_CAUGHT")
+
+
+@pytest.mark.rule("R8.4", "R2.4")
+def test_r8_4_the_last_twist_counts_and_is_repeated_until_the_watchdog_drops_it():
+    """Given when the step begins, it moves the hunter in the 62 ticks that are at most a second later."""
+    match = Match(hunter_poses=((2.0, 2.0, 0.0),), time_limit_s=10)
+    match.drive(match.a, 2.0)
+    match.drive(match.a, 1.0)
+    match.tick(62)
+
+    assert match.hunter().x == pytest.approx(2.0 + 62 * 0.016)
+    assert match.hunter().linear_velocity == 1.0
+
+    match.tick(10)
+
+    assert match.hunter().x == pytest.approx(2.0 + 62 * 0.016)
+    assert match.hunter().linear_velocity == 0.0
 
 
 def fails(seed, purpose, rate, *counters):

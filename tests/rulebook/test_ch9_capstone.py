@@ -122,8 +122,8 @@ def test_r9_1_an_agent_can_see_the_oldest_of_many_targets(arena: ArenaFactory) -
     capstone = scenario("capstone")
     match = arena(**{**capstone.to_dict(), "initial_targets": 64, "gains": capstone.gains})
     assert match.mask(0) == [1] * 65
-    ages = {match.observation(0)[10 + 5 * rank + 3] for rank in range(64)}
-    assert ages == {0.0}
+    match.hold()
+    assert [target["age"] for target in match.seen_targets()] == pytest.approx([0.1] * 64)
     chosen = set()
     for rank in range(1, 65):
         match.reset(1)

@@ -31,7 +31,7 @@ def test_a_good_agent_is_fit_in_every_scenario(check):
     for scenario in ("standard", "duel", "crowd", "scarce", "faulty", "capstone"):
         assert re.search(rf"^ok: +{scenario}: 30 steps, scores [\d ]+, [\d.]+ ms a step", result.output, re.MULTILINE)
     assert "standard: plays the same match again" in result.output
-    assert result.output.endswith("patrol is fit to play\n")
+    assert result.stdout.endswith("patrol is fit to play\n")
     assert "warning" not in result.output
 
 
@@ -71,7 +71,7 @@ def test_one_that_fails_without_a_target_is_shown_that_it_saw_none(check):
 def test_the_same_failure_in_another_scenario_is_told_in_one_line(check):
     result = check(HEAD + "return 99\n", "-s", "standard", "-s", "duel", "--set", "time_limit_s=3")
     assert len(re.findall(r"^error: +\w+: FORFEIT_ILLEGAL in step 1: ", result.output, re.MULTILINE)) == 2
-    assert result.output.count("it saw: ") == 1
+    assert result.stdout.count("it saw: ") == 1
 
 
 @pytest.mark.parametrize(

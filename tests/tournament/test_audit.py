@@ -157,7 +157,7 @@ def test_identical_agents_play_each_match_on_targets_of_its_own():
     ("words", "message"),
     [
         (["--matches", "99"], "matches must be at least 100 for an audit, got 99"),
-        (["-s", "capstone"], "hunters must be at least 2 for an audit, got 1"),
+        (["-s", "capstone"], "at least 2 agents must play in a match for an audit, got 1"),
         (["neerest"], "did you mean nearest"),
         (["--out", __file__], "cannot be written"),
     ],

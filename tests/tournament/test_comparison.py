@@ -79,7 +79,7 @@ def test_the_command_says_what_it_found_and_its_exit_code_does_too(words, code, 
     result = CliRunner().invoke(main, ["compare", *words, *QUICK, "--seed", "0"])
     assert result.exit_code == code, result.output
     assert re.search(f"verdict: .*{verdict}", result.output)
-    assert max(map(len, result.output.splitlines())) <= 120
+    assert max(map(len, result.stdout.splitlines())) <= 120
 
 
 def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
@@ -106,7 +106,7 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
         (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
         (["nearest", "idle", "--jobs", "0"], "jobs must be at least 1"),
         (["nearest", "idle", "-s", "standard", "--against", "first"], "the field must be of 0 or 2 or 3 agents"),
-        (["nearest", "idle", "-s", "capstone"], "at least 2 hunters"),
+        (["nearest", "idle", "-s", "capstone"], "for at least 2 agents"),
         (["nearest", "idel"], "did you mean idle"),
     ],
 )
@@ -118,5 +118,5 @@ def test_what_cannot_be_compared_is_refused_in_one_line(words, message):
 
 
 def test_a_field_that_does_not_fit_is_refused():
-    with pytest.raises(ConfigError, match="of 1 or 2 agents where 3 hunters play, got 0"):
+    with pytest.raises(ConfigError, match="of 1 or 2 agents where 3 play a block, got 0"):
         ComparisonDesign(3, 0)

@@ -113,6 +113,7 @@ def test_a_file_that_imports_its_neighbour_is_told_how_agents_of_several_files_p
     [
         ("neerest", "unknown agent 'neerest': did you mean nearest"),
         ("missing.py", "missing.py: no such file"),
+        ("ann.py:Agent", "ann.py:Agent: a file is given alone, and its class is called Agent: ann.py"),
         ("catch_arena.agents.nearest:Agnt", "has no class Agnt; did you mean Agent"),
         ("no_such_module:Agent", "ModuleNotFoundError"),
     ],

@@ -41,6 +41,7 @@ def test_a_line_of_json_says_all_that_is_known_of_a_match(store, tmp_path):
     for line, match, played in zip(lines, PLAN, store.played(), strict=True):
         result = played.result
         assert line == {
+            "sides": ["hunter", "hunter"],
             "match": match.id,
             "block": match.block,
             "seed": match.seed,

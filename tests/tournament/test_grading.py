@@ -49,7 +49,7 @@ def grade(tmp_path, monkeypatch):
 def test_a_good_agent_has_all_points(grade):
     result = grade("nearest", "--json", "out/grades.json", "--junit", "out/grades.xml")
     assert result.exit_code == 0, result.output
-    assert result.output.endswith("Exercise 1: nearest has 3 of 3 points\n")
+    assert result.stdout.endswith("Exercise 1: nearest has 3 of 3 points\n")
     grades = json.loads(Path("out/grades.json").read_text())
     assert (grades["agent"], grades["points"], grades["possible"]) == ("nearest", 3.0, 3.0)
     assert [test["test"] for test in grades["tests"]] == ["alone", "against one that holds"]
@@ -115,7 +115,7 @@ def test_a_bad_agent_has_none_and_is_told_why_and_what_to_read(grade):
 def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(grade):
     spec = SPEC.replace("matches = 2", "matches = 5")
     result = grade(BAD / "crashes.py", "--max-forfeits", "3", "--json", "grades.json", spec=spec)
-    assert result.output.count("FORFEIT_OUT: it had forfeited 3 matches in a row; 2 more were not played") == 2
+    assert result.stdout.count("FORFEIT_OUT: it had forfeited 3 matches in a row; 2 more were not played") == 2
     assert [test["matches"] for test in json.loads(Path("grades.json").read_text())["tests"]] == [3, 3]
     assert "FORFEIT_OUT" not in grade(BAD / "crashes.py", "--max-forfeits", "0", spec=spec).output
 
@@ -161,7 +161,7 @@ def test_one_that_cannot_begin_fails_every_test(grade, tmp_path):
     (tmp_path / "mine.py").write_text("class Agent\n")
     result = grade("mine.py")
     assert result.exit_code == 1
-    assert result.output.count("FORFEIT_INIT before the first step: ") == 2
+    assert result.stdout.count("FORFEIT_INIT before the first step: ") == 2
 
 
 def test_what_is_missed_is_measured_and_hinted_at(grade, tmp_path):

@@ -82,10 +82,10 @@ def test_parts_stand_in_the_order_of_the_rulebook():
     """They are named one by one."""
     env = parallel_env("standard")
     env.reset(seed=5)
-    env._engine.parts[0] = range(6)
+    env._engine.parts[0] = range(7)
 
     assert list(env._observations_and_infos(env.agents)[1]["hunter_0"]["reward_parts"].items()) == list(
-        zip(PART_NAMES, range(6), strict=True)
+        zip(PART_NAMES, range(7), strict=True)
     )
 
 

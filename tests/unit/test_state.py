@@ -74,9 +74,11 @@ def test_every_row_has_one_owner():
     assert HUNTER.index("COSINE") + 1 == state.BODY_ROWS
 
 
+@pytest.mark.parametrize("period_ms", [100, 101, 134, 250])  # whose multiples in seconds float32 rounds up and down
 @pytest.mark.parametrize("config", SCENARIOS.values(), ids=SCENARIOS)
-def test_the_layout_has_a_column_for_each_number_that_the_oracle_sees(config):
+def test_the_layout_has_a_column_for_each_number_that_the_oracle_sees(config, period_ms):
     """R7.1; and each number lies within its column's bounds, also when time has passed and something is caught."""
+    config = config.replace(control_period_ms=period_ms, time_limit_s=30 * period_ms / 1000)
     oracle = OracleArena(config.to_dict())
     oracle.reset(1)
     table = columns(config)

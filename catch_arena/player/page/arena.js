@@ -1,6 +1,7 @@
 /** @typedef {import("./replay.js").Replay} Replay */
 /** @typedef {import("./replay.js").Body} Body */
 /** @typedef {import("./replay.js").Hunter} Hunter */
+/** @typedef {import("./replay.js").Target} Target */
 /** @typedef {import("./replay.js").Ruling} Ruling */
 /** @typedef {import("./replay.js").Contest} Contest */
 /** @typedef {{ x: number, y: number }} Point in metres, upwards */
@@ -18,6 +19,8 @@
  * @property {string} ink
  * @property {number} hunterLength in metres
  * @property {number} targetLength in metres
+ * @property {number} preyLength in metres
+ * @property {number} preyPieces of its ring
  * @property {number} margin part of the side
  * @property {[own: number, white: number, points: [number, number][]][]} turtle
  */
@@ -73,7 +76,8 @@ export class Painter {
     this.#ground(scene);
     if (viewed && picked !== null && !replay.withdrawn(picked, time)) this.#view(scene, picked);
     for (const target of replay.alive(time)) {
-      if (target.moves) this.#trail(scene, target, this.look.targetTrail, 0.06 * scene.length, 1);
+      if (target.prey !== null) this.#trail(scene, target, this.look.target, 0.1 * scene.length, 1);
+      else if (target.moves) this.#trail(scene, target, this.look.targetTrail, 0.06 * scene.length, 1);
     }
     replay.hunters.forEach((hunter, seat) => {
       this.#trail(scene, hunter, hunter.color, 0.1 * scene.length, picked === null || picked === seat ? 1 : 4);
@@ -82,7 +86,8 @@ export class Painter {
     replay.hunters.forEach((_, seat) => this.#hunter(scene, seat));
     const recent = replay.rulings.filter((ruling) => ruling.time < time && time - ruling.time < LASTS_MS);
     for (const ruling of recent) this.#ruling(scene, ruling, calm);
-    replay.hunters.forEach((hunter, seat) => this.#number(scene, seat, replay.pose(hunter, time)));
+    this.#preyNumbers(scene);
+    replay.hunters.forEach((hunter, seat) => this.#number(scene, String(seat), replay.pose(hunter, time), false));
   }
 
   /**
@@ -97,7 +102,7 @@ export class Painter {
     const scene = this.#scene(canvas, replay, contest.time, view, null);
     const { context, scale, dots, place, length } = scene;
     this.#ground(scene);
-    this.#targets(scene);
+    this.#targets(scene, true);
     context.globalAlpha = 0.35;
     for (const seat of contest.parties) {
       const { color } = replay.hunters[seat];
@@ -141,13 +146,71 @@ export class Painter {
     return { context, replay, time, size, scale, dots, place, length, picked };
   }
 
-  /** @param {Scene} scene */
-  #targets(scene) {
+  /**
+   * @param {Scene} scene
+   * @param {boolean} [bare] whether prey has no ring
+   */
+  #targets(scene, bare = false) {
     const { replay, time, length } = scene;
     const small = (length * this.look.targetLength) / this.look.hunterLength;
     for (const target of replay.alive(time)) {
-      this.#turtle(scene, replay.pose(target, time), small, this.look.target, 0.6);
+      if (target.prey === null) this.#turtle(scene, replay.pose(target, time), small, this.look.target, 0.6);
+      else this.#prey(scene, target, target.prey, bare);
     }
+  }
+
+  /**
+   * A target that somebody plays: larger and darker than the others, and in a ring that reaches for nothing.
+   * @param {Scene} scene
+   * @param {Target} target
+   * @param {number} index
+   * @param {boolean} bare whether it has no ring
+   */
+  #prey(scene, target, index, bare) {
+    const { context, replay, time, place } = scene;
+    const length = (scene.length * this.look.preyLength) / this.look.hunterLength;
+    const pose = replay.pose(target, time);
+    const gone = replay.withdrawn(replay.hunters.length + index, time);
+    if (!gone && !bare) {
+      const [x, y] = place(pose);
+      context.strokeStyle = mixed("#ffffff", "#ffffff", 0, 0.9);
+      context.lineWidth = Math.max(1.5 * scene.dots, 0.05 * length);
+      this.#ring(scene, x, y, 0.62 * length, this.look.preyPieces);
+    }
+    context.globalAlpha = gone ? 0.55 : 1;
+    this.#turtle(scene, pose, length, gone ? mixed(this.look.target, this.look.ink, 0.5) : this.look.target, 1);
+    context.globalAlpha = 1;
+  }
+
+  /** @param {Scene} scene */
+  #preyNumbers(scene) {
+    const { replay, time } = scene;
+    for (const target of replay.alive(time)) {
+      if (target.prey !== null) this.#number(scene, `P${target.prey}`, replay.pose(target, time), true);
+    }
+  }
+
+  /**
+   * A circle's line in so many pieces.
+   * @param {Scene} scene
+   * @param {number} x
+   * @param {number} y
+   * @param {number} radius in dots
+   * @param {number} pieces
+   */
+  #ring({ context }, x, y, radius, pieces) {
+    const piece = (2 * Math.PI * radius) / pieces;
+    const gap = Math.max(3, Math.min(0.3 * piece, 6 * context.lineWidth));
+    if (pieces > 1) {
+      context.lineCap = "butt";
+      context.setLineDash([piece - gap, gap]);
+      context.lineDashOffset = (piece - gap) / 2;
+    }
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.stroke();
+    context.setLineDash([]);
+    context.lineDashOffset = 0;
   }
 
   /**
@@ -275,9 +338,9 @@ export class Painter {
       context.arc(x, y, hunter.reach * scale, 0, 2 * Math.PI);
       context.fillStyle = mixed(hunter.color, "#ffffff", 0.55, 0.14);
       context.fill();
-      context.lineWidth = (picked === seat ? 3 : 1.3) * dots;
+      context.lineWidth = (picked === seat ? 3 : hunter.pieces > 1 ? 2 : 1.3) * dots;
       context.strokeStyle = picked === seat ? "#ffffff" : mixed(hunter.color, "#ffffff", 0.55, 0.85);
-      context.stroke();
+      this.#ring(scene, x, y, hunter.reach * scale, hunter.pieces);
       this.#heading(scene, hunter, pose);
     }
     context.globalAlpha = gone ? 0.55 : 1;
@@ -383,21 +446,23 @@ export class Painter {
   }
 
   /**
+   * Bright and outlined dark on a hunter, and the other way round on prey.
    * @param {Scene} scene
-   * @param {number} seat
+   * @param {string} text
    * @param {Pose} pose
+   * @param {boolean} hunted
    */
-  #number({ context, place, length, dots }, seat, pose) {
+  #number({ context, place, length, dots }, text, pose, hunted) {
     const [x, y] = place(pose);
     context.font = `800 ${Math.max(10 * dots, 0.36 * length)}px system-ui, sans-serif`;
     context.textAlign = "center";
     context.textBaseline = "middle";
     context.lineJoin = "round";
     context.lineWidth = 0.11 * length;
-    context.strokeStyle = this.look.ink;
-    context.strokeText(String(seat), x, y);
-    context.fillStyle = "#ffffff";
-    context.fillText(String(seat), x, y);
+    context.strokeStyle = hunted ? "#ffffff" : this.look.ink;
+    context.strokeText(text, x, y);
+    context.fillStyle = hunted ? this.look.ink : "#ffffff";
+    context.fillText(text, x, y);
   }
 
   /**

@@ -33,6 +33,8 @@ function make(tag, properties = {}, ...children) {
 const seconds = (time, digits = 1) => `${(time / 1000).toFixed(digits)} s`;
 /** @param {number | null} micrometres */
 const metres = (micrometres) => (micrometres === null ? "not measured" : `${(micrometres / 1e6).toFixed(6)} m`);
+/** @param {{ caught: number, out: boolean }} prey */
+const plight = ({ caught, out }) => `${out ? "out, " : ""}caught ${caught}`;
 /** @param {string} verdict */
 const words = (verdict) => verdict.toLowerCase().replaceAll("_", " ");
 
@@ -64,7 +66,9 @@ export class CatchReplay extends HTMLElement {
   calm = matchMedia("(prefers-reduced-motion: reduce)");
 
   arena = make("canvas", { className: "arena", tabIndex: 0, role: "img" });
+  teams = make("ol", { className: "teams", ariaLabel: "Teams" });
   cast = make("ol", { className: "cast", ariaLabel: "Hunters" });
+  hunted = make("ol", { className: "cast", ariaLabel: "Prey" });
   note = make("p", { className: "note" });
   closeUp = make("canvas", { className: "close-up", role: "img" });
   claims = make("ol", { className: "claims" });
@@ -213,7 +217,9 @@ export class CatchReplay extends HTMLElement {
       make(
         "div",
         { className: "aside" },
+        this.teams,
         this.cast,
+        this.hunted,
         this.note,
         this.contest,
         make(
@@ -235,14 +241,32 @@ export class CatchReplay extends HTMLElement {
    * The hunters' list: each line picks one.
    * @param {Replay} replay
    */
-  #cast({ hunters, duration, period, title, seed, contests, view }) {
+  #cast({ hunters, teams, prey, duration, period, title, seed, contests, view }) {
+    this.teams.replaceChildren(
+      ...(teams ?? []).map(({ name, color }) => {
+        const line = make("li", {}, make("span", { className: "name", textContent: name }), make("b"));
+        line.style.borderColor = color;
+        return line;
+      }),
+    );
+    this.hunted.replaceChildren(
+      ...prey.map(({ name }, index) =>
+        make(
+          "li",
+          { className: "prey" },
+          chip(`P${index}`, CatchReplay.look.target),
+          make("span", { className: "name", textContent: name }),
+          make("span", { className: "score" }),
+        )
+      ),
+    );
     this.cast.replaceChildren(
       ...hunters.map(({ name, color }, seat) => {
         const score = make("span", { className: "score" });
         const line = make(
           "button",
           { type: "button", onclick: () => this.pick(this.picked === seat ? null : seat) },
-          chip(seat, color),
+          chip(String(seat), color),
           make("span", { className: "name", textContent: name }),
           score,
         );
@@ -294,6 +318,10 @@ export class CatchReplay extends HTMLElement {
     this.painter.strip(this.strip, replay, picked);
     const scores = replay.scores(time);
     this.cast.querySelectorAll(".score").forEach((node, seat) => (node.textContent = String(scores[seat])));
+    const teamScores = replay.teamScores(time);
+    this.teams.querySelectorAll("b").forEach((node, team) => (node.textContent = String(teamScores[team])));
+    const hunted = replay.hunted(time);
+    this.hunted.querySelectorAll(".score").forEach((node, index) => (node.textContent = plight(hunted[index])));
     this.clock.textContent = `${seconds(time)} of ${seconds(replay.duration, 0)}`;
     this.scrub.value = String(time);
     this.scrub.ariaValueText = this.clock.textContent;
@@ -314,7 +342,9 @@ export class CatchReplay extends HTMLElement {
       this.note.textContent = `No contest${who}: in no step could two catch the same target.`;
     } else if (contest) {
       const which = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${who}`;
-      this.note.textContent = `${which}, step ${contest.state + 1} (${contest.clause})`;
+      const { prey } = contest.place;
+      const whose = prey === null ? "" : `, P${prey}`;
+      this.note.textContent = `${which}${whose}, step ${contest.state + 1} (${contest.clause})`;
     } else {
       const count = contests.length === 1 ? "1 contest" : `${contests.length} contests`;
       this.note.textContent = `${count}${who}, the first at ${seconds(contests[0].time)}`;
@@ -343,7 +373,7 @@ export class CatchReplay extends HTMLElement {
       make(
         "span",
         { className: "who" },
-        chip(seat, color),
+        chip(String(seat), color),
         make("span", { className: "name", textContent: name }),
         make("span", { className: "verdict", textContent: words(verdict) }),
       ),
@@ -356,8 +386,17 @@ export class CatchReplay extends HTMLElement {
   #describe() {
     if (!this.replay) return;
     const scores = this.replay.scores(this.time);
-    const told = this.replay.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ");
-    this.arena.ariaLabel = `The arena at ${seconds(this.time)}. Catches: ${told}.`;
+    const told = [`Catches: ${this.replay.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ")}.`];
+    const { teams, prey } = this.replay;
+    if (teams) {
+      const sums = this.replay.teamScores(this.time);
+      told.unshift(`Teams: ${teams.map(({ name }, team) => `${name} ${sums[team]}`).join(", ")}.`);
+    }
+    if (prey.length) {
+      const hunted = this.replay.hunted(this.time);
+      told.push(`Prey: ${prey.map(({ name }, index) => `${name} ${plight(hunted[index])}`).join(", ")}.`);
+    }
+    this.arena.ariaLabel = `The arena at ${seconds(this.time)}. ${told.join(" ")}`;
   }
 
   /** @param {KeyboardEvent} event */
@@ -402,12 +441,12 @@ export class CatchReplay extends HTMLElement {
 }
 
 /**
- * A hunter's number in its colour.
- * @param {number} seat
+ * An agent's number in its colour.
+ * @param {string} number
  * @param {string} color
  */
-function chip(seat, color) {
-  const node = make("span", { className: "chip", textContent: String(seat), ariaHidden: "true" });
+function chip(number, color) {
+  const node = make("span", { className: "chip", textContent: number, ariaHidden: "true" });
   node.style.background = color;
   node.style.color = inkOn(color);
   return node;

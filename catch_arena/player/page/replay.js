@@ -9,9 +9,11 @@
  * @property {number} grid parts of the side
  * @property {number} turn parts of a full turn
  * @property {Sight | null} view what hunters see; null where they see everything
- * @property {{ name: string, color: string, reach: number }[]} hunters by seat; reach in metres
+ * @property {Cast[]} hunters by seat
+ * @property {Team[] | null} teams null where each hunter is for itself
+ * @property {{ name: string, targets: number[] }[]} prey by index, and the numbers of the targets that it played
  * @property {[number: number, first: number, length: number][]} targets each one's number, and the states that it was in
- * @property {[step: number, seat: number][]} withdrawals
+ * @property {[step: number, agent: number][]} withdrawals agents are the hunters by seat, then the prey by index
  * @property {[state: number, seat: number, verdict: string, number: number | null][]} rulings
  * @property {Judged[]} contests
  */
@@ -26,6 +28,9 @@
  * @property {string} sentence
  */
 
+/** @typedef {{ name: string, color: string, reach: number, pieces: number }} Cast reach in metres, a ring in pieces */
+/** @typedef {{ name: string, color: string, seats: number[] }} Team */
+
 /** @typedef {[seat: number, verdict: string, micrometres: number | null]} Claim */
 
 /** @typedef {{ radius: number | null, angle: number }} Sight how far one sees, in metres, and how wide, in degrees */
@@ -35,8 +40,9 @@
  * @typedef {{ first: number, last: number, x: Float32Array, y: Float32Array, theta: Float32Array }} Body
  */
 
-/** @typedef {Body & { name: string, color: string, reach: number }} Hunter */
-/** @typedef {Body & { number: number, moves: boolean }} Target */
+/** @typedef {Body & Cast} Hunter */
+/** @typedef {Body & { number: number, moves: boolean, prey: number | null }} Target prey: which plays it */
+/** @typedef {{ name: string, lives: Target[] }} Prey */
 /** @typedef {{ time: number, seat: number, verdict: string, target: Target | null }} Ruling */
 /** @typedef {Judged & { time: number, parties: number[], place: Target }} Contest */
 
@@ -129,14 +135,25 @@ export class Replay {
       return { first, last: first + length - 1, x, y, theta };
     };
     /** @type {Hunter[]} */
-    this.hunters = facts.hunters.map(({ name, color, reach }) => ({ name, color, reach, ...body(0, this.steps + 1) }));
+    this.hunters = facts.hunters.map((one) => ({ ...one, ...body(0, this.steps + 1) }));
     /** @type {Target[]} */
     this.targets = facts.targets.map(([number, first, length]) => {
       const track = body(first, length);
       const moves = track.x.some((x, state) => x !== track.x[0] || track.y[state] !== track.y[0]);
-      return { number, moves, ...track };
+      return { number, moves, prey: null, ...track };
     });
     const numbered = new Map(this.targets.map((target) => [target.number, target]));
+    this.teams = facts.teams;
+    /** @type {Prey[]} */
+    this.prey = facts.prey.map(({ name, targets }, index) => {
+      const lives = targets.map((number) => {
+        const target = numbered.get(number);
+        if (!target) throw damaged(`prey[${index}] plays target ${number}, which it does not have`);
+        target.prey = index;
+        return target;
+      });
+      return { name, lives };
+    });
     /** @type {Ruling[]} */
     this.rulings = facts.rulings.map(([state, seat, verdict, number], index) => {
       const target = number === null ? null : numbered.get(number);
@@ -200,11 +217,33 @@ export class Replay {
   }
 
   /**
-   * @param {number} seat
+   * Each team's catches before an instant; none where there are no teams.
    * @param {number} time
    */
-  withdrawn(seat, time) {
-    return this.withdrawals.some(([step, who]) => who === seat && step * this.period <= time);
+  teamScores(time) {
+    const scores = this.scores(time);
+    return (this.teams ?? []).map(({ seats }) => seats.reduce((sum, seat) => sum + scores[seat], 0));
+  }
+
+  /**
+   * How often each prey was caught before an instant, and whether it is out then.
+   * @param {number} time
+   */
+  hunted(time) {
+    const alive = new Set(this.alive(time).map(({ prey }) => prey));
+    return this.prey.map(({ lives }, index) => ({
+      caught: lives.filter(({ last }) => last < this.steps && last * this.period < time).length,
+      out: !alive.has(index),
+    }));
+  }
+
+  /**
+   * Whether an agent is, where those count the hunters by seat and then the prey by index.
+   * @param {number} agent
+   * @param {number} time
+   */
+  withdrawn(agent, time) {
+    return this.withdrawals.some(([step, who]) => who === agent && step * this.period <= time);
   }
 
   /**
@@ -237,6 +276,12 @@ function check(facts) {
   const isState = (value) => isCount(value) && value <= facts.steps;
   /** @type {Fits} */
   const isSeat = (value) => isCount(value) && value < facts.hunters.length;
+  /** @type {Fits} */
+  const isAgent = (value) => isCount(value) && value < facts.hunters.length + facts.prey.length;
+  /** @type {Fits} */
+  const isColor = (value) => /^#[\da-f]{6}$/.test(value);
+  /** @type {(fits: Fits) => Fits} */
+  const isListOf = (fits) => (value) => Array.isArray(value) && value.every(fits);
   /** @type {(value: any, most: number) => boolean} */
   const isWithin = (value, most) => Number.isFinite(value) && value >= 0 && value <= most;
   /** @type {Fits} */
@@ -260,15 +305,18 @@ function check(facts) {
   const lists = [
     [
       "hunters",
-      (one) => isText(one?.name) && /^#[\da-f]{6}$/.test(one.color) && isWithin(one.reach, FARTHEST),
-      "a name, a colour and a reach",
+      (one) =>
+        isText(one?.name) && isColor(one.color) && isWithin(one.reach, FARTHEST) && isCount(one.pieces) &&
+        one.pieces > 0,
+      "a name, a colour, a reach and a ring's pieces",
     ],
+    ["prey", (one) => isText(one?.name) && isListOf(isCount)(one.targets), "a name and the numbers of its targets"],
     [
       "targets",
       (row) => isRow(isCount, isState, isCount)(row) && row[2] > 0 && row[1] + row[2] <= facts.steps + 1,
       "a number, the first of its states, and how many it has",
     ],
-    ["withdrawals", isRow(isState, isSeat), "a step and a seat"],
+    ["withdrawals", isRow(isState, isAgent), "a step and an agent"],
     [
       "rulings",
       isRow(isState, isSeat, isText, isNumberOrNull),
@@ -277,8 +325,7 @@ function check(facts) {
     [
       "contests",
       (one) =>
-        isState(one?.state) && [one.target, one.clause, one.sentence].every(isText) && Array.isArray(one.claims) &&
-        one.claims.every(isClaim),
+        isState(one?.state) && [one.target, one.clause, one.sentence].every(isText) && isListOf(isClaim)(one.claims),
       "a state, a target, a clause, claims and a sentence",
     ],
   ];
@@ -287,4 +334,12 @@ function check(facts) {
     must(Array.isArray(list), field, list, "a list");
     for (const [index, one] of list.entries()) must(fits(one), `${field}[${index}]`, one, requirement);
   }
+  /** @type {Fits} */
+  const isTeam = (one) => isText(one?.name) && isColor(one.color) && isListOf(isSeat)(one.seats);
+  must(
+    facts.teams === null || isListOf(isTeam)(facts.teams),
+    "teams",
+    facts.teams,
+    "names, colours and seats, or null",
+  );
 }

@@ -3,10 +3,12 @@
 /** @typedef {typeof import("../../player/page/player.js").CatchReplay} CatchReplay */
 
 /**
- * The matches of a tournament in columns, as page.py writes them; what is by seat stands match after match.
+ * The matches of a tournament in columns, as page.py writes them; what is by party (a team, a hunter where there are
+ * none, or a prey) stands match after match.
  * @typedef {object} Columns
  * @property {string[]} names of the agents
- * @property {number} seats in a match
+ * @property {number} seats parties in a match
+ * @property {number} hunting how many of these hunt; the others are prey
  * @property {string[]} ids
  * @property {number[]} recorded 1 or 0
  * @property {number[]} seating an agent by its place in `names`
@@ -65,7 +67,7 @@ class Matches {
   /** @type {Record<string, [bundle: string, why: string]>} by a match's id */
   bundles = JSON.parse(at("films").textContent);
   /** @type {Columns} */
-  data = { names: [], seats: 0, ids: [], recorded: [], seating: [], scores: [], ranks: [] };
+  data = { names: [], seats: 0, hunting: 0, ids: [], recorded: [], seating: [], scores: [], ranks: [] };
   /** The first one of the list's page. */
   first = 0;
   /** The id of the one that is shown. */
@@ -120,14 +122,15 @@ class Matches {
 
   /** @param {number} index */
   line(index) {
-    const { ids, names, seating, scores, ranks, seats, recorded } = this.data;
+    const { ids, names, seating, scores, ranks, seats, hunting, recorded } = this.data;
     const id = ids[index];
     const line = document.createElement("li");
     /** @type {(className: string, text: string) => HTMLSpanElement} */
     const part = (className, text) => Object.assign(document.createElement("span"), { className, textContent: text });
     const cast = part("seats-of", "");
     for (let seat = index * seats; seat < (index + 1) * seats; seat++) {
-      cast.append(part(ranks[seat] === 1 ? "first" : "", `${names[seating[seat]]} ${scores[seat]}`));
+      const who = `${names[seating[seat]]} ${scores[seat]}`;
+      cast.append(part(ranks[seat] === 1 ? "first" : "", seat % seats < hunting ? who : `prey ${who}`));
     }
     const name = part("id", id);
     const why = this.bundles[id]?.[1];

@@ -9,6 +9,7 @@ from typing import Final
 
 from catch_arena.tournament.entrants import is_shipped
 from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
 from catch_arena.tournament.store import store_bytes
 
@@ -58,7 +59,8 @@ def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay |
     if worker.limits is None or not isolated:
         return None
     init_s, step_s, bank_s = worker.limits.init_s, worker.limits.step_ms / 1000.0, worker.limits.bank_s
-    in_blocks = -(-max_forfeits // worker.config.hunters) * worker.config.hunters
+    in_block = Parties.of(worker.config).block_size
+    in_blocks = -(-max_forfeits // in_block) * in_block
     return WorstDelay(
         agents=len(isolated),
         hanging_s=init_s + step_s + bank_s,
@@ -87,7 +89,7 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost:
     finally:
         worker.close()
     tried = len(sizes)
-    return Cost(seconds / tried, store_bytes(worker.config.hunters), sum(sizes) // tried, tried, forfeits)
+    return Cost(seconds / tried, store_bytes(len(Parties.of(worker.config))), sum(sizes) // tried, tried, forfeits)
 
 
 def match_counts(plan: FixedPlan, entrants: int) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -95,10 +97,10 @@ def match_counts(plan: FixedPlan, entrants: int) -> tuple[tuple[int, int], tuple
     played = [0] * entrants
     met: Counter[tuple[int, ...]] = Counter()
     for block in plan.blocks():
-        group = sorted(block[0].seating)
-        for one in group:
-            played[one] += len(block)
-        for pair in combinations(group, 2):
-            met[pair] += len(block)
+        for match in block:
+            group = sorted(match.seating)
+            for one in group:
+                played[one] += 1
+            met.update(combinations(group, 2))
     together = [met[pair] for pair in combinations(range(entrants), 2)] or [0]
     return (min(played), max(played)), (min(together), max(together))

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.match import Block, PlayedMatch
+from catch_arena.tournament.match import Block, PlayedMatch, players_of
 from catch_arena.tournament.players import Fault
 
 _MOST_SABOTAGED: Final = 2
@@ -24,7 +24,7 @@ class ForfeitStreaks:
         most: how many exclude an entrant, 0 for none.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a number below 0.
     """
 
     def __init__(self, most: int) -> None:
@@ -62,7 +62,8 @@ class ForfeitStreaks:
 
     def excluded_from(self, block: Block) -> Mapping[int, Fault]:
         """Which entrants of a block are excluded, and why, as far as the blocks that were added tell."""
-        return {index: why for index, why in self._excluded.items() if index in block[0].seating}
+        players = players_of(block)
+        return {index: why for index, why in self._excluded.items() if index in players}
 
     def _exclude(self, index: int, why: str) -> None:
         self._excluded.setdefault(index, Fault("FORFEIT_OUT", why))
@@ -77,7 +78,7 @@ class ForfeitStreaks:
             return True
         doubtful = {
             index
-            for index in block[0].seating
+            for index in players_of(block)
             if index not in self._excluded and (self._forfeited[index] or index not in self._finished)
         }
         begun = Counter(index for other in before for match in other for index in match.seating if index in doubtful)

@@ -91,7 +91,7 @@ def play_plan(
         on_results: called with what was played before, and then with the matches of each block.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for max_forfeits below 0.
         NoContest: for a match that could not be held, or whose worker was lost, time and again.
         AgentError: for an agent that another machine has not.
         OutputError: for logs and replays that cannot be written.

@@ -15,7 +15,8 @@ from catch_arena.tournament.isolation.apart import Sabotage
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import is_suspect, play_apart, play_together
-from catch_arena.tournament.match import Block, Match, MatchResult, PlayedMatch
+from catch_arena.tournament.match import Block, Match, MatchResult, PlayedMatch, players_of
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Fault
 
 _DIGEST_BYTES: Final = 16
@@ -46,7 +47,7 @@ class Worker:
         """Whose processes run in a block, and could do harm: the indices of isolated entrants that are started."""
         if self.limits is None:
             return []
-        return [index for index in block[0].seating if index not in excluded and is_suspect(self.entrants[index])]
+        return [index for index in players_of(block) if index not in excluded and is_suspect(self.entrants[index])]
 
     def play(self, matches: Iterable[Match], excluded: Excluded = MappingProxyType({})) -> list[RecordedMatch]:
         """One match after the other.
@@ -76,12 +77,14 @@ class Worker:
             NoContest: for a match that could not be held, time and again.
         """
         played = []
+        parties = Parties.of(self.config)
         for match in matches:
-            by_seat = partial(_tell_index, on_turn, match.seating)
+            seating = parties.to_seats(match.seating)
+            by_seat = partial(_tell_index, on_turn, seating)
             try:
                 played.append(self._recorded(match, excluded, partial(play_apart, on_turn=by_seat, disks=disks)))
             except Sabotage as found:
-                raise Sabotage(match.seating[found.who], found.what) from None
+                raise Sabotage(seating[found.who], found.what) from None
         return played
 
     def close(self) -> None:
@@ -96,7 +99,7 @@ class Worker:
             match.seed,
             [self.entrants[index] for index in match.seating],
             self.sandbox,
-            excluded={seat: excluded[index] for seat, index in enumerate(match.seating) if index in excluded},
+            excluded={party: excluded[index] for party, index in enumerate(match.seating) if index in excluded},
             agent_seeds=match.agent_seeds,
             title=f"match {match.id}",
             record=replay,

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from catch_arena.errors import NoContest, Stalled
 from catch_arena.files import is_full
-from catch_arena.policy import Limits
+from catch_arena.policy import AnyLimits
 from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation.freezer import Freezer
 from catch_arena.tournament.isolation.isolated_players import IsolatedPlayers
@@ -106,7 +106,7 @@ class ApartPlayers:
         self._on_turn = on_turn
         self._disks = [_Disk(name, folder) for name, folder in disks.items()]
 
-    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match."""
         faults: dict[int, Fault] = {}
         for seat, one in self._seats.items():

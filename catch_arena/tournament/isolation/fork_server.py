@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.errors import AgentError, reason
-from catch_arena.policy import Limits, Policy, View
-from catch_arena.tournament.entrants import agent_class, command_of, create_policy, source_of
+from catch_arena.policy import Policy, PreyPolicy, Side
+from catch_arena.tournament.entrants import agent_class, command_of, create_policy, look_for_prey, source_of
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.folders import empty
 from catch_arena.tournament.isolation.limits import AgentLimits
@@ -79,7 +79,7 @@ def serve(channel: socket.socket, *, namespaced: bool = False) -> None:
                 die_with(parent)
                 limit_cpu(limits.cpu_s)
                 if command is None:
-                    _become_python(spec, into, out, log)
+                    _become_python(spec, message["side"], into, out, log)
                 else:
                     _become_command(command, into, out, log)
             finally:
@@ -93,22 +93,32 @@ def serve(channel: socket.socket, *, namespaced: bool = False) -> None:
         received = protocol.receive(channel)
 
 
-def speak_for(policy: Policy, lines: BufferedReader, answers: BufferedWriter) -> None:
-    """Our side of the protocol for a Python class; what it raises is told in one line, and its traceback printed."""
+def speak_for(
+    policy: Policy | PreyPolicy, lines: BufferedReader, answers: BufferedWriter, prey: tuple[bool, str | None]
+) -> None:
+    """Our side of the protocol for a Python class; what it raises is told in one line, and its traceback printed.
+
+    Args:
+        policy: an instance for this match.
+        lines: what it reads.
+        answers: where its answers go.
+        prey: what `look_for_prey` says of it.
+    """
     doing = "init"
     try:
         lines.readline()  # hello
-        _send(answers, protocol.line(control=getattr(policy, "control", "target"), source=source_of(policy)))
+        said = {"control": getattr(policy, "control", "target"), "source": source_of(policy)}
+        _send(answers, protocol.line(**said, prey=prey[0], prey_fault=prey[1]))
         if not (line := lines.readline()):
             return
         doing = "reset"
         message = json.loads(line)["reset"]
-        limits = Limits(**message["limits"])
+        limits = protocol.limits_in(message)
         policy.reset(message["seed"])
         _send(answers, protocol.line(ready=True))
         doing = "act"
         while (seen := protocol.read_record(lines)) is not None:
-            action = policy.act(View(*seen, limits))
+            action = policy.act(limits.view(*seen))  # type: ignore[arg-type]  # its limits are of its side
             _send(answers, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
     except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
         theirs = error.__traceback__ and error.__traceback__.tb_next  # without our own frame
@@ -165,15 +175,15 @@ def _import(spec: str, out: int) -> None:
         os._exit(1)
 
 
-def _become_python(spec: str, into: int, out: int, log: int) -> None:
+def _become_python(spec: str, side: Side, into: int, out: int, log: int) -> None:
     _keep_only((os.open(os.devnull, os.O_RDONLY), log, log, into, out))
     with os.fdopen(_INTO, "rb") as lines, os.fdopen(_OUT, "wb") as answers:
         try:
-            policy = create_policy(spec)
+            policy = create_policy(spec, side)
         except AgentError as error:
             _report(error, answers)
         else:
-            speak_for(policy, lines, answers)
+            speak_for(policy, lines, answers, look_for_prey(spec))
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)

@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple, get_args
 
 from catch_arena.config import Control, require_choice
 from catch_arena.errors import ConfigError, NoContest, Stalled
-from catch_arena.policy import Limits
+from catch_arena.policy import AnyLimits
 from catch_arena.text import in_short, one_line
 from catch_arena.tournament.entrants import Entrant, Inspection, command_of
 from catch_arena.tournament.isolation import protocol
@@ -63,13 +63,15 @@ class IsolatedPlayers:
         self.doubts: list[str] = []
         """Faults that somebody else may have caused: a process that was killed, a full disk."""
 
-    def reset(self, seeds: Sequence[int], limits: Sequence[Limits]) -> dict[int, Fault]:
+    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match; all that comes before the first view counts as init."""
         faults: dict[int, str] = {}
         greeted = self._greet(self._entrants)
         for seat, reply in greeted.items():
             if reply.fault is not None:
                 faults[seat] = reply.fault.reason
+            elif self._entrants[seat].side == "prey":  # whose control is not up to it (R12.2)
+                continue
             elif (control := _control_in(reply)) != self.controls[seat]:
                 faults[seat] = f"says that its control is {in_short(control)}, and said {self.controls[seat]!r} before"
         lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
@@ -104,7 +106,9 @@ class IsolatedPlayers:
         except ConfigError as error:
             return Inspection(fault=str(error), log=log)
         named = isinstance(source, str) and Path(source).is_file()  # a stranger's code may say anything
-        return Inspection(control, source if named else None, log=log)
+        why = reply.said.get("prey_fault")
+        prey_fault = why if why is None or isinstance(why, str) else in_short(why)
+        return Inspection(control, source if named else None, None, log, reply.said.get("prey") is True, prey_fault)
 
     def drop(self, seat: int) -> None:
         """End that agent, and all that it started."""

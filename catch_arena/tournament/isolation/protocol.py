@@ -14,7 +14,7 @@ from io import BufferedReader
 from struct import Struct
 from typing import Any, Final
 
-from catch_arena.policy import Limits
+from catch_arena.policy import AnyLimits, Limits, PreyLimits
 
 VERSION: Final = 1
 HELLO: Final = b'{"hello":%d}\n' % VERSION
@@ -30,9 +30,14 @@ def line(**message: Any) -> bytes:
     return _encoded(message).encode() + b"\n"
 
 
-def reset_line(seed: int, limits: Limits) -> bytes:
+def reset_line(seed: int, limits: AnyLimits) -> bytes:
     """What begins a match."""
-    return line(reset={"seed": seed, "limits": asdict(limits)})
+    return line(reset={"seed": seed, "side": limits.side, "limits": asdict(limits)})
+
+
+def limits_in(reset: dict[str, Any]) -> AnyLimits:
+    """The limits in that line."""
+    return (PreyLimits if reset["side"] == "prey" else Limits)(**reset["limits"])
 
 
 def view_line(observation: Sequence[float], mask: Sequence[int]) -> bytes:

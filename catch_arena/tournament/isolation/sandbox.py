@@ -226,7 +226,7 @@ class Sandbox:
         server = self._servers.get(_key(entrant))
         if server is not None:
             try:
-                protocol.send(server.channel, files, play=str(folder))
+                protocol.send(server.channel, files, play=str(folder), side=entrant.side)
             except OSError:  # it has ended since its last match
                 self.end(entrant)
                 server = None
@@ -234,7 +234,7 @@ class Sandbox:
             server = self._start_server(self._supervisor, entrant.spec)
             with suppress(OSError):  # whether it has ended already, its pipes will show
                 whom = {"serve": entrant.spec, "limits": self.limits.numbers()}
-                protocol.send(server.channel, files, play=str(folder), **whom)
+                protocol.send(server.channel, files, play=str(folder), side=entrant.side, **whom)
         server.busy = True
         self._servers.pop(_key(entrant), None)
         self._servers[_key(entrant)] = server  # the last one: those that have waited longest are ended first

@@ -5,6 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeVar
@@ -17,7 +18,8 @@ from catch_arena.tournament.isolation.isolated_players import IsolatedPlayers
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.newcomers import no_newcomers_left
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import MatchResult, play
+from catch_arena.tournament.match import MatchResult, agent_seed, play
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import AbsentPlayers, CompositePlayers, Fault, Players, TrustedPlayers
 
 _PAUSES_S: Final = (0.0, 1.0, 5.0)
@@ -89,13 +91,13 @@ def play_entrants(
     sandbox: Sandbox | None,
     **options: Any,
 ) -> MatchResult:
-    """One match of these entrants, by seat; where we failed to hold it, it is played again with isolated agents apart,
+    """One match of these entrants, by party; where we failed to hold it, it is played again with isolated agents apart,
     and without those who turn out to have done harm.
 
     Args:
         config: the arena's settings.
         seed: a whole number in [0, 2^64).
-        entrants: who plays.
+        entrants: who plays in each party (parties.py).
         sandbox: how agents that are not trusted run.
         options: those of `play`.
 
@@ -114,7 +116,29 @@ def play_entrants(
         try:
             return play_apart(config, seed, entrants, sandbox, excluded=culprits, **options)
         except Sabotage as found:
-            culprits[found.who] = Fault("FORFEIT_SABOTAGE", found.what)
+            culprits[Parties.of(config).by_seat[found.who]] = Fault("FORFEIT_SABOTAGE", found.what)
+
+
+def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Who plays in each seat: the entrant of its party, or who plays prey for it. The further ones of a team have names
+    of their own, as processes are kept by them.
+    """
+    parties = Parties.of(config)
+    found: dict[int, Entrant] = {}
+    for party, (entrant, seats) in enumerate(zip(entrants, parties.seats, strict=True)):
+        playing = entrant.as_prey() if parties.side_of(party) == "prey" else entrant
+        for number, seat in enumerate(seats):
+            found[seat] = playing if number == 0 else replace(playing, name=f"{playing.name} ({number + 1})")
+    return [found[seat] for seat in range(len(found))]
+
+
+def _seeds_in_seats(parties: Parties, told: Sequence[int]) -> list[int]:
+    """What each seat is told as its seed: the first of a team what its party is, the others what follows from that."""
+    found: dict[int, int] = {}
+    for seed, seats in zip(told, parties.seats, strict=True):
+        for number, seat in enumerate(seats):
+            found[seat] = agent_seed(seed, number) if number else seed
+    return [found[seat] for seat in range(len(found))]
 
 
 def play_together(
@@ -124,6 +148,7 @@ def play_together(
     sandbox: Sandbox | None,
     *,
     excluded: Mapping[int, Fault] = MappingProxyType({}),
+    agent_seeds: Sequence[int] = (),
     **options: Any,
 ) -> MatchResult:
     """One match, all isolated agents at once. One in which we stood still is played again, three times at most.
@@ -131,21 +156,25 @@ def play_together(
     Args:
         config: the arena's settings.
         seed: a whole number in [0, 2^64).
-        entrants: who plays.
+        entrants: who plays in each party.
         sandbox: how agents that are not trusted run.
-        excluded: as of `start_players`.
-        options: those of `play`.
+        excluded: parties that are not started, and why.
+        agent_seeds: what each party is told as its seed; where there are none they follow from `seed`.
+        options: the others of `play`.
 
     Raises:
         OutputError: for a replay that cannot be written.
         NoContest: where the match could not be held.
     """
-    names = [entrant.name for entrant in entrants]
+    parties = Parties.of(config)
+    names = parties.to_seats([entrant.name for entrant in entrants])
+    told = _seeds_in_seats(parties, agent_seeds) if agent_seeds else ()
+    seated, absent = in_seats(config, entrants), parties.mapped_to_seats(excluded)
     pauses = iter(_PAUSES_S[1:])
     while True:
         try:
-            with start_players(entrants, sandbox, excluded) as players:
-                return play(config, seed, players, names, **options)
+            with start_players(seated, sandbox, absent) as players:
+                return play(config, seed, players, names, agent_seeds=told, **options)
         except Stalled:
             pause = next(pauses, None)
             if pause is None:
@@ -160,6 +189,7 @@ def play_apart(
     sandbox: Sandbox,
     *,
     excluded: Mapping[int, Fault] = MappingProxyType({}),
+    agent_seeds: Sequence[int] = (),
     on_turn: Callable[[int], None] | None = None,
     disks: Mapping[str, Path] = MappingProxyType({}),
     **options: Any,
@@ -169,23 +199,27 @@ def play_apart(
     Args:
         config: the arena's settings.
         seed: a whole number in [0, 2^64).
-        entrants: who plays.
+        entrants: who plays in each party.
         sandbox: whose limits they have.
-        excluded: as of `start_players`.
+        excluded: parties that are not started, and why.
+        agent_seeds: what each party is told as its seed; where there are none they follow from `seed`.
         on_turn: called with a seat before it runs.
         disks: folders whose disks nobody may fill, by what is said of them; that of the agents' folders besides.
-        options: those of `play`.
+        options: the others of `play`.
 
     Raises:
         Sabotage: where a seat did harm; nothing of it runs on.
         OutputError: for a replay that cannot be written.
         NoContest: where the match could not be held, and no agent is to blame.
     """
-    names = [entrant.name for entrant in entrants]
+    parties = Parties.of(config)
+    names = parties.to_seats([entrant.name for entrant in entrants])
+    told = _seeds_in_seats(parties, agent_seeds) if agent_seeds else ()
+    seated, absent = in_seats(config, entrants), parties.mapped_to_seats(excluded)
 
     def attempt(apart: Apart) -> MatchResult:
-        with start_players(entrants, sandbox, excluded, apart) as players:
-            return play(config, seed, players, names, **options)
+        with start_players(seated, sandbox, absent, apart) as players:
+            return play(config, seed, players, names, agent_seeds=told, **options)
 
     return _attempt_apart(attempt, on_turn, disks)
 

@@ -11,9 +11,11 @@ from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import Block, Match, PlayedMatch, blocks_of
+from catch_arena.tournament.parties import SIDES, Parties
 from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
 from catch_arena.tournament.plans.swiss import pair_round
 from catch_arena.tournament.secret import Secret
+from catch_arena.tournament.statistics.sides import on_side
 
 FORMATS: Final = ("round-robin", "balanced", "gauntlet", "swiss")
 
@@ -72,6 +74,8 @@ class Swiss:
     seats: int
     rounds: int
     secret: Secret
+    parties: Parties | None = None
+    """As of `plan_of`."""
 
     def __post_init__(self) -> None:
         _check(self.rounds, self.size, f"Swiss rounds of {self.entrants} entrants")
@@ -84,82 +88,97 @@ class Swiss:
     @property
     def size(self) -> int:
         """The same, whatever the results."""
-        return self.rounds * (self.entrants // self.seats) * self.seats
+        return self.rounds * (self.entrants // self.seats) * _block_size(self.seats, self.parties)
 
     def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
         """One round."""
         if number >= self.rounds:
             return
-        matches = ((one.match.seating, one.result.ranks) for one in played)
+        before: Sequence[PlayedMatch] = list(played)
+        sides = (before,) if self.parties is None else [on_side(before, self.parties, side) for side in SIDES]
+        matches = ((one.match.seating, one.result.ranks) for side in sides for one in side)
         groups = pair_round(self.entrants, self.seats, matches, lambda one: self.secret.seed("standing", number, one))
         for index, group in enumerate(groups):
-            yield _block(group, self.secret, number, index, len(groups))
+            yield _block(group, self.secret, number, index, len(groups), self.parties)
 
 
-def plan_of(wanted: str | None, entrants: int, seats: int, rounds: int | None, seed: Secret | int) -> Plan:
+def plan_of(
+    wanted: str | None,
+    entrants: int,
+    seats: int,
+    rounds: int | None,
+    seed: Secret | int,
+    parties: Parties | None = None,
+) -> Plan:
     """The plan of a format.
 
     Args:
         wanted: one of FORMATS; None is a round robin, or balanced blocks where that has too many matches.
         entrants: who plays.
-        seats: how many play in a match.
+        seats: how many play in a block: `Parties.group`.
         rounds: None for 1, and in a Swiss for as many as leave but one unbeaten where matches are duels.
         seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed.
+        parties: those of the arena, where there is prey; without, a block is every rotation of its players.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an unknown format, no rounds, and too few entrants or too many matches for it.
     """
     if wanted is None:
         wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"
     require_choice("format", wanted, FORMATS)
     if wanted == "swiss":
-        return Swiss(entrants, seats, (entrants - 1).bit_length() or 1 if rounds is None else rounds, Secret.of(seed))
+        rounds = (entrants - 1).bit_length() or 1 if rounds is None else rounds
+        return Swiss(entrants, seats, rounds, Secret.of(seed), parties)
     makers = {"round-robin": round_robin, "balanced": balanced, "gauntlet": gauntlet}
-    return makers[wanted](entrants, seats, 1 if rounds is None else rounds, seed)
+    return makers[wanted](entrants, seats, 1 if rounds is None else rounds, seed, parties)
 
 
-def round_robin(entrants: int, seats: int, rounds: int, seed: Secret | int) -> FixedPlan:
+def round_robin(
+    entrants: int, seats: int, rounds: int, seed: Secret | int, parties: Parties | None = None
+) -> FixedPlan:
     """In each round, one block for each subset of `seats` entrants.
 
     A block has one seed, draws a circular order of its players, and plays every rotation of it: each player sits in
     each seat once. All is drawn from `seed` alone; a plan with more rounds begins with the plan with fewer.
     """
     secret, count = Secret.of(seed), comb(entrants, seats)
-    _check(rounds, rounds * count * seats, f"every {seats} of {entrants} entrants")
+    size = rounds * count * _block_size(seats, parties)
+    _check(rounds, size, f"every {seats} of {entrants} entrants")
 
     def blocks() -> Iterator[Block]:
         for number in range(rounds):
             for index, group in enumerate(combinations(range(entrants), seats)):
-                yield _block(group, secret, number, index, count)
+                yield _block(group, secret, number, index, count, parties)
 
-    return FixedPlan(_parameters("round-robin", rounds), rounds * count * seats, blocks)
+    return FixedPlan(_parameters("round-robin", rounds), size, blocks)
 
 
-def balanced(entrants: int, seats: int, rounds: int, seed: Secret | int) -> FixedPlan:
+def balanced(entrants: int, seats: int, rounds: int, seed: Secret | int, parties: Parties | None = None) -> FixedPlan:
     """In each round, as few blocks as have a meeting for each pair, with everybody in as many of them.
 
     How often a pair meets differs by as little as the swaps of `balanced_groups.sweeps` can make it.
     """
-    return _in_sweeps("balanced", entrants, seats, rounds, seed)
+    return _in_sweeps("balanced", entrants, seats, rounds, seed, parties)
 
 
-def gauntlet(entrants: int, seats: int, rounds: int, seed: Secret | int) -> FixedPlan:
+def gauntlet(entrants: int, seats: int, rounds: int, seed: Secret | int, parties: Parties | None = None) -> FixedPlan:
     """The first entrant in every block, against each subset of the others; balanced blocks of them where those are too
     many.
     """
     if seats < 2:
         raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {seats}")
     secret, count = Secret.of(seed), comb(entrants - 1, seats - 1)
-    if count * seats > _MANY_MATCHES:
-        return _in_sweeps("gauntlet", entrants, seats, rounds, seed, challenger=True)
-    _check(rounds, rounds * count * seats, f"one against every {seats - 1} of {entrants - 1} entrants")
+    size = count * _block_size(seats, parties)
+    if size > _MANY_MATCHES:
+        return _in_sweeps("gauntlet", entrants, seats, rounds, seed, parties, challenger=True)
+    _check(rounds, rounds * size, f"one against every {seats - 1} of {entrants - 1} entrants")
 
     def blocks() -> Iterator[Block]:
         for number in range(rounds):
             for index, others in enumerate(combinations(range(1, entrants), seats - 1)):
-                yield _block((0, *others), secret, number, index, count)
+                yield _block((0, *others), secret, number, index, count, parties)
 
-    return FixedPlan(_parameters("gauntlet", rounds), rounds * count * seats, blocks)
+    return FixedPlan(_parameters("gauntlet", rounds), rounds * size, blocks)
 
 
 def listed(matches: Sequence[Match]) -> FixedPlan:
@@ -169,18 +188,33 @@ def listed(matches: Sequence[Match]) -> FixedPlan:
     return FixedPlan(parameters, len(matches), lambda: iter(blocks_of(matches)))
 
 
-def require_enough(entrants: int, config: ArenaConfig, scenario: str) -> None:
+def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournament: bool = False) -> None:
     """
+
+    Args:
+        entrants: how many there are.
+        config: the arena's settings.
+        scenario: what it is called.
+        tournament: whether they are to fill a block, which with prey may have more players than a match.
 
     Raises:
         ConfigError: with advice, where the entrants cannot fill the seats.
     """
-    if entrants >= config.hunters:
+
+    def needed(config: ArenaConfig) -> int:
+        parties = Parties.of(config)
+        return parties.group if tournament else len(parties)
+
+    least = needed(config)
+    if entrants >= least:
         return
-    fitting = [name for name, other in SCENARIOS.items() if 1 < other.hunters <= entrants]
+    task = Parties.of(config).task
+    if least > len(Parties.of(config)):
+        task += " in turn"
+    fitting = [name for name, other in SCENARIOS.items() if 1 < needed(other) <= entrants]
     advice = f"; or try --scenario {fitting[0]}" if fitting else ""
     raise ConfigError(
-        f"agents must be at least {config.hunters} to fill the seats of {scenario}, got {entrants}: "
+        f"agents must be at least {least} to {task} of {scenario}, got {entrants}: "
         f"name more of them (the same one may be named twice){advice}"
     )
 
@@ -199,7 +233,14 @@ def _check(rounds: int, size: int, what: str) -> None:
         )
 
 
-def _block(group: Sequence[int], secret: Secret, number: int, index: int, groups: int) -> Block:
+def _block_size(seats: int, parties: Parties | None) -> int:
+    """How many matches a block has."""
+    return seats if parties is None else parties.block_size
+
+
+def _block(
+    group: Sequence[int], secret: Secret, number: int, index: int, groups: int, parties: Parties | None
+) -> Block:
     """Every rotation of a drawn circle of the group.
 
     Args:
@@ -208,24 +249,35 @@ def _block(group: Sequence[int], secret: Secret, number: int, index: int, groups
         number: its round's, from 0.
         index: its own in the round, from 0.
         groups: how many a round has.
+        parties: as of `plan_of`.
     """
     block = number * groups + index
     order = sorted(group, key=lambda player: secret.seed("seating", block, player))
-    seed, told = secret.seed("match", block), [secret.seed("agent", block, player) for player in order]
+    seed, told = secret.seed("match", block), {player: secret.seed("agent", block, player) for player in group}
+    rotations = [(*order[turn:], *order[:turn]) for turn in range(len(order))]
+    seatings = rotations if parties is None else list(parties.seatings(order))
+    digits = max(2, len(str(len(seatings) - 1)))  # ids sort as the plan does
     return tuple(
         Match(
-            id=f"r{number + 1:05d}-g{index + 1:06d}-s{turn:02d}",
+            id=f"r{number + 1:05d}-g{index + 1:06d}-s{turn:0{digits}d}",
             block=block,
             seed=seed,
-            seating=(*order[turn:], *order[:turn]),
-            agent_seeds=(*told[turn:], *told[:turn]),
+            seating=seating,
+            agent_seeds=tuple(told[player] for player in seating),
         )
-        for turn in range(len(order))
+        for turn, seating in enumerate(seatings)
     )
 
 
 def _in_sweeps(
-    name: str, entrants: int, seats: int, rounds: int, seed: Secret | int, *, challenger: bool = False
+    name: str,
+    entrants: int,
+    seats: int,
+    rounds: int,
+    seed: Secret | int,
+    parties: Parties | None,
+    *,
+    challenger: bool = False,
 ) -> FixedPlan:
     """Blocks from a balanced design of the entrants, or of the field when a challenger sits in every block."""
     secret = Secret.of(seed)
@@ -233,16 +285,17 @@ def _in_sweeps(
     players, free = entrants - aside, seats - aside
     turns = rounds * sweeps_to_meet(players, free)
     count = groups_in_sweep(players, free)
-    _check(turns, turns * count * seats, f"balanced blocks of {entrants} entrants")
+    size = turns * count * _block_size(seats, parties)
+    _check(turns, size, f"balanced blocks of {entrants} entrants")
 
     def blocks() -> Iterator[Block]:
         drawn = sweeps(players, free, lambda *about: secret.seed("groups", *about))
         for number, groups in enumerate(islice(drawn, turns)):
             for index, group in enumerate(groups):
                 everybody = (*range(aside), *(player + aside for player in group))
-                yield _block(everybody, secret, number, index, count)
+                yield _block(everybody, secret, number, index, count, parties)
 
-    return FixedPlan(_parameters(name, rounds), turns * count * seats, blocks)
+    return FixedPlan(_parameters(name, rounds), size, blocks)
 
 
 def _parameters(name: str, rounds: int) -> Mapping[str, str | int]:

@@ -7,8 +7,10 @@ from typing import Final
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, PlayedMatch
+from catch_arena.tournament.parties import SIDES, Parties
 from catch_arena.tournament.plans.schedule import FixedPlan
 from catch_arena.tournament.statistics.separation import Separation, next_look, require_confidence, separation
+from catch_arena.tournament.statistics.sides import on_side
 
 BUDGET: Final = 10_000
 """Matches, where nobody says how many."""
@@ -22,13 +24,19 @@ class UntilSeparated:
     Args:
         rounds: makes the format's plan of so many.
         budget: how many matches it may have.
+        parties: those of the arena, where there is prey: the order of either side is to be clear.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a confidence outside [0.5, 1), and a budget below the matches of one round.
     """
 
     def __init__(
-        self, entrants: Sequence[Entrant], confidence: float, budget: int, rounds: Callable[[int], FixedPlan]
+        self,
+        entrants: Sequence[Entrant],
+        confidence: float,
+        budget: int,
+        rounds: Callable[[int], FixedPlan],
+        parties: Parties | None = None,
     ) -> None:
         require_confidence(confidence)
         one = rounds(1)
@@ -36,7 +44,8 @@ class UntilSeparated:
             raise ConfigError(f"max_matches must be at least {one.size}, the matches of one round, got {budget}")
         self._whole = rounds(budget // one.size)
         self._round = sum(1 for _ in one.blocks())
-        self._entrants, self._confidence = entrants, confidence
+        self._entrants, self._parties = entrants, parties
+        self._confidence = confidence if parties is None else (1.0 + confidence) / 2.0  # two orders, half a doubt each
         self.parameters: Mapping[str, str | int | float] = {
             **{name: value for name, value in one.parameters.items() if name != "rounds"},
             "until_separated": confidence,
@@ -51,7 +60,9 @@ class UntilSeparated:
         matches = list(played)
         blocks = len({one.match.block for one in matches})
         if matches:
-            self.last = separation(self._entrants, matches, self._confidence)
+            sides = [matches] if self._parties is None else [on_side(matches, self._parties, side) for side in SIDES]
+            looks = [separation(self._entrants, side, self._confidence) for side in sides]
+            self.last = max(looks, key=lambda look: (not look.clear, look.p))
             if self.last.clear:
                 return ()
         rounds_then = -(-next_look(blocks) // self._round)

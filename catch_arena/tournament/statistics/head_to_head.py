@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.statistics.intervals import Estimate, shares
@@ -26,13 +27,20 @@ class Encounter:
     share: Estimate
     """Of those matches: a win counts 1, a tie one half."""
     improvement: float
-    """The probability that a match of this one, drawn from all, has a higher score than one of the other's, a tie
-    counting one half (Agarwal et al. 2021); other than the share, it does not ask that they met.
+    """The probability that a match of this one, drawn from all, has a better score than one of the other's, a tie
+    counting one half (Agarwal et al. 2021); other than the share, it does not ask that they met. Of catches more are
+    better, and of prey's fewer.
     """
 
 
-def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> list[Encounter]:
-    """All ordered pairs of different entrants that played, in the entrants' order."""
+def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], side: Side = "hunter") -> list[Encounter]:
+    """All ordered pairs of different entrants that played, in the entrants' order.
+
+    Args:
+        entrants: who played.
+        played: the matches, as those of one side (sides.py).
+        side: which one.
+    """
     outcomes = Outcomes.of(len(entrants), played)
     pairs = Pairs.of(outcomes)
     wins, ties = pairs.table(1), pairs.table(0)
@@ -54,6 +62,11 @@ def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> 
     totals = histogram.sum(axis=1)
     below_or_half = np.cumsum(histogram, axis=1) - histogram / 2.0
     who = np.flatnonzero(totals)
+
+    def improvement(i: int, j: int) -> float:
+        better, worse = (i, j) if side == "hunter" else (j, i)
+        return float(histogram[better] @ below_or_half[worse] / (totals[i] * totals[j]))
+
     return [
         Encounter(
             name=entrants[i].name,
@@ -62,7 +75,7 @@ def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> 
             wins=int(wins[i, j]),
             ties=int(ties[i, j]),
             share=share.get((i, j), unknown),
-            improvement=float(histogram[i] @ below_or_half[j] / (totals[i] * totals[j])),
+            improvement=improvement(i, j),
         )
         for i in who.tolist()
         for j in who.tolist()

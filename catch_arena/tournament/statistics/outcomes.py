@@ -15,13 +15,13 @@ Ints: TypeAlias = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Outcomes:
-    """N matches of H seats; their order means nothing."""
+    """N matches of H parties (parties.py), which are seats where there are no teams; their order means nothing."""
 
     entrants: int
     block: Ints
     """(N,): the block of each match, from 0 and without gaps."""
     seating: Ints
-    """(N, H): who sat where, by index among the entrants; one may sit in several seats."""
+    """(N, H): who played which, by index among the entrants; one may play several."""
     scores: Ints
     """(N, H)."""
     ranks: Ints
@@ -46,7 +46,7 @@ class Outcomes:
         return int(self.block.max(initial=-1)) + 1
 
     def by_block(self, values: Floats | Ints | float = 1.0) -> Floats:
-        """(blocks, entrants): the sums of `values`, of which there is one for each seat of each match, or 1 for all."""
+        """(blocks, entrants): the sums of `values`: one for each party of each match, or 1 for all."""
         return sums_by(self.blocks, self.entrants, self.block[:, None], self.seating, values)
 
     @property

@@ -106,7 +106,7 @@ def require_confidence(confidence: float) -> None:
     """
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a confidence outside [0.5, 1).
     """
     if not 0.5 <= confidence < 1:
         raise ConfigError(f"confidence must lie in [0.5, 1), got {confidence}")
@@ -120,7 +120,7 @@ def separation(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], confi
     called clear is wrong no more often than 1 - confidence.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for a confidence outside [0.5, 1), and fewer than two entrants.
     """
     require_confidence(confidence)
     if len(entrants) < 2:

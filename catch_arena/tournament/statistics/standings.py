@@ -7,12 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.intervals import Estimate, estimates, ratios, shares
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups
+from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.verdicts import Verdict
 
 _DIGITS = 6
@@ -32,7 +35,7 @@ class Standing:
     rating: Estimate
     """In points: 0 is the mean, 400 more make it ten times as likely to come out above as below."""
     score: Estimate
-    """Catches in a match."""
+    """Catches in a match, of a team all together; of prey, how often it was caught."""
     iqm: Estimate
     """The mean score of the middle half of its matches."""
     win_share: Estimate
@@ -58,6 +61,13 @@ class Standing:
         return sum(self.refusals.values())
 
 
+def standings_of_sides(
+    entrants: Sequence[Entrant], played: Sequence[PlayedMatch], parties: Parties
+) -> dict[Side, list[Standing]]:
+    """A table for each side, made from its own results alone (R12.7)."""
+    return {side: standings(entrants, on_side(played, parties, side)) for side in parties.sides}
+
+
 def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> list[Standing]:
     """The table of those who played, highest rating first. Played again it is the same, in whatever order."""
     if not played:
@@ -75,11 +85,11 @@ def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> lis
     forfeits: list[Counter[str]] = [Counter() for _ in entrants]
     won = [0] * len(entrants)
     for one in played:
-        for seat, index in enumerate(one.match.seating):
-            verdicts[index].update(one.result.verdicts[seat])
-            if code := one.result.forfeits[seat]:
+        for party, index in enumerate(one.match.seating):
+            verdicts[index].update(one.result.verdicts[party])
+            if code := one.result.forfeits[party]:
                 forfeits[index][code] += 1
-            won[index] += one.result.contests_won[seat]
+            won[index] += one.result.contests_won[party]
     order = sorted(
         np.flatnonzero(totals).tolist(), key=lambda index: (-round(rating[index].mean, _DIGITS), entrants[index].name)
     )

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from oracle.arena import OracleArena, judge
+from oracle.arbiter import judge
+from oracle.arena import OracleArena
 
 from catch_arena.config import ArenaConfig
 from catch_arena.verdicts import Verdict

@@ -142,6 +142,6 @@ def test_standings_replace_older_ones_and_leave_other_files_alone(tmp_path):
         plan = round_robin(2, 2, 1, seed=seed)
         played = run(SHORT, entrants, plan)
         facts = Tournament(SHORT, entrants, plan.parameters, secret=Secret.of(seed))
-        write_standings(tmp_path, facts, 2, standings(entrants, played))
+        write_standings(tmp_path, facts, 2, {"hunter": standings(entrants, played)})
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.txt", "standings.csv", "standings.json"]
     assert json.loads((tmp_path / "standings.json").read_text())["seed"] == Secret.of(2).digits

@@ -99,7 +99,7 @@ def test_too_few_blocks_give_no_interval():
         first, _ = standings([A, B], [played(block, 0, (0, 1), (10 + block, 1)) for block in range(blocks)])
         assert math.isnan(first.score.low)
     table = standings([A, B], FOUR[:2])
-    assert "null" in summary_text(DUEL, 2, table)
+    assert "null" in summary_text(DUEL, 2, {"hunter": table})
 
 
 def test_the_interval_shrinks_with_the_root_of_the_blocks():
@@ -126,7 +126,7 @@ def test_the_files_hold_what_the_standings_say():
     table = standings([A, B], FOUR)
     rows = list(csv.DictReader(io.StringIO(table_text(table))))
     assert [(row["agent"], float(row["score"])) for row in rows] == [("a", 9.0), ("b", 6.0)]
-    summary = json.loads(summary_text(DUEL, 4, table))
+    summary = json.loads(summary_text(DUEL, 4, {"hunter": table}))
     assert (summary["seed"], summary["matches"], summary["config"]["hunters"]) == (Secret.of(3).digits, 4, 2)
     first = summary["standings"][0]
     assert (first["group"], first["score"], first["score_low"]) == ("1", 9.0, None)

@@ -1,0 +1,46 @@
+"""As prey: runs from corner to corner, to the one that is farthest from all hunters. Hunts as `contested` does."""
+
+import math
+from typing import Final
+
+from catch_arena.agents.contested import Agent
+from catch_arena.agents.flee import steer
+from catch_arena.policy import PreyView
+
+__all__ = ["Agent", "Prey"]
+
+WALL_M: Final = 1.0
+"""How far from the walls its corners are."""
+ALARM_M: Final = 3.0
+"""A corner is left when a hunter is nearer to it than this."""
+
+Point = tuple[float, float]
+
+
+class Prey:
+    """It stays in a corner for as long as nobody comes."""
+
+    def reset(self, seed: int) -> None:
+        """No corner is its own yet."""
+        del seed
+        self.corner: Point | None = None
+
+    def act(self, view: PreyView) -> tuple[float, float]:
+        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        near, far = WALL_M, view.limits.side_m - WALL_M
+        if self.corner is None or safety_m(self.corner, view) < ALARM_M:
+            self.corner = max(
+                ((x, y) for x in (near, far) for y in (near, far)), key=lambda corner: safety_m(corner, view)
+            )
+        forward, left = view.to_own_frame(*self.corner)
+        way = math.hypot(forward, left)
+        speed, turn = steer(math.atan2(left, forward), view)
+        return min(speed, way / WALL_M), turn
+
+
+def safety_m(corner: Point, view: PreyView) -> float:
+    """How much nearer to a corner it is than the nearest hunter [m]; where it is there already, how far that is."""
+    place = view.to_own_frame(*corner)
+    return min(
+        (math.dist(place, (hunter.forward, hunter.left)) for hunter in view.hunters), default=math.inf
+    ) - math.hypot(*place)

@@ -1,0 +1,41 @@
+"""What `conformance` and `grade` do where a service on a ROS 2 bus stands in the place of an arbiter or an agent."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final
+
+from catch_arena.cli.ros import BusName, interfaces_of, joined_bus
+from catch_arena.cli.terminal import say
+from catch_arena.errors import ConfigError
+
+if TYPE_CHECKING:
+    from catch_arena.ros.node_under_test import NodeUnderTest
+
+_SERVICE: Final = "ros:"
+
+
+def is_service(word: str) -> bool:
+    """Whether it names a service: ros:/catch_turtle."""
+    return word.startswith(_SERVICE)
+
+
+@contextmanager
+def node_under_test(
+    word: str, bus: BusName | None, domain: int | None, url: str, interfaces: str, turtlesim: str
+) -> "Iterator[NodeUnderTest]":
+    """Whoever serves it, with the arena about it on the bus.
+
+    Raises:
+        ConfigError: for a name that no service has.
+        BusError: where the bus cannot be reached.
+    """
+    import re
+
+    from catch_arena.ros.node_under_test import NodeUnderTest
+
+    service = word.removeprefix(_SERVICE)
+    if not re.fullmatch(r"(/[A-Za-z_][A-Za-z0-9_]*)+", service):
+        raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
+    types = interfaces_of(interfaces, turtlesim)
+    with joined_bus(bus, "catch_arena", domain, url) as joined:
+        yield NodeUnderTest(joined, service, types, lambda line: say(line, err=True))

@@ -1,0 +1,215 @@
+"""Rulebook chapter 12: targets that agents play: their commands, their catches and returns, and what they gained.
+
+One lane at a time, since each plays a target in any slot; it moves there like any other (`physics.move`).
+"""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.core.jit import Block, rare
+from catch_arena.core.math import clamp
+from catch_arena.core.random import seed_of
+from catch_arena.core.spawner import spawn_next
+from catch_arena.core.state import (
+    ALIVE,
+    BODY,
+    CAUGHT_AT,
+    CAUGHT_BY,
+    ENDED,
+    LANES,
+    NO_TARGET,
+    PREY_RETURN,
+    PREY_SLOT,
+    PREY_WITHDRAWN,
+    RUNNING,
+    SEED_HIGH,
+    SEED_LOW,
+    SPEED,
+    STEP,
+    TARGET_X,
+    TARGET_Y,
+    TIME,
+    TIMES_CAUGHT,
+    TURN_RATE,
+    Settings,
+    X,
+    Y,
+    prey_of,
+    seat_of,
+)
+from catch_arena.core.targets import nearest_hunter
+from catch_arena.core.vectors import sqrt
+from catch_arena.core.workspace import Scratch, prey_reference_of
+
+PREY_PART_NAMES: Final = ("caught", "survived", "gained")
+"""R12.5's parts of prey's reward, in the order in which they are written."""
+
+# columns of a record: one prey's episode in figures
+PREY_LENGTH: Final = 0  # steps
+PREY_TIMES_CAUGHT: Final = 1
+PREY_RANK: Final = 2  # R12.5: 1 + how many were caught less often
+PREY_RETURNED: Final = 3  # the rewards, summed
+PREY_RECORD_COLUMNS: Final = 4
+
+# rows of a reference, of each prey from phase 2 to its reward
+IN_PLAY: Final = 0 * LANES  # 1 where it was not out on S_t, else 0
+HUNTER_DISTANCE: Final = 1 * LANES  # [m] to the nearest hunter of S_t, -1 where there is none or nobody asks
+HUNTER_X: Final = 2 * LANES  # [m] where that was
+HUNTER_Y: Final = 3 * LANES
+
+
+@rare
+def begin_prey(block: Block, s: Settings, lane: int) -> None:
+    """R12.1: the first targets are prey's, by index."""
+    for index in range(s.prey):
+        me = prey_of(block, index, s)
+        me[PREY_SLOT + lane] = index
+        me[CAUGHT_AT + lane] = -1.0
+        me[CAUGHT_BY + lane] = -1.0
+
+
+@rare
+def command_prey(
+    block: Block, s: Settings, lanes: int, targets: Block, commands: NDArray[np.float32], scratch: Scratch
+) -> None:
+    """R12.2: prey's velocities for this step, and from where R12.5's gain is counted.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lanes: how many lanes are arenas.
+        targets: the slots of the block.
+        commands: (lanes, P, 2), fractions of the limits in [-1, 1].
+        scratch: see `workspace.Scratch`; the references are written.
+    """
+    for index in range(s.prey):
+        me = prey_of(block, index, s)
+        reference = prey_reference_of(scratch, index)
+        for lane in range(lanes):
+            slot = int(me[PREY_SLOT + lane])
+            me[CAUGHT_BY + lane] = -1.0
+            reference[IN_PLAY + lane] = 0.0 if slot == NO_TARGET else 1.0
+            reference[HUNTER_DISTANCE + lane] = -1.0
+            if slot == NO_TARGET:
+                continue
+            at = slot * s.slot_size + lane
+            speed = clamp(
+                np.float64(commands[lane, index, 0]) * s.target_speed_mps, s.prey_min_speed_mps, s.target_speed_mps
+            )
+            turn_rate = clamp(
+                np.float64(commands[lane, index, 1]) * s.target_turn_rate_radps,
+                -s.target_turn_rate_radps,
+                s.target_turn_rate_radps,
+            )
+            driven = me[PREY_WITHDRAWN + lane] == 0.0
+            targets[BODY + SPEED + at] = speed if driven else 0.0
+            targets[BODY + TURN_RATE + at] = turn_rate if driven else 0.0
+            if s.prey_distance_wanted:
+                seat = nearest_hunter(block, targets, lane, at, s)
+                if seat >= 0:
+                    x, y = seat_of(block, seat)[X + lane], seat_of(block, seat)[Y + lane]
+                    reference[HUNTER_X + lane] = x
+                    reference[HUNTER_Y + lane] = y
+                    reference[HUNTER_DISTANCE + lane] = distance(targets, at, x, y)
+
+
+@rare
+def distance(targets: Block, at: int, x: float, y: float) -> float:
+    """Between a target and a place [m]."""
+    dx, dy = x - targets[TARGET_X + at], y - targets[TARGET_Y + at]
+    return sqrt(dx * dx + dy * dy)
+
+
+@rare
+def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> None:
+    """R12.3: whoever plays the target in one slot is out, caught by that seat; before the target leaves."""
+    for index in range(s.prey):
+        me = prey_of(block, index, s)
+        if me[PREY_SLOT + lane] == slot:
+            me[PREY_SLOT + lane] = NO_TARGET
+            me[TIMES_CAUGHT + lane] += 1.0
+            me[CAUGHT_AT + lane] = block[TIME + lane]
+            me[CAUGHT_BY + lane] = seat
+
+
+@rare
+def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
+    """R12.3: after all firings of a step, whoever was out long enough plays the next target, where there is room."""
+    for index in range(s.prey):
+        me = prey_of(block, index, s)
+        for lane in range(lanes):
+            now = block[TIME + lane] + s.period_ms
+            if (
+                me[PREY_SLOT + lane] == NO_TARGET
+                and now >= me[CAUGHT_AT + lane] + s.prey_returns_ms
+                and block[ALIVE + lane] < s.max_targets
+            ):
+                me[PREY_SLOT + lane] = block[ALIVE + lane]
+                me[CAUGHT_AT + lane] = -1.0
+                spawn_next(block, targets, lane, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), s, now)
+
+
+@rare
+def reward_prey(
+    block: Block,
+    s: Settings,
+    lanes: int,
+    had_ended: bool,
+    targets: Block,
+    scratch: Scratch,
+    rewards: NDArray[np.float32],
+    parts: NDArray[np.float64],
+) -> None:
+    """R12.5: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lanes: how many lanes are arenas.
+        had_ended: whether some of them had ended before this step: those get nothing.
+        targets: the slots of the block.
+        scratch: see `workspace.Scratch`.
+        rewards: (lanes, P), or none.
+        parts: (lanes, P, 4), the sum and the parts in the order of `PREY_PART_NAMES`, or none.
+    """
+    for index in range(s.prey):
+        me = prey_of(block, index, s)
+        reference = prey_reference_of(scratch, index)
+        for lane in range(lanes):
+            total, caught, survived, gained = 0.0, 0.0, 0.0, 0.0
+            if had_ended and scratch.snapshot[ENDED + lane] != RUNNING:
+                me[CAUGHT_BY + lane] = -1.0
+            elif me[PREY_WITHDRAWN + lane] == 0.0:
+                if me[CAUGHT_BY + lane] >= 0.0:
+                    caught = 1.0
+                elif reference[IN_PLAY + lane] > 0.0:
+                    survived = s.period_s
+                    if reference[HUNTER_DISTANCE + lane] >= 0.0:
+                        at = int(me[PREY_SLOT + lane]) * s.slot_size + lane
+                        x, y = reference[HUNTER_X + lane], reference[HUNTER_Y + lane]
+                        gained = distance(targets, at, x, y) - reference[HUNTER_DISTANCE + lane]
+                total = s.caught_weight * caught + s.survived_weight * survived + s.gained_weight * gained
+                me[PREY_RETURN + lane] += total
+            if len(parts) == 0:
+                rewards[lane, index] = np.float32(total)
+            else:
+                parts[lane, index, 0] = total
+                parts[lane, index, 1] = caught
+                parts[lane, index, 2] = survived
+                parts[lane, index, 3] = gained
+
+
+@rare
+def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
+    """An episode in figures, (P, PREY_RECORD_COLUMNS), as it stands in one lane."""
+    for index in range(s.prey):
+        me = prey_of(block, index, s)
+        rank = 1.0
+        for other in range(s.prey):
+            rank += 1.0 if prey_of(block, other, s)[TIMES_CAUGHT + lane] < me[TIMES_CAUGHT + lane] else 0.0
+        record[index, PREY_LENGTH] = block[STEP + lane]
+        record[index, PREY_TIMES_CAUGHT] = me[TIMES_CAUGHT + lane]
+        record[index, PREY_RANK] = rank
+        record[index, PREY_RETURNED] = me[PREY_RETURN + lane]

@@ -1,0 +1,67 @@
+"""The contests of a step, from the arbiter's evidence (R5.6), and the lots that decided them."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from catch_arena.core.jit import entry
+from catch_arena.core.random import service_lot, tie_lot
+from catch_arena.explanation.facts import Claim, Contest
+from catch_arena.replay import Replay
+from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.world import World
+
+_CONTESTED: Final = (Verdict.GRANTED, Verdict.KILL_FAILED, Verdict.LOST_CONTEST)
+
+
+def contests_of(replay: Replay, world: World) -> list[Contest]:
+    """The contests of the step that led to a world."""
+    by_target: dict[object, list[Ruling]] = {}
+    for ruling in world.rulings:
+        if ruling.verdict in _CONTESTED:
+            by_target.setdefault(ruling.target, []).append(ruling)
+    return [_contest(replay, world, str(target), asked) for target, asked in by_target.items() if len(asked) > 1]
+
+
+def _contest(replay: Replay, world: World, target: str, asked: Sequence[Ruling]) -> Contest:
+    asked = sorted(asked, key=lambda ruling: (-ruling.verdict, ruling.distance_um or 0, ruling.hunter))
+    nearest = asked[0].distance_um
+    tied = [ruling.hunter for ruling in asked if ruling.distance_um == nearest]
+    lots: dict[int, int] = {}
+    seed, step = np.uint64(replay.seed), world.step - 1
+    if replay.config.policy == "capstone":
+        clause = "R9.1"
+    elif replay.config.policy == "first_come":
+        clause = "R5.9"
+        lots = {ruling.hunter: int(_service_lot(seed, step, ruling.hunter)) for ruling in asked}
+    elif len(tied) > 1:
+        clause = "R5.5"
+        number = int(target.removeprefix(replay.config.name_prefix))
+        lots = {seat: int(_tie_lot(seed, step, number, seat)) for seat in tied}
+    else:
+        clause = "R5.4"
+    team = replay.config.team_by_seat
+    claims = tuple(
+        Claim(
+            ruling.hunter,
+            ruling.verdict,
+            ruling.distance_um,
+            lots.get(ruling.hunter),
+            ruling.verdict is Verdict.LOST_CONTEST and team[ruling.hunter] == team[asked[0].hunter],
+        )
+        for ruling in asked
+    )
+    return Contest(world.step, world.time_ms - replay.config.control_period_ms, target, clause, claims)
+
+
+@entry
+def _tie_lot(seed: np.uint64, step: int, number: int, seat: int) -> np.uint64:
+    """R5.5: the core's own rule, with a door to Python."""
+    return tie_lot(seed, step, number, seat)
+
+
+@entry
+def _service_lot(seed: np.uint64, step: int, seat: int) -> np.uint64:
+    """R5.9: the core's own rule, with a door to Python."""
+    return service_lot(seed, step, seat)

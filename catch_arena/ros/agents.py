@@ -1,0 +1,118 @@
+"""Agents in the seats that no node drives: asked every 100 ms of the arena's, in a thread of their own."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any, Final, NamedTuple
+
+from catch_arena.envs.spaces import checked_choice, checked_command, checked_full
+from catch_arena.errors import ActionError
+from catch_arena.messages import CatchTurtleRequest, Twist
+from catch_arena.policy import Limits
+from catch_arena.ros.bus import Say
+from catch_arena.service import ArenaService
+from catch_arena.text import one_line
+from catch_arena.tournament.match import agent_seed
+from catch_arena.tournament.players import Answer, Players
+
+ASK_EVERY_MS: Final = 100
+"""R1.3's usual control period: agents play as in any other match."""
+
+
+class AgentActions(NamedTuple):
+    """What agents do in one step."""
+
+    cmd_vel: dict[str, Twist]
+    goals: dict[str, str]
+    requests: list[tuple[str, CatchTurtleRequest]]
+
+
+class AgentSeats:
+    """Hunters that agents drive. The arena waits for nobody: an action holds until the next one is there.
+
+    Args:
+        service: the arena.
+        players: the agents, by seat.
+        say: takes one line when one of them forfeits.
+    """
+
+    def __init__(self, service: ArenaService, players: Players, say: Say) -> None:
+        self._service, self._players, self._say = service, players, say
+        self._hunters = {seat: service.config.hunter_names[seat] for seat in sorted(players.controls)}
+        self._asking = ThreadPoolExecutor(1, "agents")
+        self._answers: Future[dict[int, Answer]] | None = None
+        self._seen: Mapping[int, Sequence[str]] = {}
+        self._next_ms = 0
+        self._cmd_vel: dict[str, Twist] = {}
+        self._goals: dict[str, str] = {}
+        self._playing: list[int] = []
+        self.forfeits: dict[int, int] = {}
+        """The step in which each seat failed that did: they are ranked last."""
+
+    def begin(self, seed: int) -> None:
+        """A match begins."""
+        config = self._service.config
+        seats = range(config.hunters)
+        limits = [replace(Limits.of(config, seat), control_period_ms=ASK_EVERY_MS) for seat in seats]
+        self._forget()
+        self._playing = list(self._hunters)
+        self.forfeits.clear()
+        for seat, fault in self._players.reset([agent_seed(seed, seat) for seat in seats], limits).items():
+            self._forfeit(seat, f"{fault.code}: {fault.reason}")
+
+    def act(self, now_ms: int) -> AgentActions:
+        """What they do in the step that begins now."""
+        requests: list[tuple[str, CatchTurtleRequest]] = []
+        if self._answers is not None and self._answers.done():
+            answers, self._answers = self._answers.result(), None
+            for seat, (action, _, fault) in answers.items():
+                try:
+                    if fault is not None:
+                        raise ActionError(f"{fault.code}: {fault.reason}")
+                    self._take(seat, action, requests)
+                except ActionError as error:
+                    self._forfeit(seat, str(error))
+        if now_ms >= self._next_ms and self._answers is None and self._playing:
+            self._next_ms = now_ms - now_ms % ASK_EVERY_MS + ASK_EVERY_MS
+            shown = {seat: self._service.observe(self._hunters[seat]) for seat in self._playing}
+            self._seen = {seat: self._service.targets_seen(self._hunters[seat]) for seat in self._playing}
+            self._answers = self._asking.submit(self._players.act, shown)
+        return AgentActions(dict(self._cmd_vel), dict(self._goals), requests)
+
+    def close(self) -> None:
+        """Nobody is asked any more."""
+        self._asking.shutdown()
+
+    def _forget(self) -> None:
+        if self._answers is not None:
+            self._answers.exception()  # whoever still thinks of the match before is waited for
+            self._answers = None
+        self._next_ms = 0
+        self._cmd_vel.clear()
+        self._goals.clear()
+
+    def _take(self, seat: int, action: Any, requests: list[tuple[str, CatchTurtleRequest]]) -> None:
+        config, hunter, seen = self._service.config, self._hunters[seat], self._seen[seat]
+        control, ranks = config.controls[seat], config.targets_seen
+        self._goals.pop(hunter, None)
+        if control == "target":
+            rank, command = checked_choice(hunter, "an action", action, ranks), (0.0, 0.0)
+            if 0 < rank <= len(seen):
+                self._goals[hunter] = seen[rank - 1]
+        elif control == "velocity":
+            command = checked_command(hunter, "an action", action)
+        else:
+            rank, command = checked_full(hunter, action, ranks)
+            if 0 < rank <= len(seen):
+                requests.append((hunter, CatchTurtleRequest(seen[rank - 1])))
+        self._cmd_vel[hunter] = Twist(command[0] * config.max_speeds[seat], command[1] * config.max_turn_rates[seat])
+
+    def _forfeit(self, seat: int, why: str) -> None:
+        hunter = self._hunters[seat]
+        self._playing.remove(seat)
+        self.forfeits[seat] = self._service.world.step
+        self._players.drop(seat)
+        self._cmd_vel.pop(hunter, None)
+        self._goals.pop(hunter, None)
+        self._service.withdraw(hunter)
+        self._say(f"{hunter} is out: {one_line(why)}")

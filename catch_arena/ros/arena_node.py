@@ -1,0 +1,264 @@
+"""The arena as nodes of a ROS 2 bus: turtlesim's part, the exercise's spawner's, and the arbiter's."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from catch_arena.errors import ActionError, BusError, EpisodeError
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse
+from catch_arena.ros.agents import AgentSeats
+from catch_arena.ros.bus import Bus, Request, Say
+from catch_arena.ros.interfaces import (
+    CLOCK,
+    EMPTY,
+    RULING,
+    STANDING,
+    TWIST,
+    Clock,
+    Empty,
+    Interfaces,
+    MessageType,
+    Name,
+    SpawnRequest,
+    StandingMessage,
+    Time,
+)
+from catch_arena.ros.rulings import ruling_message
+from catch_arena.ros.seats import RosSeat, seat_of
+from catch_arena.service import ArenaService, response
+from catch_arena.tournament.match import ranks_of
+from catch_arena.verdicts import Verdict
+from catch_arena.world import World
+
+TICK_MS: Final = 16
+"""The arena's control period on a bus: turtlesim's own tick (R1.2), 62.5 a second."""
+_SECOND: Final = 1000 // TICK_MS
+"""In ticks: what listeners may have missed is told again."""
+_OFTEN: Final = 6
+"""In ticks: targets that move are told anew, and who has gone is looked for."""
+_MOST_WAITING: Final = 1000
+"""Catch requests that are kept for the match's first step."""
+_NOT_JUDGED: Final = CatchTurtleResponse(success=False)
+"""What is answered where no hunter asks."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """A catch request that waits for the next step."""
+
+    hunter: str
+    request: Request
+
+
+class ArenaNode:
+    """Plays the arena, one tick after the other, with whoever is on the bus.
+
+    Args:
+        bus: the bus.
+        service: the arena, before its reset; its control period is TICK_MS.
+        driven: the seats that nodes drive.
+        names: the players', by seat.
+        agents: those in the other seats, where there are any.
+        interfaces: the packages of the types.
+        clock: whether /clock tells the arena's time.
+        say: takes one line when there is news.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        service: ArenaService,
+        driven: Collection[int],
+        names: Sequence[str],
+        agents: AgentSeats | None,
+        interfaces: Interfaces,
+        *,
+        clock: bool,
+        say: Say,
+    ) -> None:
+        self._bus, self._service, self._agents, self._say = bus, service, agents, say
+        hunters = service.config.hunter_names
+        self._names = names
+        self.seats = [RosSeat(hunters[seat], say) for seat in sorted(driven)]
+        self._asked: list[_Asked] = []
+        self._told: set[str] = set()
+        self._ticks = 0
+        self._scores: tuple[int, ...] = ()
+        self._topics = {seat.hunter: [f"/{seat.hunter}/cmd_vel"] for seat in self.seats}
+        poses = {hunter: [f"/{hunter}/pose"] for hunter in hunters}
+        if len(self.seats) == 1:  # the exercise's own names
+            (only,) = self.seats
+            self._topics[only.hunter].append("/turtle1/cmd_vel")
+            poses[only.hunter].append("/turtle1/pose")
+        self._poses = [[bus.publisher(topic, interfaces.pose) for topic in poses[hunter]] for hunter in hunters]
+        self._alive = bus.publisher("/alive_turtles", interfaces.turtle_array)
+        self._rulings = self._own("/rulings", RULING)
+        self._standings = self._own("/standings", STANDING)
+        self._clock = bus.publisher("/clock", CLOCK) if clock else None
+        for seat in self.seats:
+            for topic in self._topics[seat.hunter]:
+                bus.subscribe(topic, TWIST, seat.hear)
+            bus.serve(f"/{seat.hunter}/catch_turtle", interfaces.catch_turtle, self._asker_of(seat))
+        bus.serve("/catch_turtle", interfaces.catch_turtle, self._ask)
+        bus.serve("/spawn", interfaces.spawn, self._spawn)
+        bus.serve("/kill", interfaces.kill, self._kill)
+        bus.serve("/clear", EMPTY, lambda request: request.answer(Empty()))  # there is no drawing
+        bus.serve("/reset", EMPTY, self._reset)
+        service.subscribe(self._alive)
+
+    def begin(self, seed: int | None) -> None:
+        """A match begins; its clock stands until the first `tick`."""
+        for seat in self.seats:
+            seat.stop()
+        self._service.reset(seed)
+        if self._agents is not None:
+            self._agents.begin(self._service.seed)
+        self._scores = (0,) * len(self._names)
+
+    @property
+    def over(self) -> bool:
+        """Whether the match has ended."""
+        return self._service.over
+
+    @property
+    def missing(self) -> list[RosSeat]:
+        """The seats that no node drives yet, as far as the middleware tells."""
+        return [seat for seat in self.seats if not seat.driven and not self._publishers(seat)]
+
+    def wait(self) -> None:
+        """One tick in which the clock stands: nodes hear where all is, and get to know each other."""
+        self._bus.spin()
+        del self._asked[_MOST_WAITING:]
+        self._tell(self._service.world)
+
+    def tick(self) -> None:
+        """R1.4: one step. R8.4: what came since the step before is judged in this one."""
+        self._bus.spin()
+        before = self._service.world
+        commands = {seat.hunter: seat.command(before.time_ms, before.time_ms + TICK_MS) for seat in self.seats}
+        goals: dict[str, str] = {}
+        asked, self._asked = self._asked, []
+        requests = [(one.hunter, CatchTurtleRequest(one.request.message.name)) for one in asked]
+        if self._agents is not None and not self.over:
+            theirs = self._agents.act(before.time_ms)
+            commands |= theirs.cmd_vel
+            goals = theirs.goals
+            requests += theirs.requests
+        rulings = self._service.step(commands, requests, goals)
+        for one, ruling in zip(asked, rulings, strict=False):
+            one.request.answer(response(ruling))
+            if ruling.verdict is Verdict.OUT_OF_REACH and one.hunter not in self._told:
+                self._told.add(one.hunter)
+                self._say(f"{ruling}; --set reach_m=0.5 is the reach that many solutions of the exercise have in mind")
+        world = self._service.world
+        asking = {hunter for hunter, _ in requests}
+        hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
+        for ruling in (*rulings, *hosted):
+            self._rulings(ruling_message(ruling, before.time_ms, self._service.config.hunter_names))
+        self._tell(world)
+
+    def standings(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """R6.1: ranks and scores, by seat; agents that have failed come last."""
+        scores = tuple(hunter.score for hunter in self._service.world.hunters)
+        failed = self._agents.forfeits if self._agents is not None else {}
+        return ranks_of(scores, [failed.get(seat) for seat in range(len(scores))]), scores
+
+    # telling
+
+    def _own(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
+        """A topic with a type of ours, which a ROS on the other side may not have."""
+        try:
+            return self._bus.publisher(topic, kind)
+        except BusError as error:
+            self._say(f"warning: {topic} is not published: {error}")
+            return lambda _: None
+
+    def _tell(self, world: World) -> None:
+        """Poses, and what has changed; and now and then what has not, for those that came late."""
+        for hunter, publishers in zip(world.hunters, self._poses, strict=True):
+            for publish in publishers:
+                publish(hunter.pose)
+        if self._clock is not None:
+            seconds, rest = divmod(world.time_ms, 1000)
+            self._clock(Clock(Time(seconds, rest * 1_000_000)))
+        now = self._ticks % _SECOND
+        often = self._ticks % _OFTEN == 0
+        if now == 0 or (often and self._service.config.targets_move):
+            self._alive(world.alive_turtles)
+        if often:
+            for seat in self.seats:
+                seat.look_for(self._publishers(seat))
+        ranks, scores = self.standings()
+        for number, hunter in enumerate(world.hunters):
+            if scores != self._scores or now == number:  # each in a tick of its own: nobody's queue overflows
+                self._standings(
+                    StandingMessage(
+                        world.time_ms / 1000.0,
+                        hunter.name,
+                        self._names[number],
+                        scores[number],
+                        ranks[number],
+                        self.over,
+                    )
+                )
+        self._scores = scores
+        self._ticks += 1
+
+    def _publishers(self, seat: RosSeat) -> frozenset[str] | None:
+        found = [self._bus.publishers_of(topic) for topic in self._topics[seat.hunter]]
+        known = [peers for peers in found if peers is not None]
+        return frozenset().union(*known) if known else None
+
+    # answering
+
+    def _asker_of(self, seat: RosSeat) -> Any:
+        def ask(request: Request) -> None:
+            rivals = [other for other in self.seats if other is not seat and other.driver == request.peer is not None]
+            if rivals and seat.driver != request.peer:
+                self._tell_once(f"the node that drives {rivals[0].hunter} asks for {seat.hunter}: it is not heard")
+                request.answer(_NOT_JUDGED)
+            else:
+                self._asked.append(_Asked(seat.hunter, request))
+
+        return ask
+
+    def _ask(self, request: Request) -> None:
+        """The service that all share."""
+        seat = seat_of(request.peer, self.seats, self._tell_once)
+        if seat is None:
+            request.answer(_NOT_JUDGED)
+        else:
+            self._asked.append(_Asked(seat.hunter, request))
+
+    def _spawn(self, request: Request) -> None:
+        """R8.1: a target of the arena's own next name; out of bounds turtlesim puts it at the wall, and so do we."""
+        asked: SpawnRequest = request.message
+        side = self._service.world.side_m
+        try:
+            x, y = (min(max(place, 0.0), side) for place in (asked.x, asked.y))
+            name = self._service.spawn(x, y, asked.theta)
+        except (ActionError, EpisodeError) as error:
+            self._tell_once(f"/spawn: {error}")
+            name = ""
+        if name and asked.name not in {"", name}:
+            self._tell_once(f"/spawn: the arena gives its targets names of its own: {name} for {asked.name[:40]}")
+        request.answer(Name(name))
+
+    def _kill(self, request: Request) -> None:
+        try:
+            self._service.kill(request.message.name)
+        except EpisodeError as error:
+            self._tell_once(f"/kill: {error}")
+        request.answer(Empty())
+
+    def _reset(self, request: Request) -> None:
+        if self._service.is_recorded:
+            self._tell_once("/reset: a recorded match goes on to its end")
+        else:
+            self.begin(None)
+        request.answer(Empty())
+
+    def _tell_once(self, line: str) -> None:
+        if line not in self._told:
+            self._told.add(line)
+            self._say(f"warning: {line}")

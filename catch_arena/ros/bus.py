@@ -1,0 +1,177 @@
+"""What the arena uses of a ROS 2 middleware: publish, subscribe, serve and call, whichever back-end does it."""
+
+import os
+import re
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any, Final, Literal, Protocol, get_args
+
+from catch_arena.errors import BusError, ConfigError
+from catch_arena.ros.interfaces import MessageType, ServiceType
+
+Backend = Literal["cyclonedds", "rosbridge", "rclpy"]
+BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
+"""In the order in which they are looked for."""
+DEPTH: Final = 10
+"""Of every topic's history: ROS's usual one. Who reads less often loses the oldest."""
+HIGHEST_DOMAIN: Final = 232
+"""The ports of the domains above it do not exist."""
+BRIDGE_URL: Final = "ws://127.0.0.1:9090"
+_MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
+_INSTALL: Final = "pip install 'catch-arena[ros]'"
+_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+Peer = str
+"""Who sent something: the same for all that comes from one process."""
+Say = Callable[[str], object]
+"""Takes one line for people."""
+OnMessage = Callable[[Any, Peer | None], object]
+"""Is called with a message, and with who sent it, as far as the middleware tells."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A service was called: whoever serves it answers once, at once or later."""
+
+    message: Any
+    peer: Peer | None
+    answer: Callable[[Any], None]
+    """Sends the response."""
+
+
+class Call:
+    """A service's response that may still be under way."""
+
+    def __init__(self) -> None:
+        self.response: Any = None
+        """None until it has come."""
+
+
+class Client(Protocol):
+    """Calls one service."""
+
+    @property
+    def ready(self) -> bool:
+        """Whether somebody serves it, so that a call would be answered.
+
+        Raises:
+            BusError: where somebody serves it who cannot answer over this bus.
+        """
+
+    def call(self, request: Any) -> Call:
+        """Ask; the response comes while the bus spins, or never."""
+
+
+class Bus(Protocol):
+    """A middleware, reached by a back-end. All is done by the thread that calls `spin`, in which callbacks run."""
+
+    @property
+    def backend(self) -> Backend:
+        """Which one it is."""
+
+    def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
+        """Announce a topic; what is returned sends one message."""
+
+    def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
+        """Hear a topic; what cannot be read is left out, and told once."""
+
+    def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
+        """Answer a service."""
+
+    def client(self, service: str, kind: ServiceType) -> Client:
+        """Call a service."""
+
+    def publishers_of(self, topic: str) -> frozenset[Peer] | None:
+        """Who publishes on a topic that was subscribed to; None where the middleware does not tell."""
+
+    def spin(self, timeout_s: float = 0.0) -> None:
+        """Take what has come, at most DEPTH messages of each topic; where nothing has, wait for it so long."""
+
+    def close(self) -> None:
+        """Leave the bus."""
+
+
+def open_bus(
+    backend: Backend | None = None,
+    *,
+    node: str = "catch_arena",
+    domain: int | None = None,
+    localhost: bool | None = None,
+    url: str = BRIDGE_URL,
+    say: Say = print,
+) -> Bus:
+    """Join a ROS 2 bus.
+
+    Args:
+        backend: None takes the first of BACKENDS that is installed, and says which.
+        node: what the node is called.
+        domain: DDS's, from 0 to 232; None is ROS_DOMAIN_ID, or 0. rosbridge has that of its server.
+        localhost: whether cyclonedds keeps to this machine; None is as ROS_LOCALHOST_ONLY and
+            ROS_AUTOMATIC_DISCOVERY_RANGE say.
+        url: rosbridge's server.
+        say: takes one line whenever there is something that people should know.
+
+    Raises:
+        ConfigError: for a domain that cannot be.
+        BusError: where what it needs is not installed, or where the bus cannot be reached.
+    """
+    number = _checked_domain(domain)
+    if backend is None:
+        backend = next((one for one in BACKENDS if _is_installed(one)), None)
+        if backend is None:
+            raise BusError(f"a ROS 2 bus needs cyclonedds, websockets or rclpy: {_INSTALL}")
+        say(f"bus: {backend}")
+    elif not _is_installed(backend):
+        raise BusError(_missing(backend))
+    if backend == "cyclonedds":
+        from catch_arena.ros.dds_bus import DdsBus
+
+        return DdsBus(number, localhost=_localhost_only() if localhost is None else localhost, say=say)
+    if backend == "rosbridge":
+        from catch_arena.ros.rosbridge_bus import RosbridgeBus
+
+        return RosbridgeBus(url, say=say)
+    from catch_arena.ros.rclpy_bus import RclpyBus
+
+    return RclpyBus(node, number, say=say)
+
+
+def checked_package(option: str, name: str) -> str:
+    """The name of a ROS package.
+
+    Raises:
+        ConfigError: for anything else.
+    """
+    if not _NAME.fullmatch(name):
+        raise ConfigError(f"{option} must be the name of a ROS package, as my_robot_interfaces, got {name!r}")
+    return name
+
+
+def _checked_domain(domain: int | None) -> int:
+    word = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0" if domain is None else str(domain)
+    if not word.isdecimal() or int(word) > HIGHEST_DOMAIN:
+        name = "ROS_DOMAIN_ID" if domain is None else "the domain id"
+        raise ConfigError(f"{name} must be a whole number from 0 to {HIGHEST_DOMAIN}, got {word}")
+    return int(word)
+
+
+def _localhost_only() -> bool:
+    """As ROS reads it: the first up to Humble, the second from Iron on."""
+    asked = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper()
+    return asked == "LOCALHOST" or (not asked and os.environ.get("ROS_LOCALHOST_ONLY") == "1")
+
+
+def _is_installed(backend: Backend) -> bool:
+    module = _MODULES[backend]
+    return module in sys.modules or find_spec(module) is not None
+
+
+def _missing(backend: Backend) -> str:
+    if backend == "rclpy":
+        return (
+            "rclpy is not there: source ROS first (source /opt/ros/jazzy/setup.bash), with the Python it was built for"
+        )
+    where = "" if backend == "rosbridge" else " (no wheels for Python 3.14, nor for Linux on ARM: use --bus rosbridge)"
+    return f"{backend} needs {_MODULES[backend]}, which is not installed: {_INSTALL}{where}"

@@ -1,0 +1,181 @@
+"""The exercise's turtle_controller, with an agent as its driver: it hears one turtle's pose and the list of targets,
+drives the turtle, and asks /catch_turtle.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from catch_arena.config import ArenaConfig, Gains
+from catch_arena.engine import Engine
+from catch_arena.envs.spaces import checked_choice, checked_command, checked_full
+from catch_arena.errors import ActionError, AgentError
+from catch_arena.layout import SELF_COLUMNS, TARGET_COLUMNS
+from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
+from catch_arena.policy import Limits
+from catch_arena.ros.bus import Bus, Call, Peer, Say
+from catch_arena.ros.interfaces import TWIST, Interfaces, TwistMessage
+from catch_arena.tournament.match import agent_seed
+from catch_arena.tournament.players import Players
+from catch_arena.world import World
+
+PERIOD_S: Final = 0.1
+"""R1.3: the exercise's control loop runs at 10 Hz."""
+_ANSWER_S: Final = 1.0
+"""After so long a request that was not answered is made again."""
+_SILENT_S: Final = 1.0
+"""A turtle whose pose is so old is not there any more."""
+_AGE: Final = len(SELF_COLUMNS) + TARGET_COLUMNS.index("age")
+"""Its place in the observation, for the target of rank 1."""
+_ALONE: Final[dict[str, Any]] = {
+    "hunters": 1,
+    "initial_targets": 0,
+    "max_targets": 64,
+    "policy": "nearest",
+    "gains": Gains(kp_v=2.0, ki_v=0.0, kp_w=6.0, ki_w=0.0),
+    "control_period_ms": 100,
+}
+
+
+class Controller:
+    """Drives one turtle by what an agent decides.
+
+    The agent sees a position of an arena of its own, into which the turtle and the targets are put anew each time, and
+    no rivals. Its hosted controller has the exercise's gains.
+
+    Args:
+        bus: the bus.
+        players: the agent, in seat 0.
+        config: reach and limits of the turtle; the rest is the exercise's.
+        turtle: its name.
+        interfaces: the packages of the types.
+        say: takes one line when there is news.
+    """
+
+    def __init__(
+        self, bus: Bus, players: Players, config: ArenaConfig, turtle: str, interfaces: Interfaces, *, say: Say
+    ) -> None:
+        config = config.replace(**_ALONE, control=players.controls[0], observed_targets=64)
+        self._engine = Engine(config)
+        self._players, self._turtle, self._say = players, turtle, say
+        self._pose: Pose | None = None
+        self._heard_s = -_SILENT_S
+        self._turtles = TurtleArray(())
+        self._calls: dict[str, tuple[Call, float]] = {}
+        self._known: dict[str, float] = {}
+        self._told = False
+        self.caught = 0
+        """How often /catch_turtle said yes."""
+        self._cmd_vel: Callable[[TwistMessage], None] = bus.publisher(f"/{turtle}/cmd_vel", TWIST)
+        self._client = bus.client("/catch_turtle", interfaces.catch_turtle)
+        bus.subscribe(f"/{turtle}/pose", interfaces.pose, self._hear_pose)
+        bus.subscribe("/alive_turtles", interfaces.turtle_array, self._hear_turtles)
+        self._engine.reset([0])
+        limits = replace(Limits.of(config), control_period_ms=config.control_period_ms)
+        for fault in players.reset([agent_seed(0, 0)], [limits]).values():
+            raise AgentError(fault.reason)
+
+    def tick(self) -> None:
+        """R1.3: one control period.
+
+        Raises:
+            AgentError: where the agent fails.
+        """
+        self._read_answers()
+        if self._pose is None:
+            return
+        if time.monotonic() > self._heard_s + _SILENT_S:
+            self._pose = None
+            self._say(f"{self._turtle} is silent: no pose for {_SILENT_S:g} s")
+            return
+        world, names = self._put(self._pose)
+        self._decide(world, names)
+        after = self._engine.world()
+        (hunter,) = after.hunters
+        self._cmd_vel(TwistMessage.of(hunter.linear_velocity, hunter.angular_velocity))
+        for ruling in after.rulings:
+            if ruling.success:  # within reach: now ask those who know
+                self._ask(names[[target.name for target in world.targets].index(str(ruling.target))])
+
+    def stop(self) -> None:
+        """The turtle stands still."""
+        self._cmd_vel(TwistMessage.of(0.0, 0.0))
+
+    def _hear_pose(self, pose: Pose, peer: Peer | None) -> None:
+        del peer
+        if all(map(math.isfinite, pose)):
+            if self._pose is None:
+                self._say(f"{self._turtle} is there")
+            self._pose, self._heard_s = pose, time.monotonic()
+
+    def _hear_turtles(self, turtles: TurtleArray, peer: Peer | None) -> None:
+        del peer
+        self._turtles = turtles
+
+    def _put(self, pose: Pose) -> tuple[World, list[str]]:
+        """The position as the agent sees it, and what its targets are really called."""
+        side, most = self._engine.config.side_m, self._engine.config.max_targets
+        there = [
+            turtle
+            for turtle in self._turtles.turtles
+            if -side <= turtle.x <= 2 * side and -side <= turtle.y <= 2 * side  # of garbage nothing can be made
+        ][:most]
+        if len(there) < min(len(self._turtles.turtles), most) and not self._told:
+            self._told = True
+            self._say("warning: /alive_turtles has targets far outside: is your Turtle.msg of float32? (docs/ros2.md)")
+        self._engine.place(0, [(pose.x, pose.y, pose.theta)], [(turtle.x, turtle.y) for turtle in there])
+        return self._engine.world(), [turtle.name for turtle in there]
+
+    def _observe(self, world: World, names: list[str]) -> list[float]:
+        """What the engine observes, with the age since each target was first heard of; who is listed before another is
+        older.
+        """
+        vector: list[float] = self._engine.observations[0, 0].tolist()
+        now = time.monotonic()
+        self._known = {name: self._known.get(name, now) for name in names}
+        for place, (target, name) in enumerate(zip(world.targets, names, strict=True)):
+            rank = self._engine.rank_of(0, 0, target.name)
+            vector[_AGE + (rank - 1) * len(TARGET_COLUMNS)] = now - self._known[name] + 1e-3 * (len(names) - place)
+        return vector
+
+    def _decide(self, world: World, names: list[str]) -> None:
+        """The agent's action, played for one step in its own arena: what its hunter does there the turtle does here."""
+        config = self._engine.config
+        control, ranks = config.controls[0], config.targets_seen
+        mask = [] if control == "velocity" else self._engine.masks[0, 0].tolist()
+        action, _, fault = self._players.act({0: (self._observe(world, names), mask)})[0]
+        if fault is not None:
+            raise AgentError(f"{fault.code}: {fault.reason}")
+        rank, command = 0, (0.0, 0.0)
+        try:
+            if control == "target":
+                rank = checked_choice(self._turtle, "an action", action, ranks)
+            elif control == "velocity":
+                command = checked_command(self._turtle, "an action", action)
+            else:
+                rank, command = checked_full(self._turtle, action, ranks)
+        except ActionError as error:
+            raise AgentError(f"FORFEIT_ILLEGAL: {error}") from None
+        self._engine.step(np.array([[rank]], dtype=np.int64), np.array([[command]], dtype=np.float32))
+        if self._engine.ends[0]:
+            self._engine.reset([0])
+
+    def _ask(self, name: str) -> None:
+        now = time.monotonic()
+        asked = self._calls.get(name)
+        if (asked is None or now > asked[1] + _ANSWER_S) and self._client.ready:
+            self._calls[name] = self._client.call(CatchTurtleRequest(name)), now
+
+    def _read_answers(self) -> None:
+        for name, (call, _) in list(self._calls.items()):
+            if call.response is not None:
+                del self._calls[name]
+                if call.response.success:
+                    self.caught += 1
+                    self._say(f"caught {name}: {self.caught}")
+                    rest = tuple(turtle for turtle in self._turtles.turtles if turtle.name != name)
+                    self._turtles = TurtleArray(rest)  # the list without it may be late

@@ -1,0 +1,319 @@
+"""The bus over DDS, by the Python package cyclonedds: no ROS is needed on this side.
+
+Topics reach nodes of any DDS middleware of ROS. Services have the layout of rmw_cyclonedds_cpp, in which a request and
+its response begin with the client's id and a number; nodes with Fast DDS put both elsewhere, and cannot be answered.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import count
+from typing import Any, Final
+from uuid import UUID
+
+from cyclonedds.core import DDSException, Policy, Qos, ReadCondition, WaitSet
+from cyclonedds.core import InstanceState as Instances
+from cyclonedds.core import SampleState as Samples
+from cyclonedds.core import ViewState as Views
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from catch_arena.errors import BusError
+from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
+from catch_arena.ros.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
+from catch_arena.ros.dds_types import from_sample, idl_struct, ros_name, to_sample
+from catch_arena.ros.interfaces import MessageType, ServiceType
+
+_LOCALHOST: Final = """<CycloneDDS><Domain>
+<General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
+<AllowMulticast>false</AllowMulticast></General>
+<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>120</MaxAutoParticipantIndex>
+<Peers><Peer address="127.0.0.1"/></Peers></Discovery>
+</Domain></CycloneDDS>"""
+"""What ROS_LOCALHOST_ONLY is for rmw_cyclonedds_cpp; the loopback interface has no multicast."""
+_SERVICE_DEPTH: Final = 64
+"""Requests that may come between two steps: a whole class asks in one."""
+_REPLY_WAIT_S: Final = 0.1
+"""A client may be asking before its reader of responses is known here: so long a response waits for it."""
+_domains: Final[dict[int, Domain]] = {}
+"""Of this process: a domain is configured once."""
+
+
+class DdsBus:
+    """See `catch_arena.ros.bus.Bus`.
+
+    Args:
+        domain: from 0 to 232.
+        localhost: whether it keeps to this machine; else the network is used as CYCLONEDDS_URI says, or as by default.
+        say: takes one line whenever there is something that people should know.
+
+    Raises:
+        BusError: where there is no network interface to use.
+    """
+
+    def __init__(self, domain: int, *, localhost: bool, say: Say) -> None:
+        try:
+            if localhost and domain not in _domains:
+                with suppress(DDSException):  # this process is in it already
+                    _domains[domain] = Domain(domain, _LOCALHOST)
+            user = Policy.Userdata(b"enclave=/;")  # what ROS looks for in a participant that is one of its own
+            self._participant = DomainParticipant(domain, qos=Qos(user))
+        except DDSException as error:
+            raise BusError(
+                f"DDS domain {domain} cannot be joined ({_code(error)}): is there a network interface? "
+                "ROS_LOCALHOST_ONLY=1 keeps to this machine"
+            ) from None
+        self._say = say
+        self._waiting = WaitSet(self._participant)
+        self._readers: list[_Reader] = []
+        self._topics: dict[str, _Reader] = {}
+        self._late: list[_Reply] = []
+        self._unsent: set[str] = set()
+        self._ids = count(1)
+        self._watch = PeerWatch(self._participant, say)
+
+    @property
+    def backend(self) -> Backend:
+        """Which one it is."""
+        return "cyclonedds"
+
+    def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
+        """Announce a topic."""
+        writer = self._writer(f"rt{_absolute(topic)}", kind)
+
+        def publish(message: Any) -> None:
+            self._write(writer, to_sample(kind, message))
+
+        return publish
+
+    def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
+        """Hear a topic."""
+
+        def on_sample(sample: Any, peer: Peer | None) -> None:
+            on_message(from_sample(kind, sample), peer)
+
+        self._topics[topic] = self._reader(f"rt{_absolute(topic)}", kind, DEPTH, on_sample)
+
+    def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
+        """Answer a service."""
+        user = Policy.Userdata(f"serviceid={self._next_id()};".encode())
+        name = _absolute(service)
+        writer = self._writer(f"rr{name}Reply", kind.response, user, header=True)
+
+        def on_sample(sample: Any, peer: Peer | None) -> None:
+            reply = _Reply(self._write, writer, kind.response, sample.client, sample.number, peer)
+            on_request(Request(from_sample(kind.request, sample), peer, lambda response: self._answer(reply, response)))
+
+        self._reader(f"rq{name}Request", kind.request, _SERVICE_DEPTH, on_sample, user, header=True)
+
+    def client(self, service: str, kind: ServiceType) -> "_DdsClient":
+        """Call a service."""
+        user = Policy.Userdata(f"clientid={self._next_id()};".encode())
+        name = _absolute(service)
+        writer = self._writer(f"rq{name}Request", kind.request, user, header=True)
+        client = _DdsClient(service, kind, writer)
+        client.reader = self._reader(
+            f"rr{name}Reply", kind.response, _SERVICE_DEPTH, client.on_sample, user, header=True
+        ).reader
+        return client
+
+    def publishers_of(self, topic: str) -> frozenset[Peer] | None:
+        """Who publishes on a topic that was subscribed to."""
+        reader = self._topics[topic]
+        return frozenset(peer for handle in reader.reader.get_matched_publications() if (peer := reader.peer(handle)))
+
+    def spin(self, timeout_s: float = 0.0) -> None:
+        """Take what has come."""
+        if timeout_s > 0.0:
+            self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._late else timeout_s))
+        for reader in self._readers:
+            reader.take(self._say)
+        if self._late:
+            self._late = [reply for reply in self._late if not reply.send()]
+        self._watch.look()
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._watch.close()
+        self._readers.clear()
+        self._topics.clear()
+        self._late.clear()
+        del self._waiting, self._participant
+
+    def _answer(self, reply: "_Reply", response: Any) -> None:
+        reply.sample = to_sample(reply.kind, response, client=reply.client, number=reply.number)
+        if not reply.send():
+            self._late.append(reply)
+
+    def _write(self, writer: DataWriter[Any], sample: Any) -> None:
+        """What cannot be sent, as a text with a zero byte in it, is left out: a stranger's name may have one."""
+        try:
+            writer.write(sample)
+        except DDSException as error:
+            topic = ros_name(writer.topic.name)
+            if topic not in self._unsent:
+                self._unsent.add(topic)
+                self._say(f"warning: a message on {topic} cannot be sent ({_code(error)})")
+
+    def _next_id(self) -> str:
+        """What tells which reader and which writer belong to one end of a service."""
+        head = self._participant.guid.bytes[:12]
+        return ".".join(f"{byte:x}" for byte in head + next(self._ids).to_bytes(4, "big"))
+
+    def _writer(self, topic: str, kind: MessageType, *policies: Any, header: bool = False) -> DataWriter[Any]:
+        self._watch.expect(topic, kind)
+        qos = _qos(DEPTH if not header else _SERVICE_DEPTH, Policy.WriterDataLifecycle(autodispose=False), *policies)
+        return DataWriter(self._participant, self._topic(topic, kind, header=header), qos=qos)
+
+    def _reader(
+        self,
+        topic: str,
+        kind: MessageType,
+        depth: int,
+        on_sample: Callable[[Any, Peer | None], None],
+        *policies: Any,
+        header: bool = False,
+    ) -> "_Reader":
+        self._watch.expect(topic, kind)
+        reader: DataReader[Any] = DataReader(
+            self._participant, self._topic(topic, kind, header=header), qos=_qos(depth, *policies)
+        )
+        made = _Reader(topic, reader, depth, on_sample)
+        self._readers.append(made)
+        self._waiting.attach(made.fresh)
+        return made
+
+    def _topic(self, topic: str, kind: MessageType, *, header: bool) -> Topic[Any]:
+        return Topic(self._participant, topic, idl_struct(kind, header=header))
+
+
+class _Reader:
+    """One reader, and what its samples are given to."""
+
+    def __init__(
+        self, topic: str, reader: DataReader[Any], depth: int, on_sample: Callable[[Any, Peer | None], None]
+    ) -> None:
+        self.reader = reader
+        self.fresh = ReadCondition(reader, Views.Any | Instances.Any | Samples.NotRead)
+        self._topic, self._depth, self._on_sample = topic, depth, on_sample
+        self._peers: dict[int, Peer | None] = {}
+        self._told = False
+
+    def take(self, say: Say) -> None:
+        """Whatever lies there, one after the other: what cannot be read must not take others with it."""
+        for _ in range(self._depth):
+            try:
+                samples = self.reader.take(1)
+            except Exception as error:  # noqa: BLE001 - what strangers send may fail anywhere in the decoder
+                if not self._told:
+                    self._told = True
+                    say(f"warning: a message on {ros_name(self._topic)} cannot be read: {type(error).__name__}")
+                continue
+            if not samples:
+                return
+            sample = samples[0]
+            if sample.sample_info.valid_data:
+                self._on_sample(sample, self.peer(sample.sample_info.publication_handle))
+
+    def peer(self, handle: int) -> Peer | None:
+        """Whose writer it is; kept, since a writer may be gone before its last sample is taken."""
+        handle &= 2**64 - 1  # some calls tell it with a sign
+        if handle not in self._peers:
+            found = self.reader.get_matched_publication_data(handle)
+            if found is None:
+                return None
+            self._peers[handle] = str(found.participant_key)
+        return self._peers[handle]
+
+
+@dataclass(slots=True)
+class _Reply:
+    """A response that is to go to one client."""
+
+    write: Callable[[DataWriter[Any], Any], None]
+    writer: DataWriter[Any]
+    kind: MessageType
+    client: int
+    number: int
+    peer: Peer | None
+    sample: Any = None
+    since: float = 0.0
+
+    def send(self) -> bool:
+        """Whether it was sent: it is where the client's reader is known, or has been waited for long enough."""
+        now = time.monotonic()
+        self.since = self.since or now
+        if self.peer is not None and now < self.since + _REPLY_WAIT_S and self.peer not in self._readers():
+            return False
+        self.write(self.writer, self.sample)
+        return True
+
+    def _readers(self) -> set[Peer]:
+        found = map(self.writer.get_matched_subscription_data, self.writer.get_matched_subscriptions())
+        return {str(one.participant_key) for one in found if one is not None}
+
+
+class _DdsClient:
+    """See `catch_arena.ros.bus.Client`."""
+
+    reader: DataReader[Any]
+
+    def __init__(self, service: str, kind: ServiceType, writer: DataWriter[Any]) -> None:
+        self._service, self._kind, self._writer = service, kind, writer
+        self._own = writer.get_instance_handle() & 2**64 - 1
+        self._numbers = count(1)
+        self._calls: dict[int, Call] = {}
+        self._order: deque[int] = deque()
+
+    @property
+    def ready(self) -> bool:
+        """Whether somebody serves it."""
+        servers = _participants(self._writer.get_matched_subscription_data, self._writer.get_matched_subscriptions())
+        if any(map(is_fast_dds, servers)):  # it would be called in vain, and may run out of memory over it
+            raise BusError(FAST_DDS.format(what=f"serves {self._service}"))
+        answering = _participants(self.reader.get_matched_publication_data, self.reader.get_matched_publications())
+        return bool(servers & answering)
+
+    def call(self, request: Any) -> Call:
+        """Ask."""
+        number = next(self._numbers)
+        self._calls[number] = call = Call()
+        self._order.append(number)
+        if len(self._order) > _SERVICE_DEPTH:  # nobody waits for one so old
+            self._calls.pop(self._order.popleft(), None)
+        self._writer.write(to_sample(self._kind.request, request, client=self._own, number=number))
+        return call
+
+    def on_sample(self, sample: Any, peer: Peer | None) -> None:
+        """A response on the topic that all clients of the service share."""
+        del peer
+        if sample.client == self._own and (call := self._calls.pop(sample.number, None)) is not None:
+            call.response = from_sample(self._kind.response, sample)
+
+
+def _participants(data_of: Callable[[int], Any], handles: Sequence[int]) -> set[UUID]:
+    return {found.participant_key for handle in handles if (found := data_of(handle)) is not None}
+
+
+def _qos(depth: int, *policies: Any) -> Qos:
+    """ROS's usual quality of service, which its clients and services have too."""
+    return Qos(
+        Policy.Reliability.Reliable(duration(milliseconds=100)),
+        Policy.Durability.Volatile,
+        Policy.History.KeepLast(depth),
+        Policy.DataRepresentation(use_cdrv0_representation=True),
+        *policies,
+    )
+
+
+def _absolute(name: str) -> str:
+    return name if name.startswith("/") else f"/{name}"
+
+
+def _code(error: DDSException) -> str:
+    return str(DDSException.error_message_mapping.get(error.code, (f"code {error.code}", ""))[0])

@@ -1,0 +1,110 @@
+"""Who else is on the DDS bus, as far as something would go wrong with them: told once, in one line."""
+
+import re
+import time
+from importlib.util import find_spec
+from typing import Any, Final
+from uuid import UUID
+
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
+from cyclonedds.core import Policy
+from cyclonedds.domain import DomainParticipant
+
+from catch_arena.ros.bus import Say
+from catch_arena.ros.dds_types import dds_name
+from catch_arena.ros.interfaces import MessageType
+from catch_arena.ros.type_hashes import type_hash
+
+FAST_DDS: Final = (
+    "a node with Fast DDS, ROS's default middleware, {what}, and its services cannot be spoken to over cyclonedds: "
+    "start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or give --bus rosbridge"
+)
+"""The one line, with its two ways out."""
+_FAST_DDS_VENDOR: Final = b"\x01\x0f"
+"""What Fast DDS's ids begin with; Cyclone's begin with 01 10."""
+_TYPE_HASH: Final = re.compile(rb"typehash=(RIHS01_[0-9a-f]{64});")
+_LOOK_EVERY_S: Final = 0.5
+
+
+class PeerWatch:
+    """Reads which writers and readers appear on the bus.
+
+    Args:
+        participant: of this process.
+        say: takes one line for each that something would go wrong with.
+    """
+
+    def __init__(self, participant: DomainParticipant, say: Say) -> None:
+        self._appeared = [
+            BuiltinDataReader(participant, topic)
+            for topic in (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)
+        ]
+        self._own = participant.guid
+        self._say = say
+        self._expected: dict[str, MessageType] = {}
+        self._told: set[tuple[str, str]] = set()
+        self._next = 0.0
+
+    def expect(self, topic: str, kind: MessageType) -> None:
+        """What is sent on a topic of DDS's."""
+        self._expected[topic] = kind
+
+    def look(self) -> None:
+        """Now and then, at who has appeared."""
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = now + _LOOK_EVERY_S
+        for reader in self._appeared:
+            for endpoint in reader.take(1000):
+                if endpoint.sample_info.valid_data and endpoint.participant_key != self._own:
+                    self._check(endpoint)
+
+    def close(self) -> None:
+        """Look no more."""
+        self._appeared.clear()
+
+    def _check(self, endpoint: Any) -> None:
+        topic, kind = endpoint.topic_name, self._expected.get(endpoint.topic_name)
+        if kind is None:
+            return
+        if endpoint.type_name != dds_name(kind):
+            self._tell(
+                topic,
+                f"{_ros_type(endpoint.type_name)} is what another node has on {topic[2:]}, where we have {kind.name}: "
+                "they do not hear each other; --interfaces and --turtlesim name the packages",
+            )
+        elif topic.startswith("rq") and is_fast_dds(endpoint.participant_key):
+            self._tell(topic, FAST_DDS.format(what=f"has to do with {topic[2:].removesuffix('Request')}"))
+        elif topic.startswith("rt") and (announced := _announced_hash(endpoint)) not in {None, _own_hash(kind)}:
+            self._tell(
+                topic,
+                f"another node has other fields in {kind.name}, on {topic[2:]}, so that numbers arrive as garbage: "
+                f"ours are «{'; '.join(kind.definition.splitlines())}» ({announced})",
+            )
+
+    def _tell(self, topic: str, line: str) -> None:
+        if (topic, line) not in self._told:
+            self._told.add((topic, line))
+            self._say(f"warning: {line}")
+
+
+def is_fast_dds(participant: UUID) -> bool:
+    """By the vendor in its id."""
+    return participant.bytes[:2] == _FAST_DDS_VENDOR
+
+
+def _announced_hash(endpoint: Any) -> str | None:
+    """What a node of Iron or later says about its fields; older ones say nothing."""
+    for policy in endpoint.qos:
+        if isinstance(policy, Policy.Userdata) and (found := _TYPE_HASH.search(policy.data)):
+            return found[1].decode()
+    return None
+
+
+def _own_hash(kind: MessageType) -> str | None:
+    return type_hash(kind) if find_spec("rosbags") is not None else None
+
+
+def _ros_type(name: str) -> str:
+    return name.replace("::dds_::", "/").replace("::", "/").removesuffix("_")

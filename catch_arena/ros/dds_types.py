@@ -1,0 +1,64 @@
+"""Messages as DDS has them: names, and the types of the package cyclonedds, which make the bytes."""
+
+from functools import cache
+from typing import Any, Final
+
+from cyclonedds.idl import make_idl_struct, types
+from cyclonedds.idl.annotations import final
+
+from catch_arena.ros.interfaces import PRIMITIVES, MessageType
+
+_MISSING_MEMBER: Final = "structure_needs_at_least_one_member"
+"""The byte that ROS puts into what has no fields."""
+_DUMMY: Final = {_MISSING_MEMBER: 0}
+_PRIMITIVES: Final[dict[str, Any]] = {word: getattr(types, word, None) for word in PRIMITIVES} | {
+    "bool": bool,
+    "string": str,
+}
+_sequence: Final[Any] = types.sequence
+
+
+def dds_name(kind: MessageType) -> str:
+    """What DDS calls a type: turtlesim::msg::dds_::Pose_."""
+    package, folder, name = kind.name.split("/")
+    return f"{package}::{folder}::dds_::{name}_"
+
+
+def ros_name(topic: str) -> str:
+    """A DDS topic as ROS calls it."""
+    return topic[2:].removesuffix("Request" if topic.startswith("rq") else "Reply" if topic.startswith("rr") else "")
+
+
+@cache
+def idl_struct(kind: MessageType, *, header: bool = False) -> Any:
+    """The package's own type of a message; with what a request or a response begins with."""
+    fields: dict[str, Any] = {"client": types.uint64, "number": types.int64} if header else {}
+    for name, word, is_sequence in kind.fields:
+        one: Any = _PRIMITIVES[word] if isinstance(word, str) else idl_struct(word)
+        fields[name] = _sequence[one] if is_sequence else one
+    if not kind.fields:
+        fields[_MISSING_MEMBER] = types.uint8
+    return final(make_idl_struct(kind.name.rpartition("/")[2], dds_name(kind), fields))
+
+
+def to_sample(kind: MessageType, message: Any, **header: int) -> Any:
+    """A message as the package wants it."""
+    values: dict[str, Any] = {**header} if kind.fields else {**header, **_DUMMY}
+    for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
+        if isinstance(word, str):
+            values[name] = list(value) if is_sequence else value
+        else:
+            values[name] = [to_sample(word, one) for one in value] if is_sequence else to_sample(word, value)
+    return idl_struct(kind, header=bool(header))(**values)
+
+
+def from_sample(kind: MessageType, sample: Any) -> Any:
+    """A message from what the package gives."""
+    values = []
+    for name, word, is_sequence in kind.fields:
+        value = getattr(sample, name)
+        if isinstance(word, str):
+            values.append(tuple(value) if is_sequence else value)
+        else:
+            values.append(tuple(from_sample(word, one) for one in value) if is_sequence else from_sample(word, value))
+    return kind.make(*values)

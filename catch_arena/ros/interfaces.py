@@ -1,0 +1,222 @@
+"""R8.1: what goes over a ROS 2 bus, as ROS's own definitions, and the tuples that stand for it here.
+
+A definition is the text of a .msg or .srv file. Each back-end makes its own types from it, so that a field and its
+width stand in one place.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+from catch_arena import messages
+
+PRIMITIVES: Final = frozenset(
+    ("bool", "string", "float32", "float64", "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64")
+)
+OWN_PACKAGE: Final = "catch_arena_interfaces"
+"""Ours: ros2/catch_arena_interfaces."""
+
+
+class Field(NamedTuple):
+    """One line of a definition."""
+
+    name: str
+    type: "str | MessageType"
+    """One of PRIMITIVES, or another message."""
+    is_sequence: bool
+
+
+@dataclass(frozen=True, slots=True)
+class MessageType:
+    """A message, or one half of a service."""
+
+    name: str
+    """As ROS writes it: turtlesim/msg/Pose, turtlesim/srv/Spawn_Request."""
+    make: Callable[..., Any]
+    """The NamedTuple that stands for one; its fields are those of `fields`, in their order."""
+    fields: tuple[Field, ...]
+
+    @property
+    def definition(self) -> str:
+        """The text of its .msg file."""
+        lines = []
+        for name, kind, is_sequence in self.fields:
+            word = kind if isinstance(kind, str) else kind.name.replace("/msg/", "/")
+            lines.append(f"{word}{'[]' if is_sequence else ''} {name}\n")
+        return "".join(lines)
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceType:
+    """A service: what is asked, and what is answered."""
+
+    name: str
+    """As ROS writes it: turtlesim/srv/Spawn."""
+    request: MessageType
+    response: MessageType
+
+
+class Vector3(NamedTuple):
+    """geometry_msgs/msg/Vector3."""
+
+    x: float
+    y: float
+    z: float
+
+
+class TwistMessage(NamedTuple):
+    """geometry_msgs/msg/Twist: metres and radians per second, of which turtles obey linear.x and angular.z."""
+
+    linear: Vector3
+    angular: Vector3
+
+    @classmethod
+    def of(cls, linear_x: float, angular_z: float) -> "TwistMessage":
+        """What a turtle obeys."""
+        return cls(Vector3(linear_x, 0.0, 0.0), Vector3(0.0, 0.0, angular_z))
+
+
+class Time(NamedTuple):
+    """builtin_interfaces/msg/Time."""
+
+    sec: int
+    nanosec: int
+
+
+class Clock(NamedTuple):
+    """rosgraph_msgs/msg/Clock: the arena's time."""
+
+    clock: Time
+
+
+class SpawnRequest(NamedTuple):
+    """turtlesim/srv/Spawn, the request: metres, radians; an empty name lets the simulator choose one."""
+
+    x: float
+    y: float
+    theta: float
+    name: str
+
+
+class Name(NamedTuple):
+    """The response of turtlesim/srv/Spawn, "" where nothing was spawned, and the request of turtlesim/srv/Kill."""
+
+    name: str
+
+
+class Empty(NamedTuple):
+    """A request or a response without fields."""
+
+
+class RulingMessage(NamedTuple):
+    """catch_arena_interfaces/msg/Ruling: what the arbiter made of one request (R5.6)."""
+
+    time: float
+    """The arena's, when the step began in which it was judged [s]."""
+    step: int
+    hunter: str
+    target: str
+    """The name that was asked for, cut to 255 characters."""
+    verdict: str
+    success: bool
+    distance: float
+    """Between the centres [m]; -1 where reach was not tested."""
+    winner: str
+    """Who won, where it was granted or contested; else empty."""
+    clause: str
+    reason: str
+
+
+class StandingMessage(NamedTuple):
+    """catch_arena_interfaces/msg/Standing: where one hunter stands."""
+
+    time: float
+    """The arena's [s]."""
+    hunter: str
+    player: str
+    score: int
+    rank: int
+    over: bool
+    """Whether the match has ended."""
+
+
+def _message(name: str, make: Callable[..., Any], *lines: "str | tuple[MessageType, str]") -> MessageType:
+    """A message from the lines of its definition; those that hold another message are (message, name)."""
+    fields = []
+    for line in lines:
+        kind, field = line.split() if isinstance(line, str) else line
+        is_sequence = field.endswith("[]")
+        fields.append(Field(field.removesuffix("[]"), kind, is_sequence))
+    return MessageType(name, make, tuple(fields))
+
+
+def _service(name: str, request: tuple[Any, ...], response: tuple[Any, ...]) -> ServiceType:
+    return ServiceType(name, _message(f"{name}_Request", *request), _message(f"{name}_Response", *response))
+
+
+VECTOR3: Final = _message("geometry_msgs/msg/Vector3", Vector3, "float64 x", "float64 y", "float64 z")
+TWIST: Final = _message("geometry_msgs/msg/Twist", TwistMessage, (VECTOR3, "linear"), (VECTOR3, "angular"))
+TIME: Final = _message("builtin_interfaces/msg/Time", Time, "int32 sec", "uint32 nanosec")
+CLOCK: Final = _message("rosgraph_msgs/msg/Clock", Clock, (TIME, "clock"))
+EMPTY: Final = _service("std_srvs/srv/Empty", (Empty,), (Empty,))
+RULING: Final = _message(
+    f"{OWN_PACKAGE}/msg/Ruling",
+    RulingMessage,
+    "float64 time",
+    "uint32 step",
+    "string hunter",
+    "string target",
+    "string verdict",
+    "bool success",
+    "float64 distance",
+    "string winner",
+    "string clause",
+    "string reason",
+)
+STANDING: Final = _message(
+    f"{OWN_PACKAGE}/msg/Standing",
+    StandingMessage,
+    "float64 time",
+    "string hunter",
+    "string player",
+    "uint32 score",
+    "uint32 rank",
+    "bool over",
+)
+
+
+class Interfaces:
+    """The types whose package differs from student to student, and from one ROS 2 to another.
+
+    Args:
+        package: the exercise's own, with Turtle, TurtleArray and CatchTurtle.
+        turtlesim: turtlesim's, which is turtlesim_msgs from Kilted on.
+    """
+
+    def __init__(self, package: str = "my_robot_interfaces", turtlesim: str = "turtlesim") -> None:
+        self.turtle: Final = _message(
+            f"{package}/msg/Turtle", messages.Turtle, "string name", "float64 x", "float64 y", "float64 theta"
+        )
+        self.turtle_array: Final = _message(
+            f"{package}/msg/TurtleArray", messages.TurtleArray, (self.turtle, "turtles[]")
+        )
+        self.catch_turtle: Final = _service(
+            f"{package}/srv/CatchTurtle",
+            (messages.CatchTurtleRequest, "string name"),
+            (messages.CatchTurtleResponse, "bool success"),
+        )
+        self.pose: Final = _message(
+            f"{turtlesim}/msg/Pose",
+            messages.Pose,
+            "float32 x",
+            "float32 y",
+            "float32 theta",
+            "float32 linear_velocity",
+            "float32 angular_velocity",
+        )
+        self.spawn: Final = _service(
+            f"{turtlesim}/srv/Spawn",
+            (SpawnRequest, "float32 x", "float32 y", "float32 theta", "string name"),
+            (Name, "string name"),
+        )
+        self.kill: Final = _service(f"{turtlesim}/srv/Kill", (Name, "string name"), (Empty,))

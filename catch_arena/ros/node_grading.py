@@ -1,0 +1,78 @@
+"""A node graded by a spec: what its service answers in cases of the conformance suite, and points."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from catch_arena.conformance.answers import counted
+from catch_arena.conformance.cases import ArbiterCase, ArenaCase
+from catch_arena.conformance.report import Report
+from catch_arena.errors import ConfigError
+from catch_arena.ros.node_cases import can_be_asked, run_on_node
+from catch_arena.ros.node_under_test import NodeUnderTest
+from catch_arena.testing import select_cases
+from catch_arena.tournament.grading import Spec, Test
+
+
+@dataclass(frozen=True, slots=True)
+class NodeGrade:
+    """What one test gave."""
+
+    test: str
+    points: float
+    """Those of the test where no case failed, else 0."""
+    possible: float
+    cases: int
+    passed: int
+    failures: tuple[str, ...]
+    """A line for each clause that some case failed."""
+    hints: tuple[str, ...]
+    log: str = ""
+
+    def __str__(self) -> str:
+        """For people: what was asked, then which clauses failed, then what that looks like."""
+        head = (
+            f"{'failed' if self.failures else 'passed'}  {self.points:g}/{self.possible:g}  {self.test}: "
+            f"{self.passed} of {counted(self.cases, 'case')}"
+        )
+        return "\n        ".join([head, *self.failures, *(f"hint: {hint}" for hint in self.hints)])
+
+
+def grade_node(spec: Spec, node: NodeUnderTest) -> Iterator[NodeGrade]:
+    """The tests of a spec, one after the other.
+
+    Raises:
+        ConfigError: for a test without cases that can be asked of a service, before any is asked.
+        BusError: where the service is not there, or no longer answers.
+    """
+    for test, cases in [(test, _cases(test)) for test in spec.tests]:
+        yield _grade(test, run_on_node(node, cases))
+
+
+def _cases(test: Test) -> list[ArbiterCase | ArenaCase]:
+    if not test.cases:
+        raise ConfigError(f'{test.name}: cases must be given for a node, as in cases = ["reach", "names"]')
+    try:
+        found = [case for case in select_cases(test.cases) if can_be_asked(case)]
+    except ConfigError as error:
+        raise ConfigError(f"{test.name}: {error}") from None
+    if not found:
+        raise ConfigError(f"{test.name}: none of its cases can be asked of a service: it knows one hunter, and names")
+    return found
+
+
+def _grade(test: Test, report: Report) -> NodeGrade:
+    played = sum(result.played for result in report.results)
+    if not played:
+        raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")
+    by_clause: dict[str, list[str]] = {}
+    for failure in report.failures:
+        by_clause.setdefault(failure.case.clauses[0], []).append(failure.case.id)
+    return NodeGrade(
+        test=test.name,
+        points=0.0 if report.failures else test.points,
+        possible=test.points,
+        cases=played,
+        passed=played - len(report.failures),
+        failures=tuple(f"{clause}: {counted(len(ids), 'case')}: {', '.join(ids)}" for clause, ids in by_clause.items()),
+        hints=tuple(f"it looks like «{one.looks_like}». {one.rule}" for one in report.diagnoses),
+    )

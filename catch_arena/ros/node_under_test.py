@@ -1,0 +1,130 @@
+"""Somebody's node that serves catch_turtle, and the arena about it: turtlesim's part, and the spawner's."""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from catch_arena.errors import BusError
+from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
+from catch_arena.ros.bus import Bus, Peer, Request, Say
+from catch_arena.ros.interfaces import Empty, Interfaces, Name
+
+TURTLE: Final = "turtle1"
+"""The hunter, as the exercise knows it."""
+ANSWER_S: Final = 2.0
+"""So long a node may take to answer."""
+_ALIVE: Final = "/alive_turtles"
+_TICK_S: Final = 0.016
+_THERE_S: Final = 10.0
+"""So long a node may take to appear, or to list a target."""
+_LOOK_S: Final = 0.5
+_LISTEN_S: Final = 3.0
+"""Where the middleware does not tell who publishes what: the exercise's spawner lists its first target after 2 s."""
+
+Place = tuple[float, float]
+
+
+class NodeUnderTest:
+    """A service on a bus, and what it needs to answer.
+
+    The arena says where turtle1 stands and which targets are alive. A node that publishes the list itself, as the
+    exercise's spawner does, is asked for targets of its own; then turtle1 comes to them.
+
+    Args:
+        bus: the bus.
+        service: its name, as in /catch_turtle.
+        interfaces: the packages of the types.
+        say: takes one line when there is news.
+    """
+
+    def __init__(self, bus: Bus, service: str, interfaces: Interfaces, say: Say) -> None:
+        self._bus, self._service, self._interfaces, self._say = bus, service, interfaces, say
+        self._pose = bus.publisher(f"/{TURTLE}/pose", interfaces.pose)
+        bus.subscribe(_ALIVE, interfaces.turtle_array, self._hear_list)
+        bus.serve("/kill", interfaces.kill, lambda request: request.answer(Empty()))
+        bus.serve("/spawn", interfaces.spawn, self._spawn)
+        self._client = bus.client(service, interfaces.catch_turtle)
+        self._spawned = 1
+        self._heard: TurtleArray | None = None
+        self._said = Pose(0.0, 0.0, 0.0, 0.0, 0.0), TurtleArray(())
+        self._met = False
+        self._alive: Callable[[TurtleArray], None] | None = None
+        self.keeps_the_list = False
+        """Whether the node publishes /alive_turtles itself."""
+
+    @property
+    def listed(self) -> dict[str, Place]:
+        """The targets of a node that keeps the list, as it last told them."""
+        return {} if self._heard is None else {name: (x, y) for name, x, y, _ in self._heard.turtles}
+
+    def meet(self) -> None:
+        """Wait until the service is there, and see who keeps the list.
+
+        Raises:
+            BusError: where nobody serves it, or somebody who cannot answer over this bus.
+        """
+        if self._met:
+            return
+        end = time.monotonic() + _THERE_S
+        while not self._client.ready:
+            if time.monotonic() > end:
+                raise BusError(f"nobody serves {self._service} on this bus: does the node run, in the same domain?")
+            self._bus.spin(0.05)
+        self._spin(_LOOK_S if self._bus.publishers_of(_ALIVE) is not None else _LISTEN_S)
+        self.keeps_the_list = bool(self._bus.publishers_of(_ALIVE)) or self._heard is not None
+        if self.keeps_the_list:
+            self._say(f"the node publishes {_ALIVE} itself: it is asked for its own targets, one after the other")
+        else:
+            self._alive = self._bus.publisher(_ALIVE, self._interfaces.turtle_array)
+        self._met = True
+
+    def wait_for_target(self) -> None:
+        """Until a node that keeps the list has a target in it.
+
+        Raises:
+            BusError: where it has none for long.
+        """
+        end = time.monotonic() + _THERE_S
+        while not self.listed:
+            if time.monotonic() > end:
+                raise BusError(f"the node lists no target on {_ALIVE} for {_THERE_S:g} s: does it call /spawn?")
+            self._tell(_TICK_S)
+
+    def ask(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
+        """Stand there among these targets for a while, and ask for one: the answer, None without one in time."""
+        turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
+        self._said = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
+        self._tell(settle_s)
+        call = self._client.call(CatchTurtleRequest(name))
+        end = time.monotonic() + ANSWER_S
+        while call.response is None and time.monotonic() < end:
+            self._tell(_TICK_S)
+        return None if call.response is None else bool(call.response.success)
+
+    def ask_nothing(self, seconds: float) -> None:
+        """Stand there so long."""
+        self._tell(seconds)
+
+    def _tell(self, seconds: float) -> None:
+        """The pose, and the list where it is ours, tick by tick, as turtlesim tells them."""
+        end = time.monotonic() + seconds
+        while (now := time.monotonic()) < end:
+            self._pose(self._said[0])
+            if self._alive is not None:
+                self._alive(self._said[1])
+            self._spin(min(now + _TICK_S, end) - now)
+
+    def _spin(self, seconds: float) -> None:
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            self._bus.spin(left)
+
+    def _hear_list(self, message: TurtleArray, peer: Peer | None) -> None:
+        del peer
+        if not self._met or self.keeps_the_list:
+            self._heard = message
+
+    def _spawn(self, request: Request) -> None:
+        """As turtlesim: every name is free here."""
+        self._spawned += 1
+        request.answer(Name(request.message.name or f"turtle{self._spawned}"))

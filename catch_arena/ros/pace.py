@@ -1,0 +1,47 @@
+"""Steps at an even pace by the clock on the wall."""
+
+import time
+from collections.abc import Callable
+from typing import Final
+
+LATE_S: Final = 0.005
+"""A tick that begins later than this after its time counts as late."""
+_GIVEN_UP_S: Final = 0.25
+"""Who is behind by more goes on from now: a machine that was held up does not hurry after."""
+
+
+class Pace:
+    """Waits for one tick after the other.
+
+    Args:
+        period_s: from tick to tick, by the wall's clock.
+        clock: tells seconds.
+        sleep: waits so many of them.
+    """
+
+    def __init__(
+        self,
+        period_s: float,
+        clock: Callable[[], float] = time.perf_counter,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.period_s = period_s
+        self.ticks = 0
+        self.late = 0
+        """How many of them began more than LATE_S after their time."""
+        self.latest_s = 0.0
+        self._clock, self._sleep = clock, sleep
+        self._due = clock()
+
+    def wait(self) -> None:
+        """Until the next tick is due."""
+        self._due += self.period_s
+        ahead = self._due - self._clock()
+        if ahead > 0:
+            self._sleep(ahead)
+        behind = self._clock() - self._due
+        self.ticks += 1
+        self.late += behind > LATE_S
+        self.latest_s = max(self.latest_s, behind)
+        if behind > _GIVEN_UP_S:
+            self._due = self._clock()

@@ -1,0 +1,167 @@
+"""The bus by ROS's own library: whatever middleware is set there works, services too."""
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from catch_arena.errors import BusError
+from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
+from catch_arena.ros.interfaces import MessageType, ServiceType
+
+
+class RclpyBus:
+    """See `catch_arena.ros.bus.Bus`. rclpy does not say who sent a message.
+
+    Args:
+        node: its name.
+        domain: from 0 to 232.
+        say: takes one line whenever there is something that people should know.
+
+    Raises:
+        BusError: where rclpy cannot begin.
+    """
+
+    def __init__(self, node: str, domain: int, *, say: Say) -> None:
+        try:
+            rclpy = import_module("rclpy")
+            executors = import_module("rclpy.executors")
+            self._future = import_module("rclpy.task").Future
+        except ImportError as error:  # its C parts need the libraries that sourcing ROS makes known
+            raise BusError(f"rclpy cannot be loaded ({error}): source ROS first") from None
+        self._context = rclpy.Context()
+        rclpy.init(context=self._context, domain_id=domain)
+        self._node = rclpy.create_node(node, context=self._context)
+        self._executor = executors.SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._say = say
+        self._heard = 0
+        self._owed = 0
+        self._spinning = False
+
+    @property
+    def backend(self) -> Backend:
+        """Which one it is."""
+        return "rclpy"
+
+    def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
+        """Announce a topic."""
+        made = self._node.create_publisher(ros_class(kind.name), topic, DEPTH)
+        return lambda message: made.publish(to_ros(kind, message, ros_class(kind.name)()))
+
+    def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
+        """Hear a topic."""
+
+        def hear(message: Any) -> None:
+            self._heard += 1
+            on_message(from_ros(kind, message), None)
+
+        self._node.create_subscription(ros_class(kind.name), topic, hear, DEPTH)
+
+    def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
+        """Answer a service; its callback is a coroutine, which the executor goes on with once there is an answer."""
+
+        async def handle(request: Any, response: Any) -> Any:
+            self._heard += 1
+            self._owed += 1
+            answered = self._future(executor=self._executor)
+
+            def answer(value: Any) -> None:
+                answered.set_result(value)
+                if not self._spinning:
+                    self.spin()
+
+            on_request(Request(from_ros(kind.request, request), None, answer))
+            value = await answered
+            self._owed -= 1
+            self._heard += 1
+            return to_ros(kind.response, value, response)
+
+        self._node.create_service(ros_class(kind.name), service, handle)
+
+    def client(self, service: str, kind: ServiceType) -> "_RclpyClient":
+        """Call a service."""
+        return _RclpyClient(self._node.create_client(ros_class(kind.name), service), kind)
+
+    def publishers_of(self, topic: str) -> frozenset[Peer] | None:
+        """Who publishes on a topic: ROS knows it, but not which of them sent a message."""
+        found = self._node.get_publishers_info_by_topic(topic)
+        return frozenset(f"{one.node_namespace}/{one.node_name}".replace("//", "/") for one in found)
+
+    def spin(self, timeout_s: float = 0.0) -> None:
+        """Take what has come. An executor does one thing at a time, and looks at each unanswered request in between."""
+        self._spinning = True
+        idle = 0
+        for _ in range(DEPTH * DEPTH):
+            heard = self._heard
+            self._executor.spin_once(timeout_sec=timeout_s)
+            timeout_s = 0.0
+            idle = 0 if self._heard > heard else idle + 1
+            if idle > self._owed + 1:
+                break
+        self._spinning = False
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._executor.shutdown()
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+
+class _RclpyClient:
+    """See `catch_arena.ros.bus.Client`."""
+
+    def __init__(self, client: Any, kind: ServiceType) -> None:
+        self._client, self._kind = client, kind
+
+    @property
+    def ready(self) -> bool:
+        """Whether somebody serves it."""
+        return bool(self._client.service_is_ready())
+
+    def call(self, request: Any) -> Call:
+        """Ask."""
+        call = Call()
+
+        def done(future: Any) -> None:
+            call.response = from_ros(self._kind.response, future.result())
+
+        message = to_ros(self._kind.request, request, ros_class(self._kind.name).Request())
+        self._client.call_async(message).add_done_callback(done)
+        return call
+
+
+def ros_class(name: str) -> Any:
+    """ROS's own class of a message or a service.
+
+    Raises:
+        BusError: where its package is not built, or not sourced.
+    """
+    package, folder, word = name.split("/")
+    try:
+        return getattr(import_module(f"{package}.{folder}"), word)
+    except (ImportError, AttributeError):
+        raise BusError(f"{name} is not known to this ROS: build {package} with colcon, and source it") from None
+
+
+def to_ros(kind: MessageType, message: Any, target: Any) -> Any:
+    """Fill ROS's message from ours."""
+    for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
+        if isinstance(word, str):
+            setattr(target, name, list(value) if is_sequence else value)
+        elif is_sequence:
+            setattr(target, name, [to_ros(word, one, ros_class(word.name)()) for one in value])
+        else:
+            to_ros(word, value, getattr(target, name))
+    return target
+
+
+def from_ros(kind: MessageType, message: Any) -> Any:
+    """Ours from ROS's."""
+    values = []
+    for name, word, is_sequence in kind.fields:
+        value = getattr(message, name)
+        if isinstance(word, str):
+            values.append(tuple(value) if is_sequence else value)
+        else:
+            values.append(tuple(from_ros(word, one) for one in value) if is_sequence else from_ros(word, value))
+    return kind.make(*values)

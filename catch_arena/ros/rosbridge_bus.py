@@ -1,0 +1,309 @@
+"""The bus by rosbridge's JSON over a websocket: any middleware and any ROS, on the side where the server runs."""
+
+import json
+import math
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from contextlib import suppress
+from itertools import count
+from typing import Any, Final
+
+from websockets.exceptions import WebSocketException
+from websockets.sync.client import ClientConnection, connect
+
+from catch_arena.errors import BusError
+from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
+from catch_arena.ros.interfaces import MessageType, ServiceType
+from catch_arena.text import one_line
+
+_OPEN_S: Final = 5.0
+_AGAIN_S: Final = 1.0
+"""After so long a connection that was lost is tried again."""
+_CLOSE_S: Final = 1.0
+_LONGEST: Final = 16 * 2**20
+"""Bytes of a frame; a longer one is a stranger's, and ends the connection."""
+_REQUESTS: Final = 64
+_INTEGERS: Final = {
+    f"{sign}int{bits}": (-(2 ** (bits - 1)) if not sign else 0, 2 ** (bits - (not sign)) - 1)
+    for sign in ("", "u")
+    for bits in (8, 16, 32, 64)
+}
+
+
+class RosbridgeBus:
+    """See `catch_arena.ros.bus.Bus`. A thread receives; where the server goes away, it is looked for until it is back.
+
+    Args:
+        url: the server's.
+        say: takes one line whenever there is something that people should know.
+
+    Raises:
+        BusError: where no server answers.
+    """
+
+    def __init__(self, url: str, *, say: Say) -> None:
+        self._url, self._say = url, say
+        self._come = threading.Condition()
+        self._inboxes: dict[tuple[str, str], deque[dict[str, Any]]] = {}
+        self._handlers: dict[tuple[str, str], Callable[[dict[str, Any]], None]] = {}
+        self._announced: list[dict[str, Any]] = []
+        self._notes: deque[str] = deque(maxlen=100)
+        self._complaints: deque[str] = deque(maxlen=100)
+        self._unreadable: set[str] = set()
+        self._ids = count(1)
+        self._closing = False
+        self._connection: ClientConnection | None = None
+        first: Future[None] = Future()
+        self._thread = threading.Thread(target=self._receive, args=(first,), name="rosbridge", daemon=True)
+        self._thread.start()
+        try:
+            first.result()
+        except (OSError, ValueError, WebSocketException) as error:
+            raise BusError(
+                f"no rosbridge server answers at {url} ({one_line(str(error))}): start one where ROS is, "
+                "with ros2 launch rosbridge_server rosbridge_websocket_launch.xml"
+            ) from None
+
+    @property
+    def backend(self) -> Backend:
+        """Which one it is."""
+        return "rosbridge"
+
+    def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
+        """Announce a topic."""
+        self._announce({"op": "advertise", "topic": topic, "type": kind.name})
+
+        def publish(message: Any) -> None:
+            self._send({"op": "publish", "topic": topic, "msg": to_json(kind, message)})
+
+        return publish
+
+    def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
+        """Hear a topic; rosbridge does not say who sends."""
+
+        def handle(frame: dict[str, Any]) -> None:
+            on_message(from_json(kind, frame.get("msg")), None)
+
+        self._handle(("publish", topic), DEPTH, handle)
+        self._announce({"op": "subscribe", "topic": topic, "type": kind.name, "queue_length": DEPTH})
+
+    def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
+        """Answer a service."""
+
+        def handle(frame: dict[str, Any]) -> None:
+            respond = {"op": "service_response", "service": service, "id": frame.get("id")}
+
+            def answer(response: Any) -> None:
+                self._send({**respond, "values": to_json(kind.response, response), "result": True})
+
+            try:
+                request = from_json(kind.request, frame.get("args"))
+            except ValueError as error:
+                self._send({**respond, "values": str(error), "result": False})
+                raise
+            on_request(Request(request, None, answer))
+
+        self._handle(("call_service", service), _REQUESTS, handle)
+        self._announce({"op": "advertise_service", "service": service, "type": kind.name})
+
+    def client(self, service: str, kind: ServiceType) -> "_BridgeClient":
+        """Call a service."""
+        client = _BridgeClient(service, kind, self._send, self._ids)
+        self._handle(("service_response", service), _REQUESTS, client.handle)
+        return client
+
+    def publishers_of(self, topic: str) -> frozenset[Peer] | None:
+        """Rosbridge does not tell."""
+        del topic
+        return None
+
+    def spin(self, timeout_s: float = 0.0) -> None:
+        """Take what has come."""
+        with self._come:
+            if timeout_s > 0.0 and not any(self._inboxes.values()):
+                self._come.wait(timeout_s)
+            taken = [(key, frame) for key, inbox in self._inboxes.items() for frame in inbox]
+            for inbox in self._inboxes.values():
+                inbox.clear()
+            notes = list(self._notes)
+            self._notes.clear()
+        for note in notes:
+            self._say(note)
+        for key, frame in taken:
+            try:
+                self._handlers[key](frame)
+            except ValueError as error:
+                if key[1] not in self._unreadable:
+                    self._unreadable.add(key[1])
+                    self._say(f"warning: a message on {key[1]} cannot be read: {error}")
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._closing = True
+        connection = self._connection
+        if connection is not None:
+            with suppress(OSError, WebSocketException):
+                connection.close()
+        self._thread.join(_CLOSE_S)
+
+    def _handle(self, key: tuple[str, str], depth: int, handle: Callable[[dict[str, Any]], None]) -> None:
+        with self._come:
+            self._inboxes[key] = deque(maxlen=depth)
+            self._handlers[key] = handle
+
+    def _announce(self, frame: dict[str, Any]) -> None:
+        self._announced.append(frame)
+        self._send(frame)
+
+    def _send(self, frame: dict[str, Any]) -> None:
+        """Nothing is kept for a server that is away: a pose of then is of no use later."""
+        connection = self._connection
+        if connection is not None:
+            with suppress(OSError, WebSocketException):
+                connection.send(json.dumps(frame))
+
+    def _receive(self, first: "Future[None]") -> None:
+        """The thread: frames into their inboxes, of which a full one loses its oldest."""
+        while not self._closing:
+            try:
+                with connect(
+                    self._url, open_timeout=_OPEN_S, close_timeout=_CLOSE_S, max_size=_LONGEST, compression=None
+                ) as connection:
+                    for frame in self._announced:
+                        connection.send(json.dumps(frame))
+                    self._connection = connection
+                    if first.done():
+                        self._note("rosbridge: the server is back")
+                    else:
+                        first.set_result(None)
+                    for text in connection:
+                        self._sort_in(text)
+            except (OSError, ValueError, WebSocketException) as error:
+                if not first.done():
+                    first.set_exception(error)
+                    return
+            if self._connection is not None and not self._closing:
+                self._note("warning: rosbridge: the connection is lost; it is tried again every second")
+            self._connection = None
+            if not self._closing:
+                time.sleep(_AGAIN_S)
+
+    def _sort_in(self, text: str | bytes) -> None:
+        try:
+            frame = json.loads(text)
+        except (ValueError, RecursionError):
+            self._note("warning: rosbridge sent what is no JSON")
+            return
+        if not isinstance(frame, dict):
+            return
+        if frame.get("op") == "status":
+            line = f"warning: rosbridge: {one_line(str(frame.get('msg')))}"
+            if line not in self._complaints:
+                self._complaints.append(line)
+                self._note(line)
+            return
+        key = str(frame.get("op")), str(frame.get("service", frame.get("topic")))
+        with self._come:
+            if key in self._inboxes:
+                self._inboxes[key].append(frame)
+                self._come.notify()
+
+    def _note(self, line: str) -> None:
+        with self._come:
+            if line not in self._notes:
+                self._notes.append(line)
+
+
+class _BridgeClient:
+    """See `catch_arena.ros.bus.Client`."""
+
+    def __init__(
+        self, service: str, kind: ServiceType, send: Callable[[dict[str, Any]], None], ids: "count[int]"
+    ) -> None:
+        self._service, self._kind, self._send, self._ids = service, kind, send, ids
+        self._calls: dict[str, Call] = {}
+
+    @property
+    def ready(self) -> bool:
+        """Rosbridge waits for the server itself, and answers with an error where there is none."""
+        return True
+
+    def call(self, request: Any) -> Call:
+        """Ask."""
+        name = f"call_service:{self._service}:{next(self._ids)}"
+        self._calls[name] = call = Call()
+        if len(self._calls) > _REQUESTS:  # nobody waits for one so old
+            del self._calls[next(iter(self._calls))]
+        arguments = to_json(self._kind.request, request)
+        self._send({"op": "call_service", "id": name, "service": self._service, "args": arguments})
+        return call
+
+    def handle(self, frame: dict[str, Any]) -> None:
+        """A response."""
+        call = self._calls.pop(str(frame.get("id")), None)
+        if call is not None and frame.get("result"):
+            call.response = from_json(self._kind.response, frame.get("values"))
+
+
+def to_json(kind: MessageType, message: Any) -> dict[str, Any]:
+    """A message as rosbridge writes it."""
+    values = {}
+    for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
+        if isinstance(word, str):
+            values[name] = list(value) if is_sequence else value
+        else:
+            values[name] = [to_json(word, one) for one in value] if is_sequence else to_json(word, value)
+    return values
+
+
+def from_json(kind: MessageType, values: Any) -> Any:
+    """A message from rosbridge's.
+
+    Raises:
+        ValueError: for what is no such message, in one line.
+    """
+    if isinstance(values, list) and len(values) == len(kind.fields):  # the protocol knows arguments by their places
+        values = {field.name: value for field, value in zip(kind.fields, values, strict=True)}
+    if values is None and not kind.fields:
+        values = {}
+    if not isinstance(values, dict):
+        raise ValueError(f"{kind.name} must be an object, got {_short(values)}")  # noqa: TRY004 - of the message
+    found = []
+    for name, word, is_sequence in kind.fields:
+        if name not in values:
+            raise ValueError(f"{kind.name} must have {name}")
+        value = values[name]
+        if is_sequence:
+            if not isinstance(value, list):
+                raise ValueError(f"{name} must be a list, got {_short(value)}")
+            found.append(tuple(_value(name, word, one) for one in value))
+        else:
+            found.append(_value(name, word, value))
+    return kind.make(*found)
+
+
+def _value(name: str, word: str | MessageType, value: Any) -> Any:
+    if not isinstance(word, str):
+        return from_json(word, value)
+    if word == "string" and isinstance(value, str):
+        return value
+    if word == "bool" and isinstance(value, bool):
+        return value
+    if word.startswith("float"):
+        if value is None:  # rosbridge's word for NaN and the infinities, which JSON does not have
+            return math.nan
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            with suppress(OverflowError):
+                return float(value)
+    if word in _INTEGERS and isinstance(value, int) and not isinstance(value, bool):
+        low, high = _INTEGERS[word]
+        if low <= value <= high:
+            return value
+    raise ValueError(f"{name} must be a {word}, got {_short(value)}")
+
+
+def _short(value: Any) -> str:
+    return one_line(repr(value)[:100])

@@ -1,0 +1,34 @@
+"""What the arbiter ruled, as the message that listeners on a bus and readers of a bag get."""
+
+import re
+from collections.abc import Sequence
+from typing import Final
+
+from catch_arena.ros.interfaces import RulingMessage
+from catch_arena.verdicts import Ruling
+
+_LONGEST_TOLD: Final = 255
+_CLAUSE: Final = re.compile(r"\((R\d+\.\d+)\)")
+
+
+def ruling_message(ruling: Ruling, time_ms: int, hunters: Sequence[str]) -> RulingMessage:
+    """One ruling.
+
+    Args:
+        ruling: what was ruled.
+        time_ms: when the step began in which it was judged.
+        hunters: their names, by seat.
+    """
+    clause = _CLAUSE.search(ruling.reason)
+    return RulingMessage(
+        time=time_ms / 1000.0,
+        step=ruling.step,
+        hunter=hunters[ruling.hunter],
+        target="" if ruling.target is None else str(ruling.target)[:_LONGEST_TOLD],
+        verdict=ruling.verdict.name,
+        success=ruling.success,
+        distance=-1.0 if ruling.distance_um is None else ruling.distance_um / 1e6,
+        winner="" if ruling.winner is None else hunters[ruling.winner],
+        clause=clause[1] if clause else "",
+        reason=ruling.reason,
+    )

@@ -1,0 +1,113 @@
+"""Hunters that ROS nodes drive: who drives which, and what each does while its node is silent."""
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+from catch_arena.messages import Twist
+from catch_arena.ros.bus import Peer, Say
+from catch_arena.ros.interfaces import TwistMessage
+
+WATCHDOG_MS: Final = 1000
+"""R2.4: what a Twist holds at most."""
+STANDING_STILL: Final = Twist(0.0, 0.0)
+_FASTEST: Final = 1e9
+"""Far beyond every limit of R2.5, which comes later; numbers so large are finite, and no more than that."""
+
+
+class RosSeat:
+    """One hunter. It belongs to the node that drives it, until that has been silent for as long as a Twist holds.
+
+    Args:
+        hunter: its name.
+        say: takes one line when the seat's state changes.
+    """
+
+    def __init__(self, hunter: str, say: Say) -> None:
+        self.hunter = hunter
+        self.driver: Peer | None = None
+        """Who drives it, where the middleware tells."""
+        self.driven = False
+        """Whether somebody does."""
+        self._say = say
+        self._twist = STANDING_STILL
+        self._fresh = False
+        self._given_ms = -WATCHDOG_MS
+        self._told: set[str] = set()
+
+    def hear(self, message: TwistMessage, peer: Peer | None) -> None:
+        """A Twist; the last one before a step counts."""
+        if self.driven and peer != self.driver:
+            self._tell_once(
+                "two",
+                f"warning: {self.hunter}: a second node drives it; it is not heard while the first one sends",
+            )
+            return
+        speed, turn_rate = message.linear.x, message.angular.z
+        if not (math.isfinite(speed) and math.isfinite(turn_rate)):
+            self._tell_once("finite", f"warning: {self.hunter}: a Twist that is not finite is left out")
+            return
+        if not self.driven:
+            self._say(f"{self.hunter}: its node {'is back' if 'gone' in self._told else 'is there'}")
+            self._told.discard("two")
+        self.driver, self.driven = peer, True
+        self._twist = Twist(*(min(max(value, -_FASTEST), _FASTEST) for value in (speed, turn_rate)))
+        self._fresh = True
+
+    def command(self, now_ms: int, tick_ms: int) -> Twist:
+        """R2.4: the last Twist, repeated in each step, and zero at the first tick more than a second after it came.
+
+        Args:
+            now_ms: when the step begins; a Twist that was heard since the step before is given then.
+            tick_ms: when the step's tick is.
+        """
+        if self._fresh:
+            self._fresh = False
+            self._given_ms = now_ms
+        if tick_ms - self._given_ms > WATCHDOG_MS:
+            if self.driven:
+                self._leave("is silent")
+            return STANDING_STILL
+        return self._twist
+
+    def look_for(self, publishers: frozenset[Peer] | None) -> None:
+        """Whether its driver is still on the bus."""
+        if self.driven and self.driver is not None and publishers is not None and self.driver not in publishers:
+            self._leave("has gone")
+
+    def stop(self) -> None:
+        """It stands still until the next Twist."""
+        self._twist, self._fresh = STANDING_STILL, False
+        self._given_ms = -WATCHDOG_MS
+
+    def _leave(self, how: str) -> None:
+        self.driven, self.driver = False, None
+        self._told.add("gone")
+        self.stop()
+        self._say(f"{self.hunter}: its node {how}; the hunter stands still until one drives it again")
+
+    def _tell_once(self, what: str, line: str) -> None:
+        if what not in self._told:
+            self._told.add(what)
+            self._say(line)
+
+
+def seat_of(peer: Peer | None, seats: list[RosSeat], tell: Callable[[str], object]) -> RosSeat | None:
+    """Whose request it is that came to the service which all share: that of the hunter that its sender drives.
+
+    Args:
+        peer: who asks, where the middleware tells.
+        seats: those that nodes drive.
+        tell: takes one line that says why it is nobody's.
+    """
+    if len(seats) == 1:
+        return seats[0]
+    if peer is None:
+        tell("this bus does not tell who asks at /catch_turtle: ask at /hunter_0/catch_turtle and its like")
+        return None
+    driven = [seat for seat in seats if seat.driver == peer]
+    if len(driven) == 1:
+        return driven[0]
+    which = "several hunters" if driven else "no hunter"
+    tell(f"a node that drives {which} asks at /catch_turtle: /hunter_0/catch_turtle and its like say who asks")
+    return None

@@ -1,0 +1,115 @@
+"""One match on a ROS 2 bus, from the first node that is waited for to the last answer."""
+
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from catch_arena.config import ArenaConfig, Control
+from catch_arena.errors import ConfigError
+from catch_arena.ros.agents import AgentSeats
+from catch_arena.ros.arena_node import TICK_MS, ArenaNode
+from catch_arena.ros.bus import Bus, Say
+from catch_arena.ros.interfaces import Interfaces
+from catch_arena.ros.pace import Pace
+from catch_arena.service import ArenaService
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.starting import sandbox_for, start_players
+
+FASTEST: Final = 100.0
+"""The most that --speed may be."""
+_LAST_TICKS: Final = 30
+"""After the end: those who ask late are told MATCH_OVER, and the standings reach everybody."""
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """What came of it; tuples are by seat."""
+
+    names: tuple[str, ...]
+    ranks: tuple[int, ...]
+    scores: tuple[int, ...]
+    pace: Pace
+
+
+def serve_match(
+    bus: Bus,
+    config: ArenaConfig,
+    seed: int,
+    agents: Mapping[int, Entrant],
+    limits: AgentLimits | None,
+    *,
+    names: Sequence[str],
+    people: Collection[int] = (),
+    interfaces: Interfaces,
+    speed: float = 1.0,
+    wait: bool = True,
+    record: Path | None = None,
+    title: str = "",
+    say: Say = print,
+) -> Served:
+    """Play one match with the nodes on a bus, and with agents in some seats.
+
+    Args:
+        bus: the bus.
+        config: the arena's settings; its control period is set to TICK_MS.
+        seed: a whole number in [0, 2^64).
+        agents: by seat; nodes drive the others.
+        limits: those of isolated agents, None where all are trusted.
+        names: the players', by seat.
+        people: seats whose nodes only drive, as a keyboard's does: what is in reach is asked for them (R4.4).
+        interfaces: the packages of the types.
+        speed: of the arena's clock, to the wall's; where it is not 1, /clock tells the arena's.
+        wait: whether the match begins when all seats are taken.
+        record: where its replay goes.
+        title: of the replay.
+        say: takes one line when there is news.
+
+    Raises:
+        ConfigError: for a speed, or a match to be recorded, that cannot be.
+        OutputError: for a replay that cannot be written.
+        NoContest: where isolated agents could not be held.
+    """
+    if not 0.0 < speed <= FASTEST:
+        raise ConfigError(f"--speed must be above 0 and at most {FASTEST:g}, got {speed:g}")
+    control: tuple[Control, ...] = tuple(
+        agents[seat].control if seat in agents else "velocity" if seat in people else "full"
+        for seat in range(config.hunters)
+    )
+    service = ArenaService(config.replace(control_period_ms=TICK_MS, observed_targets=None), control=control)
+    if record is not None:
+        service.record(names, title)
+    with ExitStack() as stack:
+        players = None
+        if agents:
+            sandbox = stack.enter_context(sandbox_for(limits))
+            players = AgentSeats(service, stack.enter_context(start_players(agents, sandbox)), say)
+            stack.callback(players.close)
+        driven = [seat for seat in range(config.hunters) if seat not in agents]
+        node = ArenaNode(bus, service, driven, names, players, interfaces, clock=speed != 1.0, say=say)
+        node.begin(seed)
+        pace = Pace(TICK_MS / 1000.0 / speed)
+        if wait and node.missing:
+            say(f"waiting for {' and '.join(f'/{seat.hunter}/cmd_vel' for seat in node.missing)}")
+            while node.missing:
+                pace.wait()
+                node.wait()
+            say("all seats are taken: the match begins")
+            pace = Pace(pace.period_s)
+        try:
+            while not node.over:
+                pace.wait()
+                node.tick()
+        except KeyboardInterrupt:
+            if record is not None:
+                service.replay.save(record)
+            raise
+        ranks, scores = node.standings()
+        for _ in range(_LAST_TICKS):
+            pace.wait()
+            node.tick()
+    if record is not None:
+        service.replay.save(record)
+    return Served(tuple(names), ranks, scores, pace)

@@ -1,0 +1,153 @@
+"""The exercise's turtle_spawner, with our arbiter: it spawns targets in turtlesim, publishes which are alive, and
+answers /catch_turtle by the rules of chapter 5.
+"""
+
+import math
+from collections.abc import Callable
+from random import Random
+from typing import Any, Final
+
+from catch_arena.arbitration import arbitrate
+from catch_arena.config import ArenaConfig
+from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
+from catch_arena.ros.bus import Bus, Call, Peer, Request, Say
+from catch_arena.ros.interfaces import Interfaces, Name, SpawnRequest
+
+TICK_S: Final = 0.016
+_LOW_M, _HIGH_M = 0.5, 10.5
+"""R3.2: where targets appear."""
+_SECOND: Final = 62
+"""In ticks."""
+_ANSWER_TICKS: Final = 125
+"""After so many a call that was not answered is given up."""
+_NOBODY: Final = CatchTurtleResponse(success=False)
+
+
+class Spawner:
+    """Referees one turtlesim; where /catch_turtle is answered already, it spawns and does no more.
+
+    Args:
+        bus: the bus.
+        turtles: the hunters' names in turtlesim.
+        interfaces: the packages of the types.
+        config: of which the spawn timer (R3.1), the names' prefix and the reach (R5.3) are read.
+        seed: of the places.
+        say: takes one line when there is news.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        turtles: tuple[str, ...],
+        interfaces: Interfaces,
+        config: ArenaConfig,
+        *,
+        seed: int,
+        say: Say,
+    ) -> None:
+        self._bus, self._turtles, self._interfaces, self._say = bus, turtles, interfaces, say
+        self._config = config
+        self._period = max(1, round(config.spawn_period_ms / 1000.0 / TICK_S))
+        self._places = Random(seed)
+        self._seed = seed
+        self._poses: dict[str, Pose] = {}
+        self._alive: dict[str, Turtle] = {}
+        self._caught: set[str] = set()
+        self._asked: list[tuple[int, Request]] = []
+        self._number = self._ticks = 0
+        self._spawning: tuple[Call, SpawnRequest, int] | None = None
+        self.scores = [0] * len(turtles)
+        self._spawn = bus.client("/spawn", interfaces.spawn)
+        self._kill = bus.client("/kill", interfaces.kill)
+        self._referee = bus.client("/catch_turtle", interfaces.catch_turtle)
+        self._publish: Callable[[Any], None] | None = None
+        for turtle in turtles:
+            bus.subscribe(f"/{turtle}/pose", interfaces.pose, self._hearer_of(turtle))
+
+    @property
+    def ready(self) -> bool:
+        """Whether there is a turtlesim."""
+        return self._spawn.ready and self._kill.ready
+
+    def begin(self) -> None:
+        """Referee, unless somebody does."""
+        if self._bus.backend != "rosbridge" and self._referee.ready:  # rosbridge does not tell
+            self._say("/catch_turtle is answered already: this node spawns, and no more")
+            return
+        self._publish = self._bus.publisher("/alive_turtles", self._interfaces.turtle_array)
+        for seat, turtle in enumerate(self._turtles):
+            self._bus.serve(f"/{turtle}/catch_turtle", self._interfaces.catch_turtle, self._asker_of(seat))
+        if len(self._turtles) == 1:
+            self._bus.serve("/catch_turtle", self._interfaces.catch_turtle, self._asker_of(0))
+
+    def tick(self) -> None:
+        """16 ms: what was asked meanwhile is judged together (R5.1)."""
+        self._ticks += 1
+        self._read_spawned()
+        if self._ticks % self._period == 0 and self._spawning is None:
+            self._number += 1
+            x, y = (self._places.uniform(_LOW_M, _HIGH_M) for _ in range(2))
+            theta = self._places.uniform(0.0, math.tau)
+            asked = SpawnRequest(x, y, theta, self._config.target_name(self._number))
+            self._spawning = self._spawn.call(asked), asked, self._ticks
+        if self._asked:
+            self._judge()
+        if self._ticks % _SECOND == 0:
+            self._tell()
+
+    def _hearer_of(self, turtle: str) -> Callable[[Pose, Peer | None], None]:
+        def hear(pose: Pose, peer: Peer | None) -> None:
+            del peer
+            if all(map(math.isfinite, pose)):
+                self._poses[turtle] = pose
+
+        return hear
+
+    def _asker_of(self, seat: int) -> Callable[[Request], None]:
+        return lambda request: self._asked.append((seat, request))
+
+    def _read_spawned(self) -> None:
+        if self._spawning is None:
+            return
+        call, asked, since = self._spawning
+        if call.response is not None:
+            self._spawning = None
+            name = call.response.name
+            if name:  # "" says that nothing was spawned: the name was taken
+                self._alive[name] = Turtle(name, asked.x, asked.y, asked.theta)
+                self._tell()
+        elif self._ticks > since + _ANSWER_TICKS:
+            self._spawning = None
+            self._say("warning: /spawn does not answer")
+
+    def _judge(self) -> None:
+        asked, self._asked = self._asked, []
+        seen = [seat for seat, turtle in enumerate(self._turtles) if turtle in self._poses]
+        hunters = [self._poses[self._turtles[seat]] for seat in seen]
+        known = [(seat, request) for seat, request in asked if seat in seen]
+        rulings = arbitrate(
+            hunters=[(pose.x, pose.y) for pose in hunters],
+            targets={turtle.name: (turtle.x, turtle.y) for turtle in self._alive.values()},
+            requests=[(seen.index(seat), request.message.name) for seat, request in known],
+            reach_m=self._config.reach_m,
+            seed=self._seed,
+            step=self._ticks,
+            caught=self._caught,
+        )
+        for seat, request in asked:
+            if seat not in seen:  # a turtle without a pose is not there
+                request.answer(_NOBODY)
+        for (seat, request), ruling in zip(known, rulings, strict=True):
+            request.answer(CatchTurtleResponse(ruling.success))
+            self._say(str(ruling).replace(f"hunter_{ruling.hunter}", self._turtles[seat], 1))
+            if ruling.success:
+                name = request.message.name
+                del self._alive[name]
+                self._caught.add(name)
+                self.scores[seat] += 1
+                self._kill.call(Name(name))
+                self._tell()
+
+    def _tell(self) -> None:
+        if self._publish is not None:
+            self._publish(TurtleArray(tuple(self._alive.values())))

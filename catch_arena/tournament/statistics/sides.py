@@ -1,0 +1,84 @@
+"""R12.7: the matches of an arena with prey, as one side's: what is known of it is made from its own results alone.
+
+Where a side has several parties in a match, they are compared in it. Where it has one, there is nobody to compare it
+with: then the matches of a block in which the other side is the same are taken for one, in which those who played that
+party in turn meet (`Parties.seatings`). They had the same opponents, in the same places.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import groupby
+
+from catch_arena.policy import Side
+from catch_arena.tournament.match import PlayedMatch, ranks_of_sides
+from catch_arena.tournament.parties import Parties
+
+
+def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side) -> Sequence[PlayedMatch]:
+    """The matches as one side's; without prey they are what they are.
+
+    Args:
+        played: in whole blocks.
+        parties: those of the arena.
+        side: which one.
+    """
+    if len(parties.sides) == 1:
+        return played
+    cut = parties.on(side)
+    if len(parties.seats[cut]) > 1:
+        return [_cut(one, cut) for one in played]
+    other = parties.on("prey" if side == "hunter" else "hunter")
+
+    def opponents(one: PlayedMatch) -> tuple[int, tuple[int, ...]]:
+        return one.match.block, one.match.seating[other]
+
+    alike = groupby(sorted(played, key=lambda one: (*opponents(one), one.match.id)), key=opponents)
+    return [_joined([_cut(one, cut) for one in those], side) for _, those in alike]
+
+
+def _cut(one: PlayedMatch, cut: slice) -> PlayedMatch:
+    match, result = one.match, one.result
+    return replace(
+        one,
+        match=replace(match, seating=match.seating[cut], agent_seeds=match.agent_seeds[cut]),
+        result=replace(
+            result,
+            scores=result.scores[cut],
+            ranks=result.ranks[cut],
+            verdicts=result.verdicts[cut],
+            contests_won=result.contests_won[cut],
+            forfeits=result.forfeits[cut],
+            thinking=result.thinking[cut],
+            details=result.details[cut],
+            logs=result.logs[cut],
+        ),
+    )
+
+
+def _joined(those: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
+    """Matches with one party each, as one match of them all."""
+    results = [one.result for one in those]
+    scores = [score for result in results for score in result.scores]
+    codes = [code for result in results for code in result.forfeits]
+    details = [detail for result in results for detail in result.details]
+    if details:
+        lasted = [None if one is None else one.step for one in details]
+    else:
+        lasted = [None if code is None else 0 for code in codes]
+    first = those[0]
+    return replace(
+        first,
+        match=replace(first.match, seating=tuple(index for one in those for index in one.match.seating)),
+        result=replace(
+            first.result,
+            scores=tuple(scores),
+            ranks=ranks_of_sides(scores, lasted, len(scores) if side == "hunter" else 0),
+            verdicts=tuple(tally for result in results for tally in result.verdicts),
+            contests_won=tuple(count for result in results for count in result.contests_won),
+            forfeits=tuple(codes),
+            thinking=tuple(times for result in results for times in result.thinking),
+            details=tuple(details),
+            logs=(),
+        ),
+        replay=None,
+    )

@@ -1,0 +1,206 @@
+"""How the arena keeps time on a ROS 2 bus: docs/ros2.md has its numbers.
+
+python scripts/measure_ros.py [--seconds 60] [--hunters 4] [--targets 16]
+
+Over cyclonedds on the loopback interface: `catch-arena ros serve` in one process; one node in another that drives all
+hunters ten times a second, hears all poses, and calls /hunter_0/catch_turtle; and a process that answers calls at once,
+whose round trip is the bus's part. Leave the machine alone meanwhile.
+"""
+
+import argparse
+import math
+import os
+import re
+import subprocess
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass
+from random import uniform
+from statistics import median, quantiles
+
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray
+from catch_arena.ros.bus import Bus, Call, open_bus
+from catch_arena.ros.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
+
+DOMAIN = 77
+TYPES = Interfaces()
+JUST_NOT_ONE = "1.000001"
+"""The wall's clock, and the arena's is told on /clock, in which a gap shows that a message was lost."""
+TICK_MS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Arguments:
+    """What is measured."""
+
+    seconds: int
+    hunters: int
+    targets: int
+    answer: bool
+    """Be the process that answers at once."""
+
+
+class Driver:
+    """Drives all hunters, and keeps count."""
+
+    def __init__(self, bus: Bus, hunters: int) -> None:
+        self.poses: dict[str, Pose] = {}
+        self.heard: Counter[str] = Counter()
+        self.turtles: TurtleArray = TurtleArray(())
+        self.times: list[int] = []
+        self.drive = {}
+        for hunter in (f"hunter_{seat}" for seat in range(hunters)):
+            self.drive[hunter] = bus.publisher(f"/{hunter}/cmd_vel", TWIST)
+            bus.subscribe(f"/{hunter}/pose", TYPES.pose, lambda pose, _, hunter=hunter: self._hear(hunter, pose))
+        bus.subscribe("/alive_turtles", TYPES.turtle_array, lambda turtles, _: setattr(self, "turtles", turtles))
+        bus.subscribe("/clock", CLOCK, lambda told, _: self._tick(told.clock.sec * 1000 + told.clock.nanosec // 10**6))
+        self.ask = bus.client("/hunter_0/catch_turtle", TYPES.catch_turtle)
+
+    def act(self) -> str:
+        """Every hunter to the turtle next to it: what hunter_0 asks for."""
+        wanted = "nothing"
+        for hunter, pose in self.poses.items():
+            if not self.turtles.turtles:
+                continue
+            near = min(self.turtles.turtles, key=lambda one: math.hypot(one.x - pose.x, one.y - pose.y))
+            distance = math.hypot(near.x - pose.x, near.y - pose.y)
+            turn = math.remainder(math.atan2(near.y - pose.y, near.x - pose.x) - pose.theta, math.tau)
+            self.drive[hunter](TwistMessage.of(2.0 * distance, 6.0 * turn))
+            if hunter == "hunter_0":
+                wanted = near.name
+        return wanted
+
+    def _hear(self, hunter: str, pose: Pose) -> None:
+        self.poses[hunter] = pose
+        if self.times and self.times[-1] > 0:
+            self.heard[hunter] += 1
+
+    def _tick(self, time_ms: int) -> None:
+        if not self.times or time_ms > self.times[-1]:
+            self.times.append(time_ms)
+
+
+def main() -> None:
+    """Measure, and print."""
+    given = arguments()
+    os.environ["ROS_LOCALHOST_ONLY"] = "1"
+    if given.answer:
+        answer()
+    else:
+        play(given)
+
+
+def arguments() -> Arguments:
+    """Of the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seconds", type=int, default=60)
+    parser.add_argument("--hunters", type=int, default=4)
+    parser.add_argument("--targets", type=int, default=16)
+    parser.add_argument("--answer", action="store_true", help=argparse.SUPPRESS)
+    return Arguments(**vars(parser.parse_args()))
+
+
+def answer() -> None:
+    """Answers calls at once, until it is ended."""
+    bus = open_bus("cyclonedds", domain=DOMAIN)
+    bus.serve("/at_once", TYPES.catch_turtle, lambda one: one.answer(CatchTurtleResponse(success=False)))
+    while True:
+        bus.spin(1.0)
+
+
+def play(given: Arguments) -> None:
+    """One match, and then calls that are answered at once."""
+    settings = {
+        "hunters": given.hunters,
+        "initial_targets": given.targets,
+        "max_targets": given.targets,
+        "spawn_frequency_hz": 10.0,
+        "time_limit_s": given.seconds,
+    }
+    command = [sys.executable, "-m", "catch_arena", "ros", "serve", "-s", "standard", "--domain", str(DOMAIN)]
+    command += ["--speed", JUST_NOT_ONE, *(f"--set={name}={value}" for name, value in settings.items())]
+    bus = open_bus("cyclonedds", domain=DOMAIN)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as arena:
+        driver = Driver(bus, given.hunters)
+        trips = round_trips(bus, driver, arena, given.seconds)
+        out = arena.communicate()[0]
+    with subprocess.Popen([sys.executable, __file__, "--answer"]) as answering:
+        at_once = bus_trips(bus)
+        answering.kill()
+    steps = len(driver.times) - 1
+    lost = sum(late - early != TICK_MS for early, late in zip(driver.times[1:], driver.times[2:], strict=False))
+    print(re.search(r".* ticks were late .*", out)[0])
+    print(f"{steps} steps on /clock, {lost} gaps; poses heard: {dict(driver.heard)}")
+    tell("catch_turtle, round trip", trips.calls)
+    tell("a call that is answered at once", at_once)
+    bus_s = median(at_once)
+    print(f"of it the wait for the next step, and the arbiter: {1e3 * (median(trips.calls) - bus_s):.2f} ms")
+    print(f"processor time of the arena: {100 * trips.busy:.0f} % of one core")
+
+
+@dataclass(frozen=True, slots=True)
+class Trips:
+    """What came of the match."""
+
+    calls: list[float]
+    busy: float
+    """The arena's processor time, as a part of the wall's."""
+
+
+def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", seconds: int) -> Trips:
+    """Drive at 10 Hz, and call whenever the last call has been answered, at uneven times."""
+    calls: list[float] = []
+    call: Call | None = None
+    asked = next_drive = next_call = 0.0
+    wanted = "nothing"
+    begin = used = None
+    busy = 0.0
+    while arena.poll() is None:
+        bus.spin(0.002)
+        now = time.perf_counter()
+        if driver.times and driver.times[-1] > 0 and begin is None:
+            begin, used = now, processor_time(arena.pid)
+        if begin is not None and begin < now and driver.times[-1] < (seconds - 1) * 1000:
+            busy = (processor_time(arena.pid) - used) / (now - begin)
+        if call is not None and call.response is not None:
+            calls.append(now - asked)
+            call, next_call = None, now + uniform(0.05, 0.15)
+        if now > next_drive:
+            wanted, next_drive = driver.act(), now + 0.1
+        if call is None and begin is not None and now > next_call and driver.ask.ready:
+            call, asked = driver.ask.call(CatchTurtleRequest(wanted)), time.perf_counter()
+    return Trips(calls, busy)
+
+
+def bus_trips(bus: Bus) -> list[float]:
+    """Calls to the process that answers at once."""
+    client = bus.client("/at_once", TYPES.catch_turtle)
+    while not client.ready:
+        bus.spin(0.05)
+    found = []
+    for _ in range(500):
+        asked = time.perf_counter()
+        call = client.call(CatchTurtleRequest("nothing"))
+        while call.response is None:
+            bus.spin(0.01)
+        found.append(time.perf_counter() - asked)
+        time.sleep(0.005)
+    return found
+
+
+def processor_time(pid: int) -> float:
+    """Of a process, all its threads [s]."""
+    with open(f"/proc/{pid}/stat", encoding="utf-8") as file:  # noqa: PTH123 - two hundred times a second
+        fields = file.read().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def tell(what: str, seconds: list[float]) -> None:
+    """Median and the 99th percentile."""
+    late = quantiles(seconds, n=100)[98]
+    print(f"{what}: {len(seconds)}, median {1e3 * median(seconds):.2f} ms, p99 {1e3 * late:.2f} ms")
+
+
+if __name__ == "__main__":
+    main()

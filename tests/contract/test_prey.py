@@ -1,0 +1,226 @@
+"""Chapter 12 at the env's doors: prey is among the agents, is caught, leaves or returns, and is withdrawn."""
+
+import warnings
+
+import numpy as np
+import pytest
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
+
+import catch_arena
+from catch_arena.errors import ActionError, EpisodeError
+from catch_arena.layout import prey_columns
+
+HUNT = catch_arena.scenario(
+    "herd", side_m=5.0, prey=3, initial_targets=4, max_targets=6, reach_m=0.5, prey_returns_s=0.5, max_cycles=80
+)
+
+
+def act(env, infos):
+    """Hunters want the nearest target, prey drives in arcs."""
+    return {
+        agent: int(infos[agent]["action_mask"][1]) if agent.startswith("hunter") else np.array([0.6, 0.4], np.float32)
+        for agent in env.agents
+    }
+
+
+def played(env, seed):
+    """(agents before, what `step` gives) of each step of one episode."""
+    _, infos = env.reset(seed=seed)
+    while env.agents:
+        agents = list(env.agents)
+        step = env.step(act(env, infos))
+        infos = step[-1]
+        yield agents, step
+
+
+@pytest.mark.rule("R12.7")
+def test_r12_7_prey_comes_after_the_hunters_with_spaces_of_its_own():
+    env = catch_arena.parallel_env(HUNT)
+    assert env.possible_agents == [*(f"hunter_{seat}" for seat in range(4)), "prey_0", "prey_1", "prey_2"]
+    assert env.observation_space("prey_1").shape == (len(prey_columns(HUNT)),) == (9 + 6 * 4 + 6 * 2,)
+    assert env.action_space("prey_1").shape == (2,)
+    assert env.observation_space("prey_0") is env.observation_space("prey_0")
+    assert [prey.target for prey in (env.reset(seed=1) and env.world()).prey] == [
+        f"target_turtle_{n}" for n in (1, 2, 3)
+    ]
+
+
+@pytest.mark.rule("R12.3")
+def test_r12_3_prey_that_returns_stays_among_the_agents():
+    """Its info says when it is out, and who caught it; what it sees is then zero but for two columns."""
+    env = catch_arena.parallel_env(HUNT)
+    names = [column.name for column in prey_columns(HUNT)]
+    caught = returned = 0
+    for seed in range(3):
+        before = [0, 0, 0]
+        was_active = [True] * 3
+        for agents, (observations, rewards, terminations, _, infos) in played(env, seed):
+            assert agents == env.possible_agents
+            assert not any(terminations.values())
+            for index, prey in enumerate(env.world().prey):
+                info, seen = infos[prey.name], observations[prey.name]
+                assert env.observation_space(prey.name).contains(seen)
+                assert info["active"] is (prey.target is not None)
+                assert (info["caught_by"] is not None) == (prey.times_caught > before[index])
+                assert seen[names.index("times_caught")] == prey.times_caught
+                assert seen[names.index("alive")] == info["active"]
+                if info["caught_by"] is not None:
+                    assert infos[f"hunter_{info['caught_by']}"]["verdict"] is catch_arena.Verdict.GRANTED
+                    assert rewards[prey.name] == -1.0
+                    assert info["reward_parts"]["caught"] == 1.0
+                    caught += 1
+                if not info["active"]:
+                    assert {names[at] for at in np.flatnonzero(seen)} <= {"time_left", "times_caught"}
+                returned += info["active"] and not was_active[index]
+                before[index], was_active[index] = prey.times_caught, info["active"]
+    assert caught > 5
+    assert returned > 5
+
+
+@pytest.mark.rule("R12.3")
+def test_r12_3_prey_that_does_not_return_is_terminated_and_leaves():
+    """With its last observation, once, and never truncated too."""
+    config = HUNT.replace(prey_returns_s=None)
+    env = catch_arena.parallel_env(config)
+    left = 0
+    for seed in range(4):
+        gone: set[str] = set()
+        for agents, (observations, rewards, terminations, truncations, infos) in played(env, seed):
+            assert set(observations) == set(rewards) == set(terminations) == set(infos) == set(agents)
+            out = {prey.name for prey in env.world().prey if prey.target is None}
+            assert {agent for agent in agents if terminations[agent]} == out - gone
+            assert not any(terminations[agent] and truncations[agent] for agent in agents)
+            for agent in out - gone:
+                assert rewards[agent] == -1.0
+                assert observations[agent][7] == 1
+            gone = out
+            left += len(gone & set(agents))
+            if env.agents:
+                assert set(env.agents) == set(env.possible_agents) - gone
+    assert left > 5
+
+
+@pytest.mark.rule("R12.6")
+def test_r12_6_tag_without_returns_ends_with_its_catch():
+    """The timer is off and nothing is left: everybody is terminated."""
+    config = catch_arena.scenario("tag", prey_returns_s=None, reach_m=20.0)
+    env = catch_arena.parallel_env(config)
+    env.reset(seed=1)
+    _, _, terminations, truncations, _ = env.step({agent: np.zeros(2, np.float32) for agent in env.agents})
+    assert all(terminations.values())
+    assert not any(truncations.values())
+    assert env.agents == []
+
+
+@pytest.mark.rule("R12.5")
+def test_r12_5_prey_is_withdrawn_stands_still_and_can_be_caught():
+    """It ends its part in the next step; its rewards are zero; the others see it."""
+    config = HUNT.replace(prey_rewards={"survived": 1.0, "gained": 1.0}, reach_m=0.01)
+    env = catch_arena.parallel_env(config)
+    _, infos = env.reset(seed=7)
+    for _ in range(5):
+        *_, infos = env.step(act(env, infos))
+    env.withdraw("prey_1")
+    (target,) = (target for target in env.world().targets if target.prey == "prey_1")
+    assert target.linear_velocity == target.angular_velocity == 0.0
+    actions = act(env, infos)
+    _, rewards, terminations, _, infos = env.step(actions)
+    assert [agent for agent, over in terminations.items() if over] == ["prey_1"]
+    assert rewards["prey_1"] == 0.0
+    assert set(infos["prey_1"]["reward_parts"].values()) == {0.0}
+    assert "prey_1" not in env.agents
+    (still,) = (target for target in env.world().targets if target.prey == "prey_1")
+    assert (still.x, still.y, still.theta) == (target.x, target.y, target.theta)
+    assert env.world().prey[1].withdrawn
+    with pytest.raises(EpisodeError, match="prey_1 must be in play to be withdrawn"):
+        env.withdraw("prey_1")
+    with pytest.raises(ActionError, match="prey_1 must give no action: it was withdrawn"):
+        env.step(act(env, infos) | {"prey_1": np.zeros(2, np.float32)})
+    env.step(act(env, infos))
+
+
+def test_an_action_of_prey_that_is_out_for_good_is_refused():
+    env = catch_arena.parallel_env("tag", prey_returns_s=None, reach_m=20.0, initial_targets=2, max_targets=2)
+    env.reset(seed=1)
+    rest = np.zeros(2, np.float32)
+    while "prey_0" in env.agents:
+        env.step(dict.fromkeys(env.agents, rest))
+    if env.agents:
+        with pytest.raises(ActionError, match="prey_0 must give no action: it was caught"):
+            env.step(dict.fromkeys([*env.agents, "prey_0"], rest))
+
+
+@pytest.mark.parametrize("action", [2, [0.5], [0.5, 1.5], "ahead", [float("nan"), 0.0], None])
+def test_an_action_that_prey_cannot_give_is_refused(action):
+    """And nothing moves."""
+    env = catch_arena.parallel_env(HUNT)
+    _, infos = env.reset(seed=1)
+    digest = env.digest()
+    with pytest.raises(ActionError, match=r"prey_2: an action must be two numbers in \[-1, 1\], got "):
+        env.step(act(env, infos) | {"prey_2": action})
+    assert env.digest() == digest
+
+
+@pytest.mark.rule("R7.3")
+def test_r7_3_the_global_view_tells_of_prey():
+    """It lies in its space, and says who is out."""
+    env = catch_arena.parallel_env(HUNT)
+    for _ in played(env, 4):
+        state = env.state()
+        assert env.state_space.contains(state)
+        for prey, told in zip(env.world().prey, state[-27:].reshape(3, 9), strict=True):
+            assert told[0] == (prey.target is not None)
+            assert told[7] == prey.times_caught
+
+
+@pytest.mark.rule("R12.1")
+def test_r12_1_prey_cannot_be_killed_by_name():
+    env = catch_arena.parallel_env(HUNT)
+    env.reset(seed=1)
+    assert not env.kill("target_turtle_2")
+    assert env.kill("target_turtle_4")
+    assert len(env.world().targets) == 3
+
+
+@pytest.mark.parametrize("returns", [0.0, 0.5, None])
+def test_prey_passes_pettingzoos_tests(returns):
+    """API, AEC and seeds, warnings being errors, but for what PettingZoo says of agents that differ."""
+    settings = {"max_cycles": 40, "prey_returns_s": returns, "reach_m": 2.0}
+    with warnings.catch_warnings():
+        for remark in (
+            "Agents have different",
+            "Observations are different",
+            "Action space for each agent",
+            "The class of",
+            "Observation space for",
+        ):
+            warnings.filterwarnings("ignore", message=remark)
+        for name in ("tag", "herd"):
+            parallel_api_test(catch_arena.parallel_env(name, **settings), num_cycles=60)
+            parallel_seed_test(lambda name=name: catch_arena.parallel_env(name, **settings), num_cycles=20)
+            api_test(catch_arena.env(name, **settings), num_cycles=60)
+
+
+@pytest.mark.parametrize("returns", [0.5, None])
+def test_agent_by_agent_the_same_match_is_played(returns):
+    """AEC: prey that has left is asked for one last action, None; prey that returns is asked on and on."""
+    settings = {"prey_returns_s": returns, "reach_m": 1.0, "max_cycles": 30}
+    one, other = catch_arena.parallel_env("tag", **settings), catch_arena.env("tag", **settings)
+    one.reset(seed=3)
+    command = np.array([0.5, 0.3], np.float32)
+    digests = [one.digest()]
+    while one.agents:
+        one.step(dict.fromkeys(one.agents, command))
+        digests.append(one.digest())
+    other.reset(seed=3)
+    met, gone = [other.unwrapped.digest()], set()
+    for agent in other.agent_iter():
+        assert agent not in gone
+        _, _, terminated, truncated, _ = other.last()
+        if terminated or truncated:
+            gone.add(agent)
+        other.step(None if terminated or truncated else command)
+        if other.unwrapped.digest() != met[-1]:
+            met.append(other.unwrapped.digest())
+    assert met == digests
+    assert gone == set(other.possible_agents)

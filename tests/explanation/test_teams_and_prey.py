@@ -1,0 +1,153 @@
+"""explain, of matches with teams and prey: the facts beside the worlds and their rulings, the words by example."""
+
+import json
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena import Verdict, explain, explain_step
+from catch_arena.cli import main
+
+
+def test_a_contest_that_is_lost_to_a_team_mate_is_told_as_such(hunted):
+    """R11.3; each loser is compared with the winner's team."""
+    told = explain(hunted)
+    team = hunted.config.team_by_seat
+    lost = [0] * 4
+    for contest in told.contests:
+        winner, *losers = contest.claims
+        assert not winner.mate
+        for claim in losers:
+            assert claim.mate == (team[claim.seat] == team[winner.seat])
+            lost[claim.seat] += claim.mate
+    assert sum(lost) > 0
+    assert [record.contests_lost_to_mates for record in told.records] == lost
+
+
+@pytest.fixture(scope="module")
+def mates(play):
+    """Two team-mates and a rival at one place, all of whom can catch any target: each contest is theirs."""
+    poses = ((5.0, 5.0, 0.0), (5.1, 5.0, 0.0), (5.2, 5.0, 0.0))
+    names = ("ann", "ann", "bob")
+    settings = {"hunters": 3, "hunter_poses": poses, "teams": ((0, 1), (2,)), "reach_m": 9.0, "initial_targets": 1}
+    return play(**settings, max_cycles=1, chase=True, seed=4, names=names)
+
+
+def test_the_words_name_the_team_mate_and_the_clause(mates):
+    told = explain(mates)
+    lines = [line for line in told.lines() if "LOST_CONTEST" in line]
+    lost = [claim for contest in told.contests for claim in contest.claims if claim.mate]
+    assert len(lost) == sum(line.endswith(" to its own team-mate (R11.3).") for line in lines) > 0
+    seat = lost[0].seat
+    assert f"ann (hunter_{seat}) to its own team-mate (R11.3)." in "\n".join(lines)
+    summary = next(line for line in told.lines() if line.startswith(f"ann (hunter_{seat}): "))
+    assert ", 1 of them to its own team-mates (R11.3)" in summary
+
+
+def test_the_teams_are_told_with_their_scores_and_ranks(hunted):
+    told = explain(hunted)
+    *_, last = hunted.worlds()
+    assert tuple(team.score for team in told.teams) == last.team_scores
+    assert [team.name for team in told.teams] == ["a", "b + c"]
+    better = last.team_scores[0] > last.team_scores[1]
+    assert [team.rank for team in told.teams] == ([1, 2] if better else [2, 1])
+    first, second = sorted(told.teams, key=lambda team: team.rank)
+    assert (
+        f"Teams (R11.1): {first.name} {first.score} and {second.name} {second.score}. Catches: a (hunter_0) "
+        in (told.lines()[0])
+    )
+
+
+def test_without_teams_nothing_is_told_of_any(mixed):
+    told = explain(mixed)
+    assert told.teams == ()
+    assert told.prey == ()
+    assert not any("team" in line or "prey" in line for line in told.lines())
+
+
+@pytest.mark.parametrize("which", ["hunted", "hunted_once"])
+def test_every_catch_of_prey_is_told_with_who_from_where_and_when_it_returned(which, request):
+    """Beside the worlds: how often each was caught, by whom, and as which target it came back."""
+    match = request.getfixturevalue(which)
+    told = explain(match)
+    worlds = list(match.worlds())
+    assert [one.times_caught for one in told.prey] == [prey.times_caught for prey in worlds[-1].prey]
+    assert len(told.captures) == sum(one.times_caught for one in told.prey) > 0
+    for capture in told.captures:
+        before, after = worlds[capture.step - 1], worlds[capture.step]
+        assert before.prey[capture.prey].target == capture.target
+        ruling = next(one for one in after.rulings if one.target == capture.target and one.success)
+        assert (ruling.hunter, ruling.distance_um) == (capture.seat, capture.distance_um)
+        spawned = next(one.spawned_ms for one in before.targets if one.name == capture.target)
+        assert capture.in_play_ms == before.time_ms - spawned
+        lasting = [world for world in worlds[capture.step :] if world.prey[capture.prey].target is not None]
+        back = lasting[0] if lasting else None
+        assert capture.returned_ms == (None if back is None else back.time_ms)
+        assert capture.returned_as == (None if back is None else back.prey[capture.prey].target)
+    assert [one.out for one in told.prey] == [prey.target is None for prey in worlds[-1].prey]
+    assert sum(one.returns for one in told.prey) == sum(one.returned_ms is not None for one in told.captures)
+
+
+def test_the_time_in_play_is_the_sum_of_what_prey_is_rewarded_for(hunted):
+    """R12.5's survived, but for a prey that was withdrawn."""
+    survived = [0.0] * 3
+    for engine in hunted.engines():
+        for index, (_, seconds, _) in enumerate(engine.prey_parts[0].tolist()):
+            survived[index] += seconds
+    assert [one.in_play_ms / 1000 for one in explain(hunted).prey] == pytest.approx(survived)
+
+
+def test_catches_of_prey_in_words(hunted):
+    told = explain(hunted)
+    text = "\n".join(told.lines())
+    assert re.search(
+        r"^At \S+ s \(step \d+\) (a \(hunter_[02]\)|b|c) caught [pq] \(prey_\d\), target_turtle_\d+, "
+        r"from 0\.\d{6} m after \S+ s in play; it returned at \S+ s as target_turtle_\d+ \(R12\.3\)\.$",
+        text,
+        re.MULTILINE,
+    )
+    one = told.prey[1]
+    assert one.withdrawn_ms == 9000
+    expected = f"q (prey_1): caught {one.times_caught} time{'s' * (one.times_caught != 1)}; returned "
+    assert any(line.startswith(expected) and "withdrawn at 9.0 s (R12.5)" in line for line in told.lines())
+
+
+def test_one_hunter_alone_hears_of_its_own_catches(hunted):
+    whole, own = explain(hunted), explain(hunted, 1)
+    assert [one for one in whole.captures if one.seat == 1] == list(own.captures)
+    assert own.prey == ()
+
+
+def test_a_step_tells_what_prey_did_and_what_became_of_it(hunted):
+    told = explain(hunted)
+    capture = next(one for one in told.captures if one.returned_ms is not None)
+    one = explain_step(hunted, capture.step).prey[capture.prey]
+    assert (one.caught_by, one.target, one.returned_as) == (capture.seat, capture.target, None)
+    assert one.action == hunted.prey_action(capture.step - 1, capture.prey)
+    lines = explain_step(hunted, capture.step).lines()
+    name = told.prey_names[capture.prey]
+    (line,) = (line for line in lines if line.startswith(f"{name}: "))
+    assert line.endswith(f", as {capture.target}. It was caught by {told.names[capture.seat]} (R12.3).")
+    assert any(line.startswith(f"Distances to {capture.target}, which {name} plays: ") for line in lines)
+    out = explain_step(hunted, capture.step + 1).lines()
+    assert f"{name}: out (R12.3)." in out
+    back = explain_step(hunted, capture.returned_ms // 100).lines()
+    assert f"{name}: out (R12.3). It returned as {capture.returned_as}." in back
+    gone = explain_step(hunted, 91).lines()
+    assert any(line.startswith("q (prey_1): withdrawn (R12.5).") for line in gone)
+
+
+def test_the_command_prints_teams_and_prey_as_words_and_as_facts(hunted, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    path = tmp_path / "hunted.replay"
+    hunted.save(path)
+    words = CliRunner().invoke(main, ["explain", str(path)])
+    assert words.exit_code == 0, words.output
+    assert "Teams (R11.1)" in words.output
+    facts = json.loads(CliRunner().invoke(main, ["explain", str(path), "--json"]).output)
+    assert {"teams", "captures", "prey"} <= facts.keys()
+    assert facts["captures"] == json.loads(json.dumps(explain(hunted).to_dict()["captures"]))
+    step = json.loads(CliRunner().invoke(main, ["explain", str(path), "--json", "--step", "1"]).output)
+    assert [one["target"] for one in step["prey"]] == ["target_turtle_1", "target_turtle_2", "target_turtle_3"]
+    assert Verdict.GRANTED.name in {claim["verdict"] for one in facts["contests"] for claim in one["claims"]}

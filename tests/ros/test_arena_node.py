@@ -1,0 +1,509 @@
+"""The arena's node, on a bus of the test's own: seats, services, and what strangers send."""
+
+import math
+
+import pytest
+from ros.local import LocalBus
+from ros.match import TYPES, Match
+
+from catch_arena.errors import BusError, ConfigError, EpisodeError
+from catch_arena.messages import CatchTurtleResponse
+from catch_arena.policy import View
+from catch_arena.replay.verification import verify
+from catch_arena.ros.interfaces import (
+    CLOCK,
+    EMPTY,
+    TWIST,
+    Clock,
+    Empty,
+    Name,
+    SpawnRequest,
+    Time,
+    TwistMessage,
+    Vector3,
+)
+from catch_arena.tournament.players import TrustedPlayers
+
+YES, NO = CatchTurtleResponse(True), CatchTurtleResponse(False)
+ONE = ((2.0, 2.0, 0.0),)
+TWO = ((2.0, 2.0, 0.0), (2.3, 2.0, 0.0))
+BAD = [math.nan, math.inf, -math.inf]
+
+
+def test_a_single_seat_has_the_exercises_names_too():
+    """Beside those of every hunter."""
+    match = Match(hunter_poses=ONE)
+    match.drive(match.a, 1.0, turtle="turtle1")
+    match.tick(2)
+
+    assert match.sent("/turtle1/pose") == match.sent("/hunter_0/pose")
+    assert match.sent("/turtle1/pose")[-1].linear_velocity == 1.0
+    assert [turtle.name for turtle in match.sent("/alive_turtles")[0].turtles] == []
+
+
+def test_several_seats_have_their_own_names_and_every_hunter_is_seen():
+    """turtle1 would be anybody's."""
+    match = Match(hunters=2, hunter_poses=TWO)
+    match.tick()
+
+    assert "/turtle1/pose" not in match.hub.sent
+    assert (len(match.sent("/hunter_0/pose")), len(match.sent("/hunter_1/pose"))) == (1, 1)
+
+
+def test_the_list_of_targets_is_published_when_it_changes_and_once_a_second_besides():
+    """Those who come late are not blind until the next change."""
+    match = Match(hunter_poses=ONE)
+    name = match.service.spawn(2.1, 2.0)
+    before = len(match.sent("/alive_turtles"))
+    match.ask(match.a, name)
+    match.tick()
+
+    assert [len(sent.turtles) for sent in match.sent("/alive_turtles")[before:]] == [0, 0]
+
+    match.tick(61)
+    assert len(match.sent("/alive_turtles")) == before + 2
+    match.tick(2)
+    assert len(match.sent("/alive_turtles")) == before + 3
+
+
+def test_standings_tell_each_hunter_when_a_score_changes_and_once_a_second():
+    """Each in a tick of its own, so that no queue of ten overflows."""
+    match = Match(hunters=2, hunter_poses=TWO, names=["ann", "bob"])
+    match.drive(match.a)
+    match.tick(62)
+    assert [one.hunter for one in match.sent("/standings")] == ["hunter_0", "hunter_1"]
+
+    match.ask(match.a, match.service.spawn(2.0, 2.1))
+    match.tick()
+    assert [(one.player, one.score, one.rank) for one in match.sent("/standings")[2:4]] == [
+        ("ann", 1, 1),
+        ("bob", 0, 2),
+    ]
+
+
+def test_rulings_tell_verdict_distance_winner_and_clause():
+    """R5.6, of each request."""
+    match = Match(hunter_poses=ONE)
+    name = match.service.spawn(2.2, 2.0)
+    match.tick()
+    answers = [match.ask(match.a, asked) for asked in (name, name)]
+    match.tick()
+    answers.append(match.ask(match.a, "turtle1"))
+    match.tick()
+
+    assert [answer.response for answer in answers] == [YES, NO, NO]
+    assert [one[1:9] for one in match.sent("/rulings")] == [
+        (1, "hunter_0", name, "GRANTED", True, 0.2, "hunter_0", "R5.4"),
+        (1, "hunter_0", name, "DUPLICATE", False, -1.0, "", "R5.2"),
+        (2, "hunter_0", "turtle1", "UNKNOWN_TARGET", False, -1.0, "", "R5.2"),
+    ]
+    assert match.sent("/rulings")[0].time == 0.016
+
+
+def test_a_reach_that_is_too_short_for_a_students_node_is_told_once():
+    """Many solutions stop half a metre away, and would ask for ever."""
+    match = Match(hunter_poses=ONE)
+    name = match.service.spawn(2.45, 2.0)
+    for _ in range(3):
+        match.ask(match.a, name)
+        match.tick()
+    (line,) = [line for line in match.said if "reach" in line]
+    assert "0.450000 m away: OUT_OF_REACH" in line
+    assert "--set reach_m=0.5" in line
+
+
+def test_where_our_own_types_are_not_known_the_rest_is_published(monkeypatch):
+    """ROS on the other side may not have our package."""
+    publisher = LocalBus.publisher
+
+    def refuse(self, topic, kind):
+        if kind.name.startswith("catch_arena_interfaces/"):
+            raise BusError(f"{kind.name} is not known to this ROS")
+        return publisher(self, topic, kind)
+
+    monkeypatch.setattr(LocalBus, "publisher", refuse)
+    match = Match(hunter_poses=ONE)
+    answer = match.ask(match.a, match.service.spawn(2.1, 2.0))
+    match.tick()
+
+    assert answer.response == YES
+    assert match.said == [
+        f"warning: {topic} is not published: catch_arena_interfaces/msg/{kind} is not known to this ROS"
+        for topic, kind in (("/rulings", "Ruling"), ("/standings", "Standing"))
+    ]
+
+
+def test_the_clock_is_the_arenas():
+    """It stands while seats are waited for."""
+    match = Match(clock=True)
+    match.node.wait()
+    match.tick(3)
+
+    assert match.sent("/clock") == [Clock(Time(0, 0)), *(Clock(Time(0, tick * 16_000_000)) for tick in (1, 2, 3))]
+    assert CLOCK.definition == "builtin_interfaces/Time clock\n"
+
+
+# who drives, and who asks
+
+
+def test_the_match_waits_for_seats_without_a_node():
+    """A publisher is enough; a Twist is too, where the middleware does not tell who publishes."""
+    match = Match(hunters=2, hunter_poses=TWO)
+    assert [seat.hunter for seat in match.node.missing] == ["hunter_0", "hunter_1"]
+
+    match.a.publisher("/hunter_0/cmd_vel", TWIST)
+    assert [seat.hunter for seat in match.node.missing] == ["hunter_1"]
+
+    match.node._bus.publishers_of = lambda _: None
+    match.drive(match.b, turtle="hunter_1")
+    match.node.wait()
+    assert [seat.hunter for seat in match.node.missing] == ["hunter_0"]
+
+
+def test_a_second_node_that_drives_a_hunter_is_not_heard_while_the_first_one_sends():
+    """And is told once; when the first has been silent for a second, the hunter is the other's."""
+    match = Match(hunter_poses=ONE, time_limit_s=10)
+    for _ in range(5):
+        match.drive(match.a, 1.0)
+        match.drive(match.b, -1.0, 3.0)
+        match.tick()
+    assert match.hunter().angular_velocity == 0.0
+    assert sum("a second node drives it" in line for line in match.said) == 1
+
+    match.tick(63)
+    match.drive(match.b, 0.0, 3.0)
+    match.tick()
+    assert match.hunter().angular_velocity == 3.0
+
+
+def test_a_seat_whose_node_goes_stands_still_and_may_come_back():
+    """Each is told, in a line."""
+    match = Match(hunter_poses=ONE, time_limit_s=10)
+    match.drive(match.a, 1.0)
+    match.tick(3)
+    match.a.gone()
+    match.tick(60)
+
+    assert match.hunter().linear_velocity == 0.0
+
+    x = match.hunter().x
+    match.tick(30)
+    assert match.hunter().x == x
+
+    match.drive(match.b, 1.0)
+    match.tick()
+    assert match.hunter().linear_velocity == 1.0
+    assert [line for line in match.said if "node" in line] == [
+        "hunter_0: its node is there",
+        "hunter_0: its node has gone; the hunter stands still until one drives it again",
+        "hunter_0: its node is back",
+    ]
+
+
+def test_at_the_service_that_all_share_the_one_who_asks_is_the_hunter_that_it_drives():
+    """By the process that sends."""
+    match = Match(hunters=2, hunter_poses=((2.0, 2.0, 0.0), (8.0, 8.0, 0.0)))
+    here, there = match.service.spawn(2.1, 2.0), match.service.spawn(8.1, 8.0)
+    match.drive(match.a, turtle="hunter_0")
+    match.drive(match.b, turtle="hunter_1")
+    match.tick()
+    answers = [match.ask(bus, name) for bus, name in ((match.b, here), (match.a, here), (match.c, there))]
+    match.tick()
+
+    assert [answer.response for answer in answers] == [NO, YES, NO]
+    assert [one.verdict for one in match.sent("/rulings")] == ["OUT_OF_REACH", "GRANTED"]
+    assert any("drives no hunter asks at /catch_turtle" in line for line in match.said)
+
+
+def test_each_hunter_has_a_service_of_its_own_that_rivals_cannot_use_up():
+    """A request of another hunter's node is not judged, and so is no duplicate."""
+    match = Match(hunters=2, hunter_poses=TWO)
+    name = match.service.spawn(2.1, 2.0)
+    match.drive(match.a, turtle="hunter_0")
+    match.drive(match.b, turtle="hunter_1")
+    match.tick()
+    spoilt = match.ask(match.b, "nonsense", "/hunter_0/catch_turtle")
+    own = match.ask(match.a, name, "/hunter_0/catch_turtle")
+    match.tick()
+
+    assert (spoilt.response, own.response) == (NO, YES)
+    assert any("the node that drives hunter_1 asks for hunter_0" in line for line in match.said)
+
+
+def test_where_the_bus_does_not_tell_who_asks_the_shared_service_says_so():
+    """Each hunter's own works."""
+    match = Match(hunters=2, hunter_poses=TWO)
+    nobody = match.hub.bus(None)
+    name = match.service.spawn(2.1, 2.0)
+    shared, own = match.ask(nobody, name), match.ask(nobody, name, "/hunter_0/catch_turtle")
+    match.tick()
+
+    assert (shared.response, own.response) == (NO, YES)
+    assert any("/hunter_0/catch_turtle" in line for line in match.said)
+
+
+def test_a_person_only_drives_and_what_is_in_reach_is_asked_for_them():
+    """As turtle_teleop_key does it; R4.4. The rulings tell it, also in a step in which another node asks."""
+    match = Match(hunters=2, hunter_poses=((2.0, 2.0, 0.0), (8.0, 8.0, 0.0)), people=[0])
+    first = match.service.spawn(2.5, 2.0)
+    match.drive(match.a, 2.0, turtle="hunter_0")
+    match.drive(match.b, turtle="hunter_1")
+    for _ in range(10):
+        match.ask(match.b, "nonsense")
+        match.tick()
+
+    assert match.hunter(0).score == 1
+    assert [(one.hunter, one.target) for one in match.sent("/rulings") if one.success] == [("hunter_0", first)]
+
+
+# what strangers send
+
+
+@pytest.mark.parametrize("bad", BAD)
+@pytest.mark.parametrize("field", [0, 1])
+def test_a_twist_that_is_not_finite_is_left_out(bad, field):
+    """The one before it holds, and it is told once."""
+    match = Match(hunter_poses=ONE)
+    match.drive(match.a, 1.0)
+    match.tick()
+    for _ in range(3):
+        match.drive(match.a, *((bad, 0.0) if field == 0 else (1.0, bad)))
+        match.tick()
+
+    assert match.hunter().linear_velocity == 1.0
+    assert sum("not finite" in line for line in match.said) == 1
+
+
+@pytest.mark.parametrize("huge", [1e300, 1.7e308, 1e10])
+def test_a_huge_twist_is_limited_as_every_other(huge):
+    """R2.5."""
+    match = Match(hunter_poses=ONE)
+    match.drive(match.a, huge, -huge)
+    match.tick()
+
+    assert (match.hunter().linear_velocity, match.hunter().angular_velocity) == (2.0, -4.0)
+
+
+def test_fields_that_turtles_do_not_obey_are_not_read():
+    """linear.y among them, as from Iron on."""
+    match = Match(hunter_poses=ONE)
+    odd = TwistMessage(Vector3(1.0, math.nan, math.inf), Vector3(math.nan, 5.0, 0.0))
+    match.a.publisher("/hunter_0/cmd_vel", TWIST)(odd)
+    match.tick()
+
+    assert match.hunter().linear_velocity == 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "verdict"),
+    [
+        ("", "UNKNOWN_TARGET"),
+        ("x" * 10_000_000, "MALFORMED"),
+        ("\x1b[31m\u202e", "UNKNOWN_TARGET"),
+        ("ü" * 256, "MALFORMED"),
+    ],
+)
+def test_odd_names_are_judged_like_any_other(name, verdict):
+    """What is told of them is short."""
+    match = Match(hunter_poses=ONE)
+    answer = match.ask(match.a, name)
+    match.tick()
+
+    assert answer.response == NO
+    assert match.sent("/rulings")[-1].verdict == verdict
+    assert len(match.sent("/rulings")[-1].target) <= 255
+
+
+def test_many_requests_in_one_step_have_one_answer_each():
+    """The first counts, whatever it is."""
+    match = Match(hunter_poses=ONE)
+    name = match.service.spawn(2.1, 2.0)
+    answers = [match.ask(match.a, name) for _ in range(300)]
+    match.tick()
+
+    assert [answer.response for answer in answers] == [YES] + 299 * [NO]
+
+
+# the other services
+
+
+def test_spawn_kill_clear_and_reset_answer_at_once():
+    """Spawned targets have the arena's own names; out of bounds they stand at the wall, as in turtlesim."""
+    match = Match(hunter_poses=ONE, max_targets=2)
+
+    def call(service, kind, request):
+        found = match.a.client(service, kind).call(request)
+        match.node.wait()
+        return found.response
+
+    spawn = [SpawnRequest(50.0, -7.0, 9.0, "tom"), SpawnRequest(1.0, 1.0, 0.0, ""), SpawnRequest(2.0, 1.0, 0.0, "")]
+    assert [call("/spawn", TYPES.spawn, one) for one in spawn] == [
+        Name("target_turtle_1"),
+        Name("target_turtle_2"),
+        Name(""),
+    ]
+    assert match.service.alive_turtles().turtles[0][1:3] == (match.service.config.side_m, 0.0)
+    assert any("names of its own: target_turtle_1 for tom" in line for line in match.said)
+    assert call("/kill", TYPES.kill, Name("target_turtle_1")) == Empty()
+    assert call("/kill", TYPES.kill, Name("turtle1")) == Empty()
+    assert len(match.service.alive_turtles().turtles) == 1
+    assert call("/clear", EMPTY, Empty()) == Empty()
+    match.tick(3)
+    assert call("/reset", EMPTY, Empty()) == Empty()
+    assert (match.service.world.step, match.service.world.targets) == (0, ())
+
+
+@pytest.mark.parametrize("bad", BAD)
+def test_a_spawn_that_is_not_finite_spawns_nothing(bad):
+    """Whichever number it is."""
+    match = Match(hunter_poses=ONE)
+    for numbers in ((bad, 1.0, 0.0), (1.0, bad, 0.0), (1.0, 1.0, bad)):
+        found = match.a.client("/spawn", TYPES.spawn).call(SpawnRequest(*numbers, ""))
+        match.node.wait()
+        assert found.response in {Name(""), Name("target_turtle_1"), Name("target_turtle_2")}
+        assert all(
+            math.isfinite(turtle.x + turtle.y + turtle.theta) for turtle in match.service.alive_turtles().turtles
+        )
+
+
+# recorded matches
+
+
+def test_a_recorded_match_plays_again_and_nobody_changes_it_from_outside():
+    """/spawn, /kill and /reset are answered, and do nothing."""
+    match = Match(hunter_poses=((5.0, 5.0, 0.0),), initial_targets=8, record=True, time_limit_s=4, reach_m=3.0)
+    for service, kind, request in (
+        ("/spawn", TYPES.spawn, SpawnRequest(1.0, 1.0, 0.0, "")),
+        ("/kill", TYPES.kill, Name("target_turtle_1")),
+        ("/reset", EMPTY, Empty()),
+    ):
+        match.a.client(service, kind).call(request)
+    step = 0
+    while not match.node.over:
+        if step % 6 == 0:
+            match.drive(match.a, 2.0, math.sin(step))
+        if step % 20 == 10:
+            match.ask(match.a, "nonsense")
+        for turtle in match.service.alive_turtles().turtles[: step % 3]:
+            match.ask(match.a, turtle.name)
+        match.tick()
+        step += 1
+
+    assert match.service.world.spawned == 8
+    assert match.hunter().score > 0
+    assert sum("recorded" in line for line in match.said) == 3
+    assert verify(match.service.replay) == []
+
+
+def test_a_match_that_no_replay_could_play_again_is_not_recorded():
+    """The original's arbiter grants names that no rank stands for."""
+    with pytest.raises(ConfigError, match="of another policy than capstone"):
+        Match(policy="capstone", record=True)
+    with pytest.raises(EpisodeError, match="nothing was recorded"):
+        Match().service.replay  # noqa: B018 - it raises
+
+
+def test_after_the_end_nothing_moves_and_every_request_is_told():
+    """MATCH_OVER."""
+    match = Match(hunter_poses=ONE, time_limit_s=0.1)
+    match.drive(match.a, 1.0)
+    match.tick(20)
+    answer = match.ask(match.a, "x")
+    match.tick()
+
+    assert match.node.over
+    assert answer.response == NO
+    assert match.sent("/rulings")[-1].verdict == "MATCH_OVER"
+    assert match.sent("/standings")[-1].over is False  # it is told within a second
+    match.tick(62)
+    assert match.sent("/standings")[-1].over is True
+
+
+# agents in other seats
+
+
+class Chaser:
+    """Goes for the nearest."""
+
+    control = "target"
+
+    def __init__(self):
+        self.views = []
+
+    def reset(self, seed):
+        del seed
+
+    def act(self, view: View):
+        self.views.append(view)
+        return 1 if view.targets else 0
+
+
+class Driver(Chaser):
+    control = "velocity"
+
+    def act(self, view):
+        self.views.append(view)
+        return 1.0, 0.0
+
+
+class Asker(Chaser):
+    control = "full"
+
+    def act(self, view):
+        self.views.append(view)
+        return {"cmd_vel": (0.5, 0.0), "catch": 1 if view.targets else 0}
+
+
+class Broken(Chaser):
+    def act(self, view):
+        del view
+        return "left"
+
+
+def settle(match):
+    """Let the agents' thread answer."""
+    if match.agents._answers is not None:
+        match.agents._answers.exception(timeout=10)
+
+
+@pytest.mark.parametrize("kind", [Chaser, Driver, Asker])
+def test_agents_play_in_other_seats_and_are_asked_every_100_ms(kind):
+    """Under each control; what they catch is judged and told as what nodes catch."""
+    agent = kind()
+    match = Match(
+        hunters=2,
+        players=TrustedPlayers({1: agent}),
+        hunter_poses=((9.0, 9.0, 0.0), (2.0, 2.0, 0.0)),
+        time_limit_s=20,
+    )
+    name = match.service.spawn(3.0, 2.05)
+    for tick in range(125):
+        if tick % 2:  # with a request by name in the step, and without
+            match.ask(match.a, "x")
+        match.tick()
+        settle(match)
+
+    assert match.hunter(1).score == 1
+    assert [one.hunter for one in match.sent("/rulings") if one.verdict == "GRANTED"] == ["hunter_1"]
+    assert {one.target for one in match.sent("/rulings") if one.hunter == "hunter_1"} == {name}
+    assert len(agent.views) == 20  # 2 s
+    assert agent.views[0].limits.control_period_ms == 100
+    match.agents.close()
+
+
+def test_an_agent_that_fails_is_withdrawn_and_the_others_play_on():
+    """R1.6, with a line."""
+    match = Match(hunters=2, players=TrustedPlayers({1: Broken()}), hunter_poses=TWO, record=True, time_limit_s=2)
+    match.drive(match.a, 1.0, turtle="hunter_0")
+    for _ in range(5):
+        match.tick()
+        settle(match)
+
+    assert match.hunter(1).withdrawn
+    assert match.hunter(0).linear_velocity == 1.0
+    assert any(line.startswith("hunter_1 is out: ") for line in match.said)
+    assert match.node.standings() == ((1, 2), (0, 0))
+    while not match.node.over:
+        match.tick()
+    assert verify(match.service.replay) == []
+    match.agents.close()

@@ -1,0 +1,297 @@
+"""A recorded match as a bag, read by others than who wrote it."""
+
+import sqlite3
+import struct
+from itertools import pairwise
+
+import pytest
+from ros import bags, cdr
+from rosbags.highlevel import AnyReader
+from ruamel.yaml import YAML
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.replay import Replay
+
+NS = 1_000_000
+
+
+def run(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+@pytest.fixture(scope="module")
+def replays(tmp_path_factory):
+    """A contest of three, a single hunter after moving targets, and faults."""
+    folder = tmp_path_factory.mktemp("replays")
+    played = {
+        "three": [
+            "nearest",
+            "nearest",
+            "contested",
+            "--set",
+            "hunters=3",
+            "--set",
+            "time_limit_s=12",
+            "--set",
+            "initial_targets=6",
+        ],
+        "one": ["nearest", "--set", "hunters=1", "--set", "target_motion=wander", "--set", "time_limit_s=6"],
+        "faults": [
+            "nearest",
+            "nearest",
+            "--set",
+            "hunters=2",
+            "--set",
+            "time_limit_s=8",
+            "--set",
+            "faults.kill_refused=0.5",
+        ],
+    }
+    for name, words in played.items():
+        made = run("match", *words, "--seed", "5", "--trusted", "-o", folder / f"{name}.replay")
+        assert made.exit_code == 0, made.output
+    return folder
+
+
+@pytest.fixture(scope="module", params=["three", "one", "faults"])
+def match(request, replays):
+    return request.param, Replay.load(replays / f"{request.param}.replay")
+
+
+@pytest.fixture(scope="module", params=["mcap", "sqlite3"])
+def bag(request, match, replays):
+    """The bag of a match, and what it was made of."""
+    name, replay = match
+    folder = replays / f"{name}_{request.param}"
+    made = run("ros", "bag", replays / f"{name}.replay", "-o", folder, "--storage", request.param, "--force")
+    assert made.exit_code == 0, made.output
+    return folder, request.param, replay
+
+
+def by_hand(folder, storage):
+    """The bag's messages, (topic, type, ns, data), by a reader of our own."""
+    if storage == "mcap":
+        found = bags.mcap(folder / f"{folder.name}.mcap")
+        assert found["profile"] == "ros2"
+        assert found["statistics"][0] == len(found["messages"])
+        return [
+            (found["channels"][channel][1], found["schemas"][found["channels"][channel][0]][0], time, data)
+            for channel, time, data in found["messages"]
+        ]
+    with sqlite3.connect(folder / f"{folder.name}.db3") as base:
+        rows = base.execute(
+            "SELECT topics.name, topics.type, timestamp, data FROM messages JOIN topics ON topic_id = topics.id "
+            "ORDER BY timestamp, messages.id"
+        ).fetchall()
+    base.close()
+    return rows
+
+
+def poses_topics(replay):
+    names = ["turtle1"] if replay.config.hunters == 1 else replay.config.hunter_names
+    return [f"/{name}/pose" for name in names]
+
+
+def test_every_tick_has_a_pose_of_each_hunter_and_boundaries_have_the_matchs_own(bag):
+    folder, storage, replay = bag
+    worlds = list(replay.worlds())
+    by_time = {world.time_ms // 16 * 16 * NS: world for world in worlds}
+    for seat, topic in enumerate(poses_topics(replay)):
+        told = {
+            time: struct.unpack("<5f", data[4:]) for name, _, time, data in by_hand(folder, storage) if name == topic
+        }
+        assert sorted(told) == [16 * NS * tick for tick in range(worlds[-1].time_ms // 16 + 1)]
+        for time, world in by_time.items():
+            hunter = world.hunters[seat]
+            assert told[time][:2] == pytest.approx((hunter.x, hunter.y), abs=2e-6)
+        steps = [abs(a[0] - b[0]) + abs(a[1] - b[1]) for (_, a), (_, b) in pairwise(sorted(told.items()))]
+        assert max(steps) <= 1.5 * replay.config.max_speeds[seat] * 0.016 + 1e-6
+
+
+def test_the_rulings_and_the_calls_are_those_of_the_match_at_the_beginning_of_their_steps(bag):
+    folder, storage, replay = bag
+    expected = []
+    for before, after in pairwise(replay.worlds()):
+        expected += [(before.time_ms * NS, ruling) for ruling in after.rulings]
+    assert expected
+    told, calls = [], []
+    for topic, kind, time, data in by_hand(folder, storage):
+        reader = cdr.Reader(data)
+        if topic == "/rulings":
+            assert kind == "catch_arena_interfaces/msg/Ruling"
+            seconds, step = reader.number("d"), reader.number("I")
+            texts = reader.text(), reader.text(), reader.text()
+            success, distance = bool(reader.number("?")), reader.number("d")
+            told.append((time, step, *texts, success, round(1e6 * distance)))
+            assert seconds == time / 1e9
+        elif topic.endswith("/_service_event"):
+            assert kind == "my_robot_interfaces/srv/CatchTurtle_Event"
+            event, stamp = reader.number("B"), (reader.number("i"), reader.number("I"))
+            client = [reader.number("B") for _ in range(16)]
+            number = reader.number("q")
+            asked = [reader.text() for _ in range(reader.number("I"))]
+            answered = [bool(reader.number("?")) for _ in range(reader.number("I"))]
+            assert stamp == divmod(time, 1_000_000_000)
+            calls.append((time, topic, event, client, number, asked, answered))
+    hunters = replay.config.hunter_names
+    assert told == [
+        (
+            time,
+            one.step,
+            hunters[one.hunter],
+            one.target,
+            one.verdict.name,
+            one.success,
+            -1_000_000 if one.distance_um is None else one.distance_um,
+        )
+        for time, one in expected
+    ]
+    received, sent = ([call for call in calls if call[2] == event] for event in (1, 2))
+    assert len(received) == len(sent) == len(expected)
+    for (time, ruling), request, response in zip(expected, received, sent, strict=True):
+        prefix = "" if len(hunters) == 1 else f"/{hunters[ruling.hunter]}"
+        assert request[:2] == response[:2] == (time, f"{prefix}/catch_turtle/_service_event")
+        assert request[3:5] == response[3:5]
+        assert (request[5:], response[5:]) == (([ruling.target], []), ([], [ruling.success]))
+
+
+def test_the_alive_lists_are_those_of_the_match_from_their_instants_on(bag):
+    folder, storage, replay = bag
+    lists = []
+    for topic, kind, time, data in by_hand(folder, storage):
+        if topic == "/alive_turtles":
+            assert kind == "my_robot_interfaces/msg/TurtleArray"
+            lists.append((time, cdr.read_turtles(data)))
+    assert lists[0][0] == 0
+    for world in replay.worlds():
+        now = [turtles for time, turtles in lists if time <= world.time_ms * NS]
+        # at a boundary the step's catches may already have been taken off: the list before, or this one
+        either = [[one[0] for one in turtles] for turtles in now[-3:]]
+        assert [target.name for target in world.targets] in either
+    names = [[one[0] for one in turtles] for _, turtles in lists]
+    spawned = {name for one in names for name in one}
+    assert len(spawned) == max(world.spawned for world in replay.worlds())
+    for (_, before), (time, after) in pairwise(lists):
+        for name, x, y, _ in after:
+            same = [one for one in before if one[0] == name]
+            if same and not replay.config.targets_move:
+                assert same[0][1:3] == (x, y)
+            elif not same:  # it appeared just then
+                target = next(t for world in replay.worlds() for t in world.targets if t.name == name)
+                assert time == target.spawned_ms * NS
+
+
+def test_rosbags_own_reader_takes_types_from_the_bag_and_finds_their_digests_right(bag):
+    folder, _, replay = bag
+    seen = {}
+    with AnyReader([folder]) as reader:
+        for connection, _, raw in reader.messages():
+            message = reader.deserialize(raw, connection.msgtype)
+            seen[connection.topic] = seen.get(connection.topic, 0) + 1
+            if connection.topic == "/rulings":
+                assert message.hunter in replay.config.hunter_names
+        assert seen == {one.topic: one.msgcount for one in reader.connections if one.msgcount}
+        digests = {one.msgtype: one.digest for one in reader.connections}
+        # turtlesim's own, as rmw_zenoh tells it
+        assert digests["turtlesim/msg/Pose"].startswith(
+            "RIHS01_739beba26bcba6920404ba722b7b8321348512f92ea5be235c472519"
+        )
+
+
+def test_the_metadata_are_what_rosbag2_of_humble_and_of_jazzy_read(bag):
+    folder, storage, _ = bag
+    whole = YAML(typ="safe").load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    messages = by_hand(folder, storage)
+    # rosbag2_storage/metadata_io.cpp of Humble reads these, and yaml.hpp of Jazzy the last two as well
+    assert whole["version"] == 8
+    assert whole["storage_identifier"] == storage
+    assert whole["message_count"] == len(messages)
+    last = max(time for *_, time, _ in messages)
+    assert whole["duration"] == {"nanoseconds": last}
+    assert whole["starting_time"] == {"nanoseconds_since_epoch": 0}
+    assert whole["compression_format"] == whole["compression_mode"] == ""
+    (name,) = whole["relative_file_paths"]
+    assert (folder / name).is_file()
+    assert whole["files"] == [
+        {
+            "path": name,
+            "starting_time": whole["starting_time"],
+            "duration": whole["duration"],
+            "message_count": len(messages),
+        }
+    ]
+    for one in whole["topics_with_message_count"]:
+        about = one["topic_metadata"]
+        assert one["message_count"] == sum(topic == about["name"] for topic, *_ in messages)
+        assert about["serialization_format"] == "cdr"
+        (qos,) = YAML(typ="safe").load(about["offered_qos_profiles"])  # a text in this version
+        assert (qos["history"], qos["reliability"], qos["durability"], qos["depth"]) == (1, 1, 2, 10)
+        assert about["type_description_hash"].startswith("RIHS01_")
+    assert not whole["custom_data"]
+    assert isinstance(whole["ros_distro"], str)
+
+
+def test_the_same_replay_gives_the_same_messages_and_other_packages_other_names(replays, tmp_path):
+    one, other = tmp_path / "one", tmp_path / "other"
+    words = ["--interfaces", "turtles_by_me", "--turtlesim", "turtlesim_msgs"]
+    for folder in (one, other):
+        assert run("ros", "bag", replays / "one.replay", "-o", folder, *words).exit_code == 0
+    assert by_hand(one, "mcap") == by_hand(other, "mcap")
+    assert {kind for _, kind, *_ in by_hand(one, "mcap")} == {
+        "turtlesim_msgs/msg/Pose",
+        "turtles_by_me/msg/TurtleArray",
+        "turtles_by_me/srv/CatchTurtle_Event",
+        "catch_arena_interfaces/msg/Ruling",
+    }
+
+
+def test_a_bag_is_replaced_with_force_alone_and_what_is_no_bag_never(replays, tmp_path):
+    words = ["ros", "bag", replays / "one.replay", "-o"]
+    folder = tmp_path / "b"
+    assert run(*words, folder).stdout.startswith(f"bag: {folder} (")
+    refused = run(*words, folder)
+    assert (refused.exit_code, refused.stderr) == (
+        2,
+        f"catch-arena: {folder}: is there already: give --force to replace it, or another name\n",
+    )
+    assert run(*words, folder, "--force", "--storage", "sqlite3").exit_code == 0
+    assert sorted(path.name for path in folder.iterdir()) == ["b.db3", "metadata.yaml"]
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "thesis.txt").write_text("all of it")
+    refused = run(*words, mine, "--force")
+    assert refused.stderr == f"catch-arena: {mine}: is there already, and is no bag: give another name\n"
+    assert (mine / "thesis.txt").read_text() == "all of it"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["b", "mine"]
+
+
+def test_a_replay_that_does_not_play_leaves_no_bag(replays, tmp_path):
+    replay = Replay.load(replays / "three.replay")
+    replay.digests[7] = b"12345678"
+    replay.save(tmp_path / "bad.replay")
+    refused = run("ros", "bag", tmp_path / "bad.replay", "-o", tmp_path / "bag")
+    assert refused.exit_code == 2
+    assert "step 7 is the first that differs" in refused.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.replay"]
+
+
+@pytest.mark.parametrize(
+    ("option", "name"), [("--interfaces", "my robot"), ("--turtlesim", ""), ("--interfaces", "a/b")]
+)
+def test_a_package_that_cannot_be_is_one_line(replays, tmp_path, option, name):
+    refused = run("ros", "bag", replays / "one.replay", "-o", tmp_path / "b", option, name)
+    assert refused.exit_code == 2
+    assert refused.stderr == (
+        f"catch-arena: {option} must be the name of a ROS package, as my_robot_interfaces, got {name!r}\n"
+    )
+
+
+@pytest.mark.parametrize("words", [["bag", "x.replay"], ["import", "x"]])
+def test_without_rosbags_it_says_what_to_install(monkeypatch, words):
+    monkeypatch.setattr("catch_arena.cli.ros_bags.find_spec", lambda _: None)
+    refused = run("ros", *words)
+    assert (refused.exit_code, refused.stderr) == (
+        2,
+        "catch-arena: bags need rosbags, which is not installed: pip install 'catch-arena[ros]'\n",
+    )

@@ -1,0 +1,340 @@
+"""Recordings of turtlesim, and what the arbiter says of the catches in them."""
+
+import csv
+import math
+import shutil
+import sqlite3
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from ros.bags import Recorder, without_definitions
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.errors import ReplayError
+from catch_arena.replay import Replay
+from catch_arena.ros.bag_import import read_recording
+from catch_arena.ros.film import recorded_worlds
+from catch_arena.ros.recording_rulings import judge_recording
+from catch_arena.verdicts import Verdict
+
+TRACES = Path(__file__).parents[1] / "data"
+SIDE = 11.088889122009277
+
+
+def run(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def trace(number=1):
+    """(ms, x, y, theta, v, w) of a real turtlesim, tick by tick."""
+    with (TRACES / f"turtlesim_humble_{number}.csv").open(newline="") as file:
+        rows = list(csv.reader(line for line in file if not line.startswith("#")))[1:]
+    return [(16.0 * tick, *map(float, row)) for tick, row in enumerate(rows)]
+
+
+def record_chase(folder, *, storage="sqlite3", jitter=0.0, **names):
+    """A real turtle's way, on which targets lie beside it: each is caught as it passes, from a distance of its own, as
+    the exercise's nodes would, which let everything be caught. Returns what was caught: (ms, name, metres).
+    """
+    rows = trace()
+    caught, alive, lists = [], [], []
+    moving = [index for index in range(0, len(rows), 160) if rows[index][4] > 0.0]
+    for number, index in enumerate(moving, start=1):
+        time_ms, x, y, theta, *_ = rows[index]
+        away = 0.055 * number
+        place = min(max(x + away * math.cos(theta + 1), 0), SIDE), min(max(y + away * math.sin(theta + 1), 0), SIDE)
+        name = f"target_turtle_{number}"
+        alive.append((name, *place))
+        lists.append((max(0.0, time_ms - 1500.0), "spawned", name))
+        lists.append((time_ms + 8.0, "caught", name))
+        caught.append((time_ms + 8.0, name, math.dist((x, y), place)))
+    places = {name: (name, x, y) for name, x, y in alive}
+    now = []
+    events = [(time_ms, 0, row) for time_ms, *row in rows] + [(time_ms, 1, what) for time_ms, *what in lists]
+    with Recorder(folder, storage, **names) as bag:
+        for time_ms, is_list, what in sorted(events, key=lambda one: one[:2]):
+            if not is_list:
+                bag.pose("turtle1", time_ms + jitter * math.sin(time_ms), *what)
+                continue
+            now = [*now, places[what[1]]] if what[0] == "spawned" else [one for one in now if one[0] != what[1]]
+            bag.alive(time_ms, *now)
+    return sorted(caught)
+
+
+@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+def test_every_catch_of_a_real_turtles_recording_is_judged_where_it_stood(tmp_path, storage):
+    caught = record_chase(tmp_path / "chase", storage=storage)
+    assert len(caught) > 6
+    judged = judge_recording(read_recording(tmp_path / "chase"))
+    assert [one.asked.name for one in judged] == [name for _, name, _ in caught]
+    for one, (time_ms, _, metres) in zip(judged, caught, strict=True):
+        assert one.asked.time_ms == pytest.approx(time_ms, abs=0.01)
+        assert one.hunter == "turtle1"
+        assert one.ruling.distance_um == pytest.approx(1e6 * metres, abs=2)
+        assert one.ruling.verdict is (Verdict.GRANTED if metres < 0.3 else Verdict.OUT_OF_REACH)
+    assert {one.ruling.verdict for one in judged} == {Verdict.GRANTED, Verdict.OUT_OF_REACH}
+
+
+def test_a_longer_reach_grants_more(tmp_path):
+    caught = record_chase(tmp_path / "chase")
+    recording = read_recording(tmp_path / "chase")
+    for reach in (0.1, 0.26, 3.0):
+        granted = sum(one.ruling.success for one in judge_recording(recording, reach))
+        assert granted == sum(metres < reach for *_, metres in caught)
+
+
+def test_a_recording_of_humble_without_definitions_and_one_of_kilted_are_read_alike(tmp_path):
+    record_chase(tmp_path / "humble")
+    without_definitions(tmp_path / "humble" / "humble.db3")
+    record_chase(tmp_path / "kilted", storage="mcap", package="turtles_by_me", turtlesim="turtlesim_msgs")
+    humble, kilted = (judge_recording(read_recording(tmp_path / name)) for name in ("humble", "kilted"))
+    assert [str(one) for one in humble] == [str(one) for one in kilted]
+
+
+def test_a_turtle_with_float32_is_read_by_the_definition_in_the_bag(tmp_path):
+    narrow = "string name\nfloat32 x\nfloat32 y\nfloat32 theta\n"
+    caught = record_chase(tmp_path / "narrow", storage="mcap", turtle=narrow)
+    judged = judge_recording(read_recording(tmp_path / "narrow"))
+    for one, (*_, metres) in zip(judged, caught, strict=True):
+        assert one.ruling.distance_um == pytest.approx(1e6 * metres, abs=3)
+
+
+def test_a_turtle_with_float32_and_no_definition_is_refused_in_one_line(tmp_path):
+    record_chase(tmp_path / "narrow", turtle="string name\nfloat32 x\nfloat32 y\nfloat32 theta\n")
+    without_definitions(tmp_path / "narrow" / "narrow.db3")
+    with sqlite3.connect(tmp_path / "narrow" / "narrow.db3") as base:  # empty lists can be read by any definition
+        base.execute("DELETE FROM messages WHERE length(data) = 8")
+    base.close()
+    refused = run("ros", "import", tmp_path / "narrow", "--list")
+    assert refused.exit_code == 2
+    assert (
+        "/alive_turtles: none of its messages can be read as TurtleArray with string name, float64 x" in refused.stderr
+    )
+    assert refused.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("settings", [["hunters=3", "initial_targets=6"], ["hunters=1", "target_motion=flee"]])
+def test_what_was_written_from_a_match_comes_back_with_the_same_rulings(tmp_path, settings):
+    words = [word for one in [*settings, "time_limit_s=15"] for word in ("--set", one)]
+    agents = ["nearest", "contested", "nearest"][: int(settings[0][-1])]
+    assert run("match", *agents, *words, "--trusted", "--seed", 9, "-o", tmp_path / "m.replay").exit_code == 0
+    assert run("ros", "bag", tmp_path / "m.replay", "-o", tmp_path / "m").exit_code == 0
+    recording = read_recording(tmp_path / "m")
+    judged = judge_recording(recording)
+    rulings = [
+        (world.time_ms, ruling) for before, world in pairwise(Replay.load(tmp_path / "m.replay").worlds())
+        for ruling in world.rulings
+    ]  # fmt: skip
+    assert [(one.ruling.verdict, one.ruling.hunter, one.ruling.target) for one in judged] == [
+        (ruling.verdict, ruling.hunter, ruling.target) for _, ruling in rulings
+    ]
+    assert len(judged) > 3
+    assert all(one.agrees for one in judged)
+    *_, last = recorded_worlds(recording, judged)
+    *_, world = Replay.load(tmp_path / "m.replay").worlds()
+    assert [hunter.score for hunter in last.hunters] == [hunter.score for hunter in world.hunters]
+    for here, there in zip(last.hunters, world.hunters, strict=True):
+        assert (here.x, here.y) == pytest.approx((there.x, there.y), abs=2e-6)
+
+
+def test_ghosts_repeats_and_kills_that_did_not_happen_are_told_apart(tmp_path):
+    """What the exercise's own nodes do wrong: a spawn that failed is listed with an empty name and can be caught."""
+    with Recorder(tmp_path / "wrong") as bag:
+        for time_ms in range(0, 4000, 16):
+            bag.pose("turtle1", time_ms, 5.0, 5.0)
+            bag.pose("target_turtle_2", time_ms, 5.1, 5.0)  # it lives on
+            if time_ms <= 1008:
+                bag.pose("target_turtle_1", time_ms, 5.0, 5.2)
+            if time_ms == 496:
+                bag.alive(time_ms, ("", 5.0, 5.0), ("target_turtle_1", 5.0, 5.2), ("target_turtle_2", 5.1, 5.0))
+            if time_ms == 800:
+                bag.alive(time_ms, ("target_turtle_1", 5.0, 5.2), ("target_turtle_2", 5.1, 5.0))
+            if time_ms == 1008:
+                bag.alive(time_ms, ("target_turtle_2", 5.1, 5.0))
+            if time_ms == 2000:
+                bag.alive(time_ms)
+    judged = judge_recording(read_recording(tmp_path / "wrong"))
+    assert [(one.asked.name, one.ruling.verdict) for one in judged] == [
+        ("", Verdict.UNKNOWN_TARGET),
+        ("target_turtle_1", Verdict.GRANTED),
+        ("target_turtle_2", Verdict.KILL_FAILED),
+    ]
+    assert [one.agrees for one in judged] == [False, True, False]
+
+
+def test_without_lists_a_target_is_caught_where_its_poses_end(tmp_path):
+    with Recorder(tmp_path / "poses") as bag:
+        for time_ms in range(0, 3000, 16):
+            bag.pose("turtle1", time_ms, 5.0, 5.0)
+            if 480 <= time_ms <= 1600:
+                bag.pose("turtle2", time_ms, 5.2, 5.0)
+            bag.pose("turtle3", time_ms, 9.0, 9.0)
+    (one,) = judge_recording(read_recording(tmp_path / "poses"))
+    assert (one.asked.name, one.hunter, one.ruling.verdict) == ("turtle2", "turtle1", Verdict.GRANTED)
+    assert one.asked.time_ms == 1600
+
+
+def test_the_film_shows_who_was_where_and_is_as_long_as_the_recording(tmp_path):
+    caught = record_chase(tmp_path / "chase", jitter=3.0)
+    recording = read_recording(tmp_path / "chase")
+    judged = judge_recording(recording)
+    worlds = list(recorded_worlds(recording, judged))
+    rows = {time_ms: row for time_ms, *row in trace()}
+    assert len(worlds) == len(rows)
+    for world in worlds[1:-1]:
+        (hunter,) = world.hunters
+        # it lies on the way between two poses, which were told up to 3 ms too early or too late
+        assert (hunter.x, hunter.y) == pytest.approx(rows[world.time_ms][:2], abs=0.003 * 2 * 3.0 + 1e-4)
+    for time_ms, name, _ in caught:
+        there = {world.time_ms for world in worlds if name in {target.name for target in world.targets}}
+        assert max(there) <= time_ms
+        assert max(there) > time_ms - 16
+    assert sum(len(world.rulings) for world in worlds) == len(caught)
+    made = run(
+        "ros", "import", tmp_path / "chase", "-o", tmp_path / "f.mp4", "--size", "320x320", "--fps", 5, "--speed", 8
+    )
+    assert made.exit_code == 0, made.output
+    assert made.stdout.count(" s  turtle1 caught target_turtle_") == len(caught)
+    assert f"catches: {len(caught)} in the recording" in made.stdout
+    frames = round(recording.end_ms / 1000 / 8 * 5)
+    assert f"video: {tmp_path / 'f.mp4'} ({frames} frames" in made.stdout
+    assert (tmp_path / "f.mp4").stat().st_size > 10_000
+
+
+def test_the_film_is_not_replaced_without_force_and_a_list_needs_none(tmp_path):
+    record_chase(tmp_path / "chase")
+    (tmp_path / "chase.mp4").write_text("mine")
+    refused = run("ros", "import", tmp_path / "chase")
+    assert refused.exit_code == 2
+    assert "is there already: give --force" in refused.stderr
+    assert run("ros", "import", tmp_path / "chase", "--list").exit_code == 0
+    assert (tmp_path / "chase.mp4").read_text() == "mine"
+
+
+def test_a_bag_is_read_by_its_file_too_and_what_a_class_recorded_besides_does_no_harm(tmp_path):
+    record_chase(tmp_path / "chase", storage="mcap")
+    with Recorder(tmp_path / "more") as bag:
+        bag.raw("/rosout", "rcl_interfaces/msg/Log", 0, b"\0\1\0\0nonsense")
+        bag.pose("turtle1", 0, 5.0, 5.0)
+        bag.pose("turtle1", 16, 5.0, 5.0)
+    assert read_recording(tmp_path / "more").left_out == 0
+    whole, file = (run("ros", "import", path, "--list") for path in (tmp_path / "chase", tmp_path / "chase/chase.mcap"))
+    assert whole.stdout == file.stdout
+    assert whole.exit_code == 0
+
+
+@pytest.mark.parametrize("pose", [(math.nan, 5.0), (5.0, math.inf), (1e30, 5.0), (-3.0, 5.0)])
+def test_poses_that_cannot_be_are_left_out_and_counted(tmp_path, pose):
+    with Recorder(tmp_path / "b") as bag:
+        for time_ms in range(0, 1600, 16):
+            bag.pose("turtle1", time_ms, *(pose if time_ms == 800 else (5.0, 5.0)))
+        bag.alive(900, ("a", 5.1, 5.0))
+        bag.alive(1000, ("a", math.nan, 5.0))
+        bag.alive(1100)
+    told = run("ros", "import", tmp_path / "b", "--list")
+    assert told.exit_code == 0
+    assert told.stderr == "left out: 2 messages that cannot be\n"
+    assert "catches: 1 in the recording, 1 of them granted" in told.stdout
+
+
+def test_a_name_of_ten_megabytes_and_one_with_control_characters_are_shown_short(tmp_path):
+    names = ["x" * 10_000_000, "\x1b[31mred\n"]
+    with Recorder(tmp_path / "b", "mcap") as bag:
+        bag.pose("turtle1", 0, 5.0, 5.0)
+        bag.alive(1, *((name, 5.1, 5.0) for name in names))
+        bag.alive(2)
+        bag.pose("turtle1", 500, 5.0, 5.0)
+    told = run("ros", "import", tmp_path / "b", "--list")
+    assert told.exit_code == 0, told.output
+    assert max(map(len, told.stdout.splitlines())) < 200
+    assert "MALFORMED" in told.stdout
+    assert "\\x1b[31mred\\n" in told.stdout
+    assert "\x1b" not in told.stdout
+
+
+def damaged(tmp_path, how):
+    record_chase(tmp_path / "whole", storage="mcap" if "mcap" in how else "sqlite3")
+    folder = tmp_path / "whole"
+    (file,) = (path for path in folder.iterdir() if path.suffix in {".mcap", ".db3"})
+    if how.endswith("truncated"):
+        file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    elif how.endswith("empty"):
+        file.write_bytes(b"")
+    elif how.endswith("noise"):
+        file.write_bytes(b"\x89MCAP0\r\n" + bytes(range(256)) * 40)
+    elif how.endswith("gone"):
+        file.unlink()
+    elif how == "metadata noise":
+        (folder / "metadata.yaml").write_text("rosbag2_bagfile_information: [1, 2")
+    elif how == "metadata other":
+        (folder / "metadata.yaml").write_text("a: 1\n")
+    elif how == "no metadata":
+        (folder / "metadata.yaml").unlink()
+    return folder
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        *(f"{storage} {what}" for storage in ("mcap", "sqlite") for what in ("truncated", "empty", "noise", "gone")),
+        *("metadata noise", "metadata other", "no metadata"),
+    ],
+)
+def test_a_damaged_bag_is_one_line_and_no_film(tmp_path, how):
+    folder = damaged(tmp_path, how)
+    refused = run("ros", "import", folder, "-o", tmp_path / "f.mp4")
+    assert refused.exit_code == 2
+    assert refused.stderr.startswith(f"catch-arena: {folder}: ")
+    assert refused.stderr.count("\n") == 1
+    assert not refused.stdout
+    assert [path.name for path in tmp_path.iterdir()] == ["whole"]
+
+
+def test_every_cut_and_many_changed_bytes_of_a_file_are_one_line_or_a_story(tmp_path):
+    with Recorder(tmp_path / "b", "mcap") as bag:
+        for time_ms in range(0, 320, 16):
+            bag.pose("turtle1", time_ms, 5.0, 5.0)
+        bag.alive(100, ("a", 5.1, 5.0))
+        bag.alive(200)
+    content = (tmp_path / "b/b.mcap").read_bytes()
+    outcomes = set()
+    for at in range(0, len(content), 307):
+        for changed in (content[:at], content[:at] + bytes([content[at] ^ 0xFF]) + content[at + 1 :]):
+            (tmp_path / "c.mcap").write_bytes(changed)
+            try:
+                judge_recording(read_recording(tmp_path / "c.mcap"))
+                outcomes.add("a story")
+            except ReplayError as error:
+                outcomes.add("one line" if "\n" not in str(error) else str(error))
+    assert outcomes == {"a story", "one line"}
+
+
+def test_a_folder_without_turtles_and_one_with_targets_alone_say_what_to_record(tmp_path):
+    with Recorder(tmp_path / "empty"):
+        pass
+    with Recorder(tmp_path / "lists") as bag:
+        bag.alive(0, ("a", 1.0, 1.0))
+    with Recorder(tmp_path / "targets") as bag:
+        bag.pose("a", 0, 1.0, 1.0)
+        bag.alive(0, ("a", 1.0, 1.0))
+    for name, why in (
+        ("empty", "has no poses of turtlesim: record with ros2 bag record -a"),
+        ("lists", "has no poses of turtlesim: record with ros2 bag record -a"),
+        ("targets", "holds poses of targets alone: record /turtle1/pose too"),
+        ("nowhere", "no such file"),
+    ):
+        refused = run("ros", "import", tmp_path / name)
+        assert refused.stderr == f"catch-arena: {tmp_path / name}: {why}\n"
+
+
+def test_a_recording_that_lasts_for_years_is_refused_before_it_is_filmed(tmp_path):
+    with Recorder(tmp_path / "b") as bag:
+        bag.pose("turtle1", 0, 5.0, 5.0)
+        bag.pose("turtle1", 4e10, 5.0, 5.0)
+    refused = run("ros", "import", tmp_path / "b")
+    assert refused.stderr == (
+        f"catch-arena: {tmp_path / 'b'}: must last 24 hours at most, and its time must not go backwards\n"
+    )
+    shutil.rmtree(tmp_path / "b")

@@ -1,0 +1,164 @@
+"""Every message and service as bytes: the package's, and those made by hand from the wire's description."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from ros import cdr
+
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
+from catch_arena.ros import dds_types
+from catch_arena.ros.interfaces import (
+    CLOCK,
+    EMPTY,
+    RULING,
+    STANDING,
+    TWIST,
+    Clock,
+    Empty,
+    Field,
+    Interfaces,
+    Name,
+    RulingMessage,
+    SpawnRequest,
+    StandingMessage,
+    Time,
+    TwistMessage,
+    Vector3,
+)
+from catch_arena.ros.type_hashes import type_hash
+
+TYPES = Interfaces()
+HEADER = {"client": 0x0102030405060708, "number": 5}
+BEGIN = "00010000 0807060504030201 0500000000000000"
+
+
+def encoded(kind, message, **header):
+    return dds_types.to_sample(kind, message, **header).serialize(use_version_2=False)
+
+
+def decoded(kind, data, *, header=False):
+    sample = dds_types.idl_struct(kind, header=header).deserialize(data)
+    message = dds_types.from_sample(kind, sample)
+    return (message, sample.client, sample.number) if header else message
+
+
+@pytest.mark.parametrize(
+    ("kind", "message", "expected"),
+    [
+        (TYPES.pose, Pose(1.0, 2.0, -0.5, 0.25, 0.0), "00010000 0000803f 00000040 000000bf 0000803e 00000000"),
+        (
+            TWIST,
+            TwistMessage.of(1.5, -2.0),
+            """00010000 000000000000f83f 0000000000000000 0000000000000000
+            0000000000000000 0000000000000000 00000000000000c0""",
+        ),
+        (TYPES.turtle_array, TurtleArray(()), "00010000 00000000"),
+        (
+            TYPES.turtle_array,
+            TurtleArray((Turtle("ab", 1.0, 2.0, 3.0), Turtle("", 0.0, 0.0, -1.0))),
+            """00010000 02000000 03000000 616200 0000000000
+            000000000000f03f 0000000000000040 0000000000000840
+            01000000 00 000000 0000000000000000 0000000000000000 000000000000f0bf""",
+        ),
+        (CLOCK, Clock(Time(3, 16_000_000)), "00010000 03000000 0024f400"),
+    ],
+)
+def test_messages_are_these_bytes(kind, message, expected):
+    """Four bytes in front, then each number at a multiple of its size, counted from behind them."""
+    assert encoded(kind, message) == bytes.fromhex(expected)
+    assert decoded(kind, bytes.fromhex(expected)) == message
+
+
+@pytest.mark.parametrize(
+    ("kind", "message", "expected"),
+    [
+        (TYPES.catch_turtle.request, CatchTurtleRequest("t1"), "03000000 743100"),
+        (TYPES.catch_turtle.response, CatchTurtleResponse(True), "01"),
+        (TYPES.spawn.request, SpawnRequest(1.0, 2.0, 0.5, "x"), "0000803f 00000040 0000003f 02000000 7800"),
+        (TYPES.spawn.response, Name("x"), "02000000 7800"),
+        (TYPES.kill.request, Name(""), "01000000 00"),
+        (TYPES.kill.response, Empty(), "00"),
+        (EMPTY.request, Empty(), "00"),
+        (EMPTY.response, Empty(), "00"),
+    ],
+)
+def test_requests_and_responses_begin_with_the_client_and_a_number(kind, message, expected):
+    """Eight bytes each; what has no fields has one byte, as ROS's has."""
+    expected = bytes.fromhex(BEGIN + expected)
+
+    assert encoded(kind, message, **HEADER) == expected
+    assert decoded(kind, expected, header=True) == (message, *HEADER.values())
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 64])
+@pytest.mark.parametrize("name", ["", "a", "target_turtle_", "schildkröte", "x" * 255])
+def test_lists_of_turtles_agree_with_the_second_encoder(count, name):
+    """Names of every length move what follows them to other multiples of eight."""
+    turtles = [Turtle(f"{name}{'y' * place}", place + 0.1, -place, math.pi * place) for place in range(count)]
+
+    assert encoded(TYPES.turtle_array, TurtleArray(tuple(turtles))) == cdr.turtles(turtles)
+    assert decoded(TYPES.turtle_array, cdr.turtles(turtles)) == TurtleArray(tuple(turtles))
+
+
+def test_numbers_agree_with_the_second_encoder():
+    """NaN and the infinities too, which are numbers on the wire."""
+    for numbers in [(0.0, -0.0, 1e300), (math.inf, -math.inf, 5e-324)]:
+        assert encoded(TWIST, TwistMessage(Vector3(*numbers), Vector3(*numbers))) == cdr.twist(numbers, numbers)
+    heard = decoded(TWIST, cdr.twist((math.nan, 0, 0), (0, 0, 1)))
+    assert math.isnan(heard.linear.x)
+    assert encoded(TYPES.pose, Pose(0.1, 0.2, 0.3, 0.4, 0.5)) == cdr.pose((0.1, 0.2, 0.3, 0.4, 0.5))
+
+
+def test_big_endian_messages_are_read():
+    """The first bytes say which order it is."""
+    pose = b"\x00\x00\x00\x00" + cdr.struct.pack(">5f", 1, 2, 3, 4, 5)
+
+    assert decoded(TYPES.pose, pose) == (1, 2, 3, 4, 5)
+    assert cdr.Reader(pose).number("f") == 1
+
+
+def test_our_own_messages_agree_with_the_second_encoder():
+    """Rulings and standings."""
+    ruling = RulingMessage(1.5, 93, "hunter_0", "target_turtle_7", "GRANTED", True, 0.25, "hunter_0", "R5.4", "caught")
+    writer = cdr.Writer().number("d", 1.5).number("I", 93)
+    writer.text("hunter_0").text("target_turtle_7").text("GRANTED").number("?", True).number("d", 0.25)
+    writer.text("hunter_0").text("R5.4").text("caught")
+
+    assert encoded(RULING, ruling) == writer.whole()
+
+    standing = StandingMessage(2.0, "hunter_1", "anna", 3, 1, False)
+    writer = (
+        cdr.Writer().number("d", 2.0).text("hunter_1").text("anna").number("I", 3).number("I", 1).number("?", False)
+    )
+
+    assert encoded(STANDING, standing) == writer.whole()
+
+
+def test_hashes_of_types_are_those_that_ros_announces():
+    """Of two that are known; and another width is another hash."""
+    assert type_hash(TYPES.pose) == "RIHS01_739beba26bcba6920404ba722b7b8321348512f92ea5be235c47251940dd8aa9"
+    assert type_hash(TWIST).startswith("RIHS01_9c45bf16")
+    assert type_hash(TYPES.turtle_array) != type_hash(float32_turtles())
+
+
+def float32_turtles():
+    """A student's, who took the other width."""
+    turtle = TYPES.turtle
+    narrow = replace(
+        turtle,
+        fields=tuple(
+            Field(*one) if one.type == "string" else Field(one.name, "float32", False) for one in turtle.fields
+        ),
+    )
+    return replace(TYPES.turtle_array, fields=(Field("turtles", narrow, True),))
+
+
+def test_types_have_the_names_that_ros_gives_them_on_dds():
+    """With the student's own package, and turtlesim's newer one."""
+    types = Interfaces("my_package", "turtlesim_msgs")
+
+    assert dds_types.dds_name(types.pose) == "turtlesim_msgs::msg::dds_::Pose_"
+    assert dds_types.dds_name(types.turtle_array) == "my_package::msg::dds_::TurtleArray_"
+    assert dds_types.dds_name(types.catch_turtle.request) == "my_package::srv::dds_::CatchTurtle_Request_"
+    assert dds_types.dds_name(EMPTY.response) == "std_srvs::srv::dds_::Empty_Response_"

@@ -1,0 +1,132 @@
+"""`catch-arena ros`: what it says of arguments and machines that cannot be."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.ros import bus
+from catch_arena.ros.pace import Pace
+
+
+def run(*arguments):
+    """Exit status, and all that is said."""
+    result = CliRunner().invoke(main, ["ros", *arguments])
+    return result.exit_code, result.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("serve", "--seat", "nearest"), "--seat must be SEAT=WHO, as 0=ros or 1=patrol, got 'nearest'"),
+        (("serve", "--seat", "x=ros"), "--seat must be SEAT=WHO"),
+        (("serve", "--seat", "-1=ros"), "--seat must be SEAT=WHO"),
+        (("serve", "--seat", "0="), "--seat must be SEAT=WHO"),
+        (("serve", "--seat", "0=ros", "--seat", "0=nearest"), "--seat 0 must be given once"),
+        (("serve", "--seat", "0=ros:\x1b[31m"), "--seat 0: its name must be of characters that can be printed"),
+        (("serve", "-s", "duel", "--seat", "2=ros"), "--seat must be from 0 to 1 in duel, got 2"),
+        (("serve", "--seat", "999=ros"), "hunters must be a whole number from 1 to 64"),
+        (("serve", "--domain", "233"), "the domain id must be a whole number from 0 to 232, got 233"),
+        (("controller", "--domain", "-1"), "the domain id must be a whole number from 0 to 232, got -1"),
+        (("spawner", "--domain", "5000"), "the domain id must be a whole number from 0 to 232, got 5000"),
+        (("serve", "--interfaces", "my-robot"), "--interfaces must be the name of a ROS package"),
+        (("serve", "--turtlesim", ""), "--turtlesim must be the name of a ROS package"),
+        (("controller", "--turtle", "bad name!"), "--turtle must be letters, digits and underscores, as turtle1"),
+        (("spawner", "--turtle", "/turtle1"), "--turtle must be letters, digits and underscores, as turtle1"),
+        (("spawner", "--spawn-frequency", "nan"), "spawn_frequency_hz must"),
+        (("spawner", "--reach", "-1"), "reach_m must"),
+        (("serve", "--speed", "0"), "--speed must be above 0 and at most 100, got 0"),
+        (("serve", "--speed", "nan"), "--speed must be above 0 and at most 100, got nan"),
+        (
+            ("serve", "--bus", "rosbridge", "--url", "ws://127.0.0.1:1"),
+            "no rosbridge server answers at ws://127.0.0.1:1",
+        ),
+        (("serve", "-s", "capstone", "--record", "x.replay"), "of another policy than capstone"),
+    ],
+)
+def test_what_cannot_be_is_one_line(arguments, said, monkeypatch, tmp_path):
+    """Before anything begins."""
+    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
+    monkeypatch.setenv("ROS_DOMAIN_ID", "97")
+    monkeypatch.chdir(tmp_path)
+    status, output = run(*arguments)
+
+    assert status == 2
+    assert said in " ".join(output.split())
+    assert "Traceback" not in output
+
+
+def test_a_missing_extra_is_one_line_that_says_what_to_install(monkeypatch):
+    """For the back-end that was asked for, and where there is none at all."""
+    monkeypatch.setattr(bus, "_is_installed", lambda _: False)
+    for arguments in (("serve",), ("serve", "--bus", "cyclonedds"), ("controller", "--bus", "rosbridge")):
+        status, output = run(*arguments)
+        assert (status, "pip install 'catch-arena[ros]'" in output) == (2, True), output
+
+
+@pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
+def test_without_a_network_interface_it_is_one_line():
+    """In a network of its own, whose only interface is down."""
+    found = subprocess.run(
+        ["unshare", "--net", sys.executable, "-m", "catch_arena", "ros", "serve"],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert found.returncode == 2
+    lines = [line for line in found.stderr.splitlines() if line.startswith("catch-arena")]
+    (line,) = lines
+    assert line == (
+        "catch-arena: DDS domain 0 cannot be joined (DDS_RETCODE_ERROR): is there a network interface? "
+        "ROS_LOCALHOST_ONLY=1 keeps to this machine"
+    )
+
+
+def test_importing_the_package_loads_nothing_of_it():
+    """Nor does the command line, until it is asked for."""
+    code = (
+        "import sys, catch_arena, catch_arena.cli;"
+        "names = ('cyclonedds', 'rosbags', 'websockets', 'rclpy', 'catch_arena.ros');"
+        "sys.exit(str([name for name in sys.modules if name.startswith(names)] or ''))"
+    )
+    found = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert found.stderr.strip() == "", found.stderr
+
+
+class Wall:
+    """A clock that goes on where somebody sleeps, or holds it up."""
+
+    def __init__(self):
+        self.now = 100.0
+
+    def tell(self):
+        return self.now
+
+    def sleep(self, seconds):
+        assert seconds > 0
+        self.now += seconds
+
+
+def test_ticks_keep_their_times_and_late_ones_are_counted():
+    """One late tick does not move those that follow; after a long stop there is no hurry."""
+    wall = Wall()
+    pace = Pace(0.016, wall.tell, wall.sleep)
+    pace.wait()
+    assert wall.now == pytest.approx(100.016)
+
+    wall.now += 0.024  # 8 ms late
+    pace.wait()
+    pace.wait()
+    assert wall.now == pytest.approx(100.048)
+    assert (pace.ticks, pace.late, pace.latest_s) == (3, 1, pytest.approx(0.008))
+
+    wall.now += 10.0
+    pace.wait()
+    begin = wall.now
+    pace.wait()
+    assert wall.now == pytest.approx(begin + 0.016)
+    assert pace.late == 2

@@ -1,0 +1,318 @@
+"""Two processes over DDS, on the loopback interface and without multicast: ours, and one that speaks bytes."""
+
+import time
+from types import SimpleNamespace
+from uuid import UUID
+
+import pytest
+from cyclonedds.core import Policy, Qos
+from ros import cdr, wire
+from ros.processes import started
+
+from catch_arena.errors import BusError, ConfigError
+from catch_arena.messages import Turtle, TurtleArray
+from catch_arena.ros import bus, dds_peers
+from catch_arena.ros.bus import open_bus
+from catch_arena.ros.dds_types import dds_name
+from catch_arena.ros.interfaces import TWIST, Interfaces
+from catch_arena.ros.type_hashes import type_hash
+
+TYPES = Interfaces()
+DOMAIN = 81
+
+
+def until(ready, seconds=20.0):
+    """What `ready` returns once that is something."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        found = ready()
+        if found:
+            return found
+        time.sleep(0.005)
+    raise AssertionError("it does not come")
+
+
+@pytest.fixture(scope="module")
+def echo():
+    """Our process, and the ends of a node that speaks bytes with it."""
+    node = wire.Node(DOMAIN)
+    ends = SimpleNamespace(
+        twist=node.writer("rt/twist", wire.TWIST),
+        turtles=node.writer("rt/turtles", wire.turtles()),
+        out=node.reader("rt/out", wire.turtles()),
+        catch=node.client("/catch_turtle", wire.catch_turtle()),
+        spawn=node.client("/spawn", wire.SPAWN),
+        kill=node.server("/kill", wire.KILL),
+        keep=node,
+    )
+    with started("echo.py", DOMAIN) as process:
+        until(lambda: all(one.matched() for one in (ends.twist, ends.turtles, ends.out, *ends.catch, *ends.spawn)))
+        yield ends
+        asked = cdr.Reader(until(ends.kill[0].take)[0])
+        client, number = asked.number("Q"), asked.number("q")
+        assert asked.text() == "end"
+        for other in (client + 1, client):  # the first is somebody else's
+            ends.kill[1].write(cdr.begin(other, number).number("B", 0).whole())
+        said = process.communicate(timeout=10)[1]
+        assert process.returncode == 0, said
+        assert said.count("cannot be read") == 2, said
+
+
+def heard(echo):
+    return cdr.read_turtles(until(echo.out.take)[0])[0]
+
+
+def called(ends, request):
+    """The response to bytes of a request, behind its header."""
+    asks, answers = ends
+    called.number += 1
+    writer = cdr.begin(asks.handle, called.number)
+    request(writer)
+    asks.write(writer.whole())
+    reader = cdr.Reader(until(answers.take)[0])
+    assert (reader.number("Q"), reader.number("q")) == (asks.handle, called.number)
+    return reader
+
+
+called.number = 0
+
+
+def test_topics_arrive_with_who_sent_them(echo):
+    """Both ways, read and written by hand on this side."""
+    echo.twist.write(cdr.twist((1.5, 0, 0), (0, 0, -2)))
+    said = "TwistMessage(linear=Vector3(x=1.5, y=0.0, z=0.0), angular=Vector3(x=0.0, y=0.0, z=-2.0))"
+    assert heard(echo) == (said, 0.0, 0.0, 1.0)
+
+    echo.turtles.write(cdr.turtles([("käse", 1.0, 2.0, 3.0)]))
+    assert heard(echo)[0] == "TurtleArray(turtles=(Turtle(name='käse', x=1.0, y=2.0, theta=3.0),))"
+    echo.turtles.write(cdr.turtles([]))
+    assert heard(echo)[0] == "TurtleArray(turtles=())"
+
+
+def test_services_answer_with_the_header_of_the_request(echo):
+    """The client's handle and its number come back, and then the response."""
+    assert called(echo.catch, lambda writer: writer.text("abc")).number("?") is True
+    assert called(echo.catch, lambda writer: writer.text("")).number("?") is False
+
+    def spawn(writer):
+        for value in (1.5, 2.0, 0.0):
+            writer.number("f", value)
+        writer.text("tom")
+
+    assert called(echo.spawn, spawn).text() == "tom:1.5"
+
+
+def test_a_name_of_ten_megabytes_is_answered(echo):
+    """It is carried in pieces."""
+    assert called(echo.catch, lambda writer: writer.text("x" * 10_000_001)).number("?") is True
+
+
+def test_a_zero_byte_in_a_name_ends_nobody(echo):
+    """C's strings end there; whether it arrives or not, what follows does."""
+    echo.turtles.write(cdr.turtles([("a\0b", 1.0, 2.0, 3.0)]))
+    echo.turtles.write(cdr.turtles([("c", 1.0, 2.0, 3.0)]))
+    assert (
+        "'c'"
+        in until(lambda: [name for data in echo.out.take() for name, *_ in cdr.read_turtles(data) if "'c'" in name])[0]
+    )
+
+
+def test_what_cannot_be_sent_is_left_out():
+    """With a line; the next is sent."""
+    said = []
+    ours = open_bus("cyclonedds", domain=DOMAIN, localhost=True, say=said.append)
+    send = ours.publisher("/names", TYPES.turtle_array)
+    reader = wire.Node(DOMAIN).reader("rt/names", wire.turtles())
+    until(reader.matched)
+    time.sleep(0.1)
+    for name in ("a\0b", "c"):
+        send(TurtleArray((Turtle(name, 1.0, 2.0, 3.0),)))
+    names = until(lambda: [one[0] for data in reader.take() for one in cdr.read_turtles(data)])
+    assert names[-1] == "c"
+    assert len(names) + len(said) == 2
+    ours.close()
+
+
+def test_what_is_no_utf8_is_left_out_and_the_next_is_heard(echo):
+    """On topics and services, and each is told once; a request that cannot be read has no answer."""
+    asks, _ = echo.catch
+    for _ in range(2):
+        echo.turtles.write(cdr.turtles([(b"\xff\xfe", 1.0, 2.0, 3.0)]))
+        asks.write(cdr.begin(asks.handle, 0).text(b"\xff").whole())
+    echo.turtles.write(cdr.turtles([("b", 1.0, 2.0, 3.0)]))
+    assert "'b'" in heard(echo)[0]
+    assert called(echo.catch, lambda writer: writer.text("a")).number("?") is True
+
+
+@pytest.mark.parametrize(
+    "data",
+    [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00\xff\xff\xff\xff", cdr.turtles([("abc", 1.0, 2.0, 3.0)])[:-9]],
+)
+def test_a_truncated_message_never_leaves_its_sender(data):
+    """The library on the sender's side refuses what is cut off; the reader's does the same with what others send."""
+    node = wire.Node(DOMAIN)
+    writer = node.writer("rt/turtles", wire.turtles())
+    with pytest.raises(AssertionError):
+        writer.write(data)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"\x00",
+        b"\x00\x01\x00\x00",
+        b"\x00\x01\x00\x00\xff\xff\xff\xff",
+        b"\xff\xff\xff\xff" + 40 * b"x",
+        cdr.turtles([("abc", 1.0, 2.0, 3.0)])[:-9],
+        cdr.pose((1, 2, 3, 4, 5)),
+        cdr.Writer().number("I", 1).number("I", 2**32 - 1).whole(),
+        cdr.Writer().number("I", 2**31).text("abc").whole(),
+    ],
+)
+def test_bytes_that_are_no_such_message_are_left_out_and_the_next_is_heard(echo, data):
+    """Cut off, of another type, with lengths that cannot be: as packets that no library has looked at."""
+    writer = echo.keep.writer("rt/turtles", wire.turtles())
+    until(writer.matched)
+    writer.write(cdr.turtles([("first", 1.0, 2.0, 3.0)]))
+    assert "'first'" in heard(echo)[0]
+    writer.inject(DOMAIN, 2, data)
+    time.sleep(0.05)
+    for name in ("taken for the one that was injected", "next"):
+        writer.write(cdr.turtles([(name, 1.0, 2.0, 3.0)]))
+    until(lambda: any("'next'" in one[0] for sent in echo.out.take() for one in cdr.read_turtles(sent)))
+
+
+def test_an_injected_message_arrives_where_it_is_whole(echo):
+    """So that the test above tests something."""
+    writer = echo.keep.writer("rt/turtles", wire.turtles())
+    until(writer.matched)
+    writer.write(cdr.turtles([("first", 1.0, 2.0, 3.0)]))
+    assert "'first'" in heard(echo)[0]
+    writer.inject(DOMAIN, 2, cdr.turtles([("injected", 1.0, 2.0, 3.0)]))
+    assert "'injected'" in heard(echo)[0]
+
+
+def test_a_foreign_type_on_a_topic_is_told_in_one_line():
+    """DDS does not bring them together; whoever wonders why is told the names."""
+    said = []
+    ours = open_bus("cyclonedds", domain=DOMAIN + 1, localhost=True, say=said.append)
+    ours.publisher("/alive_turtles", Interfaces().turtle_array)
+    theirs = wire.Node(DOMAIN + 1)
+    theirs.reader("rt/alive_turtles", wire.turtles("robot_msgs"))
+    keep = theirs.reader("rt/alive_turtles", wire.turtles("robot_msgs"))
+
+    def look():
+        ours.spin()
+        return said
+
+    (line,) = until(look)
+    assert line == (
+        "warning: robot_msgs/msg/TurtleArray is what another node has on /alive_turtles, where we have "
+        "my_robot_interfaces/msg/TurtleArray: they do not hear each other; --interfaces and --turtlesim name the "
+        "packages"
+    )
+    del keep
+    ours.close()
+
+
+def endpoint(topic, kind, participant, user=b""):
+    key = UUID(bytes=participant + bytes(14))
+    return SimpleNamespace(topic_name=topic, type_name=kind, participant_key=key, qos=Qos(Policy.Userdata(user)))
+
+
+@pytest.fixture
+def watch():
+    """A watch that looks at what the test shows it, and what it says."""
+    said = []
+    made = object.__new__(dds_peers.PeerWatch)
+    made._expected, made._told, made._say = {}, set(), said.append
+    made.expect("rq/catch_turtleRequest", TYPES.catch_turtle.request)
+    made.expect("rt/alive_turtles", TYPES.turtle_array)
+    return made, said
+
+
+def test_fast_dds_is_told_apart_by_its_ids_and_only_where_services_are_concerned(watch):
+    """One line, with the two ways out, however often its nodes appear."""
+    looking, said = watch
+    shown = [
+        ("rq/catch_turtleRequest", dds_name(TYPES.catch_turtle.request)),
+        ("rt/alive_turtles", dds_name(TYPES.turtle_array)),
+        ("rt/other", "U_"),
+    ]
+    for topic, kind in shown:
+        for vendor in (b"\x01\x0f", b"\x01\x10", b"\x01\x0f"):
+            looking._check(endpoint(topic, kind, vendor))
+    (line,) = said
+    assert line == (
+        "warning: a node with Fast DDS, ROS's default middleware, has to do with /catch_turtle, and its services "
+        "cannot be spoken to over cyclonedds: start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or give --bus "
+        "rosbridge"
+    )
+
+
+def test_other_fields_under_the_same_name_are_told_where_a_node_announces_them(watch):
+    """From Iron on; older nodes announce nothing, and an equal announcement is no news."""
+    looking, said = watch
+    name = dds_name(TYPES.turtle_array)
+    for announced in (b"", f"typehash={type_hash(TYPES.turtle_array)};".encode()):
+        looking._check(endpoint("rt/alive_turtles", name, b"\x01\x10", announced))
+    assert said == []
+
+    looking._check(endpoint("rt/alive_turtles", name, b"\x01\x0f", b"a=b;typehash=RIHS01_" + b"0" * 64 + b";"))
+    (line,) = said
+    assert "other fields in my_robot_interfaces/msg/TurtleArray, on /alive_turtles" in line
+
+
+@pytest.mark.parametrize("domain", [-1, 233, 10**20])
+def test_a_domain_that_cannot_be_is_one_line(domain):
+    """DDS has no ports for it."""
+    with pytest.raises(ConfigError, match=f"the domain id must be a whole number from 0 to 232, got {domain}"):
+        open_bus("cyclonedds", domain=domain)
+
+
+@pytest.mark.parametrize("word", ["-1", "x", "1.5", "9999"])
+def test_so_is_one_from_the_environment(monkeypatch, word):
+    """By its name."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", word)
+    with pytest.raises(ConfigError, match=f"ROS_DOMAIN_ID must be a whole number from 0 to 232, got {word}"):
+        open_bus("cyclonedds")
+
+
+def test_what_is_missing_is_one_line_that_says_what_to_install(monkeypatch):
+    """For each of the back-ends, and where there is none."""
+    monkeypatch.setattr(bus, "_is_installed", lambda _: False)
+    for backend, what in (("cyclonedds", "catch-arena"), ("rosbridge", "needs websockets"), ("rclpy", "source ROS")):
+        with pytest.raises(BusError, match=what) as error:
+            open_bus(backend)
+        assert "\n" not in str(error.value)
+    with pytest.raises(BusError, match=r"pip install 'catch-arena\[ros\]'"):
+        open_bus()
+
+
+def test_the_first_that_is_installed_is_taken_and_told(monkeypatch):
+    """That is cyclonedds here."""
+    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
+    said = []
+    found = open_bus(domain=DOMAIN + 2, say=said.append)
+    assert (found.backend, said) == ("cyclonedds", ["bus: cyclonedds"])
+    found.publisher("/x", TWIST)
+    found.close()
+
+
+@pytest.mark.parametrize(
+    ("variables", "expected"),
+    [
+        ({}, False),
+        ({"ROS_LOCALHOST_ONLY": "1"}, True),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost"}, True),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_LOCALHOST_ONLY": "1"}, False),
+    ],
+)
+def test_the_environment_says_whether_it_keeps_to_this_machine(monkeypatch, variables, expected):
+    """As ROS reads it; the newer variable comes first."""
+    for name in ("ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    assert bus._localhost_only() is expected

@@ -1,0 +1,162 @@
+"""Whole matches: `catch-arena ros serve` in one process, students who know the wire alone in others."""
+
+import json
+import math
+import re
+import signal
+import time
+from contextlib import ExitStack
+
+from ros import cdr, wire
+from ros.bridge import running_bridge
+from ros.processes import started
+from websockets.sync.client import connect
+
+from catch_arena.replay import Replay
+from catch_arena.replay.verification import verify
+
+ARENA = ("--seed", 5, "--set", "time_limit_s=4", "--set", "initial_targets=16")
+
+
+def finished(process, seconds=120):
+    out, err = process.communicate(timeout=seconds)
+    return out, err, process.returncode
+
+
+def test_a_students_controller_plays_a_whole_match_and_catches(tmp_path):
+    """It knows the exercise's names, and no package of ours; the match is recorded, and plays again."""
+    replay = tmp_path / "match.replay"
+    with (
+        started(None, "ros", "serve", "--domain", 91, "--seat", "0=ros:ann", "--record", replay, *ARENA) as arena,
+        started("student.py", 91, "turtle1", "/catch_turtle", 30) as student,
+    ):
+        out, err, status = finished(arena)
+        student.send_signal(signal.SIGTERM)
+        told, _, _ = finished(student)
+    assert status == 0, err
+    assert "bus: cyclonedds" in err
+    assert "hunter_0: its node is there" in out
+    score = next(int(line.split()[1]) for line in out.splitlines() if line.endswith("ann"))
+    assert score > 0
+    assert int(told) == score
+    played = Replay.load(replay)
+    assert (played.names, played.steps) == (("ann",), 250)
+    assert verify(played) == []
+
+
+def test_two_students_fight_and_an_agent_plays_along():
+    """One asks at the service that all share, one at its own; what each was told of is its score."""
+    seats = ("--seat", "0=ros:ann", "--seat", "1=ros:bob", "--seat", "2=nearest")
+    with ExitStack() as stack:
+        arena = stack.enter_context(started(None, "ros", "serve", "--domain", 92, *seats, *ARENA))
+        students = [
+            stack.enter_context(started("student.py", 92, f"hunter_{seat}", service, 30))
+            for seat, service in enumerate(("/catch_turtle", "/hunter_1/catch_turtle"))
+        ]
+        out, err, status = finished(arena)
+        for student in students:
+            student.send_signal(signal.SIGTERM)
+        told = [int(finished(student)[0]) for student in students]
+    assert status == 0, err
+    scores = {
+        line.split()[2]: int(line.split()[1]) for line in out.splitlines() if re.fullmatch(r"\s+\d+\s+\d+  \w+", line)
+    }
+    assert [scores["ann"], scores["bob"]] == told
+    assert sum(told) > 0
+    assert scores["nearest"] > 0
+
+
+def test_a_student_behind_rosbridge_plays_a_match_and_catches():
+    """JSON both ways; nobody has DDS."""
+    with (
+        running_bridge() as (bridge, url),
+        connect(url) as socket,
+        started(None, "ros", "serve", "--bus", "rosbridge", "--url", url, *ARENA) as arena,
+    ):
+        while not any(frame.get("service") == "/reset" for frame in bridge.frames):
+            time.sleep(0.02)
+        for topic in ("/turtle1/pose", "/alive_turtles"):
+            socket.send(json.dumps({"op": "subscribe", "topic": topic}))
+        socket.send(json.dumps({"op": "advertise", "topic": "/turtle1/cmd_vel", "type": "geometry_msgs/msg/Twist"}))
+        caught = drive_by_json(socket, arena)
+        out, err, status = finished(arena)
+    assert status == 0, err
+    assert caught > 0
+    assert any(line.split()[:2] == ["1", str(caught)] for line in out.splitlines()), out
+
+
+def drive_by_json(socket, arena):
+    """The exercise's controller, until the arena is gone: how often it was told of a catch."""
+    turtles, caught, last = [], 0, 0.0
+    while arena.poll() is None:
+        try:
+            frame = json.loads(socket.recv(0.5))
+        except TimeoutError:
+            continue
+        if frame["op"] == "service_response":
+            caught += frame["values"]["success"]
+        elif frame["topic"] == "/alive_turtles":
+            turtles = frame["msg"]["turtles"]
+        elif turtles and time.monotonic() > last + 0.1:
+            last = time.monotonic()
+            x, y, theta = (frame["msg"][field] for field in ("x", "y", "theta"))
+            near = min(turtles, key=lambda one: math.hypot(one["x"] - x, one["y"] - y))
+            distance = math.hypot(near["x"] - x, near["y"] - y)
+            turn = math.remainder(math.atan2(near["y"] - y, near["x"] - x) - theta, math.tau)
+            none = {"x": 0.0, "y": 0.0, "z": 0.0}
+            twist = {"linear": none | {"x": 2 * distance}, "angular": none | {"z": 6 * turn}}
+            socket.send(json.dumps({"op": "publish", "topic": "/turtle1/cmd_vel", "msg": twist}))
+            if distance < 0.3:
+                asked = {"op": "call_service", "service": "/catch_turtle", "args": {"name": near["name"]}}
+                socket.send(json.dumps(asked))
+    return caught
+
+
+def test_our_controller_and_our_spawner_do_the_exercise_in_a_turtlesim():
+    """The simulator is the tests' own, and speaks bytes. The agent is the original's: the oldest target comes first."""
+    with (
+        started("turtlesim.py", 94, 30) as turtlesim,
+        started(None, "ros", "spawner", "--domain", 94, "--spawn-frequency", 2, "--seed", 3) as spawner,
+        started(None, "ros", "controller", "first", "--domain", 94) as controller,
+    ):
+        judged = [line for _, line in zip(range(3), granted(spawner), strict=False)]
+        for process in (controller, spawner, turtlesim):
+            process.send_signal(signal.SIGINT)
+        driven, said, _ = finished(controller)
+    assert [line.split()[3].strip(",") for line in judged] == [f"target_turtle_{number}" for number in (1, 2, 3)], said
+    assert driven.count("caught target_turtle_") >= 2
+
+
+def granted(spawner):
+    """The lines in which it says who caught what."""
+    return (line for line in spawner.stdout if "GRANTED" in line)
+
+
+def test_a_flood_of_twists_and_requests_does_not_stop_the_match():
+    """20,000 a second, from one process, while another one plays."""
+    with (
+        started(None, "ros", "serve", "--domain", 96, "--seat", "0=ros:ann", "--seat", "1=ros:bob", *ARENA) as arena,
+        started("student.py", 96, "hunter_0", "/hunter_0/catch_turtle", 30) as student,
+    ):
+        node = wire.Node(96)
+        twists = node.writer("rt/hunter_1/cmd_vel", wire.TWIST)
+        asks, answers = node.client("/hunter_1/catch_turtle", wire.catch_turtle())
+        sent = 0
+        begin = time.monotonic()
+        while arena.poll() is None and time.monotonic() < begin + 60:
+            twists.write(cdr.twist((math.nan if sent % 7 == 0 else 1e300, 0, 0), (0, 0, 1.0)))
+            if sent % 20 == 0:
+                asks.write(cdr.begin(asks.handle, sent).text("nonsense").whole())
+            sent += 1
+            ahead = sent / 20_000 - (time.monotonic() - begin)
+            if ahead > 0.01:
+                time.sleep(ahead)
+        out, err, status = finished(arena)
+        student.send_signal(signal.SIGTERM)
+        told, _, _ = finished(student)
+    assert status == 0, err
+    assert sent > 5_000
+    assert answers.take()
+    assert int(told) > 0
+    assert f"{told.strip()}  ann" in out
+    assert out.count("not finite") == 1

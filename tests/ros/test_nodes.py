@@ -1,0 +1,255 @@
+"""Students' referees, each a process that knows the wire alone, tried over the loopback interface."""
+
+import json
+import os
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from itertools import count
+from time import monotonic
+from xml.etree import ElementTree as ET
+
+import pytest
+from ros.bridge import running_bridge
+from ros.processes import started
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.messages import CatchTurtleResponse
+from catch_arena.ros.bus import open_bus
+from catch_arena.ros.interfaces import Interfaces
+from catch_arena.ros.node_cases import can_be_asked
+from catch_arena.testing import select_cases
+
+SPEC = """
+title = "The referee"
+[[test]]
+name = "within reach"
+cases = ["reach.300000", "reach.299999-is-in"]
+points = 4
+[[test]]
+name = "names"
+cases = ["names.unknown", "names.caught-in-the-last-step", "names.ones-own"]
+points = 2
+"""
+_numbers = count(os.getpid())
+
+
+def tried(mistake, *words):
+    """What a command says, in a domain of its own beside a referee: (exit code, stdout, stderr)."""
+    domain = 20 + next(_numbers) % 200
+    with ExitStack() as stack:
+        if mistake is not None:
+            stack.enter_context(started("referee.py", domain, 120, mistake))
+        command = stack.enter_context(started(None, *words, "--bus", "cyclonedds", "--domain", domain))
+        stdout, stderr = command.communicate(timeout=110)
+    assert "Traceback" not in stderr
+    return command.returncode, stdout, stderr
+
+
+def conformance(mistake, *only):
+    return tried(mistake, "conformance", "ros:/catch_turtle", *(word for one in only for word in ("--only", one)))
+
+
+JOBS = {
+    "right": lambda _: conformance("right", "basics", "identity", "names.255", "names.256", "reach.3", "reach.299"),
+    "at": lambda _: conformance("up_to_and_at", "reach.300000", "reach.a"),
+    "yes": lambda _: conformance("says_yes", "names.unknown", "names.ones-own", "reach.no-square"),
+    "twice": lambda _: conformance("catches_twice", "names.unknown", "names.caught-in"),
+    "own list": lambda _: conformance("its_own_list", "reach.3", "reach.299", "names.unknown", "names.caught-in"),
+    "own list, yes": lambda _: conformance("its_own_list says_yes", "reach.300000-is-out", "names.unknown"),
+    "silent": lambda _: conformance("silent", "basics", "reach"),
+    "nobody": lambda _: conformance(None, "basics"),
+    "graded": lambda folder: tried(
+        "floats",
+        *("grade", "ros:/catch_turtle", "--spec", folder / "spec.toml"),
+        *("--json", folder / "g.json", "--junit", folder / "g.xml"),
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("nodes")
+    (made / "spec.toml").write_text(SPEC)
+    return made
+
+
+@pytest.fixture(scope="module")
+def outcomes(folder):
+    """Of all jobs: they mostly wait, so some run at a time."""
+    with ThreadPoolExecutor(4) as pool:
+        running = {name: pool.submit(job, folder) for name, job in JOBS.items()}
+        return {name: one.result() for name, one in running.items()}
+
+
+def test_a_right_referee_passes_what_it_is_asked(outcomes):
+    code, stdout, stderr = outcomes["right"]
+    assert code == 0, stdout + stderr
+    assert "cases: 15 passed, 0 failed" in stdout
+
+
+@pytest.mark.parametrize(
+    ("job", "told"),
+    [
+        ("at", 'looks like "within reach is tested with <="'),
+        ("yes", 'looks like "the policy is always capstone"'),
+        ("twice", 'looks like "ALREADY_CAUGHT is never said"'),
+    ],
+)
+def test_a_wrong_referee_is_told_its_mistake(outcomes, job, told):
+    code, stdout, stderr = outcomes[job]
+    assert code == 1, stderr
+    assert told in stdout
+
+
+def test_the_exercises_spawner_which_keeps_the_list_is_asked_for_its_own_targets(outcomes):
+    right, wrong = outcomes["own list"], outcomes["own list, yes"]
+    for _, _, stderr in (right, wrong):
+        assert "the node publishes /alive_turtles itself" in stderr
+    assert right[0] == 0, right
+    assert "cases: 5 passed, 0 failed" in right[1]
+    assert wrong[0] == 1, wrong
+    assert "cases: 0 passed, 2 failed" in wrong[1]
+
+
+def test_the_marks_say_which_clause_failed(outcomes, folder):
+    code, stdout, stderr = outcomes["graded"]
+    assert code == 1, stderr
+    assert (
+        "failed  0/4  within reach: 2 of 3 cases\n        R5.3: 1 case: reach.300000-that-floats-call-less\n" in stdout
+    )
+    assert "hint: it looks like «reach is tested in floats». Within reach is distance_um < reach_um" in stdout
+    assert "passed  2/2  names: 3 of 3 cases" in stdout
+    assert stdout.endswith("The referee: ros:/catch_turtle has 2 of 6 points\n")
+    told = json.loads((folder / "g.json").read_text())
+    assert (told["agent"], told["points"], told["possible"]) == ("ros:/catch_turtle", 2.0, 6.0)
+    assert [test["failures"] for test in told["tests"]] == [["R5.3: 1 case: reach.300000-that-floats-call-less"], []]
+    suite = ET.parse(folder / "g.xml").getroot()  # noqa: S314 - our own
+    assert [len(case.findall("failure")) for case in suite.findall("testcase")] == [1, 0]
+
+
+def test_a_node_that_never_answers_is_given_up_in_one_line(outcomes):
+    code, _, stderr = outcomes["silent"]
+    assert code == 2
+    assert stderr == "catch-arena: the node has not answered 3 requests one after the other: it is given up\n"
+
+
+def test_where_nobody_serves_it_one_line_says_so(outcomes):
+    code, _, stderr = outcomes["nobody"]
+    assert code == 2
+    assert stderr == ("catch-arena: nobody serves /catch_turtle on this bus: does the node run, in the same domain?\n")
+
+
+@pytest.mark.nightly
+def test_a_right_referee_passes_every_case_that_it_can_be_asked():
+    asked = sum(map(can_be_asked, select_cases()))
+    assert asked > 40
+    code, stdout, stderr = conformance("right")
+    assert f"cases: {asked} passed, 0 failed, " in stdout, stderr
+    assert code == 0
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("mistake", "only", "told"),
+    [
+        ("floats", ["reach"], 'looks like "reach is tested in floats"'),
+        ("no_reach", ["reach.t", "basics"], 'looks like "reach is not tested"'),
+        ("capital_letters", ["names.c", "names.u"], 'looks like "capital letters do not matter in names"'),
+        ("any_length", ["names.25"], 'looks like "names of 256 characters are allowed"'),
+        ("says_no", ["basics"], "refused where GRANTED is right"),
+    ],
+)
+def test_other_mistakes_are_told_too(mistake, only, told):
+    code, stdout, stderr = conformance(mistake, *only)
+    assert code == 1, stderr
+    assert told in stdout
+
+
+def test_over_rosbridge_a_right_node_passes_too():
+    """A server behind the bridge, which a student would run beside rosbridge_server."""
+    types = Interfaces()
+    state = {"pose": (0.0, 0.0), "turtles": {}, "end": monotonic() + 60}
+
+    def serve(url):
+        bus = open_bus("rosbridge", url=url, say=lambda _: None)
+        bus.subscribe("/turtle1/pose", types.pose, lambda pose, _: state.update(pose=(pose.x, pose.y)))
+
+        def hear(message, _):
+            state["turtles"] = {one.name: (one.x, one.y) for one in message.turtles}
+
+        def judge(request):
+            x, y = state["pose"]
+            place = state["turtles"].get(request.message.name)
+            success = place is not None and (place[0] - x) ** 2 + (place[1] - y) ** 2 < 0.09
+            request.answer(CatchTurtleResponse(success))
+
+        bus.subscribe("/alive_turtles", types.turtle_array, hear)
+        bus.serve("/catch_turtle", types.catch_turtle, judge)
+        while monotonic() < state["end"]:
+            bus.spin(0.05)
+        bus.close()
+
+    with running_bridge() as (_, url):
+        student = threading.Thread(target=serve, args=(url,))
+        student.start()
+        try:
+            words = ["conformance", "ros:/catch_turtle", "--bus", "rosbridge", "--url", url, "--only", "basics"]
+            tried = CliRunner().invoke(main, words)
+        finally:
+            state["end"] = 0.0
+            student.join(10)
+    assert tried.exit_code == 0, tried.output
+    assert "cases: 3 passed, 0 failed" in tried.stdout
+
+
+@pytest.mark.parametrize("word", ["ros:", "ros:catch_turtle", "ros:/catch turtle", "ros:/", "ros:/1a"])
+def test_what_no_service_is_called_is_one_line(word):
+    refused = CliRunner().invoke(main, ["conformance", word])
+    assert (refused.exit_code, refused.stderr) == (
+        2,
+        f"catch-arena: a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}\n",
+    )
+
+
+@pytest.mark.parametrize("option", [["--arena", "a:B"], ["--exact-lots"]])
+def test_options_for_arbiters_are_refused_with_a_service(option):
+    with running_bridge() as (_, url):
+        refused = CliRunner().invoke(main, ["conformance", "ros:/c", *option, "--bus", "rosbridge", "--url", url])
+    assert refused.exit_code == 2
+    assert "--arena and --exact-lots must be left out with a service" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("test", "why"),
+    [
+        (
+            'name = "a"\nsettings = { hunters = 1 }',
+            'a: cases must be given for a node, as in cases = ["reach", "names"]',
+        ),
+        ('name = "a"\ncases = ["rech"]', "a: no case begins with 'rech': did you mean reach?"),
+        ('name = "a"\ncases = ["ties"]', "a: none of its cases can be asked of a service"),
+        ('name = "a"\ncases = ["reach"]\nmatches = 3', "test[1].matches must be left out beside cases"),
+        ('name = "a"\ncases = "reach"', "test[1].cases must be a list, got 'reach'"),
+        ('name = "a"\ncases = [1]', "test[1].cases must be text, got 1"),
+    ],
+)
+def test_a_spec_that_cannot_be_asked_of_a_node_is_one_line(tmp_path, test, why):
+    (tmp_path / "spec.toml").write_text(f"[[test]]\n{test}\n")
+    with running_bridge() as (_, url):
+        words = ["grade", "ros:/c", "--spec", str(tmp_path / "spec.toml"), "--bus", "rosbridge", "--url", url]
+        refused = CliRunner().invoke(main, words)
+    assert refused.exit_code == 2
+    assert why in refused.stderr
+    assert refused.stderr.splitlines()[-1].startswith("catch-arena: ")
+
+
+def test_an_agent_is_not_asked_a_nodes_cases(tmp_path):
+    (tmp_path / "spec.toml").write_text(SPEC)
+    refused = CliRunner().invoke(main, ["grade", "nearest", "--spec", str(tmp_path / "spec.toml"), "--trusted"])
+    assert refused.exit_code == 2
+    assert refused.stderr == (
+        f"catch-arena: {tmp_path / 'spec.toml'}: within reach: cases are asked of a node, as ros:/catch_turtle, not of "
+        "agents\n"
+    )

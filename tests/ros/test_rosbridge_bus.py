@@ -1,0 +1,224 @@
+"""rosbridge's JSON, with a server of the tests' own."""
+
+import json
+import math
+import time
+
+import pytest
+from ros.bridge import running_bridge
+from websockets.sync.client import connect
+
+from catch_arena.errors import BusError
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
+from catch_arena.ros.bus import DEPTH, open_bus
+from catch_arena.ros.interfaces import EMPTY, TWIST, Empty, Interfaces, TwistMessage
+from catch_arena.ros.rosbridge_bus import from_json, to_json
+
+TYPES = Interfaces()
+
+
+@pytest.fixture
+def bridge():
+    with running_bridge() as (server, url):
+        yield server, url
+
+
+@pytest.fixture
+def joined(bridge):
+    """One of ours, and what it says."""
+    said = []
+    made = open_bus("rosbridge", url=bridge[1], say=said.append)
+    yield made, said
+    made.close()
+
+
+def until(joined, ready, seconds=10.0):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        joined[0].spin(0.01)
+        if ready():
+            return
+    raise AssertionError(f"it does not come; said: {joined[1]}")
+
+
+def student(url):
+    """Another client of the server, which speaks JSON."""
+    return connect(url)
+
+
+def send(socket, **frame):
+    socket.send(json.dumps(frame))
+
+
+def test_it_begins_as_the_protocol_has_it(bridge, joined):
+    """Each topic and each service with its type."""
+    ours, _ = joined
+    ours.publisher("/alive_turtles", TYPES.turtle_array)
+    ours.subscribe("/turtle1/cmd_vel", TWIST, print)
+    ours.serve("/catch_turtle", TYPES.catch_turtle, print)
+    until(joined, lambda: len(bridge[0].frames) == 3)
+
+    assert bridge[0].frames == [
+        {"op": "advertise", "topic": "/alive_turtles", "type": "my_robot_interfaces/msg/TurtleArray"},
+        {"op": "subscribe", "topic": "/turtle1/cmd_vel", "type": "geometry_msgs/msg/Twist", "queue_length": DEPTH},
+        {"op": "advertise_service", "service": "/catch_turtle", "type": "my_robot_interfaces/srv/CatchTurtle"},
+    ]
+
+
+def test_a_student_hears_topics_drives_and_calls(bridge, joined):
+    """And gets the answer to its own call."""
+    ours, _ = joined
+    heard, asked = [], []
+    publish = ours.publisher("/alive_turtles", TYPES.turtle_array)
+    ours.subscribe("/turtle1/cmd_vel", TWIST, lambda message, peer: heard.append((message, peer)))
+    ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
+    until(joined, lambda: len(bridge[0].frames) == 3)
+    with student(bridge[1]) as socket:
+        send(socket, op="subscribe", topic="/alive_turtles")
+        send(socket, op="advertise", topic="/turtle1/cmd_vel", type="geometry_msgs/msg/Twist")
+        twist = {"linear": {"x": 1, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -2.5}}
+        send(socket, op="publish", topic="/turtle1/cmd_vel", msg=twist)
+        send(socket, op="call_service", id="my call", service="/catch_turtle", args={"name": "tom"})
+        until(joined, lambda: heard and asked)
+
+        assert heard == [(TwistMessage.of(1.0, -2.5), None)]
+        assert asked[0].message == CatchTurtleRequest("tom")
+
+        asked[0].answer(CatchTurtleResponse(True))
+        answer = {"op": "service_response", "service": "/catch_turtle", "id": "my call"}
+        assert json.loads(socket.recv(5)) == answer | {"values": {"success": True}, "result": True}
+
+        publish(TurtleArray((Turtle("tom", 1.0, 2.0, 3.0),)))
+        turtles = {"turtles": [{"name": "tom", "x": 1.0, "y": 2.0, "theta": 3.0}]}
+        assert json.loads(socket.recv(5)) == {"op": "publish", "topic": "/alive_turtles", "msg": turtles}
+
+
+def test_it_calls_a_students_service(bridge, joined):
+    """A call that fails stays without a response."""
+    ours, _ = joined
+    client = ours.client("/kill", EMPTY)
+    assert client.ready
+    nobody = client.call(Empty())
+    until(joined, lambda: bridge[0].frames)
+    with student(bridge[1]) as socket:
+        send(socket, op="advertise_service", service="/kill", type=EMPTY.name)
+        until(joined, lambda: len(bridge[0].frames) == 2)
+        call = client.call(Empty())
+        asked = json.loads(socket.recv(5))
+        assert (asked["op"], asked["service"], asked["args"]) == ("call_service", "/kill", {})
+        send(socket, op="service_response", id=asked["id"], service="/kill", values={}, result=True)
+        until(joined, lambda: call.response is not None)
+    assert (call.response, nobody.response) == (Empty(), None)
+
+
+def test_it_goes_on_when_the_server_is_back(bridge, joined):
+    """With all that was announced, and a line for each."""
+    ours, said = joined
+    heard = []
+    ours.subscribe("/turtle1/cmd_vel", TWIST, lambda message, _: heard.append(message))
+    until(joined, lambda: len(bridge[0].frames) == 1)
+    bridge[0].hang_up()
+    ours.publisher("/x", TWIST)(TwistMessage.of(0.0, 0.0))  # nobody is there
+    until(joined, lambda: "rosbridge: the server is back" in said)
+    assert said[0] == "warning: rosbridge: the connection is lost; it is tried again every second"
+    with student(bridge[1]) as socket:
+        send(socket, op="advertise", topic="/turtle1/cmd_vel", type=TWIST.name)
+        send(socket, op="publish", topic="/turtle1/cmd_vel", msg=to_json(TWIST, TwistMessage.of(1.0, 2.0)))
+        until(joined, lambda: heard)
+    assert heard == [TwistMessage.of(1.0, 2.0)]
+
+
+def test_without_a_server_it_is_one_line_that_says_how_to_start_one():
+    """No traceback of websockets'."""
+    with pytest.raises(BusError, match="ros2 launch rosbridge_server") as error:
+        open_bus("rosbridge", url="ws://127.0.0.1:1")
+    assert "\n" not in str(error.value)
+    with pytest.raises(BusError, match="no rosbridge server answers at nonsense"):
+        open_bus("rosbridge", url="nonsense")
+
+
+def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
+    """What follows is heard; a request that is none is answered as failed."""
+    ours, said = joined
+    heard, asked = [], []
+    ours.subscribe("/t", TWIST, lambda message, _: heard.append(message))
+    ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
+    until(joined, lambda: len(bridge[0].frames) == 2)
+
+    def answered():
+        return sum(frame["op"] == "service_response" for frame in bridge[0].frames)
+
+    bad = [None, 3, {}, {"linear": 1, "angular": {}}, {"linear": {"x": "1", "y": 0, "z": 0}, "angular": {}}]
+    for message in bad:
+        bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": message}))
+    for text in ("no json", "[]", '"x"', "{}", '{"op": "publish"}', '{"op": "dance", "topic": "/t"}', "[" * 100_000):
+        bridge[0].raw(text)
+    bridge[0].raw(json.dumps({"op": "status", "level": "error", "msg": "unknown \x1b[31m type"}))
+    with student(bridge[1]) as socket:
+        for count, arguments in enumerate(({"name": 3}, {"name": None}, {}, 7), start=1):
+            send(socket, op="call_service", service="/catch_turtle", args=arguments)
+            until(joined, lambda count=count: answered() == count)
+            assert json.loads(socket.recv(5))["result"] is False
+    good = to_json(TWIST, TwistMessage.of(1.0, 2.0))
+    bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": good}))
+    until(joined, lambda: heard)
+
+    assert (heard, asked) == ([TwistMessage.of(1.0, 2.0)], [])
+    assert sum("/t cannot be read" in line for line in said) == 1
+    assert sum("/catch_turtle cannot be read" in line for line in said) == 1
+    assert "warning: rosbridge sent what is no JSON" in said
+    assert all(line.isprintable() for line in said)
+
+
+def test_a_flood_leaves_the_newest(bridge, joined):
+    """As many as a queue of ROS's holds, so that reading them takes no time to speak of."""
+    ours, _ = joined
+    heard = []
+    ours.subscribe("/t", TWIST, lambda message, _: heard.append(message.linear.x))
+    until(joined, lambda: bridge[0].frames)
+    for number in range(2000):
+        bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": to_json(TWIST, TwistMessage.of(number, 0.0))}))
+    inbox = ours._inboxes["publish", "/t"]
+    end = time.monotonic() + 20
+    while time.monotonic() < end and not (inbox and inbox[-1]["msg"]["linear"]["x"] == 1999):
+        time.sleep(0.01)
+    ours.spin()
+    assert heard == list(range(1990, 2000))
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "expected"),
+    [
+        (TYPES.catch_turtle.request, ["tom"], CatchTurtleRequest("tom")),  # by place, which the protocol allows
+        (EMPTY.request, None, Empty()),
+        (EMPTY.request, [], Empty()),
+        (TYPES.turtle_array, {"turtles": []}, TurtleArray(())),
+        (TYPES.turtle_array, {"turtles": [], "more": 1}, TurtleArray(())),
+    ],
+)
+def test_messages_are_read_as_the_protocol_writes_them(kind, values, expected):
+    """Fields that we do not know are nobody's mistake."""
+    assert from_json(kind, values) == expected
+
+
+def test_null_is_what_rosbridge_makes_of_numbers_that_json_does_not_have():
+    """So it is no finite number here."""
+    assert math.isnan(from_json(TYPES.pose, dict.fromkeys(TYPES.pose.make._fields)).x)
+
+
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        (TYPES.turtle_array, {"turtles": 3}),
+        (TYPES.turtle_array, {"turtles": [3]}),
+        (TYPES.pose, dict.fromkeys(TYPES.pose.make._fields, 10**400)),
+        (TYPES.pose, dict.fromkeys(TYPES.pose.make._fields, True)),
+        (TYPES.catch_turtle.response, {"success": 1}),
+        (TYPES.catch_turtle.request, []),
+    ],
+)
+def test_what_is_no_message_is_refused_in_one_line(kind, values):
+    """Whatever is in it."""
+    with pytest.raises(ValueError) as error:
+        from_json(kind, values)
+    assert len(str(error.value)) < 200

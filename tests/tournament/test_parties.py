@@ -1,0 +1,234 @@
+"""Teams and prey in matches and plans: who plays as one, what a seat's failure is, and who meets whom."""
+
+from collections import Counter
+from itertools import combinations
+
+import pytest
+
+from catch_arena import Replay, scenario
+from catch_arena.errors import ConfigError
+from catch_arena.policy import PreyView
+from catch_arena.tournament.entrants import create_policy, enter
+from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.starting import inspector, play_entrants
+from catch_arena.tournament.match import blocks_of, play, prey_ranks_of
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.plans.schedule import FORMATS, plan_of, require_enough, round_robin
+from catch_arena.tournament.statistics.sides import on_side
+from catch_arena.tournament.statistics.standings import standings_of_sides
+
+PAIRS = scenario("pairs", time_limit_s=8)
+TAG = scenario("tag", time_limit_s=8)
+HERD = scenario("herd", time_limit_s=8)
+
+BOTH = """
+class Agent:
+    def reset(self, seed):
+        self.seed = seed
+        print("seed", seed)
+
+    def act(self, view):
+        return 1 if view.targets else 0
+
+
+class Prey:
+    def reset(self, seed):
+        pass
+
+    def act(self, view):
+        assert len(view.hunters) == (view.limits.hunters if view.alive else 0)
+        return 1.0, 0.5
+"""
+
+
+class Holds:
+    def __init__(self, fails_in=None):
+        self.fails_in, self.steps = fails_in, 0
+
+    def reset(self, seed):
+        self.seed = seed
+
+    def act(self, view):
+        self.steps += 1
+        if self.steps == self.fails_in:
+            raise ValueError("it fails")
+        return (0.0, 0.0) if isinstance(view, PreyView) else 0
+
+
+class Stands(Holds):
+    control = "velocity"
+
+    def act(self, view):
+        super().act(view)
+        return 0.0, 0.0
+
+
+def test_parties_are_teams_or_hunters_and_then_prey():
+    assert Parties.of(scenario("standard")).seats == ((0,), (1,), (2,), (3,))
+    assert Parties.of(PAIRS).seats == ((0, 1), (2, 3))
+    assert (Parties.of(TAG).seats, Parties.of(TAG).hunting) == (((0,), (1,), (2,), (3,)), 3)
+    assert Parties.of(scenario("herd", teams=((0, 2), (1, 3)))).by_seat == (0, 1, 0, 1, 2, 3, 4, 5)
+
+
+@pytest.mark.rule("R11.1")
+def test_r11_1_a_match_is_ranked_by_team_and_says_who_of_it_caught_what(tmp_path):
+    result = play_entrants(PAIRS, 5, enter(["patrol", "idle"]), None, record=tmp_path / "m.replay")
+    assert result.scores == (sum(result.catches[:2]), 0)
+    assert min(result.catches[:2]) > 0
+    assert result.ranks == (1, 2)
+    assert result.verdicts[0]["GRANTED"] == result.scores[0]
+    assert Replay.load(tmp_path / "m.replay").names == ("patrol", "patrol", "idle", "idle")
+
+
+@pytest.mark.rule("R11.1")
+def test_r11_1_what_fails_in_one_seat_forfeits_all_seats_and_its_team_comes_last():
+    policies = [Holds(), Holds(fails_in=3), Holds(), Holds()]
+    withdrawn = []
+    result = play(PAIRS, 5, policies, ["a", "a", "b", "b"], on_forfeit=lambda seat, _: withdrawn.append(seat))
+    assert result.forfeits == ("FORFEIT_CRASH", None)
+    assert result.ranks == (2, 1)
+    assert withdrawn == [0, 1]
+    assert (policies[0].steps, policies[1].steps, policies[2].steps) == (3, 3, 80)
+    assert (result.details[0].seat, result.details[0].step, result.thinking[0].moves) == (1, 3, 6)
+
+
+def test_of_two_team_mates_that_fail_in_one_step_the_lower_seat_is_named():
+    result = play(PAIRS, 5, [Holds(), Holds(), Holds(fails_in=2), Holds(fails_in=2)], list("aabb"))
+    assert result.details[1].seat == 2
+
+
+@pytest.mark.rule("R12.5")
+def test_r12_5_prey_is_ranked_among_prey_and_who_failed_behind_all_other():
+    assert prey_ranks_of((3, 1, 3, 0), (False,) * 4) == (3, 2, 3, 1)
+    assert prey_ranks_of((3, 0, 9, 2), (False, True, False, True)) == (1, 3, 2, 4)
+    hunters = [Stands() for _ in range(4)]
+    result = play(HERD, 1, [*hunters, Holds(), Holds(fails_in=1), Holds(), Holds()], list("abcdefgh"))
+    assert result.forfeits == (None,) * 5 + ("FORFEIT_CRASH", None, None)
+    assert result.ranks[5] == 4
+    assert result.catches == ()
+
+
+@pytest.mark.rule("R12.7")
+def test_r12_7_who_has_no_prey_of_its_own_plays_the_shipped_one(tmp_path):
+    (tmp_path / "mine.py").write_text(BOTH)
+    mine, nearest, flee = enter([str(tmp_path / "mine.py"), "nearest", "flee"])
+    assert (mine.prey, nearest.prey, flee.prey) == (True, False, True)
+    assert type(nearest.as_prey().create()) is type(flee.as_prey().create())
+    assert type(mine.as_prey().create()).__module__ == type(mine.create()).__module__
+    ends = [
+        play_entrants(TAG, 3, [*enter(["intercept", "patrol", "nearest"]), prey], None).digest
+        for prey in (mine, nearest, flee)
+    ]
+    assert ends[1] == ends[2] != ends[0]
+
+
+@pytest.mark.rule("R12.7")
+@pytest.mark.parametrize("config", [PAIRS, TAG], ids=["pairs", "tag"])
+def test_r12_7_isolated_agents_play_the_same_match(tmp_path, config):
+    """Team-mates in processes of their own, and prey with the view of prey."""
+    (tmp_path / "mine.py").write_text(BOTH)
+    mine = str(tmp_path / "mine.py")
+    specs = ["nearest", "patrol", mine, mine] if config is TAG else [mine, "nearest"]
+    told = (1, 2, 3, 4)[: len(specs)]
+    with Sandbox(AgentLimits()) as sandbox:
+        isolated = play_entrants(config, 3, enter(specs, inspector(sandbox)), sandbox, agent_seeds=told)
+    trusted = play_entrants(config, 3, enter(specs), None, agent_seeds=told)
+    assert not any(isolated.forfeits), isolated.details
+    assert isolated == trusted
+    if config is PAIRS:  # each instance has a seed of its own
+        printed = [line for line in isolated.logs[0].splitlines() if line.startswith("seed")]
+        assert printed[0] == "seed 1"
+        assert len(set(printed)) == 2
+
+
+@pytest.mark.parametrize(
+    ("prey", "message"),
+    [
+        ("class Prey:\n    def reset(self, seed): pass\n", "Prey must have a method act"),
+        ("Prey = 3\n", "has no class Prey"),
+    ],
+)
+def test_prey_that_cannot_play_forfeits_as_prey_alone(tmp_path, prey, message):
+    (tmp_path / "mine.py").write_text(f"{BOTH.partition('class Prey')[0]}{prey}")
+    (mine,) = enter([str(tmp_path / "mine.py")])
+    assert mine.fault is None
+    assert message in mine.prey_fault
+    others = enter(["nearest", "patrol", "intercept"])
+    assert play_entrants(TAG, 1, [mine, *others], None).forfeits == (None,) * 4
+    result = play_entrants(TAG, 1, [*others, mine], None)
+    assert result.forfeits[3] == "FORFEIT_INIT"
+    assert message in result.details[3].reason
+
+
+def test_prey_under_another_control_is_refused(tmp_path):
+    (tmp_path / "mine.py").write_text(BOTH.replace("class Prey:", 'class Prey:\n    control = "target"\n'))
+    with pytest.raises(Exception, match=r"Prey.control must be velocity or be left out \(R12.2\), got 'target'"):
+        create_policy(str(tmp_path / "mine.py"), "prey")
+
+
+def test_every_format_seats_each_player_of_a_block_equally_often_on_each_place():
+    for config in (TAG, HERD, scenario("tag", teams=((0, 1, 2),))):
+        parties = Parties.of(config)
+        entrants = parties.group + 2
+        for form in set(FORMATS) - {"swiss"}:
+            plan = plan_of(form, entrants, parties.group, 1, 7, parties)
+            matches = list(plan)
+            assert len(matches) == plan.size
+            assert [match.id for match in matches] == sorted(match.id for match in matches)
+            for block in blocks_of(matches):
+                assert len(block) == parties.block_size
+                for party in range(len(parties)):
+                    assert len(set(Counter(match.seating[party] for match in block).values())) == 1
+                assert all(len(set(match.seating)) == len(parties) for match in block)
+                assert len({match.seating for match in block}) == len(block)
+
+
+@pytest.mark.parametrize("teams", [None, ((0, 1, 2),)])
+def test_a_prey_that_is_alone_is_compared_with_one_that_met_the_same_hunters(teams):
+    config = scenario("tag", time_limit_s=3, teams=teams)
+    parties = Parties.of(config)
+    entrants = enter(["intercept", "patrol", "nearest", "corners", "random"][: parties.group])
+    played = run(config, entrants, round_robin(len(entrants), parties.group, 1, 3, parties))
+    matches = {one.match.id: one for one in played}
+    assert len(matches) == parties.block_size
+    for joined in on_side(played, parties, "prey"):
+        one, other = (
+            next(
+                match
+                for match in played
+                if match.match.seating[-1] == index
+                and match.match.seating[:-1] == matches[joined.match.id].match.seating[:-1]
+            )
+            for index in joined.match.seating
+        )
+        assert joined.result.scores == (one.result.scores[-1], other.result.scores[-1])
+        first, second = joined.result.ranks
+        assert (first < second) == (one.result.scores[-1] < other.result.scores[-1])
+    for side, table in standings_of_sides(entrants, played, parties).items():
+        assert {line.name for line in table} == {entrant.name for entrant in entrants}, side
+
+
+def test_prey_is_rated_alike_whoever_its_hunter_is():
+    """`intercept` catches much, and nobody meets itself: that must not make its prey look better than the same prey of
+    another.
+    """
+    config = scenario("tag", time_limit_s=30)
+    parties = Parties.of(config)
+    entrants = enter(["intercept", "flee", "idle", "idle", "idle"])
+    played = run(config, entrants, round_robin(5, 5, 4, 3, parties))
+    by_name = {line.name: line for line in standings_of_sides(entrants, played, parties)["prey"]}
+    assert by_name["intercept"].score.mean < by_name["flee"].score.mean
+    for pair in combinations(("intercept", "flee", "idle", "idle#2"), 2):
+        low, high = sorted((by_name[name].rating for name in pair), key=lambda rating: rating.mean)
+        assert low.mean == pytest.approx(high.mean, abs=1e-6)
+
+
+def test_agents_that_cannot_fill_a_block_are_told_so_in_a_line():
+    with pytest.raises(ConfigError, match="agents must be at least 2 to be the teams of pairs, got 1"):
+        require_enough(1, PAIRS, "pairs")
+    with pytest.raises(ConfigError, match="at least 4 to play the 3 hunters and the 1 prey of tag, got 3"):
+        require_enough(3, TAG, "tag")
+    with pytest.raises(ConfigError, match="at least 5 to play the 3 hunters and the 1 prey in turn of tag, got 4"):
+        require_enough(4, TAG, "tag", tournament=True)

@@ -1,0 +1,208 @@
+"""R11 and R12 at the batch's door: both sides by their names, and every row plays what one arena plays."""
+
+import copy
+import pickle
+import re
+
+import numpy as np
+import pytest
+
+from catch_arena import VectorArena, parallel_env, scenario
+from catch_arena.engine import batch_seeds
+from catch_arena.errors import ActionError, ConfigError
+from catch_arena.layout import prey_width, width
+
+SEED = 20_261_122
+HUNT = scenario(
+    "standard",
+    hunters=3,
+    side_m=4.0,
+    prey=3,
+    initial_targets=5,
+    max_targets=6,
+    reach_m=0.6,
+    reverse=True,
+    prey_returns_s=0.4,
+    prey_rewards={"survived": 0.1, "gained": 1.0},
+    time_limit_s=2.0,
+)
+"""Much happens, and episodes are short."""
+TEAMS = scenario("squads", side_m=6.0, spawn_frequency_hz=8.0, reach_m=0.6, team_share=0.5, time_limit_s=2.0)
+
+
+def random_actions(config, num_envs, source):
+    """Legal ones, of both sides."""
+    return {
+        "hunter": source.integers(0, config.targets_seen + 1, (num_envs, config.hunters)),
+        "prey": source.uniform(-1, 1, (num_envs, config.prey, 2)).astype(np.float32),
+    }
+
+
+@pytest.mark.rule("R12.7")
+@pytest.mark.parametrize("config", [HUNT, HUNT.replace(prey=1, prey_returns_s=None), HUNT.replace(hunters=12)], ids=str)
+def test_r12_7_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(config):
+    """Observations, rewards and who is active in every step, last observations and figures of every episode. Prey that
+    is out for good keeps its row here, and has left there.
+    """
+    arena, row, source = VectorArena(config, 40), 37, np.random.default_rng(SEED)
+    observations, infos = arena.reset(seed=SEED)
+    env = parallel_env(config)
+    seen, notes = env.reset(seed=int(batch_seeds(SEED, 40)[row]))
+    returns, caught, episodes = np.zeros(config.prey), np.zeros(config.prey), 0
+    for _ in range(3 * config.max_steps + 5):
+        for agent, told in seen.items():
+            side, _, index = agent.partition("_")
+            assert told.tobytes() == observations[side][row, int(index)].tobytes()
+        actions = random_actions(config, 40, source)
+        observations, rewards, terminations, truncations, infos = arena.step(actions)
+        one = {f"hunter_{seat}": int(actions["hunter"][row, seat]) for seat in range(config.hunters)}
+        one |= {f"prey_{index}": actions["prey"][row, index] for index in range(config.prey)}
+        seen, gained, _, _, notes = env.step({agent: one[agent] for agent in env.agents})
+        for agent, reward in gained.items():
+            side, _, index = agent.partition("_")
+            assert np.float32(reward) == rewards[side][row, int(index)]
+            if side == "prey":
+                returns[int(index)] += reward
+                caught[int(index)] += notes[agent]["caught_by"] is not None
+        over = terminations[row] or truncations[row]
+        if not over:
+            in_play = [prey.target is not None for prey in env.world().prey]
+            assert infos["prey_active"][row].tolist() == in_play
+            continue
+        assert infos["_final_obs"][row]
+        for agent, told in seen.items():
+            side, _, index = agent.partition("_")
+            assert told.tobytes() == infos["final_obs"][side][row, int(index)].tobytes()
+        figures = infos["episode"]["prey"]
+        np.testing.assert_allclose(figures["return"][row], returns, rtol=1e-5, atol=1e-5)
+        assert figures["times_caught"][row].tolist() == caught.tolist()
+        assert figures["rank"][row].tolist() == [1 + sum(other < mine for other in caught) for mine in caught]
+        assert (figures["length"][row] == env.world().step).all()
+        returns[:], caught[:] = 0.0, 0.0
+        seen, notes = env.reset()
+        episodes += 1
+    assert episodes == 3
+
+
+@pytest.mark.rule("R11.1")
+def test_r11_1_figures_rank_by_team_and_infos_tell_team_scores():
+    """Both teams' members have one rank and one team's score, which is the sum of what they caught."""
+    arena, source = VectorArena(TEAMS, 40), np.random.default_rng(SEED)
+    arena.reset(seed=SEED)
+    for step in range(TEAMS.max_steps):
+        before = arena.world(3).team_scores
+        *_, infos = arena.step(source.integers(0, 3, (40, 8)))
+        if step < TEAMS.max_steps - 1:
+            assert tuple(infos["team_score"][3]) == arena.world(3).team_scores >= before
+    figures = infos["episode"]
+    scores = figures["score"].reshape(40, 2, 4).sum(axis=2)
+    assert (figures["team_score"].reshape(40, 2, 4) == scores[:, :, None]).all()
+    best = scores == scores.max(axis=1, keepdims=True)
+    assert (figures["rank"].reshape(40, 2, 4) == np.where(best, 1, 2)[:, :, None]).all()
+    assert 0 < best.all(axis=1).sum() < 40  # ties, and others
+    assert not infos["team_score"].any()  # of the episodes that have begun
+
+
+@pytest.mark.rule("R11.2")
+def test_r11_2_a_batch_gives_the_rewards_of_the_one_arena_env():
+    """In float32; their sums are what the figures say."""
+    config = TEAMS.replace(rewards={"rival_catch": -0.25, "mate_catch": 0.3, "time": -0.01, "lost_contest": -0.1})
+    arena, source = VectorArena(config, 5), np.random.default_rng(SEED)
+    arena.reset(seed=SEED)
+    env = parallel_env(config)
+    env.reset(seed=int(batch_seeds(SEED, 5)[2]))
+    returns = np.zeros(8)
+    while env.agents:
+        actions = source.integers(0, 5, (5, 8))
+        _, rewards, _, _, infos = arena.step(actions)
+        gained = list(env.step({f"hunter_{seat}": int(actions[2, seat]) for seat in range(8)})[1].values())
+        assert np.array(gained, np.float32).tolist() == rewards[2].tolist()
+        returns += gained
+    np.testing.assert_allclose(infos["episode"]["return"][2], returns, rtol=1e-5)
+
+
+def test_shapes_and_spaces_are_those_of_the_sides():
+    arena = VectorArena(HUNT, 4)
+    observations, infos = arena.reset(seed=1)
+    assert observations["hunter"].shape == (4, 3, width(HUNT))
+    assert observations["prey"].shape == (4, 3, prey_width(HUNT))
+    assert arena.observation_space("prey").shape == (prey_width(HUNT),)
+    assert arena.action_space("prey").shape == (2,)
+    assert arena.observation_space(1).shape == (width(HUNT),)
+    assert infos["prey_active"].all()
+    with pytest.raises(ConfigError, match="seat must be a hunter's in an arena without prey, got 'prey'"):
+        VectorArena("standard", 2).action_space("prey")
+    source = np.random.default_rng(1)
+    for _ in range(HUNT.max_steps):
+        observations, *_ = arena.step(random_actions(HUNT, 4, source))
+        for row in range(4):
+            for index in range(3):
+                assert arena.observation_space("prey").contains(observations["prey"][row, index])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda actions: actions["hunter"], "actions must be a mapping with hunter and prey, got an array of int64"),
+        (lambda actions: {"hunter": actions["hunter"]}, "hunter and prey, got a mapping with hunter"),
+        (lambda actions: {**actions, "fox": 1}, "hunter and prey, got a mapping with hunter and prey and fox"),
+        (lambda actions: {**actions, "prey": actions["prey"][:, :2]}, "actions['prey'] must have the shape (4, 3, 2)"),
+        (
+            lambda actions: {**actions, "prey": np.where(np.arange(6).reshape(3, 2) == 4, np.nan, actions["prey"])},
+            "actions['prey'] must be two numbers in [-1, 1], got [nan, ",
+        ),
+        (
+            lambda actions: {**actions, "hunter": actions["hunter"] + 99},
+            "actions['hunter'] must be a whole number from",
+        ),
+    ],
+)
+def test_bad_actions_are_named_and_nothing_moves(change, message):
+    arena = VectorArena(HUNT, 4)
+    arena.reset(seed=1)
+    digest = arena.digest(2)
+    with pytest.raises(ActionError, match=re.escape(message)):
+        arena.step(change(random_actions(HUNT, 4, np.random.default_rng(1))))
+    assert arena.digest(2) == digest
+
+
+def test_an_arena_that_has_ended_stands_still_and_prey_gets_nothing():
+    """Without auto_reset."""
+    config = HUNT.replace(prey_rewards={"caught": -1.0, "survived": -1.0, "gained": -1.0}, max_cycles=5)
+    arena, source = VectorArena(config, 3, auto_reset=False), np.random.default_rng(1)
+    arena.reset(seed=1)
+    for _ in range(5):
+        observations, rewards, *_ = arena.step(random_actions(config, 3, source))
+    assert rewards["prey"].any()
+    last, digest = observations["prey"].copy(), arena.digest(1)
+    observations, rewards, *_ = arena.step(random_actions(config, 3, source))
+    assert not rewards["prey"].any()
+    assert arena.digest(1) == digest
+    assert (observations["prey"] == last).all()
+
+
+def test_states_are_saved_copied_and_pickled_with_prey():
+    """And played on, bit for bit."""
+    arena, source = VectorArena(HUNT, 6), np.random.default_rng(4)
+    arena.reset(seed=2)
+    for _ in range(8):
+        arena.step(random_actions(HUNT, 6, source))
+    saved, row = arena.save(), arena.save_row(4)
+    others = [copy.deepcopy(arena), pickle.loads(pickle.dumps(arena)), arena.clone()]  # noqa: S301 - our own
+    actions = random_actions(HUNT, 6, source)
+    after = arena.step(actions)[0]["prey"].copy()
+    for other in others:
+        assert (other.step(actions)[0]["prey"] == after).all()
+    arena.restore(saved)
+    arena.restore_row(0, row)
+    actions["hunter"][0], actions["prey"][0] = actions["hunter"][4], actions["prey"][4]
+    assert (arena.step(actions)[0]["prey"][1:] == after[1:]).all()
+    assert arena.digest(0) == arena.digest(4)
+
+
+def test_copies_are_the_callers_own_with_prey():
+    arena = VectorArena(HUNT, 2, copy=True)
+    observations, _ = arena.reset(seed=1)
+    kept = observations["prey"].copy()
+    arena.step(random_actions(HUNT, 2, np.random.default_rng(1)))
+    assert (observations["prey"] == kept).all()
