@@ -25,6 +25,6 @@ if __name__ == "__main__":
     env = AsyncPettingZooVecEnv([make, make])  # which the training closes
     agents, _ = train_multi_agent_on_policy(env, "duel", "IPPO", [IPPO(**spaces, learn_step=60)], **quiet)
     assert agents[0].steps >= 120
-    env, learner = AsyncPettingZooVecEnv([make, make]), MADDPG(**spaces, batch_size=32, learn_step=20)
+    env, learner = AsyncPettingZooVecEnv([make, make]), MADDPG(**spaces, batch_size=32, learn_step=20, vect_noise_dim=2)
     agents, _ = train_multi_agent_off_policy(env, "duel", "MADDPG", [learner], ReplayBuffer(1000), **quiet)
     assert agents[0].steps >= 120
