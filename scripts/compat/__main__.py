@@ -37,7 +37,7 @@ CLIENTS = {
     "stable-baselines3": Client("train_sb3", _SB3, _SB3),
     "SuperSuit": Client("train_supersuit", (*_SB3, "supersuit>=3.11"), ("supersuit", *_SB3)),
     "TorchRL": Client("train_torchrl", ("torchrl",), ("torchrl", "tensordict")),
-    "BenchMARL": Client("train_benchmarl", ("benchmarl",), ("benchmarl", "torchrl", "tensordict")),
+    "BenchMARL": Client("train_benchmarl", ("benchmarl",), ("benchmarl", "torch", "torchrl", "tensordict")),
     "RLlib": Client("train_rllib", ("ray[rllib]",), ("ray", "gymnasium")),
     "Tianshou": Client("train_tianshou", ("tianshou",), ("tianshou",)),
     # It asks for an older PettingZoo and imports peft unasked; it runs beside ours.
@@ -125,7 +125,15 @@ def page_with(page: str, results: list[dict[str, Any]], common: dict[str, str]) 
         rows[result["name"]] = f"| {result['name']} | {result['result']} | {told} |"
     known = [rows[name] for name in CLIENTS if name in rows]
     both = ", ".join(f"{name} {version}" for name, version in common.items())
-    lines = ["", f"All with {both}.", "", "| client | result | versions |", "|---|---|---|", *known, ""]
+    lines = [
+        "",
+        f"Each with {both}, where its row names no other.",
+        "",
+        "| client | result | versions |",
+        "|---|---|---|",
+        *known,
+        "",
+    ]
     return head + begin + "\n" + "\n".join(lines) + "\n" + end + tail
 
 

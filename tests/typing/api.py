@@ -28,12 +28,15 @@ from catch_arena import (
     View,
     World,
     arbitrate,
+    columns,
     explain,
     explain_step,
     parallel_env,
     scenario,
 )
+from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.layout import Column
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray, Twist
 from catch_arena.policy import SeenHunter, SeenTarget
 from catch_arena.testing import Failure, Report, run_conformance
@@ -78,6 +81,9 @@ def one_arena() -> None:
     assert_type(env.spawn(1.0, 2.0), str)
     assert_type(env.kill("target_turtle_1"), bool)
     assert_type(env.render(), NDArray[np.uint8] | None)
+    assert_type(env.clone(), CatchArenaEnv)
+    assert_type(env.restore(env.save()), tuple[dict[str, Any], dict[str, dict[str, Any]]])
+    parallel_env(infos="masks")  # pyright: ignore[reportArgumentType]
     assert_type(env.replay(), Replay)
     env.step([1, 1])  # pyright: ignore[reportArgumentType]
     env.reset(seed="7")  # pyright: ignore[reportArgumentType]
@@ -119,6 +125,7 @@ def many_arenas() -> None:
     assert_type(arena.world(0), World)
     assert_type(arena.rulings(0), tuple[Ruling, ...])
     assert_type(arena.clone(), VectorArena)
+    assert_type(columns(arena.config), tuple[Column, ...])
     arena.num_envs = 5  # pyright: ignore[reportAttributeAccessIssue]
 
 

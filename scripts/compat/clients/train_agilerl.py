@@ -21,13 +21,10 @@ if __name__ == "__main__":
         "action_spaces": [plain.action_space(agent) for agent in plain.possible_agents],
         "agent_ids": plain.possible_agents,
     }
-    quiet = {"max_steps": 240, "evo_steps": 120, "eval_steps": 30, "verbose": False, "wb": False}
-    env = AsyncPettingZooVecEnv([make, make])
-    try:
-        agents, _ = train_multi_agent_on_policy(env, "duel", "IPPO", [IPPO(**spaces, learn_step=60)], **quiet)
-        assert agents[0].steps >= 240
-        learner = MADDPG(**spaces, batch_size=32, learn_step=20)
-        agents, _ = train_multi_agent_off_policy(env, "duel", "MADDPG", [learner], ReplayBuffer(1000), **quiet)
-        assert agents[0].steps >= 240
-    finally:
-        env.close()
+    quiet = {"max_steps": 120, "evo_steps": 120, "eval_steps": 30, "verbose": False, "wb": False}
+    env = AsyncPettingZooVecEnv([make, make])  # which the training closes
+    agents, _ = train_multi_agent_on_policy(env, "duel", "IPPO", [IPPO(**spaces, learn_step=60)], **quiet)
+    assert agents[0].steps >= 120
+    env, learner = AsyncPettingZooVecEnv([make, make]), MADDPG(**spaces, batch_size=32, learn_step=20, vect_noise_dim=2)
+    agents, _ = train_multi_agent_off_policy(env, "duel", "MADDPG", [learner], ReplayBuffer(1000), **quiet)
+    assert agents[0].steps >= 120
