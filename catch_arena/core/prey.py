@@ -49,7 +49,7 @@ PREY_PART_NAMES: Final = ("caught", "survived", "gained")
 # columns of a record: one prey's episode in figures
 PREY_LENGTH: Final = 0  # steps
 PREY_TIMES_CAUGHT: Final = 1
-PREY_RANK: Final = 2  # R12.5: 1 + how many were caught less often
+PREY_RANK: Final = 2  # R12.5: 1 + how many are ahead
 PREY_RETURNED: Final = 3  # the rewards, summed
 PREY_RECORD_COLUMNS: Final = 4
 
@@ -202,13 +202,21 @@ def reward_prey(
 
 
 @rare
+def is_ahead(one: Block, other: Block, lane: int) -> bool:
+    """R12.5: whether one prey ranks before another: withdrawn prey is last, else the fewest catches come first."""
+    if one[PREY_WITHDRAWN + lane] != other[PREY_WITHDRAWN + lane]:
+        return bool(one[PREY_WITHDRAWN + lane] < other[PREY_WITHDRAWN + lane])
+    return bool(one[TIMES_CAUGHT + lane] < other[TIMES_CAUGHT + lane])
+
+
+@rare
 def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
     """An episode in figures, (P, PREY_RECORD_COLUMNS), as it stands in one lane."""
     for index in range(s.prey):
         me = prey_of(block, index, s)
         rank = 1.0
         for other in range(s.prey):
-            rank += 1.0 if prey_of(block, other, s)[TIMES_CAUGHT + lane] < me[TIMES_CAUGHT + lane] else 0.0
+            rank += 1.0 if is_ahead(prey_of(block, other, s), me, lane) else 0.0
         record[index, PREY_LENGTH] = block[STEP + lane]
         record[index, PREY_TIMES_CAUGHT] = me[TIMES_CAUGHT + lane]
         record[index, PREY_RANK] = rank

@@ -86,8 +86,6 @@ class LearnerBatch:
             raise ConfigError(f"prey must be 0 where learners are rows, got {config.prey}; VectorArena plays it")
         if not isinstance(normalise, bool):
             raise ConfigError(f"normalise must be True or False, got {normalise!r}")
-        if config.prey:
-            raise ConfigError(f"prey must be 0 where learners hunt: nobody plays it here, got {config.prey}")
         if len(set(config.controls)) > 1:
             raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
         most = config.hunters - (opponents is not None)

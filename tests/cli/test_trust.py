@@ -44,12 +44,15 @@ RUNS = {
     "grade": ["{}", "--spec", "spec.toml"],
     "play": ["{}", *SHORT, "--size", "320x320"],
     "watch": ["{}", "nearest", *SHORT, "--size", "320x320"],
+    "ros serve": ["--seat", "0={}", "--seat", "1=nearest", *SHORT, "--no-wait", "--speed", "10", "--domain", "93"],
 }
 """Each command that runs agents, and what it is given."""
 WITHOUT_AGENTS = {
     *("agents", "conformance", "diff", "explain", "export", "highlights", "mosaic", "render", "report", "scenarios"),
     *("sheet", "verify"),
 }
+ROS_AGENTS = ("serve", "controller")
+"""The commands of `ros` that run agents; a controller needs a turtlesim."""
 EXIT_CODES = {"compare": {0, 1, 3}}
 
 
@@ -67,6 +70,7 @@ def run(monkeypatch, tmp_path):
     monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
     monkeypatch.setattr("catch_arena.tournament.audit._STEPS", 50)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
     monkeypatch.setenv(MARK, str(tmp_path / "mark"))
     (tmp_path / "mine.py").write_text(AGENT)
     (tmp_path / "spec.toml").write_text(SPEC)
@@ -77,7 +81,7 @@ def run(monkeypatch, tmp_path):
 
     def run(name: str, agent: str, *more: str) -> bool:
         command, *options = name.split()
-        words = [agent if word == "{}" else word for word in RUNS[name]]
+        words = [word.replace("{}", agent) for word in RUNS[name]]
         result = CliRunner().invoke(main, [command, *options, *words, *more])
         assert result.exit_code in EXIT_CODES.get(command, {0}), result.output
         assert "FORFEIT" not in result.output
@@ -115,14 +119,18 @@ def test_every_command_is_in_the_table_or_runs_no_agent():
 def test_help_says_the_rule_in_the_same_words():
     commands = get_command(main).commands
     told = set()
-    for name in {name.split()[0] for name in RUNS}:
-        (option,) = [one for one in commands[name].params if "--trusted" in one.opts]
-        (limit,) = [one for one in commands[name].params if "--limit" in one.opts]
+    of_ros = commands.pop("ros").commands
+    for command in (*(commands[name.split()[0]] for name in RUNS if name != "ros serve"), *map(of_ros.get, ROS_AGENTS)):
+        (option,) = [one for one in command.params if "--trusted" in one.opts]
+        (limit,) = [one for one in command.params if "--limit" in one.opts]
         told.add((option.help, limit.help))
     assert len(told) == 1
     assert "Without it whatever does not come with Catch Arena is isolated" in told.pop()[0]
-    for name in WITHOUT_AGENTS:
-        assert not [one for one in commands[name].params if "--trusted" in one.opts]
+    without = [
+        *(commands[name] for name in WITHOUT_AGENTS),
+        *(of_ros[name] for name in of_ros.keys() - set(ROS_AGENTS)),
+    ]
+    assert not [one for command in without for one in command.params if "--trusted" in one.opts]
 
 
 def test_a_command_is_never_trusted(tmp_path):

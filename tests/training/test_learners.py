@@ -80,7 +80,6 @@ def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
         ({"prey": 1}, "prey must be 0 where learners are rows, got 1; VectorArena plays it"),
         ({"normalise": 1}, "normalise must be True or False, got 1"),
         ({"control": ("target", "full")}, "control must be one word, that of the learners"),
-        ({"prey": 1}, "prey must be 0 where learners hunt: nobody plays it here, got 1"),
         ({"num_envs": 10**8}, "num_envs must fit into this machine's memory, got 100000000"),
         ({"num_envs": 0}, "num_envs must be a whole number from 1"),
     ],

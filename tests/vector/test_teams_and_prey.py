@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from catch_arena import VectorArena, parallel_env, scenario
-from catch_arena.engine import batch_seeds
+from catch_arena.engine import Engine, batch_seeds
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.layout import prey_width, width
 
@@ -206,3 +206,22 @@ def test_copies_are_the_callers_own_with_prey():
     kept = observations["prey"].copy()
     arena.step(random_actions(HUNT, 2, np.random.default_rng(1)))
     assert (observations["prey"] == kept).all()
+
+
+@pytest.mark.rule("R12.5")
+def test_r12_5_withdrawn_prey_ranks_last_in_the_figures_of_an_episode():
+    """However rarely it was caught; among itself by score."""
+    engine, source = Engine(HUNT, 3, infos_wanted=False, auto_reset=True), np.random.default_rng(2)
+    engine.reset([1, 2, 3])
+    for index in (0, 2):
+        engine.withdraw_prey(1, index)
+    for _ in range(HUNT.max_steps):
+        actions = random_actions(HUNT, 3, source)
+        engine.step(actions["hunter"], np.zeros((3, 3, 2), np.float32), actions["prey"])
+    _, caught, rank, _ = engine.prey_records[1].T
+    assert rank[1] == 1
+    assert rank[[0, 2]].tolist() == [2 + (caught[2] < caught[0]), 2 + (caught[0] < caught[2])]
+    assert caught.any()
+    for row in (0, 2):
+        _, caught, rank, _ = engine.prey_records[row].T
+        assert rank.tolist() == [1 + sum(other < mine for other in caught) for mine in caught]
