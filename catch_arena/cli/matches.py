@@ -306,10 +306,16 @@ def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
 
 def print_result(parties: "Parties", result: "MatchResult | SessionResult", names: Sequence[str]) -> None:
     """The result of a match by side: ranks, scores, and how agents failed; the catches of a team's hunters too."""
-    shown = list(names)
-    if result.catches:
-        for party, seats in enumerate(parties.seats[: parties.hunting]):
-            shown[party] += f" ({' + '.join(str(result.catches[seat]) for seat in seats)})"
+    from catch_arena.explanation.seats import with_seat
+
+    shown = []
+    for party, (name, seats) in enumerate(zip(names, parties.seats, strict=True)):
+        if parties.side_of(party) == "prey":
+            shown.append(f"{name} (prey_{party - parties.hunting})")
+        elif result.catches:
+            shown.append(f"{name} ({' + '.join(f'hunter_{seat} {result.catches[seat]}' for seat in seats)})")
+        else:
+            shown.append(with_seat(name, seats[0]))
     for side in parties.sides:
         cut = parties.on(side)
         if side == "prey":
@@ -320,10 +326,7 @@ def print_result(parties: "Parties", result: "MatchResult | SessionResult", name
 def print_ranking(
     ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: "Sequence[Forfeit | None]"
 ) -> None:
-    """The result of one match, and how agents failed; all by seat."""
-    from catch_arena.explanation.seats import with_seat
-
-    names = [with_seat(name, seat) for seat, name in enumerate(names)]
+    """The ranks of one match, and how agents failed."""
     lines = zip(ranks, scores, names, forfeits, strict=True)
     for rank, score, name, forfeit in sorted(lines, key=lambda line: line[0]):
         say(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))

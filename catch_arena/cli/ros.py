@@ -103,6 +103,7 @@ def serve(
 ) -> None:
     """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle (docs/ros2.md)."""
     from catch_arena.cli.matches import print_ranking
+    from catch_arena.explanation.seats import with_seat
     from catch_arena.ros.serving import serve_match
     from catch_arena.seeding import arena_seed
 
@@ -139,7 +140,8 @@ def serve(
             title=scenario or "standard",
             say=say,
         )
-    print_ranking(served.ranks, served.scores, served.names, (None,) * len(names))
+    shown = [with_seat(name, number) for number, name in enumerate(served.names)]
+    print_ranking(served.ranks, served.scores, shown, (None,) * len(names))
     late = served.pace
     say(f"{late.late} of {late.ticks} ticks were late by more than 5 ms, the worst by {late.latest_s * 1e3:.0f} ms")
     if record is not None:
