@@ -24,7 +24,7 @@ _HOMES = {
 _EXTRAS = {"stable_baselines3": "sb3", "torch": "torchrl", "torchrl": "torchrl", "tensordict": "torchrl"}
 """Which extra brings a library."""
 
-__all__ = ["GymnasiumVectorEnv", "LearnerBatch", "Mlp"]  # noqa: F822 - what needs no other library; see __getattr__
+__all__ = ["GymnasiumVectorEnv", "LearnerBatch", "Mlp"]
 
 
 def __getattr__(name: str) -> "Any":
