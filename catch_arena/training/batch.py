@@ -82,8 +82,6 @@ class LearnerBatch:
     ) -> None:
         config = arena_config(scenario, **overrides)
         self.config: Final = config
-        if config.prey:
-            raise ConfigError(f"prey must be 0 where learners are rows, got {config.prey}; VectorArena plays it")
         if not isinstance(normalise, bool):
             raise ConfigError(f"normalise must be True or False, got {normalise!r}")
         if len(set(config.controls)) > 1:

@@ -36,7 +36,7 @@ def test_a_students_controller_plays_a_whole_match_and_catches(tmp_path):
     assert status == 0, err
     assert "bus: cyclonedds" in err
     assert "hunter_0: its node is there" in out
-    score = next(int(line.split()[1]) for line in out.splitlines() if line.endswith("ann"))
+    score = next(int(line.split()[1]) for line in out.splitlines() if line.endswith("ann (hunter_0)"))
     assert score > 0
     assert int(told) == score
     played = Replay.load(replay)
@@ -59,7 +59,9 @@ def test_two_students_fight_and_an_agent_plays_along():
         told = [int(finished(student)[0]) for student in students]
     assert status == 0, err
     scores = {
-        line.split()[2]: int(line.split()[1]) for line in out.splitlines() if re.fullmatch(r"\s+\d+\s+\d+  \w+", line)
+        line.split()[2]: int(line.split()[1])
+        for line in out.splitlines()
+        if re.fullmatch(r"\s+\d+\s+\d+  \w+ \(hunter_\d\)", line)
     }
     assert [scores["ann"], scores["bob"]] == told
     assert sum(told) > 0

@@ -14,6 +14,7 @@ from catch_arena.layout import (
     SelfFeatures,
     TargetFeatures,
     columns,
+    prey_columns,
     state_columns,
     width,
 )
@@ -81,18 +82,23 @@ def test_the_layout_has_a_column_for_each_number_that_the_oracle_sees(config, pe
     config = config.replace(control_period_ms=period_ms, time_limit_s=30 * period_ms / 1000)
     oracle = OracleArena(config.to_dict())
     oracle.reset(1)
-    table = columns(config)
+    table, of_prey = columns(config), prey_columns(config)
+    actions = {"target": 1, "velocity": (1.0, 0.5), "full": ((1.0, 0.5), 1)}
     for _ in range(30):
-        oracle.step([1] * config.hunters)
-        for seen in oracle.observations():
-            assert len(seen) == len(table) == width(config)
+        oracle.step([actions[control] for control in config.controls], [(1.0, -0.5)] * config.prey)
+        sides = [(table, seen) for seen in oracle.observations()]
+        sides += [(of_prey, seen) for seen in oracle.prey_observations()]
+        for side, seen in sides:
+            assert len(seen) == len(side)
             outside = [
                 column.name
-                for column, number in zip(table, seen, strict=True)
+                for column, number in zip(side, seen, strict=True)
                 if not column.low <= number <= column.high
             ]
             assert outside == []
-    assert len({column.name for column in table}) == len(table)
+    assert len(table) == width(config)
+    for side in (table, of_prey):
+        assert len({column.name for column in side}) == len(side)
 
 
 @pytest.mark.parametrize(("motion", "of_target"), [("still", TargetFeatures), ("wander", MovingTargetFeatures)])
@@ -111,12 +117,13 @@ def test_the_columns_have_the_names_and_the_order_in_which_the_core_writes_them(
 @pytest.mark.parametrize("config", SCENARIOS.values(), ids=SCENARIOS)
 def test_the_global_view_has_a_column_for_each_number_that_the_book_names(config):
     """R7.3: the time left, eight numbers of each hunter, and four of each target that there is room for; seven where
-    targets move.
+    targets move; and nine of each prey.
     """
     of_target = 7 if config.targets_move else 4
     table = state_columns(config)
     env = parallel_env(config)
     env.reset(seed=1)
-    assert len(table) == len(env.state()) == 1 + 8 * config.hunters + of_target * config.max_targets
+    numbers = 1 + 8 * config.hunters + of_target * config.max_targets + 9 * config.prey
+    assert len(table) == len(env.state()) == numbers
     assert len({column.name for column in table}) == len(table)
     assert all(column.low <= number <= column.high for column, number in zip(table, env.state(), strict=True))
