@@ -108,6 +108,25 @@ def test_a_match_says_who_forfeited_and_what_they_printed(catch_arena):
     assert result.stderr.startswith(f"{level_line(LEVELS[0])}\ncrashes printed:\nTraceback")
 
 
+def test_the_result_of_a_match_names_everybody_by_the_seats(catch_arena):
+    """Of hunters, of teams with each one's catches, and of prey."""
+    short = ["--set", "time_limit_s=2", "--set", "reach_m=3.0", "--seed", "3", "--force"]
+    hunt = catch_arena("match", "nearest", "nearest", "patrol", "corners", "--scenario", "tag", *short).stdout
+    hunters, prey = hunt.split("prey, by how often it was caught:")
+    assert sorted(re.findall(r"\S+ \(\w+\)", hunters)) == [
+        "nearest (hunter_0)",
+        "nearest#2 (hunter_1)",
+        "patrol (hunter_2)",
+    ]
+    assert re.search(r"^  1 +\d+  corners \(prey_0\)$", prey, re.MULTILINE)
+    teams = catch_arena("match", "nearest", "patrol", "--scenario", "pairs", *short).stdout
+    for name, first, second in (("nearest", 0, 1), ("patrol", 2, 3)):
+        (found,) = re.findall(
+            rf"^ +\d +(\d+)  {name} \(hunter_{first} (\d+) \+ hunter_{second} (\d+)\)$", teams, re.MULTILINE
+        )
+        assert int(found[0]) == int(found[1]) + int(found[2])
+
+
 def test_a_match_that_cannot_be_held_is_told_in_one_line_with_what_is_kept(catch_arena, tmp_path):
     (tmp_path / "ends.py").write_text(
         "import os\nclass Agent:\n    def reset(self, seed): os._exit(1)\n    def act(self, view): return 0\n"
