@@ -188,7 +188,7 @@ def test_whoever_harms_a_single_match_is_named_there(tmp_path):
     words = [saboteur(tmp_path, "in_a_step"), *honest(tmp_path, 1), *QUICK, "-o", str(tmp_path / "m.replay")]
     command = [sys.executable, "-m", "catch_arena", "match", *words]
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=300)
-    assert "in_a_step: FORFEIT_SABOTAGE before the first step: its supervisor was ended" in done.stdout
+    assert "in_a_step (hunter_0): FORFEIT_SABOTAGE before the first step: its supervisor was ended" in done.stdout
 
 
 @pytest.fixture
