@@ -1,19 +1,10 @@
 """Agents that act for many hunters at once: the named view of a batch, and what such an agent is."""
 
 from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Final, Protocol, runtime_checkable
 
-from catch_arena.layout import (
-    MOVING_TARGET_COLUMNS,
-    RIVAL_COLUMNS,
-    SELF_COLUMNS,
-    TARGET_COLUMNS,
-    MovingTargetFeatures,
-    RivalFeatures,
-    SelfFeatures,
-    TargetFeatures,
-)
-from catch_arena.policy import Limits
+from catch_arena.layout import SelfFeatures
+from catch_arena.policy import Limits, first_rival_column, rival_features, target_features
 
 TYPE_CHECKING = False  # an agent that does not use NumPy need not load it
 if TYPE_CHECKING:
@@ -21,6 +12,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Numbers = NDArray[np.float32]
+
+
+_OWN: Final = len(SelfFeatures._fields)
 
 
 class BatchView:
@@ -42,7 +36,7 @@ class BatchView:
     @cached_property
     def own(self) -> Any:  # the tables' fields, which are typed as those of one hunter
         """What each hunter knows of itself: `layout.SelfFeatures` of arrays (...)."""
-        columns: Any = (self.observations[..., column] for column in range(len(SELF_COLUMNS)))
+        columns: Any = (self.observations[..., column] for column in range(_OWN))
         return SelfFeatures(*columns)
 
     @cached_property
@@ -50,23 +44,19 @@ class BatchView:
         """The targets of each, nearest first: `layout.TargetFeatures` (or MovingTargetFeatures) of arrays (..., K);
         zeros where `present` is 0.
         """
-        features, count = (
-            (MovingTargetFeatures, len(MOVING_TARGET_COLUMNS))
-            if self.limits.targets_move
-            else (TargetFeatures, len(TARGET_COLUMNS))
-        )
-        return features(*self._columns(len(SELF_COLUMNS), self.limits.targets_seen, count))
+        return self._seen(target_features(self.limits), _OWN, self.limits.targets_seen)
 
     @cached_property
     def rivals(self) -> Any:
-        """The rivals of each, nearest first: `layout.RivalFeatures` of arrays (..., R); zeros where `present` is 0."""
-        targets = len(MOVING_TARGET_COLUMNS) if self.limits.targets_move else len(TARGET_COLUMNS)
-        first = len(SELF_COLUMNS) + self.limits.targets_seen * targets
-        return RivalFeatures(*self._columns(first, self.limits.hunters_seen, len(RIVAL_COLUMNS)))
+        """The rivals of each, nearest first: `layout.RivalFeatures` (or TeamRivalFeatures) of arrays (..., R); zeros
+        where `present` is 0.
+        """
+        return self._seen(rival_features(self.limits), first_rival_column(self.limits), self.limits.hunters_seen)
 
-    def _columns(self, first: int, ranks: int, count: int) -> Any:
+    def _seen(self, features: Any, first: int, ranks: int) -> Any:
+        count = len(features._fields)
         table = self.observations[..., first : first + ranks * count]
-        return [table[..., column::count] for column in range(count)]
+        return features(*(table[..., column::count] for column in range(count)))
 
     def of(self, rows: Any) -> "BatchView":
         """The view of some of the hunters: of an index, or of a mask."""

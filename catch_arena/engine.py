@@ -282,7 +282,7 @@ class Engine:
         config, hunters, prey = self.config, self.config.hunters, self.config.prey
         num_blocks, num_rows = len(self.blocks), self.blocks.shape[1] // LANES
         slot = slot_rows(config.targets_move)
-        prey_begin = first_prey_row(hunters, config.max_targets, slot, config.targets_seen)
+        prey_begin = num_rows - prey * rows.PREY_ROWS
         self._team_by_seat = config.team_by_seat
         self._widths = (SINGLE, SINGLE) if self.num_arenas == 1 else (HALF, WIDE)
         self._fields = self.blocks.reshape(num_blocks, num_rows, LANES)  # the same memory: [block, row, lane]

@@ -24,10 +24,6 @@ Side = Literal["hunter", "prey"]
 """R12.7: what an agent plays."""
 
 _OWN: Final = len(SelfFeatures._fields)
-_STILL_TARGET: Final = len(TargetFeatures._fields)
-_MOVING_TARGET: Final = len(MovingTargetFeatures._fields)
-_RIVAL: Final = len(RivalFeatures._fields)
-_TEAM_RIVAL: Final = len(TeamRivalFeatures._fields)
 _PREY: Final = len(PreySelfFeatures._fields)
 _BODY: Final = len(BodyFeatures._fields)
 
@@ -267,17 +263,37 @@ class SeenBody(NamedTuple):
         return math.atan2(self.heading_sin, self.heading_cos)
 
 
-def _target_columns(limits: Limits) -> int:
-    return _MOVING_TARGET if limits.targets_move else _STILL_TARGET
+def target_features(limits: Limits) -> type[TargetFeatures | MovingTargetFeatures]:
+    """R7.1, R7.4: what a hunter sees of a target."""
+    return MovingTargetFeatures if limits.targets_move else TargetFeatures
+
+
+def rival_features(limits: Limits) -> type[RivalFeatures | TeamRivalFeatures]:
+    """R7.1, R7.4: what a hunter sees of a rival."""
+    return TeamRivalFeatures if limits.teams else RivalFeatures
+
+
+def first_rival_column(limits: Limits) -> int:
+    """Where the columns of rivals begin: behind one's own and those of targets."""
+    return _OWN + limits.targets_seen * len(target_features(limits)._fields)
 
 
 class _Body:
-    """Who looks: where it is, in the world frame [m, rad]."""
+    """Who looks, and what both sides know of themselves."""
 
-    x: float
-    y: float
-    heading_cos: float
-    heading_sin: float
+    def __init__(self, own: SelfFeatures | PreySelfFeatures) -> None:
+        self.x = own.x
+        """In the world frame [m], as `y`."""
+        self.y = own.y
+        self.heading_cos = own.heading_cos
+        """Of its heading in the world frame."""
+        self.heading_sin = own.heading_sin
+        self.linear_velocity = own.linear_velocity
+        """Ahead [m/s]."""
+        self.angular_velocity = own.angular_velocity
+        """To the left [rad/s]."""
+        self.time_left = own.time_left
+        """Until the time limit [s]."""
 
     @property
     def heading(self) -> float:
@@ -307,18 +323,7 @@ class View(_Body):
         """R7.2: 1 where a choice is legal; `mask[0]`, hold, always is."""
         self.limits = limits
         own = SelfFeatures(*observation[:_OWN])
-        self.x = own.x
-        """In the world frame [m], as `y`."""
-        self.y = own.y
-        self.heading_cos = own.heading_cos
-        """Of its heading in the world frame."""
-        self.heading_sin = own.heading_sin
-        self.linear_velocity = own.linear_velocity
-        """Ahead [m/s]."""
-        self.angular_velocity = own.angular_velocity
-        """To the left [rad/s]."""
-        self.time_left = own.time_left
-        """Until the time limit [s]."""
+        super().__init__(own)
         self.score = own.score
         """Granted catches so far."""
         self.distance_integral = own.distance_integral
@@ -330,10 +335,10 @@ class View(_Body):
     def targets(self) -> tuple[SeenTarget, ...]:
         """The targets in view, nearest first."""
         seen = []
-        values, at, columns = self.observation, _OWN, _target_columns(self.limits)
-        features = MovingTargetFeatures if self.limits.targets_move else TargetFeatures
+        values, at, features = self.observation, _OWN, target_features(self.limits)
+        columns = len(features._fields)
         for rank in range(1, self.limits.targets_seen + 1):
-            its: TargetFeatures | MovingTargetFeatures = features(*values[at : at + columns])
+            its = features(*values[at : at + columns])
             if not its.present:
                 break
             motion = (
@@ -347,10 +352,10 @@ class View(_Body):
     def rivals(self) -> tuple[SeenHunter, ...]:
         """The rivals in view, nearest first."""
         seen = []
-        values, at = self.observation, _OWN + _target_columns(self.limits) * self.limits.targets_seen
-        features, columns = (TeamRivalFeatures, _TEAM_RIVAL) if self.limits.teams else (RivalFeatures, _RIVAL)
+        values, at, features = self.observation, first_rival_column(self.limits), rival_features(self.limits)
+        columns = len(features._fields)
         for rank in range(1, self.limits.hunters_seen + 1):
-            its: RivalFeatures | TeamRivalFeatures = features(*values[at : at + columns])
+            its = features(*values[at : at + columns])
             if not its.present:
                 break
             motion = its.heading_cos, its.heading_sin, its.linear_velocity
@@ -373,18 +378,7 @@ class PreyView(_Body):
         """R12.4's vector as it was given, for policies that learn."""
         self.limits = limits
         own = PreySelfFeatures(*observation[:_PREY])
-        self.x = own.x
-        """In the world frame [m], as `y`."""
-        self.y = own.y
-        self.heading_cos = own.heading_cos
-        """Of its heading in the world frame."""
-        self.heading_sin = own.heading_sin
-        self.linear_velocity = own.linear_velocity
-        """Ahead [m/s]."""
-        self.angular_velocity = own.angular_velocity
-        """To the left [rad/s]."""
-        self.time_left = own.time_left
-        """Until the time limit [s]."""
+        super().__init__(own)
         self.times_caught = own.times_caught
         """So far."""
         self.alive = own.alive > 0

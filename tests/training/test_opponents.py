@@ -48,7 +48,7 @@ def hold(batch):
     return np.zeros(batch.num_rows, dtype=int)
 
 
-@pytest.mark.parametrize("scenario", ["standard", "scarce", "crowd", "evasive", "fog", "unequal"])
+@pytest.mark.parametrize("scenario", ["standard", "scarce", "crowd", "evasive", "fog", "unequal", "pairs"])
 @pytest.mark.parametrize("agent", [Nearest, Patrol])
 def test_act_and_act_batch_agree(agent, scenario):
     """On what all hunters see in whole matches; velocities up to the last bits of NumPy's own functions."""
@@ -76,7 +76,7 @@ def test_act_and_act_batch_agree(agent, scenario):
 
 def test_a_batch_view_names_what_a_view_names():
     """Column by column, of any shape of batch."""
-    for scenario in ("standard", "evasive"):
+    for scenario in ("standard", "evasive", "pairs"):
         config = catch_arena.scenario(scenario)
         arena = catch_arena.VectorArena(config, 5)
         arena.reset(seed=3)
@@ -96,6 +96,8 @@ def test_a_batch_view_names_what_a_view_names():
         for rank, rival in enumerate(one.rivals):
             assert view.rivals.heading_sin[2, 1, rank] == rival.heading_sin
             assert view.rivals.score_difference[2, 1, rank] == rival.score_difference
+            if config.teams is not None:
+                assert view.rivals.mate[2, 1, rank] == rival.mate
         assert np.shares_memory(view.of(slice(1, 3)).targets.left, observations)
 
 
