@@ -1,5 +1,8 @@
 """Chases the nearest target that no rival is nearer to."""
 
+from typing import Any
+
+from catch_arena.batch_policy import BatchView
 from catch_arena.policy import SeenHunter, SeenTarget, View
 
 
@@ -19,6 +22,12 @@ class Agent:
             if behind < least:
                 choice, least = target.rank, behind
         return choice
+
+    def act_batch(self, view: BatchView) -> Any:
+        """The same for N hunters: (N,)."""
+        from catch_arena.training.scripted import contested  # a match must not wait for the compiler
+
+        return contested(view)
 
 
 def nearest_rival_m(rivals: tuple[SeenHunter, ...], target: SeenTarget) -> float:

@@ -1,7 +1,10 @@
 """Chases the soonest race that it wins, turns counted."""
 
 import math
+from collections.abc import Iterable
+from typing import Any
 
+from catch_arena.batch_policy import BatchView
 from catch_arena.policy import Limits, SeenTarget, View
 
 
@@ -13,15 +16,23 @@ class Agent:
 
     def act(self, view: View) -> int:
         """The rank of the race that suits it best, or 0 (hold)."""
-        target = best_race(view)
+        target = best_race(view.targets, view)
         return 0 if target is None else target.rank
 
+    def act_batch(self, view: BatchView) -> Any:
+        """The same for N hunters: (N,)."""
+        from catch_arena.training.scripted import contested_by_time  # a match must not wait for the compiler
 
-def best_race(view: View) -> SeenTarget | None:
-    """The race that is soonest won; where none is won, the one that is lost by least; None with no target in view."""
-    soonest = closest = math.inf
+        return contested_by_time(view)
+
+
+def best_race(targets: Iterable[SeenTarget], view: View, lost_by_s: float = math.inf) -> SeenTarget | None:
+    """The race that is soonest won; where none is won, the one that is lost by least; None where each is lost by
+    `lost_by_s` or more, and where there is none.
+    """
+    soonest, closest = math.inf, lost_by_s
     won = lost = None
-    for target in view.targets:
+    for target in targets:
         mine = arrival_s(target.forward, target.left, view.limits)
         if mine >= soonest:
             continue

@@ -1,10 +1,11 @@
 """Drives itself to where a target will be: leads those that move."""
 
 import math
-from typing import Final
+from typing import Any, Final
 
 from catch_arena.agents.contested_by_time import arrival_s
 from catch_arena.agents.patrol import drive, middle_of_own_ground
+from catch_arena.batch_policy import BatchView
 from catch_arena.policy import SeenTarget, View
 
 LOOKS: Final = 3
@@ -28,6 +29,12 @@ class Agent:
             forward, left = middle_of_own_ground(view)
             return drive(forward, left, view)
         return drive(*meeting_point(best, view), view)
+
+    def act_batch(self, view: BatchView) -> Any:
+        """The same for N hunters: (N, 2)."""
+        from catch_arena.training.scripted import intercept  # a match must not wait for the compiler
+
+        return intercept(view)
 
 
 def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:

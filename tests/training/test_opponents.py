@@ -1,16 +1,16 @@
 """Opponents inside the batch: who plays which seat, and that they play as they do in a match."""
 
 from collections import Counter
+from importlib import import_module
 
 import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.agents.nearest import Agent as Nearest
-from catch_arena.agents.patrol import Agent as Patrol
 from catch_arena.batch_policy import BatchPolicy, BatchView
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.policy import Limits, View
+from catch_arena.scenarios import SCENARIOS
 from catch_arena.training import LearnerBatch
 
 WORDS = ("target", "velocity", "full")
@@ -48,10 +48,11 @@ def hold(batch):
     return np.zeros(batch.num_rows, dtype=int)
 
 
-@pytest.mark.parametrize("scenario", ["standard", "scarce", "crowd", "evasive", "fog", "unequal", "pairs"])
-@pytest.mark.parametrize("agent", [Nearest, Patrol])
-def test_act_and_act_batch_agree(agent, scenario):
+@pytest.mark.parametrize("scenario", list(SCENARIOS))
+@pytest.mark.parametrize("name", ["nearest", "contested", "contested_by_time", "patrol", "triage", "intercept"])
+def test_act_and_act_batch_agree(name, scenario):
     """On what all hunters see in whole matches; velocities up to the last bits of NumPy's own functions."""
+    agent = import_module(f"catch_arena.agents.{name}").Agent
     control = getattr(agent, "control", "target")
     config = catch_arena.scenario(scenario, control=control, max_cycles=60)
     arena = catch_arena.VectorArena(config, 4)
