@@ -123,7 +123,8 @@ def _contested(seen: Seen, rules: Rules, ranks: NDArray[np.int64]) -> None:
             if seen[row, target + _PRESENT] == 0.0:
                 break
             forward, left = seen[row, target + _FORWARD], seen[row, target + _LEFT]
-            behind = math.sqrt(forward * forward + left * left) - nearest_rival_m(seen, row, forward, left, rules)
+            mine, theirs = forward * forward + left * left, nearest_rival_m2(seen, row, forward, left, rules)
+            behind = math.sqrt(mine) - math.sqrt(theirs)
             if behind < least:
                 least = behind
                 ranks[row] = 1 + (target - rules.first_target) // rules.target_columns
@@ -175,15 +176,15 @@ def _intercept(seen: Seen, rules: Rules, commands: NDArray[np.float64]) -> None:
 
 
 @phase
-def nearest_rival_m(seen: Seen, row: int, forward: float, left: float, rules: Rules) -> float:
-    """`contested.nearest_rival_m`."""
+def nearest_rival_m2(seen: Seen, row: int, forward: float, left: float, rules: Rules) -> float:
+    """`contested.nearest_rival_m`, squared."""
     least = math.inf
     for rival in range(rules.first_rival, rules.end, rules.rival_columns):
         if seen[row, rival + _PRESENT] == 0.0:
             break
         dx, dy = forward - seen[row, rival + _FORWARD], left - seen[row, rival + _LEFT]
         least = min(least, dx * dx + dy * dy)
-    return math.sqrt(least)
+    return least
 
 
 @phase
@@ -195,10 +196,12 @@ def best_race(seen: Seen, row: int, first: int, lost_by_s: float, rules: Rules) 
         if seen[row, target + _PRESENT] == 0.0:
             break
         forward, left = seen[row, target + _FORWARD], seen[row, target + _LEFT]
+        if way_s(forward, left, rules) >= soonest:
+            continue  # whatever the turn
         mine = arrival_s(forward, left, rules)
         if mine >= soonest:
             continue
-        late = mine - rivals_arrival_s(seen, row, forward, left, rules)
+        late = mine - rivals_arrival_s(seen, row, forward, left, mine, rules)
         if late <= 0.0:
             won, soonest = target, mine
         elif late < closest:
@@ -207,15 +210,15 @@ def best_race(seen: Seen, row: int, first: int, lost_by_s: float, rules: Rules) 
 
 
 @phase
-def rivals_arrival_s(seen: Seen, row: int, forward: float, left: float, rules: Rules) -> float:
-    """`contested_by_time.rivals_arrival_s`."""
-    soonest = math.inf
+def rivals_arrival_s(seen: Seen, row: int, forward: float, left: float, mine: float, rules: Rules) -> float:
+    """`contested_by_time.rivals_arrival_s`; where that is not sooner than `mine`, it is `mine`, and found sooner."""
+    soonest = mine
     for rival in range(rules.first_rival, rules.end, rules.rival_columns):
         if seen[row, rival + _RIVAL_SPEED] == 0.0:  # who is absent has none either
             continue
         dx, dy = forward - seen[row, rival + _FORWARD], left - seen[row, rival + _LEFT]
         if way_s(dx, dy, rules) >= soonest:
-            continue  # whatever the turn
+            continue
         cosine, sine = seen[row, rival + _RIVAL_COS], seen[row, rival + _RIVAL_SIN]
         soonest = min(soonest, arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx, rules))
     return soonest
@@ -250,8 +253,8 @@ def as_good_as_caught(seen: Seen, row: int, rules: Rules) -> bool:
     if seen[row, rules.first_target + _PRESENT] == 0.0:
         return False
     forward, left = seen[row, rules.first_target + _FORWARD], seen[row, rules.first_target + _LEFT]
-    distance = math.sqrt(forward * forward + left * left)
-    return distance < rules.reach_m and distance < nearest_rival_m(seen, row, forward, left, rules)
+    squared = forward * forward + left * left
+    return squared < rules.reach_m * rules.reach_m and squared < nearest_rival_m2(seen, row, forward, left, rules)
 
 
 @phase
@@ -297,7 +300,7 @@ def drive(forward: float, left: float, rules: Rules) -> Point:
 
 @phase
 def middle_of_own_ground(seen: Seen, row: int, rules: Rules) -> Point:
-    """`patrol.middle_of_own_ground`; the mean is taken of the points in the world frame."""
+    """`patrol.middle_of_own_ground`."""
     step = (rules.side_m - rules.spawn_low_m - rules.spawn_wall_m) / rules.grid
     cosine, sine = seen[row, _COS], seen[row, _SIN]
     count, ahead, aside = 0, 0.0, 0.0
@@ -306,7 +309,7 @@ def middle_of_own_ground(seen: Seen, row: int, rules: Rules) -> Point:
             dx = rules.spawn_low_m + (i + 0.5) * step - seen[row, _X]
             dy = rules.spawn_low_m + (j + 0.5) * step - seen[row, _Y]
             forward, left = cosine * dx + sine * dy, cosine * dy - sine * dx
-            if math.sqrt(forward * forward + left * left) <= nearest_rival_m(seen, row, forward, left, rules):
+            if forward * forward + left * left <= nearest_rival_m2(seen, row, forward, left, rules):
                 count += 1
                 ahead += forward
                 aside += left

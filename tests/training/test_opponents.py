@@ -56,8 +56,8 @@ def test_act_and_act_batch_agree(name, scenario):
     control = getattr(agent, "control", "target")
     config = catch_arena.scenario(scenario, control=control, max_cycles=60)
     arena = catch_arena.VectorArena(config, 4)
-    observations, _ = arena.reset(seed=8)
-    masks = arena._engine.masks
+    arena.reset(seed=8)
+    observations, masks = arena._engine.observations, arena._engine.masks
     one = agent()
     one.reset(0)
     looks = 0
@@ -70,7 +70,8 @@ def test_act_and_act_batch_agree(name, scenario):
             np.testing.assert_allclose(together, alone, rtol=0, atol=1e-9)
             actions[:, seat] = together
             looks += 4
-        arena.step(actions.astype(int) if control == "target" else actions)
+        told = actions.astype(int) if control == "target" else actions
+        arena.step({"hunter": told, "prey": np.zeros((4, config.prey, 2))} if config.prey else told)
     assert looks == 4 * 60 * config.hunters
     assert isinstance(one, BatchPolicy)
 
