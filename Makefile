@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 # By files, since the tests of one share what is slow to make; where a single file is most of the work, test by test.
 WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SPREAD := --numprocesses 2 --dist worksteal
-USUAL := not nightly and not extras and not hostile
+USUAL := not nightly and not extras and not hostile and not torch
 RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
 # The docs first: one of their tests is the longest.
 QUICK := tests/docs $(RULES) tests/agents tests/conformance tests/contract tests/vector
@@ -18,7 +18,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help compat demo test quick extras hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
+.PHONY: help compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
 	clean setup always
 
 help: ## list the targets
@@ -38,6 +38,9 @@ quick: $(VENV)/ready-dev ## before each commit: the tests of the rules, the door
 
 extras: $(VENV)/ready-extras ## the tests that need large packages: Ray, moviepy
 	$(BIN)/pytest -m extras tests
+
+train: $(VENV)/ready-torch ## the scripts that train, for a minute (torch: gigabytes)
+	$(BIN)/pytest -m torch tests
 
 hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and each other, at each level of isolation
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
@@ -127,6 +130,10 @@ $(VENV)/ready-dev: $(VENV)/ready
 
 $(VENV)/ready-extras: $(VENV)/ready-dev
 	@$(SET_UP) --group extras
+	@touch $@
+
+$(VENV)/ready-torch: $(VENV)/ready-dev
+	@$(SET_UP) --group torch --download 3000
 	@touch $@
 
 # A peer without a wheel for this Python, or a network that fails, leaves out that peer alone; the run names it as skipped.

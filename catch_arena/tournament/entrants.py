@@ -157,7 +157,8 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
         found = inspections[one.spec]
         content = one.content
         if content is None:
-            content = _content_of(found.source) or one.spec.encode()
+            content = _content_of(found.source)
+            content = one.spec.encode() if content is None else content + _beside(Path(found.source or ""))
         digest = hashlib.blake2b(content, digest_size=8).hexdigest()
         fault = None if found.fault is None else one_line(found.fault)
         prey_fault = None if found.prey_fault is None else one_line(found.prey_fault)
@@ -289,7 +290,7 @@ def _resolve(spec: str) -> _Resolved:
         path = Path(spec).expanduser().resolve()
         if not path.is_file():
             raise AgentError(f"{spec}: no such file")
-        return _Resolved(str(path), _name_parts(path), path.read_bytes())
+        return _Resolved(str(path), _name_parts(path), path.read_bytes() + _beside(path))
     if (file := spec.rpartition(":")[0]).endswith(".py"):
         raise AgentError(f"{spec}: a file is given alone, and its class is called Agent: {file}")
     if ":" in spec:
@@ -311,6 +312,14 @@ def _content_of(source: str | None) -> bytes | None:
             return file.read(_LARGEST_SOURCE) if S_ISREG(os.fstat(file.fileno()).st_mode) else None
     except (OSError, ValueError):
         return None
+
+
+def _beside(path: Path) -> bytes:
+    """What a network has learned, where it lies beside the agent's file under its name: `mine.npz` beside `mine.py`."""
+    return b"".join(_content_of(str(path.with_suffix(suffix))) or b"" for suffix in _WEIGHTS)
+
+
+_WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
 
 
 def _name_parts(file: Path) -> tuple[str, ...]:

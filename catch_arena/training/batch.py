@@ -42,7 +42,8 @@ class LearnerStep(NamedTuple):
     final_masks: NDArray[np.bool_]
     """And their masks: (E, K + 1)."""
     figures: Figures
-    """And their episodes in figures, `VectorArena`'s (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 11).
+    """And their episodes in figures, `VectorArena`'s (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 11); with
+    opponents also `opponents`, who they were as places in `opponents.names`, and `opponent_scores`, by seat: (E, S).
     Empty without auto_reset.
     """
 
@@ -95,7 +96,8 @@ class LearnerBatch:
         )
         self.num_envs: Final = self.arena.num_envs
         self.num_rows: Final = self.num_envs * self.learners
-        self._opponents = None if opponents is None else Opponents(config, self.num_envs, opponents)
+        self.opponents: Final = None if opponents is None else Opponents(config, self.num_envs, opponents)
+        """Who plays the other seats; `add` and `weigh` change the pool, for the episodes that begin from then on."""
         self._control = CONTROLS[config.controls[0]]
         self.action_space: Final = self.arena.action_space()
         self.columns: Final[tuple[Column, ...]] = columns(config)
@@ -141,8 +143,8 @@ class LearnerBatch:
             seed = fresh_seed() if seed is None else checked_seed(seed)
             self._random = np.random.default_rng(seed)
             self._rotation = np.arange(self.num_envs) - 1
-            if self._opponents is not None:
-                self._opponents.begin(self._random)
+            if self.opponents is not None:
+                self.opponents.begin(self._random)
         observations, infos = self.arena.reset(seed, arenas)
         chosen = np.arange(self.num_envs) if arenas is None else np.arange(self.num_envs)[np.asarray(arenas)]
         self._take(observations, infos)
@@ -163,11 +165,11 @@ class LearnerBatch:
         """
         if self._seen is None:
             raise EpisodeError("step must follow a reset: no episode has begun")
-        if self._opponents is None:
+        if self.opponents is None:
             given = self._of_arenas(actions)
         else:
             self._place(actions)
-            self._opponents.act(self._seen, self._masks, self._choices, self._commands)
+            self.opponents.act(self._seen, self._masks, self._choices, self._commands)
             given = {"cmd_vel": self._commands, "catch": self._choices}
         seats = self._seats  # of the episodes that end here
         observations, rewards, terminations, truncations, infos = self.arena.step(given)
@@ -181,6 +183,11 @@ class LearnerBatch:
             if "final_obs" in infos:
                 last, masks = infos["final_obs"], infos.get("final_mask", self._masks)
                 figures = {name: self._flat(table[places]) for name, table in infos["episode"].items()}
+                if self.opponents is not None:
+                    others = self.opponents.seated[over]
+                    theirs = others >= 0
+                    for name, table in (("opponents", others), ("opponent_scores", infos["episode"]["score"][over])):
+                        figures[name] = np.repeat(table[theirs].reshape(len(over), -1), self.learners, axis=0)
                 self._seat(over)
             final, final_masks = self._flat(last[places]), self._flat(masks[places])
             if self.scale is not None:
@@ -203,7 +210,7 @@ class LearnerBatch:
 
     def _seat(self, arenas: NDArray[np.int64]) -> None:
         """Learners move on by a seat, and the other seats draw their opponents."""
-        if self._opponents is None:
+        if self.opponents is None:
             return
         hunters = self.config.hunters
         self._rotation[arenas] += 1
@@ -211,9 +218,9 @@ class LearnerBatch:
         own, others = order[:, : self.learners], order[:, self.learners :]
         self._seats = self._seats.copy()
         self._seats[arenas] = own
-        drawn = self._opponents.draw(arenas, others, self._random)
+        drawn = self.opponents.draw(arenas, others, self._random)
         controls = np.full((len(arenas), hunters), self._control, dtype=np.int8)
-        np.put_along_axis(controls, others, self._opponents.controls[drawn], axis=1)
+        np.put_along_axis(controls, others, self.opponents.controls[drawn], axis=1)
         self.arena.set_controls(controls, arenas)
 
     def _of_arenas(self, actions: Any) -> Any:

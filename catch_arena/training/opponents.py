@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig, Control
@@ -67,9 +67,52 @@ class Opponents:
         return np.array([opponent.control for opponent in self._pool], dtype=np.int8)
 
     @property
+    def weights(self) -> NDArray[np.float64]:
+        """How often each agent of the pool is drawn: (P,), 1 in all."""
+        return np.full(len(self._pool), 1 / len(self._pool)) if self._weights is None else self._weights.copy()
+
+    @property
+    def seated(self) -> NDArray[np.int64]:
+        """Who plays where now, as numbers of the pool, -1 for learners: (B, H)."""
+        return self._who.copy()
+
+    @property
     def names(self) -> tuple[str, ...]:
         """The agents of the pool, in the order that `draw` counts them by."""
         return tuple(opponent.name for opponent in self._pool)
+
+    def add(self, agent: object) -> int:
+        """Take one more agent into the pool, with the weight 0 until `weigh` gives it another.
+
+        Returns:
+            its number: that of its place in `names`.
+
+        Raises:
+            AgentError: for an agent that cannot play.
+        """
+        added = _opponent(agent)
+        number = len(self._pool)
+        weights = np.append(self.weights, 0.0)
+        self._pool.append(added)
+        self._weights = weights
+        if added.control not in self._limits:
+            own = [Limits.of(self._config, seat) for seat in range(self._config.hunters)]
+            self._limits[added.control] = [_with_control(limits, added.control) for limits in own]
+            self._alike[added.control] = len(set(self._limits[added.control])) == 1
+        if added.in_batches:
+            self._call(added, "reset", "", number)
+        return number
+
+    def weigh(self, weights: ArrayLike) -> None:
+        """How often each agent of the pool is drawn from now on: (P,), at least 0, and one above it.
+
+        Raises:
+            ConfigError: for other weights.
+        """
+        given = np.asarray(weights, dtype=np.float64)
+        if given.shape != (len(self._pool),):
+            raise ConfigError(f"weights must be {len(self._pool)} numbers, one for each opponent, got {given.shape}")
+        self._weights = _shares(given, in_short(given.tolist()))
 
     def begin(self, draw: np.random.Generator) -> None:
         """Seed those that act on batches."""
@@ -191,9 +234,13 @@ def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] |
         weights = np.array([float(weight) for weight in pool.values()])
     except (TypeError, ValueError):
         weights = np.array([np.nan])
+    return agents, _shares(weights, in_short(dict(pool)))
+
+
+def _shares(weights: NDArray[np.float64], given: str) -> NDArray[np.float64]:
     if not (np.isfinite(weights).all() and (weights >= 0).all() and weights.sum() > 0):
-        raise ConfigError(f"opponents must have weights of at least 0, and one above it, got {in_short(dict(pool))}")
-    return agents, weights / weights.sum()
+        raise ConfigError(f"opponents must have weights of at least 0, and one above it, got {given}")
+    return weights / weights.sum()
 
 
 def _opponent(agent: object) -> _Opponent:

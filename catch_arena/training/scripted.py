@@ -275,9 +275,7 @@ def meeting_point(seen: Seen, row: int, target: int, rules: Rules) -> Point:
 def race_or_rest(seen: Seen, row: int, target: int, rules: Rules, commands: NDArray[np.float64]) -> None:
     """What `patrol` does with its choice."""
     if target != _NONE:
-        commands[row, 0], commands[row, 1] = drive(
-            seen[row, target + _FORWARD], seen[row, target + _LEFT], rules
-        )
+        commands[row, 0], commands[row, 1] = drive(seen[row, target + _FORWARD], seen[row, target + _LEFT], rules)
         return
     forward, left = middle_of_own_ground(seen, row, rules)
     speed, commands[row, 1] = drive(forward, left, rules)

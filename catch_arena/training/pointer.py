@@ -1,0 +1,189 @@
+"""Networks that choose where to go: the trained agents that ship, and those that scripts/train_ppo.py makes.
+
+A network looks at each candidate of `destinations`, and at all of them together, and gives each a logit (a pointer
+network; Vinyals, Fortunato and Jaitly, Pointer Networks, 2015; all of them are pooled by attention with learned
+queries, as in Lee et al., Set Transformer, 2019). The one with the highest is where the hunter goes.
+"""
+
+import os
+from pathlib import Path
+from typing import Any, Final, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from catch_arena.batch_policy import BatchView
+from catch_arena.config import RULESET, Control
+from catch_arena.errors import ConfigError, reason
+from catch_arena.policy import Limits, View
+from catch_arena.training.destinations import FEATURES, VERSION, Destinations, destinations, destinations_of_batch
+
+Head = Literal["destination", "rank", "velocity"]
+"""What the network decides: the place that a driver of ours goes to; the target that the arena's controller chases; or
+the velocities themselves.
+"""
+CONTROL_OF: Final[dict[Head, Control]] = {"destination": "velocity", "rank": "target", "velocity": "velocity"}
+
+QUERIES: Final = 2
+"""How many ways there are of looking at all candidates together."""
+TURN_GAIN: Final = 6.0
+"""Turn rate per radian of bearing [1/s]."""
+BRAKE_GAIN: Final = 2.0
+"""Speed per metre that is left to a resting place [1/s]."""
+
+Numbers = NDArray[np.float32]
+
+
+class PointerNetwork:
+    """Weights, and how they make logits of features. NumPy, float32.
+
+    Args:
+        head: what it decides.
+        weights: `encode` (F, H), `encode_bias` (H,), `attend` (H, QUERIES), `pool` (QUERIES * H, H), `mix` (H, H),
+            `mix_bias` (H,), `logit` (H,); with the head "velocity" also `drive` (H, 2), `drive_bias` (2,); and `prior`
+            (), what is added to the logit of the candidate that a scripted agent would take.
+
+    Raises:
+        ConfigError: for weights that are missing, of another shape, or not finite.
+    """
+
+    def __init__(self, head: Head, weights: dict[str, ArrayLike]) -> None:
+        if head not in get_args(Head):
+            raise ConfigError(f"head must be one of {', '.join(get_args(Head))}, got {head!r}")
+        self.head: Final = head
+        self.weights: Final = {name: np.asarray(value, np.float32) for name, value in weights.items()}
+        hidden = self.weights["mix"].shape[0] if self.weights.get("mix", np.zeros(())).ndim == 2 else 0
+        for name, shape in weight_shapes(head, hidden).items():
+            if name not in self.weights or self.weights[name].shape != shape:
+                got = self.weights[name].shape if name in self.weights else "nothing"
+                raise ConfigError(f"weights {name} must have the shape {shape}, got {got}")
+            if not np.isfinite(self.weights[name]).all():
+                raise ConfigError(f"weights {name} must be finite numbers, got {self.weights[name].min()}")
+
+    def __call__(self, seen: Destinations) -> tuple[Numbers, Numbers]:
+        """The logits of the candidates, (N, C), -inf where one is not legal, and the last hidden layer, (N, C, H)."""
+        w = self.weights
+        rows, candidates, width = seen.features.shape
+        hidden = np.maximum(seen.features.reshape(-1, width) @ w["encode"] + w["encode_bias"], 0)
+        attention = (hidden @ w["attend"]).reshape(rows, candidates, QUERIES)
+        attention[~seen.legal] = -np.inf
+        attention = np.exp(attention - attention.max(axis=1, keepdims=True))
+        attention /= attention.sum(axis=1, keepdims=True)
+        pooled = attention.transpose(0, 2, 1) @ hidden.reshape(rows, candidates, -1)  # (N, QUERIES, H)
+        common = pooled.reshape(rows, -1) @ w["pool"] + w["mix_bias"]
+        mixed = np.maximum((hidden @ w["mix"]).reshape(rows, candidates, -1) + common[:, None], 0)
+        logits: Numbers = mixed @ w["logit"]
+        logits[np.arange(rows), seen.preferred] += w["prior"]
+        logits[~seen.legal] = -np.inf
+        return logits, mixed
+
+    def velocities(self, logits: Numbers, mixed: Numbers) -> Numbers:
+        """What the head "velocity" drives, (N, 2) in [-1, 1]: what speaks for each candidate, weighted by softmax."""
+        chances = np.exp(logits - logits.max(axis=1, keepdims=True))
+        chances /= chances.sum(axis=1, keepdims=True)
+        drives = np.tanh(mixed @ self.weights["drive"] + self.weights["drive_bias"])
+        result: Numbers = (drives * chances[..., None]).sum(axis=1)
+        return result
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write it to an .npz file."""
+        tables: dict[str, Any] = {"head": self.head, "features": VERSION, "ruleset": RULESET, **self.weights}
+        with Path(path).open("wb") as file:
+            np.savez_compressed(file, **tables)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "PointerNetwork":
+        """Read what `save` wrote.
+
+        Raises:
+            ConfigError: for a file that is none or is damaged, and for one of another ruleset or of other features.
+        """
+        try:
+            with Path(path).open("rb") as raw, np.load(raw) as file:
+                tables = {name: file[name] for name in file.files}
+        except Exception as error:  # noqa: BLE001 - zipfile, zlib and NumPy raise what they like for a damaged file
+            raise ConfigError(f"{path}: must be what PointerNetwork.save writes: {reason(error)}") from None
+        for name, here in (("head", None), ("features", VERSION), ("ruleset", RULESET)):
+            if name not in tables or tables[name].shape != ():
+                raise ConfigError(f"{path}: must be what PointerNetwork.save writes: it has no {name}")
+            if here is not None and tables[name].item() != here:
+                raise ConfigError(f"{path}: {name} must be {here}, got {tables[name].item()}: train it again")
+        try:
+            weights = {name: table for name, table in tables.items() if name not in ("head", "features", "ruleset")}
+            return cls(tables["head"].item(), weights)
+        except (ConfigError, ValueError, TypeError) as error:
+            raise ConfigError(f"{path}: {error}") from None
+
+
+def weight_shapes(head: Head, hidden: int) -> dict[str, tuple[int, ...]]:
+    """The shape of each table of weights."""
+    shapes: dict[str, tuple[int, ...]] = {
+        "encode": (len(FEATURES), hidden),
+        "encode_bias": (hidden,),
+        "attend": (hidden, QUERIES),
+        "pool": (QUERIES * hidden, hidden),
+        "mix": (hidden, hidden),
+        "mix_bias": (hidden,),
+        "logit": (hidden,),
+        "prior": (),
+    }
+    if head == "velocity":
+        shapes |= {"drive": (hidden, 2), "drive_bias": (2,)}
+    return shapes
+
+
+class PointerAgent:
+    """An agent that plays what a network has learned: the best candidate, anew in each step.
+
+    Args:
+        network: the network, or the file that holds it.
+
+    Raises:
+        ConfigError: for a file that cannot be read.
+    """
+
+    def __init__(self, network: PointerNetwork | str | os.PathLike[str]) -> None:
+        self.network: Final = network if isinstance(network, PointerNetwork) else PointerNetwork.load(network)
+        self.control: Control = CONTROL_OF[self.network.head]
+
+    def reset(self, seed: int) -> None:
+        """Nothing to forget."""
+
+    def act(self, view: View) -> Any:
+        """The action for this step."""
+        (action,) = self._actions(destinations(view), view.limits).tolist()
+        return action
+
+    def act_batch(self, view: BatchView) -> Any:
+        """The same for N hunters: (N,) or (N, 2)."""
+        return self._actions(destinations_of_batch(view), view.limits)
+
+    def _actions(self, seen: Destinations, limits: Limits) -> Any:
+        logits, mixed = self.network(seen)
+        if self.network.head == "velocity":
+            return np.clip(self.network.velocities(logits, mixed), -1, 1)
+        choice = logits.argmax(axis=1)
+        if self.network.head == "rank":
+            return choice  # 0 holds, and the candidates after it are the targets by rank
+        rows = np.arange(len(choice))
+        return drive(seen.forward[rows, choice], seen.left[rows, choice], choice < seen.places, limits)
+
+
+def drive(
+    forward: NDArray[np.float64], left: NDArray[np.float64], resting: NDArray[np.bool_], limits: Limits
+) -> NDArray[np.float64]:
+    """The velocities, (N, 2), that bring points of the own frame [m] within reach as fast as the arc to them allows.
+
+    Args:
+        forward: (N,).
+        left: (N,).
+        resting: where a hunter goes to stay, so that it brakes: (N,).
+        limits: of the hunters.
+    """
+    bearing, distance = np.arctan2(left, forward), np.hypot(forward, left)
+    turn = np.clip(TURN_GAIN * bearing / limits.max_turn_rate_radps, -1.0, 1.0)
+    # the circle that is tangent to the heading and passes half a reach from the point
+    diameter = (distance + limits.reach_m / 2) / np.maximum(1e-6, np.abs(np.sin(bearing)))
+    speed = np.minimum(1.0, limits.max_turn_rate_radps * diameter / 2 / limits.max_speed_mps)
+    speed = np.where(resting, np.minimum(speed, BRAKE_GAIN * distance / limits.max_speed_mps), speed)
+    return np.stack((np.where(np.abs(bearing) >= np.pi / 2, 0.0, speed), turn), axis=1)

@@ -1,0 +1,50 @@
+"""The short way: MaskablePPO of sb3-contrib, and an agent that needs neither it nor torch."""
+
+import argparse
+import sys
+from pathlib import Path
+
+try:
+    from sb3_contrib import MaskablePPO
+except ModuleNotFoundError as error:
+    sys.exit(f"train_sb3: it needs {error.name}, which is not installed: pip install 'catch-arena[sb3]'")
+
+from catch_arena.training import Mlp, SB3VecEnv
+
+AGENT = '''"""Plays what scripts/train_sb3.py has learned in `{scenario}`."""
+
+from pathlib import Path
+
+import numpy as np
+
+from catch_arena.training import Mlp
+
+
+class Agent:
+    def __init__(self):
+        self.network = Mlp.load(Path(__file__).with_suffix(".npz"))
+
+    def reset(self, seed):
+        """Nothing to forget."""
+
+    def act(self, view):
+        if len(view.observation) != self.network.inputs:
+            return int(view.mask[1])  # another scenario: chase the nearest
+        return int(np.where(view.mask, self.network(view.observation), -np.inf).argmax())
+'''
+
+said = argparse.ArgumentParser(description=__doc__)
+said.add_argument("--out", type=Path, default=Path("runs/sb3"), help="where agent.py and agent.npz are written")
+said.add_argument("--scenario", default="standard")
+said.add_argument("--steps", type=int, default=5_000_000, help="of all learners together")
+given = said.parse_args()
+
+env = SB3VecEnv(given.scenario, 64, opponents=["nearest", "contested", "patrol"], normalise=True)
+model = MaskablePPO("MlpPolicy", env, n_steps=64, batch_size=1024, seed=1, verbose=1)
+model.learn(given.steps)
+
+given.out.mkdir(parents=True, exist_ok=True)
+network = Mlp.of_torch(model.policy.mlp_extractor.policy_net, model.policy.action_net, scale=env.batch.scale)
+network.save(given.out / "agent.npz")
+(given.out / "agent.py").write_text(AGENT.format(scenario=given.scenario))
+print(f"{given.out}/agent.py: try catch-arena check-agent {given.out}/agent.py --scenario {given.scenario}")

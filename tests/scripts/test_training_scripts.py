@@ -1,0 +1,227 @@
+"""scripts/train_ppo.py and scripts/train_sb3.py: short runs, what they leave, and what goes wrong."""
+
+import csv
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from catch_arena.tournament.entrants import create_policy
+from catch_arena.training.pointer import PointerNetwork
+
+ROOT = Path(__file__).parents[2]
+SHORT = [
+    "--arenas",
+    8,
+    "--horizon",
+    16,
+    "--minibatch",
+    64,
+    "--hidden",
+    8,
+    "--snapshot",
+    128,
+    "--evaluate",
+    0,
+    "--seed",
+    3,
+]
+
+
+def run(script, *arguments, fails=False):
+    """What a script says, on both channels."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, ROOT / "scripts" / script, *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    assert (done.returncode != 0) == fails, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+def table(path):
+    """The rows of a CSV file."""
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+def refused(*arguments):
+    """The one line that says why."""
+    said = [line for line in run("train_ppo.py", *arguments, fails=True).splitlines() if "compiling" not in line]
+    said = [line for line in said if "TensorBoard" not in line and "decisions," not in line]
+    assert len(said) == 1, said
+    assert said[0].startswith("train_ppo: ")
+    return said[0]
+
+
+@pytest.fixture(scope="module")
+def module():
+    """scripts/train_ppo.py."""
+    spec = importlib.util.spec_from_file_location("train_ppo", ROOT / "scripts/train_ppo.py")
+    made = importlib.util.module_from_spec(spec)
+    sys.modules["train_ppo"] = made
+    spec.loader.exec_module(made)
+    return made
+
+
+@pytest.mark.parametrize("script", ["train_ppo.py", "train_sb3.py"])
+def test_without_torch_a_line_says_what_to_install(script):
+    code = (
+        "import runpy, sys; sys.modules['torch'] = sys.modules['sb3_contrib'] = None; "
+        f"runpy.run_path({str(ROOT / 'scripts' / script)!r}, run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert len(done.stderr.splitlines()) == 1
+    assert "which is not installed: pip install 'catch-arena[" in done.stderr
+
+
+@pytest.mark.torch
+@pytest.mark.parametrize(
+    ("head", "opponents"), [("destination", "triage,nearest"), ("rank", "contested"), ("velocity", "patrol")]
+)
+def test_a_short_run_leaves_an_agent_that_plays(tmp_path, head, opponents):
+    out = tmp_path / "run"
+    copy = ["--imitate", opponents, "--imitate-decisions", 400] if head != "destination" else []
+    said = run(
+        "train_ppo.py", "--out", out, "--head", head, "--opponents", opponents, "--decisions", 400, *copy, *SHORT,
+        "--evaluate", 256, "--evaluate-rounds", 1,
+    )  # fmt: skip
+    assert "agent.py" in said
+    rows = table(out / "curve.csv")
+    assert {row["agent"] for row in rows} == {"ppo", "patrol", "contested_by_time", "contested"}
+    progress = table(out / "progress.csv")
+    assert [int(row["decisions"]) for row in progress] == [128, 256, 384, 512]
+    assert all(np.isfinite(float(row["value_error"])) for row in progress)
+    check = [sys.executable, "-m", "catch_arena", "check-agent", str(out / "agent.py"), "--scenario", "duel"]
+    assert "ok" in subprocess.run(check, capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    network = PointerNetwork.load(out / "agent.npz")
+    assert network.head == head
+    assert network.weights["mix"].shape == (8, 8)
+
+
+@pytest.mark.torch
+def test_the_same_seed_learns_the_same_and_a_run_goes_on_where_it_was(tmp_path):
+    for name in ("one", "other"):
+        run("train_ppo.py", "--out", tmp_path / name, "--opponents", "nearest", "--decisions", 256, *SHORT)
+    one, other = (PointerNetwork.load(tmp_path / name / "agent.npz").weights for name in ("one", "other"))
+    for name, weights in one.items():
+        np.testing.assert_array_equal(weights, other[name])
+    again = ["--out", tmp_path / "one", "--opponents", "nearest", *SHORT]
+    assert "or give --resume" in refused(*again)
+    run("train_ppo.py", *again, "--decisions", 512, "--resume")
+    decisions = [int(row["decisions"]) for row in table(tmp_path / "one" / "progress.csv")]
+    assert decisions == [128, 256, 384, 512]
+    later = PointerNetwork.load(tmp_path / "one" / "agent.npz").weights
+    assert any((later[name] != weights).any() for name, weights in one.items())
+    assert "--gamma must be 0.985, as the run began, got 0.5" in refused(*again, "--resume", "--gamma", 0.5)
+    (tmp_path / "one" / "state.pt").write_bytes(b"nothing")
+    assert "must be what a run has written" in refused(*again, "--resume")
+    assert "there is no" in refused("--out", tmp_path / "new", "--opponents", "nearest", *SHORT, "--resume")
+
+
+@pytest.mark.torch
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("--head tail", "--head must be one of destination, rank, velocity, got 'tail'"),
+        ("--arenas 0", "--arenas must be at least 1, got 0"),
+        ("--gamma nan", "--gamma must be from 0 to 1, got nan"),
+        ("--rate inf", "--rate must be a finite number of at least 0, got inf"),
+        ("--scenarios unequal", "--scenarios must be such that all hunters are alike"),
+        ("--scenarios tag", "--scenarios must be such that all hunters are alike and no prey is played"),
+        ("--scenarios moon", "moon"),
+        ("--opponents nobody", "nobody"),
+        ("--imitate patrol", "--imitate needs the head rank or velocity"),
+        ("--start gone.npz", "gone.npz"),
+        ("--rate 1e30", "the loss is"),
+    ],
+)
+def test_what_cannot_be_is_said_in_one_line(tmp_path, arguments, said):
+    short = [*SHORT, "--out", tmp_path / "run", "--decisions", 512]
+    opponents = [] if "--opponents" in arguments else ["--opponents", "nearest"]
+    assert said in refused(*short, *opponents, *arguments.split())
+
+
+@pytest.mark.torch
+@pytest.mark.parametrize("head", ["destination", "velocity"])
+def test_the_network_decides_the_same_in_torch_and_in_numpy(module, head):
+    import torch
+
+    torch.manual_seed(1)
+    actor = module.Actor(module.Settings(head=head, hidden=16))
+    with torch.no_grad():
+        for weights in actor.weights.values():
+            weights.normal_(0, 0.3)
+    arenas = module.Arenas("standard", module.Settings(head=head, arenas=8, opponents="nearest"), seed=2)
+    looked = arenas.look()
+    chances, mean, _ = actor(module.Seen.of(looked))
+    network = actor.exported(head)
+    logits, mixed = network(looked)
+    ours = logits - np.log(np.exp(logits.astype(np.float64)).sum(axis=1, keepdims=True))
+    np.testing.assert_allclose(chances.detach().numpy()[looked.legal], ours[looked.legal], atol=1e-4)
+    if head == "velocity":
+        np.testing.assert_allclose(mean.detach().numpy(), network.velocities(logits, mixed), atol=1e-4)
+
+
+@pytest.mark.torch
+def test_advantages_are_the_sums_of_discounted_errors(module):
+    """By the definition, in place of the recursion."""
+    import torch
+
+    settings = module.Settings(horizon=6, hold=2, gamma=0.9, trace=0.8)
+    torch.manual_seed(2)
+    values, gained, following = torch.randn(6, 3), torch.randn(6, 3), torch.randn(3)
+    ended = (torch.rand(6, 3) < 0.3).float()
+    rollout = module.Rollout([], *(torch.zeros(6, 3),) * 3, values, gained, ended, following)
+    found = module.advantages_of(rollout, settings)
+    gamma = 0.9**2
+    later = torch.cat((values[1:], following[None]))
+    errors = gained + gamma * (1 - ended) * later - values
+    for moment in range(6):
+        for row in range(3):
+            wanted, weight = 0.0, 1.0
+            for step in range(moment, 6):
+                wanted += weight * float(errors[step, row])
+                if ended[step, row]:
+                    break
+                weight *= gamma * 0.8
+            assert float(found[moment, row]) == pytest.approx(wanted, abs=1e-5)
+
+
+@pytest.mark.torch
+def test_past_selves_that_win_are_met_more_often(module, tmp_path):
+    settings = module.Settings(out=tmp_path, arenas=4, opponents="nearest,idle", self_play=0.5, most_selves=2, hidden=8)
+    arenas = module.Arenas("duel", settings, seed=1)
+    pool = module.Pool([arenas], settings)
+    actor = module.Actor(settings)
+    for _ in range(3):
+        pool.grow(actor.exported("destination"))
+    assert pool.alive.sum() == 2 + 2
+    pool.beaten[:] = (0.1, 0.9, 0.5, 0.2, 0.9)
+    pool.alive[:] = True
+    pool.weigh()
+    weights = arenas.batch.opponents.weights
+    assert weights[:2].sum() == pytest.approx(0.5)
+    assert weights[0] > weights[1]
+    assert weights[3] > weights[2] > weights[4]
+
+
+@pytest.mark.torch
+def test_the_short_example_leaves_an_agent_that_plays(tmp_path):
+    said = run("train_sb3.py", "--out", tmp_path / "sb3", "--scenario", "duel", "--steps", 8192)
+    assert "check-agent" in said
+    made = create_policy(str(tmp_path / "sb3" / "agent.py"))
+    assert made.network.inputs == 57
+    check = [
+        sys.executable,
+        "-m",
+        "catch_arena",
+        "check-agent",
+        str(tmp_path / "sb3" / "agent.py"),
+        "--scenario",
+        "duel",
+    ]
+    assert "ok" in subprocess.run(check, capture_output=True, text=True, check=True, cwd=ROOT).stdout

@@ -1,0 +1,186 @@
+"""Networks that choose where to go: their formulas, their files, and the agents that play them."""
+
+import contextlib
+import re
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import catch_arena
+from catch_arena import agents
+from catch_arena.batch_policy import BatchView
+from catch_arena.errors import ConfigError
+from catch_arena.policy import Limits, View
+from catch_arena.tournament.entrants import enter
+from catch_arena.training.destinations import FEATURES, Destinations, destinations
+from catch_arena.training.pointer import CONTROL_OF, QUERIES, PointerAgent, PointerNetwork, weight_shapes
+
+
+def network(head="destination", hidden=8, prior=1.5, seed=3):
+    source = np.random.default_rng(seed)
+    weights = {name: source.normal(0, 0.4, shape) for name, shape in weight_shapes(head, hidden).items()}
+    return PointerNetwork(head, weights | {"prior": np.float32(prior)})
+
+
+def candidates(rows=5, count=7, seed=1):
+    source = np.random.default_rng(seed)
+    legal = source.random((rows, count)) < 0.6
+    legal[:, 0] = True
+    features = source.normal(0, 1, (rows, count, len(FEATURES))).astype(np.float32)
+    places = source.normal(0, 3, (2, rows, count))
+    return Destinations(places[0], places[1], legal, features, np.zeros(rows, np.int64), 3)
+
+
+def logits_by_hand(net, seen, row):
+    """One candidate after the other, in double precision."""
+    w = {name: np.asarray(table, np.float64) for name, table in net.weights.items()}
+    legal = np.flatnonzero(seen.legal[row])
+    hidden = {c: np.maximum(0, seen.features[row, c] @ w["encode"] + w["encode_bias"]) for c in legal}
+    pooled = []
+    for query in range(QUERIES):
+        said = np.array([hidden[c] @ w["attend"][:, query] for c in legal])
+        shares = np.exp(said) / np.exp(said).sum()
+        pooled.append(sum(share * hidden[c] for share, c in zip(shares, legal, strict=True)))
+    common = np.concatenate(pooled) @ w["pool"] + w["mix_bias"]
+    return {
+        c: np.maximum(0, hidden[c] @ w["mix"] + common) @ w["logit"] + w["prior"] * (c == seen.preferred[row])
+        for c in legal
+    }
+
+
+def test_the_logits_are_those_of_the_formulas():
+    net, seen = network(), candidates()
+    logits, _ = net(seen)
+    for row in range(len(logits)):
+        for candidate, wanted in logits_by_hand(net, seen, row).items():
+            assert logits[row, candidate] == pytest.approx(wanted, abs=1e-4)
+        assert np.isneginf(logits[row][~seen.legal[row]]).all()
+
+
+def test_candidates_that_are_not_legal_change_nothing():
+    """Whatever their features: so one network plays with any number of targets."""
+    net, seen = network(), candidates()
+    other = seen._replace(features=np.where(seen.legal[..., None], seen.features, 7).astype(np.float32))
+    np.testing.assert_allclose(net(seen)[0], net(other)[0], rtol=0, atol=1e-5)
+    more = [np.concatenate((table, np.zeros_like(table[:, :2])), axis=1) for table in seen[:4]]
+    wider, _ = net(Destinations(*more, seen.preferred, seen.places))
+    np.testing.assert_allclose(wider[:, :7], net(seen)[0], rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("head", list(CONTROL_OF))
+@pytest.mark.parametrize("scenario", ["standard", "crowd", "evasive", "fog", "pairs", "duel"])
+def test_an_agent_acts_alike_alone_and_for_many_and_always_legally(head, scenario):
+    agent = PointerAgent(network(head))
+    config = catch_arena.scenario(scenario, control=agent.control, max_cycles=30)
+    arena, limits = catch_arena.VectorArena(config, 4), Limits.of(config)
+    observations, infos = arena.reset(seed=2)
+    for _ in range(6):
+        masks = infos.get("action_mask", np.ones((*observations.shape[:2], 0), np.int8))
+        actions = np.stack(
+            [
+                agent.act_batch(BatchView(observations[:, seat], masks[:, seat], limits))
+                for seat in range(config.hunters)
+            ],
+            1,
+        )
+        for seat in range(config.hunters):
+            alone = agent.act(View(observations[0, seat].tolist(), masks[0, seat].tolist(), limits))
+            np.testing.assert_allclose(actions[0, seat], alone, atol=1e-4)
+        observations, _, _, _, infos = arena.step(actions.astype(np.int64 if agent.control == "target" else np.float32))
+
+
+def test_a_network_is_written_and_read(tmp_path):
+    made = network("velocity")
+    made.save(tmp_path / "made.npz")
+    read = PointerNetwork.load(tmp_path / "made.npz")
+    assert read.head == "velocity"
+    for name, table in made.weights.items():
+        assert (read.weights[name] == table).all()
+
+
+def test_a_file_that_cannot_be_played_says_why(tmp_path):
+    """In one line that names the file."""
+    good = tmp_path / "good.npz"
+    network().save(good)
+    with np.load(good) as file:
+        tables = {name: file[name] for name in file.files}
+
+    def said(name, **changed):
+        path = tmp_path / f"{name}.npz"
+        kept = {key: value for key, value in (tables | changed).items() if value is not None}
+        np.savez(path, **kept)
+        with pytest.raises(ConfigError, match=re.escape(str(path))) as error:
+            PointerNetwork.load(path)
+        assert "\n" not in str(error.value)
+        return str(error.value)
+
+    assert "ruleset must be catch_arena_v1, got catch_arena_v9: train it again" in said(
+        "rules", ruleset="catch_arena_v9"
+    )
+    assert "features must be 1, got 0: train it again" in said("features", features=0)
+    assert "it has no ruleset" in said("none", ruleset=None)
+    assert "weights logit must have the shape (8,), got nothing" in said("missing", logit=None)
+    assert "weights encode must have the shape (45, 8), got (71, 8)" in said("width", encode=np.zeros((71, 8)))
+    assert "weights mix_bias must be finite numbers" in said("nan", mix_bias=np.full(8, np.nan))
+    assert "head must be one of" in said("head", head="tail")
+
+    whole = good.read_bytes()
+    for cut in (0, 10, len(whole) // 2, len(whole) - 5):
+        (tmp_path / "cut.npz").write_bytes(whole[:cut])
+        with pytest.raises(ConfigError, match=r"cut\.npz: must be what PointerNetwork\.save writes"):
+            PointerNetwork.load(tmp_path / "cut.npz")
+    with pytest.raises(ConfigError, match=r"gone\.npz"):
+        PointerNetwork.load(tmp_path / "gone.npz")
+    source = np.random.default_rng(0)
+    for _ in range(200):  # damaged anywhere: an error of ours, or the same network still
+        damaged = bytearray(whole)
+        damaged[source.integers(len(damaged))] ^= 1 << int(source.integers(8))
+        (tmp_path / "damaged.npz").write_bytes(damaged)
+        with contextlib.suppress(ConfigError):
+            PointerNetwork.load(tmp_path / "damaged.npz")
+
+
+def test_nothing_in_a_file_of_weights_is_run(tmp_path):
+    """An .npz may hold pickled objects: these are refused."""
+
+    class Evil:
+        def __reduce__(self):
+            return (print, ("run",))
+
+    np.savez(tmp_path / "evil.npz", head=np.array([Evil()], dtype=object))
+    with pytest.raises(ConfigError, match=r"evil\.npz"):
+        PointerNetwork.load(tmp_path / "evil.npz")
+
+
+def test_an_agents_digest_is_also_of_the_weights_beside_it(tmp_path):
+    """A network that has learned more is another entrant."""
+    file = tmp_path / "mine.py"
+    file.write_text((Path(agents.__path__[0]) / "ppo_destination.py").read_text())
+    network(seed=1).save(tmp_path / "mine.npz")
+    (first,) = enter([str(file)])
+    network(seed=2).save(tmp_path / "mine.npz")
+    (second,) = enter([str(file)])
+    assert first.digest != second.digest
+
+
+def test_the_weights_that_ship_are_small_finite_and_no_pickles():
+    files = sorted(Path(agents.__path__[0]).glob("*.npz"))
+    assert len(files) >= 3
+    for file in files:
+        assert file.stat().st_size < 1_000_000
+        assert zipfile.ZipFile(file).testzip() is None
+        loaded = PointerNetwork.load(file)
+        assert file.with_suffix(".py").is_file()
+        assert sum(table.size for table in loaded.weights.values()) > 10_000
+
+
+def test_what_a_trained_agent_reads_fits_its_scenario():
+    """It plays wherever hunters play: no width of observation is its own."""
+    for scenario in ("duel", "crowd"):
+        env = catch_arena.parallel_env(scenario, control="velocity")
+        observations, _ = env.reset(seed=1)
+        limits = Limits.of(env.config)
+        seen = destinations(View(observations["hunter_0"].tolist(), (), limits))
+        assert seen.features.shape[2] == len(FEATURES)
