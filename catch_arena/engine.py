@@ -61,7 +61,7 @@ _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
 
-def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
+def settings_of(config: ArenaConfig, *, progress_wanted: bool, any_control: bool = False) -> Settings:
     """The scalars of a config, as the core reads them."""
     high = config.side_m - _SPAWN_WALL_M
     return Settings(
@@ -71,6 +71,7 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool) -> Settings:
         hunters_seen=config.hunters_seen,
         policy=POLICIES[config.policy],
         progress_wanted=int(progress_wanted or config.rewards.progress != 0.0),
+        any_control=int(any_control),
         target_budget=math.inf if config.target_budget is None else float(config.target_budget),
         spawned_in_full=_spawned_in_full(config),
         side_m=float(config.side_m),
@@ -158,6 +159,7 @@ class Engine:
         infos_wanted: whether R6.2's parts are kept beside their sum.
         auto_reset: whether the next episode begins at once where one has ended.
         num_threads: how many may play.
+        any_control: whether `controls` may differ by arena.
 
     All arrays below are the engine's own and change with every step: copy what is to be kept.
     """
@@ -170,6 +172,7 @@ class Engine:
         infos_wanted: bool = True,
         auto_reset: bool = False,
         num_threads: int = 1,
+        any_control: bool = False,
     ) -> None:
         _compile_once(one=num_arenas == 1)
         self.config = config
@@ -190,7 +193,9 @@ class Engine:
         scratch = scratch_shapes(hunters, prey, num_rows, columns, team_play=team_play)
         memory, sections = lay_out(
             Sections(
-                settings=np.array(settings_of(config, progress_wanted=infos_wanted), dtype=np.float64),
+                settings=np.array(
+                    settings_of(config, progress_wanted=infos_wanted, any_control=any_control), dtype=np.float64
+                ),
                 start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
                 controls=np.tile(
                     np.array([CONTROLS[control] for control in config.controls], np.int8), (num_arenas, 1)

@@ -250,12 +250,12 @@ class Arenas:
 
     def __init__(self, name: str, settings: Settings, seed: int) -> None:
         config = arena_config(name, control=CONTROL_OF[settings.head])  # type: ignore[index] # checked
-        share = -1 / (config.hunters - 1) if config.teams is None and config.hunters > 1 else 0.0
-        config = config.replace(rewards=RewardWeights(catch=1.0, rival_catch=share))
+        rivals = config.hunters - (1 if config.teams is None else len(config.teams[0]))
+        config = config.replace(rewards=RewardWeights(catch=1.0, rival_catch=-1 / max(1, rivals)))  # zero-sum
         if len({Limits.of(config, seat) for seat in range(config.hunters)}) > 1 or config.prey:
             raise ValueError(f"--scenarios must be such that all hunters are alike and no prey is played, got {name}")
         self.name, self.settings, self.limits = name, settings, Limits.of(config)
-        self.batch = LearnerBatch(config, settings.arenas, opponents=settings.opponents.split(","))
+        self.batch = LearnerBatch(config, settings.arenas, opponents=settings.opponents.split(","), distinct=True)
         self.observations, self.masks = self.batch.reset(seed)
         self.results: list[tuple[np.ndarray, ...]] = []
         self.spread_out(np.random.default_rng(seed), config.max_steps)

@@ -250,7 +250,7 @@ def apply_actions(
         me = seat_of(block, seat)
         order = target_order_of(block, seat, s)
         own = limits_of(limits, seat)
-        if differ(controls, seat):
+        if s.any_control and differ(controls, seat):
             steer_lane_by_lane(me, order, targets, seat, controls, choices, commands, s, own, goals)
         else:
             control = controls[0, seat]

@@ -138,6 +138,7 @@ class Settings(NamedTuple):
     hunters_seen: int
     policy: int
     progress_wanted: int
+    any_control: int
     target_budget: float
     spawned_in_full: float
     side_m: float

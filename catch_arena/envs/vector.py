@@ -122,7 +122,12 @@ class VectorArena:
         shape = (num_envs, self.config.hunters)
         try:
             self._engine = Engine(
-                self.config, num_envs, infos_wanted=False, auto_reset=auto_reset, num_threads=num_threads
+                self.config,
+                num_envs,
+                infos_wanted=False,
+                auto_reset=auto_reset,
+                num_threads=num_threads,
+                any_control=any_control,
             )
             controls = self._kinds
             self._choices = np.zeros((0, 0) if controls == {"velocity"} else shape, dtype=np.int64)

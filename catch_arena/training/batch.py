@@ -59,6 +59,7 @@ class LearnerBatch:
         num_envs: B.
         opponents: see `Opponents`: an agent, several, or names with weights. None: all seats learn.
         learners: how many seats of an arena learn, where there are opponents.
+        distinct: whether no opponent is drawn twice in an arena, as in a tournament, while there are as many as seats.
         normalise: divide each column by its largest magnitude, so that it lies in [-1, 1]; what is absent stays 0.
         num_threads: how many threads play.
         auto_reset: whether ended episodes begin anew at once.
@@ -76,6 +77,7 @@ class LearnerBatch:
         *,
         opponents: Pool | None = None,
         learners: int = 1,
+        distinct: bool = False,
         normalise: bool = False,
         num_threads: int = 1,
         auto_reset: bool = True,
@@ -83,8 +85,9 @@ class LearnerBatch:
     ) -> None:
         config = arena_config(scenario, **overrides)
         self.config: Final = config
-        if not isinstance(normalise, bool):
-            raise ConfigError(f"normalise must be True or False, got {normalise!r}")
+        for name, value in (("normalise", normalise), ("distinct", distinct)):
+            if not isinstance(value, bool):
+                raise ConfigError(f"{name} must be True or False, got {value!r}")
         if len(set(config.controls)) > 1:
             raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
         most = config.hunters - (opponents is not None)
@@ -96,7 +99,7 @@ class LearnerBatch:
         )
         self.num_envs: Final = self.arena.num_envs
         self.num_rows: Final = self.num_envs * self.learners
-        self.opponents: Final = None if opponents is None else Opponents(config, self.num_envs, opponents)
+        self.opponents: Final = None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
         """Who plays the other seats; `add` and `weigh` change the pool, for the episodes that begin from then on."""
         self._control = CONTROLS[config.controls[0]]
         self.action_space: Final = self.arena.action_space()

@@ -42,16 +42,18 @@ class Opponents:
         num_envs: B.
         pool: an agent, several, or a mapping from agents' names to their weights. An agent is what a tournament takes
             (a shipped name, a file, `package.module:Class`), a class, or an object with `act_batch` or `act`.
+        distinct: whether no agent is drawn twice in an arena, while as many have a weight above 0 as there are seats.
 
     Raises:
         ConfigError: for an empty pool, and for weights that cannot be.
         AgentError: for an agent that cannot play.
     """
 
-    def __init__(self, config: ArenaConfig, num_envs: int, pool: Pool) -> None:
+    def __init__(self, config: ArenaConfig, num_envs: int, pool: Pool, *, distinct: bool = False) -> None:
         agents, weights = _agents_and_weights(pool)
         self._pool = [_opponent(agent) for agent in agents]
         self._weights = weights
+        self._distinct = distinct
         self._config = config
         limits = [Limits.of(config, seat) for seat in range(config.hunters)]
         self._limits = {
@@ -126,7 +128,13 @@ class Opponents:
         Returns:
             the numbers of the agents in the pool: (n, S).
         """
-        chosen = draw.choice(len(self._pool), p=self._weights, size=seats.shape)
+        if self._distinct and np.count_nonzero(self.weights) >= seats.shape[1]:
+            # without replacement: the largest of the weights' logarithms with Gumbel noise (Efraimidis and Spirakis, 2006)
+            with np.errstate(divide="ignore"):
+                keys = np.log(self.weights) + draw.gumbel(size=(len(seats), len(self._pool)))
+            chosen = np.argsort(-keys, axis=1, kind="stable")[:, : seats.shape[1]]
+        else:
+            chosen = draw.choice(len(self._pool), p=self._weights, size=seats.shape)
         self._who[arenas] = -1
         self._who[arenas[:, None], seats] = chosen
         if not all(opponent.in_batches for opponent in self._pool):

@@ -271,3 +271,57 @@ def test_an_agent_that_is_none_is_refused(opponent, message):
     """By name, and as an object."""
     with pytest.raises(AgentError, match=message):
         LearnerBatch("duel", 2, opponents=opponent)
+
+
+def test_distinct_opponents_are_drawn_by_their_weights_and_never_twice():
+    """As in a tournament's matches; with fewer agents than seats they repeat."""
+    batch = LearnerBatch("standard", 600, opponents={"nearest": 1, "first": 1, "idle": 4, "contested": 1}, distinct=True)
+    batch.reset(seed=3)
+    seated = batch.opponents.seated
+    assert all(len(set(row[row >= 0].tolist())) == 3 for row in seated)
+    met = [int((seated == number).any(axis=1).sum()) for number in range(4)]
+    assert met[2] > 560  # seven times in ten it is drawn first
+    assert all(350 < times < 470 for times in (met[0], met[1], met[3]))
+    few = LearnerBatch("standard", 4, opponents=["nearest", "first"], distinct=True)
+    few.reset(seed=3)
+    assert few.opponents.seated.max() <= 1
+    with pytest.raises(ConfigError, match="distinct must be True or False"):
+        LearnerBatch("standard", 4, opponents="nearest", distinct=2)
+
+
+def test_a_pool_that_grows_is_drawn_from_once_it_has_a_weight():
+    """And episodes that are under way go on with whom they have."""
+    batch = LearnerBatch("duel", 40, opponents="nearest", max_cycles=3)
+    batch.reset(seed=1)
+    number = batch.opponents.add("patrol")
+    assert (number, batch.opponents.names) == (1, ("nearest", "patrol"))
+    assert batch.opponents.weights.tolist() == [1, 0]
+    for _ in range(6):
+        step = batch.step(hold(batch))
+    assert (batch.opponents.seated != 1).all()
+    batch.opponents.weigh([0, 2])
+    assert (batch.opponents.seated != 1).all()
+    for _ in range(3):
+        step = batch.step(hold(batch))
+    assert step.figures["opponents"].tolist() == [[0]] * 40
+    assert (batch.opponents.seated.max(axis=1) == 1).all()
+    for wrong in ([1], [0, 0], [1, float("nan")], [-1, 2]):
+        with pytest.raises(ConfigError, match="weights"):
+            batch.opponents.weigh(wrong)
+
+
+def test_the_figures_of_an_episode_name_its_opponents_and_their_scores():
+    """Beside the learner's own, seat by seat."""
+    batch = LearnerBatch("standard", 6, opponents=["nearest", "patrol"], max_cycles=40, learners=2)
+    batch.reset(seed=5)
+    who = batch.opponents.seated
+    for _ in range(40):
+        seats = batch.seats
+        step = batch.step(hold(batch))
+    assert step.ended.tolist() == list(range(12))
+    assert step.figures["opponents"].shape == step.figures["opponent_scores"].shape == (12, 2)
+    for arena in range(6):
+        wanted = [who[arena, seat] for seat in range(4) if seat not in seats[arena]]
+        assert step.figures["opponents"][2 * arena].tolist() == step.figures["opponents"][2 * arena + 1].tolist() == wanted
+    assert step.figures["opponent_scores"].sum() > 0
+    assert step.figures["score"].sum() == 0  # who holds catches nothing
