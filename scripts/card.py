@@ -26,7 +26,7 @@ from catch_arena.cli.app import MAX_FORFEITS
 from catch_arena.cli.progress import progress_bar
 from catch_arena.errors import CatchArenaError, StoreError
 from catch_arena.files import write_whole
-from catch_arena.suite.contents import SUITE
+from catch_arena.suite.contents import REFERENCES, SUITE
 from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
 from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures, measure
 from catch_arena.suite.references import FILE, references_text
@@ -42,14 +42,16 @@ TRAINED: Final = ("ppo_", "trained_", "learned_")
 WEAK: Final = 0.45
 """A scenario in which the normalised score is below this is named as a weakness."""
 
-HEAD: Final = """Their results in `{suite}` (digest {digest}); [the protocol](suite.md) says what the figures are. Best in \
-the held-out scenarios first. 0.5 is level with the mean opponent."""
-METHOD: Final = """Measured by `make card` on {machine}. {blocks} blocks of each scenario{fewer}. `?` stands where too few \
-blocks were played to tell. The time of a move is that of the clock on the wall, in our own processes, while the machine \
-did other things too."""
+HEAD: Final = """Their results in `{suite}` (digest {digest}); [the protocol](suite.md) says what the figures are. Best
+in the held-out scenarios first. 0.5 is level with the mean opponent."""
+METHOD: Final = """Measured by `{command}` on {machine}. The protocol has {blocks} blocks of each scenario; where the
+table says fewer, the numbers are a first look. `?` stands where too few blocks were played to tell. The time of a move
+is that of the clock on the wall, in our own processes, while the machine did other things too."""
+HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first in", "forfeits", "a move")
 KEY: Final = """
-*Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first less the \
-second. *First in*: in how many scenarios it comes first among itself and its opponents, or cannot be told from the first.
+*Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first less the
+second. *First in*: in how many scenarios it comes first among itself and its opponents, or cannot be told from the
+first.
 """
 
 
@@ -58,11 +60,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("agents", nargs="*", help="which ones; without any, all that come with the package")
     parser.add_argument("--out", type=Path, default=Path("out/card"), help="the folder for the matches")
+    parser.add_argument("--blocks", type=int, default=SUITE.blocks, help="of agents that are no references")
     parser.add_argument("--jobs", type=int, default=usable_cores(), help="processes that play")
     args = parser.parse_args()
     try:
         agents = enter(args.agents or list(shipped()))
-        measured = [play(one, args.out, args.jobs) for one in agents]
+        measured = [play(one, args.out, args.jobs, args.blocks) for one in agents]
         measured.sort(key=lambda one: -one.held_out.mean)
         write_whole(PAGE, page(measured).encode())
         write_whole(FILE, references_text(SUITE, measured).encode())
@@ -73,10 +76,12 @@ def main() -> int:
     return 0
 
 
-def play(agent: Entrant, out: Path, jobs: int) -> AgentMeasures:
-    """What an agent reaches; matches of another version of it, or of its opponents, are thrown away."""
+def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
+    """What an agent reaches, in `most` blocks of each scenario at most; matches of another version of it, or of its
+    opponents, are thrown away.
+    """
     folder = folder_of(out, agent)
-    blocks = FEWER_BLOCKS.get(agent.name, SUITE.blocks)
+    blocks = SUITE.blocks if agent.name in REFERENCES else min(most, FEWER_BLOCKS.get(agent.name, most))
     evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder, blocks, None, MAX_FORFEITS)
     done = 0
     with progress_bar(agent.name, evaluation.matches) as show:
@@ -102,12 +107,12 @@ def play(agent: Entrant, out: Path, jobs: int) -> AgentMeasures:
 
 def page(measured: Sequence[AgentMeasures]) -> str:
     """docs/card.md."""
-    fewer = "".join(f", {count} of `{name}`" for name, count in FEWER_BLOCKS.items() if name in names(measured))
+    command = " ".join(("make card" if not sys.argv[1:] else "scripts/card.py", *sys.argv[1:]))
     lines = (
         "# The agents that come with the package",
         HEAD.format(suite=SUITE.name, digest=SUITE.digest),
-        METHOD.format(machine=machine(), blocks=SUITE.blocks, fewer=fewer),
-        "| agent | control | training | held out | gap | first in | forfeits | a move |\n|---|---|---|---|---|---|---|---|",
+        METHOD.format(machine=machine(), blocks=SUITE.blocks, command=command),
+        f"| {' | '.join(HEADINGS)} |\n{'|---' * len(HEADINGS)}|",
     )
     return "\n".join(
         (
@@ -121,17 +126,13 @@ def page(measured: Sequence[AgentMeasures]) -> str:
     )
 
 
-def names(measured: Sequence[AgentMeasures]) -> list[str]:
-    """Of the agents."""
-    return [one.agent.name for one in measured]
-
-
 def summary(one: AgentMeasures) -> str:
     """An agent's row."""
     first = sum(of.first_group for of in one.scenarios)
     cells = (
         f"[`{one.agent.name}`](#{one.agent.name})",
         one.agent.control,
+        str(one.blocks),
         figure(one.training),
         figure(one.held_out),
         figure(one.gap),

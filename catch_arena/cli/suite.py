@@ -115,7 +115,8 @@ def suite(
     say(f"{SUITE.name} (digest {SUITE.digest}): {len(SUITE.scenarios)} scenarios, {blocks} blocks of each")
     if quick:
         say(f"--quick: a first look, NOT the protocol, which is {SUITE.blocks} blocks")
-    say(f"{_agents(len(agents))}, {total} matches, about {duration(seconds / workers)} with {processes}")
+    takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of which are kept already"
+    say(f"{_agents(len(agents))}, {total} matches, {takes}")
 
     done = 0
 
@@ -158,7 +159,6 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
             *("scenario", "score", "95 %", "wins", "95 %", "place", "forf."),
             title=f"{measures.agent.name}, {what}",
             title_justify="left",
-            caption=_KEY if held_out else None,
             padding=(0, 1, 0, 0),
         )
         for column in shown.columns[1:]:
@@ -175,6 +175,7 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
                     str(sum(one.forfeits.values())),
                 )
         Console().print(shown)
+    say(_KEY)
     say(f"interquartile mean, training: {_figure(measures.training)}")
     say(f"interquartile mean, held out: {_figure(measures.held_out)}")
     say(f"gap, training less held out: {_figure(measures.gap)}")

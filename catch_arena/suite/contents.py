@@ -5,14 +5,12 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import Any, Final
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.errors import ConfigError, suggest
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import Block
 from catch_arena.tournament.parties import Parties
@@ -71,18 +69,6 @@ class Suite:
         """The scenarios for training, or those that are held out."""
         return tuple(one for one in self.scenarios if one.held_out == held_out)
 
-    def named(self, names: Sequence[str]) -> tuple[SuiteScenario, ...]:
-        """The scenarios of these names, in the suite's order.
-
-        Raises:
-            ConfigError: for an unknown name.
-        """
-        known = [one.name for one in self.scenarios]
-        for name in names:
-            if name not in known:
-                raise ConfigError(f"unknown scenario {name!r} of {self.name}: {suggest(name, known)}")
-        return tuple(one for one in self.scenarios if one.name in names)
-
     def secret(self, scenario: SuiteScenario) -> Secret:
         """From what a scenario's matches are drawn."""
         return Secret.of(self.seed).part("suite", self.scenarios.index(scenario))
@@ -98,13 +84,9 @@ class Suite:
             playing = (0, *(1 + index for index in scenario.lineup(block[0].block)))
             return tuple(match.with_players(playing) for match in block)
 
-        parameters: dict[str, str | int] = {
-            "format": "suite",
-            "suite": self.name,
-            "scenario": scenario.name,
-            "rounds": blocks,
-        }
-        return FixedPlan(parameters, roles.size, lambda: map(seated, roles.blocks()))
+        # how many blocks there are is no part of it, so that what was played for a first look is not played again
+        about = {"format": "suite", "suite": self.name, "scenario": scenario.name}
+        return FixedPlan(about, roles.size, lambda: map(seated, roles.blocks()))
 
     @cached_property
     def digest(self) -> str:

@@ -75,15 +75,11 @@ class Evaluation:
             if (forfeit := result.details[0]) is not None:
                 yield one.name, forfeit.reason
 
-    def count_played(self) -> int:
-        """How many of its matches are kept."""
-        return sum(self._played_in(one) for one in self.suite.scenarios)
-
     def estimate_s(self) -> float:
         """How long the matches that are missing will take one process, about: some of the first scenario are tried, and
         not kept, and others counted by how many hunters they have, for how many steps.
         """
-        missing = {one: self._plan(one).size - self._played_in(one) for one in self.suite.scenarios}
+        missing = {one: self._plan(one).size - len(self.played(one)) for one in self.suite.scenarios}
         if not any(missing.values()):
             return 0.0
         first = self.suite.scenarios[0]
@@ -102,12 +98,14 @@ class Evaluation:
             StoreError: for matches in the folder that are of another agent, or on other terms.
             NoContest, OutputError: as `play_plan`.
         """
-        done = [one for one in self.suite.scenarios if self._played_in(one) == self._plan(one).size]
-        waiting = [one for one in self.suite.scenarios if one not in done]
-        for one in done:
-            with self._begun(one) as store:
-                if on_results is not None:
-                    on_results(list(store.played()))
+        waiting = []
+        for one in self.suite.scenarios:
+            self._begun(one).close()  # first of all: they are this agent's matches
+            kept = self.played(one)
+            if len(kept) < self._plan(one).size:
+                waiting.append(one)
+            elif on_results is not None:
+                on_results(kept)
         if not waiting:
             return
         with local_executor(self._worker(waiting[0]), jobs) as ready:
@@ -125,16 +123,12 @@ class Evaluation:
                     )
 
     def played(self, scenario: SuiteScenario) -> list[PlayedMatch]:
-        """What is kept of a scenario."""
-        with Store.read(self._folder(scenario)) as store:
-            return list(store.played())
-
-    def _played_in(self, scenario: SuiteScenario) -> int:
+        """What is kept of a scenario, of the blocks that count: there may be more."""
         folder = self._folder(scenario)
         if not (folder / STORE).is_file():
-            return 0
+            return []
         with Store.read(folder) as store:
-            return store.count_played()
+            return [one for one in store.played() if one.match.block < self.blocks]
 
     def _begun(self, scenario: SuiteScenario) -> Store:
         """The store of a scenario, made where there is none.

@@ -203,7 +203,7 @@ def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Map
             one.name: {
                 "held_out": one.held_out,
                 "score": ends_of(one.score),
-                "score_by_block": [round(score, 6) for score in one.by_block],
+                "score_by_block": list(one.by_block),
                 "win_share": ends_of(one.win_share),
                 "place": one.place,
                 "of": one.of,

@@ -31,9 +31,11 @@ def references(suite: Suite, path: Path = FILE) -> dict[str, Scores]:
 
 
 def references_text(suite: Suite, measured: Iterable[AgentMeasures]) -> str:
-    """The file, from what agents reached; those that are no references, or played less, are left out."""
+    """The file, from what agents reached; those that are no references, or played less, are left out. No score is
+    rounded: equal ones must stay equal.
+    """
     scores = {
-        one.agent.name: {of.name: [round(score, 4) for score in of.by_block] for of in one.scenarios}
+        one.agent.name: {of.name: list(of.by_block) for of in one.scenarios}
         for one in measured
         if one.agent.name in REFERENCES and one.blocks == suite.blocks
     }
