@@ -64,10 +64,11 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=usable_cores(), help="processes that play")
     args = parser.parse_args()
     try:
-        agents = enter(args.agents or list(shipped()))
+        wanted = args.agents or list(shipped())
+        agents = enter(sorted(wanted, key=lambda name: name not in REFERENCES))  # what is needed most comes first
         measured = [play(one, args.out, args.jobs, args.blocks) for one in agents]
         measured.sort(key=lambda one: -one.held_out.mean)
-        write_whole(PAGE, page(measured).encode())
+        write_whole(PAGE, page(measured, args.blocks).encode())
         write_whole(FILE, references_text(SUITE, measured).encode())
     except CatchArenaError as error:
         print(error, file=sys.stderr)
@@ -105,9 +106,9 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
     return measure(evaluation)
 
 
-def page(measured: Sequence[AgentMeasures]) -> str:
-    """docs/card.md."""
-    command = " ".join(("make card" if not sys.argv[1:] else "scripts/card.py", *sys.argv[1:]))
+def page(measured: Sequence[AgentMeasures], most: int) -> str:
+    """docs/card.md; `most` is that of `play`."""
+    command = "make card" if most == SUITE.blocks else f"scripts/card.py --blocks {most}"
     lines = (
         "# The agents that come with the package",
         HEAD.format(suite=SUITE.name, digest=SUITE.digest),

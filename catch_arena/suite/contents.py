@@ -21,7 +21,7 @@ TRAINING_OPPONENTS: Final = ("first", "nearest", "contested", "contested_by_time
 """Who plays where the opponents are known. A learner may train against any agent but the held-out ones."""
 HELD_OUT_OPPONENTS: Final = ("intercept",)
 """Who plays where they are not: no learner has met, imitated or been chosen by them."""
-REFERENCES: Final = ("random", "nearest", "contested_by_time", "patrol")
+REFERENCES: Final = ("nearest", "contested_by_time", "patrol")
 """Whose results are kept with the package (`make card`), and compared with."""
 QUICK_BLOCKS: Final = 2
 """Of each scenario, for a first look that is not the protocol."""

@@ -3,9 +3,11 @@
 import dataclasses
 import json
 import re
+import time
 
 import numpy as np
 import pytest
+from interrupts.commands import LINE, PATIENCE_S, Command
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
@@ -276,3 +278,18 @@ def test_references_are_compared_with_block_by_block(run, tmp_path, monkeypatch)
     of = told["probability_of_improvement"]["nearest"]
     assert of["training"]["mean"] == of["held_out"]["mean"] == 0.5  # itself
     assert "probability of improvement over nearest: training 0.50" in result.stdout
+
+
+def test_ctrl_c_ends_it_with_one_line_and_leaves_nothing(tmp_path):
+    (tmp_path / "mine.py").write_text(FITTED.replace("self.network(", "np.zeros(9) * len(").replace("Mlp.load", "str"))
+    command = Command(tmp_path, ("suite", "mine.py", "--quick", "--out", "o", "--jobs", "1"))
+    command.wait_until_it_listens()
+    store = tmp_path / "o" / "mine" / "standard" / "tournament.sqlite"
+    patience = time.monotonic() + PATIENCE_S
+    while not store.exists() and time.monotonic() < patience:
+        time.sleep(0.05)
+    command.interrupt([])
+    ended = command.ended()
+    assert ended.status == 130
+    assert LINE.fullmatch(ended.errors)["kept"], ended.errors
+    assert not ended.left
