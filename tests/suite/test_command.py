@@ -33,6 +33,11 @@ SMALL = Suite(
     seed=5,
 )
 SIZE = 4 * (2 + 4 + 2)
+NEAREST = """
+class Agent:
+    def reset(self, seed): pass
+    def act(self, view): return int(view.mask[1])
+"""
 NARROW = """
 from pathlib import Path
 import numpy as np
@@ -168,9 +173,7 @@ def test_words_that_cannot_be_are_one_line_and_exit_code_2(run, tmp_path, words,
 
 
 def test_matches_of_another_agent_are_not_taken_for_its_own(run, tmp_path):
-    (tmp_path / "mine.py").write_text(
-        "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
-    )
+    (tmp_path / "mine.py").write_text(NEAREST)
     assert run("mine.py", "--trusted", "--quick").exit_code == 0
     with (tmp_path / "mine.py").open("a") as file:
         file.write("# better\n")
@@ -281,7 +284,7 @@ def test_references_are_compared_with_block_by_block(run, tmp_path, monkeypatch)
 
 
 def test_ctrl_c_ends_it_with_one_line_and_leaves_nothing(tmp_path):
-    (tmp_path / "mine.py").write_text(FITTED.replace("self.network(", "np.zeros(9) * len(").replace("Mlp.load", "str"))
+    (tmp_path / "mine.py").write_text(NEAREST)
     command = Command(tmp_path, ("suite", "mine.py", "--quick", "--out", "o", "--jobs", "1"))
     command.wait_until_it_listens()
     store = tmp_path / "o" / "mine" / "standard" / "tournament.sqlite"
