@@ -26,7 +26,7 @@ from catch_arena.cli.app import MAX_FORFEITS
 from catch_arena.cli.progress import progress_bar
 from catch_arena.errors import CatchArenaError, StoreError
 from catch_arena.files import write_whole
-from catch_arena.suite.contents import REFERENCES, SUITE
+from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
 from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
 from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures, measure
 from catch_arena.suite.references import FILE, references_text
@@ -180,6 +180,9 @@ def section(one: AgentMeasures) -> Iterator[str]:
     yield f"- Held out {figure(one.held_out)}, training {figure(one.training)}; {time_of(one)} a move."
     yield f"- Matches: {sum(of.matches for of in one.scenarios)}, of which it forfeited {one.forfeits}."
     yield f"- Not good at: {weaknesses(one)}."
+    for opponents, kind in ((TRAINING_OPPONENTS, "a training opponent"), (HELD_OUT_OPPONENTS, "a held-out opponent")):
+        if one.agent.name in opponents:
+            yield f"- It is {kind} of the suite, and meets itself there."
     yield ""
 
 
