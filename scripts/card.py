@@ -137,7 +137,7 @@ def summary(one: AgentMeasures) -> str:
         figure(one.training),
         figure(one.held_out),
         figure(one.gap),
-        f"{first} of {len(one.scenarios)}",
+        f"{first} of {len(one.scenarios)}" if one.blocks == SUITE.blocks else "?",
         str(one.forfeits),
         time_of(one),
     )

@@ -132,7 +132,7 @@ def measure_scenario(
         name=scenario.name,
         held_out=scenario.held_out,
         by_block=tuple(by_block),
-        score=score,
+        score=Estimate(score.mean, max(score.low, 0.0), min(score.high, 1.0)) if not math.isnan(score.low) else score,
         win_share=line.win_share,
         place=line.place,
         of=len(table),

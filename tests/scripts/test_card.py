@@ -41,10 +41,13 @@ def reached(name, scores, blocks=4, forfeits=0):
 
 
 def test_the_page_says_what_was_measured():
-    page = CARD["page"]([reached("patrol", [0.3, 0.7, 0.2]), reached("idle", [0.0] * len(SUITE.scenarios))], 4)
+    whole = SUITE.blocks
+    measured = [reached("patrol", [0.3, 0.7, 0.2], whole), reached("idle", [0.0] * len(SUITE.scenarios))]
+    page = CARD["page"](measured, whole)
     assert SUITE.digest in page
-    (row,) = re.findall(r"^\| \[`patrol`\]\(#patrol\) \| velocity \| 4 \| .* \|$", page, re.MULTILINE)
+    (row,) = re.findall(r"^\| \[`patrol`\]\(#patrol\) \| velocity \| 10 \| .* \|$", page, re.MULTILINE)
     assert "12 of 14" in row
+    assert "of 14" not in re.search(r"^\| \[`idle`\].*", page, re.MULTILINE)[0]  # few blocks: nobody can be told apart
     assert "0.25 ms" in row
     assert "- Not good at: `scarce` (a target every two seconds), 0.20; `standard` (four hunters" in page
     assert "- Not good at: any scenario" in page
