@@ -18,7 +18,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
+.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
 	clean setup always
 
 help: ## list the targets
@@ -96,6 +96,9 @@ format: $(VENV)/ready-dev ## put the sources into form
 bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs/performance.md)
 	@mkdir -p out
 	$(BIN)/python scripts/bench $(if $(PUFFERLIB),--pufferlib '$(PUFFERLIB)') --json out/bench.json --page docs/performance.md
+
+card: $(VENV)/ready ## measure all shipped agents in the suite, and write docs/card.md; goes on where it was (out/card)
+	$(BIN)/python scripts/card.py
 
 pictures: $(VENV)/ready ## draw the README's picture and its animation
 	$(BIN)/python scripts/pictures.py

@@ -13,6 +13,7 @@ from catch_arena.cli import replays as _replays  # noqa: F401
 from catch_arena.cli import report as _report  # noqa: F401
 from catch_arena.cli import ros as _ros  # noqa: F401
 from catch_arena.cli import ros_bags as _ros_bags  # noqa: F401
+from catch_arena.cli import suite as _suite  # noqa: F401
 from catch_arena.cli import videos as _videos  # noqa: F401
 from catch_arena.cli.app import arena, main
 

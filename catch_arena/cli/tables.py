@@ -78,8 +78,8 @@ def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: 
         most = played[1]
         shown.add_row("an agent plays", f"{_span(*played)} matches")
         shown.add_row("a pair meets in", f"{_span(*met)} matches")
-    shared = f"{_duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
-    shown.add_row("time", f"about {shared}{_duration(alone_s)} with one process")
+    shared = f"{duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
+    shown.add_row("time", f"about {shared}{duration(alone_s)} with one process")
     shown.add_row("store", f"about {decimal(plan.size * cost.stored)}")
     if cost.replay:
         shown.add_row("replays", f"about {decimal(plan.size * cost.replay)}")
@@ -88,13 +88,13 @@ def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: 
         shown.add_row("", plain(f"{name} forfeited there: {forfeit}"))
     worst = worst_delay(worker, most, max_forfeits)
     if worst is not None:
-        once, all_s = _duration(worst.hanging_s), worst.matches * worst.hanging_s
+        once, all_s = duration(worst.hanging_s), worst.matches * worst.hanging_s
         then = ", then it is out" if worst.matches < most else ""
-        shown.add_row("an agent that hangs", f"may take {once} a match: {_duration(all_s)} for {worst.matches}{then}")
+        shown.add_row("an agent that hangs", f"may take {once} a match: {duration(all_s)} for {worst.matches}{then}")
         if worst.agents > 1:
-            shown.add_row(f"all {worst.agents} that could", f"{_duration(worst.agents * all_s)} with one process")
-        once, all_s = _duration(worst.slow_s), most * worst.slow_s
-        shown.add_row("a slow agent", f"may take {once} a match: {_duration(all_s)} for {most}, no forfeit")
+            shown.add_row(f"all {worst.agents} that could", f"{duration(worst.agents * all_s)} with one process")
+        once, all_s = duration(worst.slow_s), most * worst.slow_s
+        shown.add_row("a slow agent", f"may take {once} a match: {duration(all_s)} for {most}, no forfeit")
     return shown
 
 
@@ -102,7 +102,8 @@ def _span(least: int, most: int) -> str:
     return f"{least}" if least == most else f"{least} to {most}"
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """For people: seconds, or hours, minutes and seconds."""
     return f"{seconds:.1f} s" if seconds < 60 else str(timedelta(seconds=round(seconds)))
 
 

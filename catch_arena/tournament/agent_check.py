@@ -1,13 +1,13 @@
 """Whether an agent is fit to play: it plays itself, and what is wrong is said in plain words."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, limits_of
-from catch_arena.tournament.entrants import Inspection, enter
+from catch_arena.tournament.entrants import Entrant, Inspection, enter
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import inspector, play_entrants
@@ -31,7 +31,8 @@ class Finding:
 def check_fitness(
     spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox | None
 ) -> Iterator[Finding]:
-    """Play the agent against itself, in every seat of each arena, and twice in the first that nobody forfeits.
+    """Try the first step of each arena; then play the agent against itself, in every seat of those where it did not
+    fail at once, and twice in the first that nobody forfeits.
 
     Args:
         spec: as `enter` takes it.
@@ -62,7 +63,14 @@ def check_fitness(
     yield Finding("ok", f"control {entrant.control}, {prey}, digest {entrant.digest}")
     whole: dict[str, list[bytes]] = {}
     reported: set[tuple[str, str]] = set()
+    begun = {}
     for name, config in arenas.items():
+        result = play_first_step(config, seed, enter([spec] * len(Parties.of(config)), look), sandbox)
+        if any(result.forfeits):  # a whole match would say the same of every seat
+            yield from _findings(name, config, result, limits.step_ms, reported)
+        else:
+            begun[name] = config
+    for name, config in begun.items():
         digests: list[bytes] = []
         copies = enter([spec] * len(Parties.of(config)), look)
         result = play_entrants(config, seed, copies, sandbox, watch=lambda env, to=digests: to.append(env.digest()))
@@ -85,6 +93,26 @@ def check_fitness(
             f"{name}: plays another match from step {step} on, given the same seed: "
             "draw from random.Random(seed) of reset, and not from the clock or the global random",
         )
+
+
+def play_first_step(config: ArenaConfig, seed: int, copies: Sequence[Entrant], sandbox: Sandbox | None) -> MatchResult:
+    """One step of a match, to find out whether an agent can read what it sees there: an observation may have another
+    width than those that it knows. It plays the first party of each side, and `idle` all others.
+
+    Args:
+        config: the arena's settings.
+        seed: a whole number in [0, 2^64).
+        copies: the agent, under a name for each party.
+        sandbox: how agents that are not trusted run; None where all are trusted.
+
+    Raises:
+        NoContest: where it could not be held.
+    """
+    parties = Parties.of(config)
+    (idle,) = enter(["idle"])
+    firsts = {parties.on(side).start or 0 for side in parties.sides}
+    seated = [copy if party in firsts else idle for party, copy in enumerate(copies)]
+    return play_entrants(config, seed, seated, sandbox, most_steps=1)
 
 
 def _findings(

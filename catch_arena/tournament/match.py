@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from itertools import groupby
 from pathlib import Path
@@ -37,6 +37,10 @@ class Match:
     """By party (parties.py): the index of its player among the entrants."""
     agent_seeds: tuple[int, ...] = field(default=(), repr=False)
     """By party: what its player is told as its seed; where there are none they follow from the match's own."""
+
+    def with_players(self, players: Sequence[int]) -> "Match":
+        """The same match, where the numbers of its seating were roles: player `players[0]` in place of 0, and so on."""
+        return replace(self, seating=tuple(players[role] for role in self.seating))
 
 
 Block = tuple[Match, ...]
@@ -128,6 +132,7 @@ def play(
     record: Path | BytesIO | None = None,
     watch: Callable[[CatchArenaEnv], None] | None = None,
     on_forfeit: Callable[[int, Forfeit], None] | None = None,
+    most_steps: int | None = None,
 ) -> MatchResult:
     """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6), and so do the others of its team
     (R11.1); the others play on.
@@ -144,6 +149,7 @@ def play(
         record: whether the match is recorded.
         watch: called after the reset and after every step.
         on_forfeit: called with (seat, how) for each seat of a party that fails.
+        most_steps: after how many steps it is broken off; None plays to the end.
 
     Raises:
         OutputError: for a replay that cannot be written.
@@ -195,7 +201,7 @@ def play(
     forfeit(players.reset(told, [limits_of(env.config, seat) for seat in seats]), {})
     if watch is not None:
         watch(env)
-    while env.agents:
+    while env.agents and step != most_steps:
         step += 1
         made = dict(infos)  # they are made when they are first read, and an ordinary dict is read faster
         shown = {seat: _observation(observations[agent], made[agent]) for seat, agent in playing.items()}

@@ -25,6 +25,7 @@ Purpose = Literal[
     "audit steps",
     "audit order",
     "audit names",
+    "suite",
 ]
 """What something is drawn for, each in at most sixteen bytes (BLAKE2b's `person`)."""
 

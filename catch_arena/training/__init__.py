@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     from catch_arena.training.batch import LearnerBatch as LearnerBatch
+    from catch_arena.training.fitting import fit_mask as fit_mask
+    from catch_arena.training.fitting import fit_observation as fit_observation
     from catch_arena.training.gymnasium_vector import GymnasiumVectorEnv as GymnasiumVectorEnv
     from catch_arena.training.networks import Mlp as Mlp
     from catch_arena.training.sb3 import SB3VecEnv as SB3VecEnv
@@ -20,11 +22,13 @@ _HOMES = {
     "Mlp": "networks",
     "SB3VecEnv": "sb3",
     "TorchRLEnv": "torchrl",
+    "fit_mask": "fitting",
+    "fit_observation": "fitting",
 }
 _EXTRAS = {"stable_baselines3": "sb3", "torch": "torchrl", "torchrl": "torchrl", "tensordict": "torchrl"}
 """Which extra brings a library."""
 
-__all__ = ["GymnasiumVectorEnv", "LearnerBatch", "Mlp"]
+__all__ = ["GymnasiumVectorEnv", "LearnerBatch", "Mlp", "fit_mask", "fit_observation"]
 """What needs no other library; see `__getattr__`."""
 
 

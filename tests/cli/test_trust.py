@@ -12,6 +12,8 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.render.optional_imports import pygame
+from catch_arena.scenarios import scenario
+from catch_arena.suite.contents import Suite, SuiteScenario
 
 MARK = "CATCH_ARENA_TEST_MARK"
 AGENT = f"""
@@ -33,6 +35,15 @@ settings = { time_limit_s = 1 }
 opponents = ["nearest"]
 matches = 1
 """
+SMALL_SUITE = Suite(
+    "small",
+    tuple(
+        SuiteScenario(name, scenario("duel", time_limit_s=1.0), ("nearest",), held_out=name == "unknown", about="")
+        for name in ("known", "unknown")
+    ),
+    blocks=4,
+    seed=1,
+)
 SHORT = ["--scenario", "duel", "--set", "time_limit_s=1"]
 RUNS = {
     "tournament": ["{}", "nearest", *SHORT, "--jobs", "1", "--out", "out"],
@@ -41,6 +52,7 @@ RUNS = {
     "compare": ["{}", "nearest", *SHORT, "--jobs", "1", "--max-blocks", "1"],
     "audit": ["{}", *SHORT, "--jobs", "1", "--matches", "100", "--out", "out"],
     "check-agent": ["{}", *SHORT],
+    "suite": ["{}", "--quick", "--jobs", "1"],
     "grade": ["{}", "--spec", "spec.toml"],
     "play": ["{}", *SHORT, "--size", "320x320"],
     "watch": ["{}", "nearest", *SHORT, "--size", "320x320"],
@@ -69,6 +81,7 @@ def run(monkeypatch, tmp_path):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
     monkeypatch.setattr("catch_arena.tournament.audit._STEPS", 50)
+    monkeypatch.setattr("catch_arena.suite.contents.SUITE", SMALL_SUITE)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
     monkeypatch.setenv(MARK, str(tmp_path / "mark"))
@@ -108,7 +121,7 @@ def test_so_is_one_in_a_module(run, tmp_path, name):
 
 def again(name: str) -> list[str]:
     """What lets a command run twice in one folder."""
-    return ["--out", "trusted"] if name == "tournament" else []
+    return ["--out", "trusted"] if name in {"tournament", "suite"} else []
 
 
 def test_every_command_is_in_the_table_or_runs_no_agent():

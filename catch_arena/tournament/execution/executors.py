@@ -61,6 +61,10 @@ class SerialExecutor:
     def __init__(self, worker: Worker) -> None:
         self.worker = worker
 
+    def turn_to(self, worker: Worker) -> None:
+        """From here on play as this worker does."""
+        self.worker = worker
+
     def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
         """Play them before it returns."""
         future: Future[list[RecordedMatch]] = Future()
@@ -105,6 +109,16 @@ class ProcessExecutor:
         self._idle: SimpleQueue[WorkerProcess] = SimpleQueue()
         self._before: set[int] = set()
         self._context = ExitStack()
+
+    def turn_to(self, worker: Worker) -> None:
+        """From here on play as this worker does, in the processes that there are: starting them takes seconds. Nothing
+        must be under way, and its limits must be those of the one before.
+        """
+        self.worker = worker
+        Engine(worker.config)
+        for process in self._take_idle():
+            process.turn_to(worker)
+            self._idle.put(process)
 
     def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
         """Begin to play these matches, when one of the processes is idle or can be started."""

@@ -69,6 +69,11 @@ class WorkerProcess:
         """Whether it has not ended yet."""
         return self._process.poll() is None
 
+    def turn_to(self, worker: Worker) -> None:
+        """From here on it plays as this worker does, whose limits are those of the one before. It must be idle."""
+        with suppress(OSError):  # as above
+            self._channel.send(worker)
+
     def play(self, matches: Sequence[Match], excluded: Excluded) -> list[RecordedMatch]:
         """The matches that were played, without those who are `excluded`.
 
@@ -142,6 +147,9 @@ def main() -> None:
             raise NoContest("nobody waits any more")
 
     while (request := requests.get()) is not _GONE:
+        if isinstance(request, Worker):
+            worker = request
+            continue
         answer: list[RecordedMatch] | Exception
         try:
             if isinstance(request, _Apart):

@@ -1,0 +1,229 @@
+"""`catch-arena suite`: an agent's numbers under a protocol that papers have in common."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from catch_arena import interrupts
+from catch_arena.cli.app import (
+    MAX_FORFEITS,
+    Agents,
+    Isolation,
+    LimitOption,
+    MaxForfeits,
+    Trusted,
+    enter_agents,
+    limits_or_trust,
+    main,
+)
+from catch_arena.cli.evaluation import Jobs, jobs_or_all
+from catch_arena.cli.fitted_table import FittedTable
+from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.terminal import folded, say
+from catch_arena.errors import NoContest, OutputError, StoreError
+
+if TYPE_CHECKING:
+    from catch_arena.suite.measures import AgentMeasures
+    from catch_arena.suite.references import Scores
+    from catch_arena.tournament.statistics.intervals import Estimate
+
+_KEY = """score: its catches, of its own and the mean opponent's; 0.5 is level
+wins: ties shared; place: by rating, among it and its opponents
+*: cannot be told from the first"""
+
+
+@main.command()
+def suite(
+    agents: Agents,
+    *,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A first look with few matches: not the protocol, and not for papers.")
+    ] = False,
+    runs: Annotated[
+        bool,
+        typer.Option("--runs", help="The agents are training runs of one method, one for each training seed."),
+    ] = False,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write all the numbers as JSON.")] = None,
+    force: Force = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="The folder for the matches: in it a folder for each agent and scenario.",
+            show_default="out/suite, or out/suite-quick",
+        ),
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with what DIR holds, if it holds anything.")] = False,
+    jobs: Jobs = None,
+    trusted: Trusted = False,
+    limits: LimitOption = None,
+    isolation: Isolation = None,
+    max_forfeits: MaxForfeits = MAX_FORFEITS,
+) -> None:
+    """Measure agents in training and held-out scenarios.
+
+    Opponents, matches, seeds and statistics are fixed (docs/suite.md), so that papers can compare their numbers.
+    """
+    from catch_arena.cli.progress import progress_bar
+    from catch_arena.cli.tables import duration
+    from catch_arena.files import prepare_folder, write_whole
+    from catch_arena.suite.contents import QUICK_BLOCKS, SUITE
+    from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
+    from catch_arena.suite.measures import measure
+    from catch_arena.suite.references import references
+    from catch_arena.tournament.entrants import is_shipped
+    from catch_arena.tournament.execution.executors import require_jobs
+    from catch_arena.tournament.first_looks import FirstLooks
+    from catch_arena.tournament.isolation.starting import sandbox_for
+
+    out = out or Path("out/suite-quick" if quick else "out/suite")
+    workers = jobs_or_all(jobs)
+    require_jobs(workers)
+    allowed = limits_or_trust(limits, isolation, agents, out, json, trusted=trusted)
+    if json is not None:
+        output_file(json, force=force)
+    entered = enter_agents(agents, allowed, FirstLooks(out))
+    opponents = enter_opponents(SUITE)
+    blocks = QUICK_BLOCKS if quick else SUITE.blocks
+    evaluations = [
+        Evaluation(
+            SUITE,
+            agent,
+            opponents,
+            folder_of(out, agent),
+            blocks,
+            None if is_shipped(agent.spec) else allowed,
+            max_forfeits,
+        )
+        for agent in entered
+    ]
+    prepare_folder(out)
+    if not resume:
+        for one in evaluations:
+            one.require_new()
+    with sandbox_for(allowed) as sandbox:
+        for one in evaluations:
+            for scenario, why in one.cannot_play(sandbox):
+                say(f"{one.agent.name} cannot play {scenario}, and forfeits there: {why}", err=True)
+    total = sum(one.matches for one in evaluations)
+    seconds = sum(one.estimate_s() for one in evaluations)
+    processes = f"{workers} processes" if workers > 1 else "one process"
+    say(f"{SUITE.name} (digest {SUITE.digest}): {len(SUITE.scenarios)} scenarios, {blocks} blocks of each")
+    if quick:
+        say(f"--quick: a first look, NOT the protocol, which is {SUITE.blocks} blocks")
+    takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of which are kept already"
+    say(f"{_agents(len(agents))}, {total} matches, {takes}")
+
+    done = 0
+
+    def kept() -> str:
+        return f"{done} of {total} matches are kept in {out}; the same command with --resume goes on"
+
+    interrupts.also_say(kept)
+    try:
+        with progress_bar("playing", total) as show:
+            for one in evaluations:
+
+                def on_results(played: Sequence[object]) -> None:
+                    nonlocal done
+                    done += len(played)
+                    show(done, total)
+
+                one.play(workers, on_results)
+    except (NoContest, OutputError, StoreError) as error:
+        raise type(error)(f"{error}; {kept()}") from None
+    known = references(SUITE)
+    measured = [measure(one) for one in evaluations]
+    for measures in measured:
+        _show(measures, known)
+    if runs:
+        _show_runs(measured)
+    if not known:
+        say(f"no reference is known for {SUITE.name} {SUITE.digest}: `make card` plays them")
+    if quick:
+        say("NOT the protocol: leave out --quick for numbers that others can compare with")
+    if json is not None:
+        write_whole(json, _json_text(measured, known, runs=runs).encode())
+        say(f"numbers: {json}")
+    say(f"matches: {out}")
+
+
+def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
+    """An agent's tables."""
+    for held_out, what in ((False, "training scenarios"), (True, "held-out scenarios")):
+        shown = FittedTable(
+            *("scenario", "score", "95 %", "wins", "95 %", "place", "forf."),
+            title=f"{measures.agent.name}, {what}",
+            title_justify="left",
+            padding=(0, 1, 0, 0),
+        )
+        for column in shown.columns[1:]:
+            column.justify = "right"
+        for one in measures.scenarios:
+            if one.held_out == held_out:
+                shown.add_row(
+                    one.name,
+                    f"{one.score.mean:.2f}",
+                    _interval(one.score, 2),
+                    f"{100 * one.win_share.mean:.0f} %",
+                    _interval(one.win_share, 0, 100),
+                    f"{one.place} of {one.of}{'*' if one.first_group else ' '}",
+                    str(sum(one.forfeits.values())),
+                )
+        Console().print(shown)
+    say(_KEY)
+    say(f"interquartile mean, training: {_figure(measures.training)}")
+    say(f"interquartile mean, held out: {_figure(measures.held_out)}")
+    say(f"gap, training less held out: {_figure(measures.gap)}")
+    say(f"time: {measures.move_ms:.2f} ms a move")
+    for name, scores in known.items():
+        parts = (("training", False), ("held out", True))
+        told = ", ".join(
+            f"{part} {_figure(measures.improvement(scores, held_out=held_out), 2)}" for part, held_out in parts
+        )
+        say(folded(f"probability of improvement over {name}: {told}"))
+
+
+def _show_runs(measured: "Sequence[AgentMeasures]") -> None:
+    """The figures of a method."""
+    from catch_arena.suite.measures import over_training_runs
+    from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
+
+    say(f"the method, over {len(measured)} training runs:")
+    for part, held_out in (("training", False), ("held out", True)):
+        say(f"interquartile mean, {part}: {_figure(over_training_runs(measured, held_out=held_out))}")
+    if len(measured) < FEWEST_RUNS:
+        say(f"with fewer than {FEWEST_RUNS} training runs there is no interval")
+
+
+def _json_text(measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]", *, runs: bool) -> str:
+    from json import dumps
+
+    from catch_arena.suite.contents import SUITE
+    from catch_arena.suite.measures import ends_of, facts_of, over_training_runs
+
+    found: dict[str, Any] = {"agents": [facts_of(SUITE, one, known) for one in measured]}
+    if runs:
+        found["method_iqm"] = {
+            part: ends_of(over_training_runs(measured, held_out=held_out))
+            for part, held_out in (("training", False), ("held_out", True))
+        }
+    return dumps(found, indent=1) + "\n"
+
+
+def _figure(estimate: "Estimate", digits: int = 3) -> str:
+    return f"{estimate.mean:.{digits}f} ({_interval(estimate, digits)})"
+
+
+def _interval(estimate: "Estimate", digits: int, scale: int = 1) -> str:
+    if math.isnan(estimate.low):
+        return "?"
+    return f"{scale * estimate.low:.{digits}f} to {scale * estimate.high:.{digits}f}"
+
+
+def _agents(count: int) -> str:
+    return "1 agent" if count == 1 else f"{count} agents"

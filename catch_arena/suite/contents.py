@@ -1,0 +1,199 @@
+"""What is in a suite: scenarios for training and held-out ones, who plays against the agent in each, and how often.
+
+`catch_arena_suite_v1` is frozen: numbers in papers belong to it. What should be otherwise goes into a new version.
+"""
+
+import hashlib
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Any, Final
+
+from catch_arena.config import RULESET, ArenaConfig
+from catch_arena.scenarios import SCENARIOS
+from catch_arena.tournament.match import Block
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.plans.schedule import FixedPlan, round_robin
+from catch_arena.tournament.secret import Secret
+
+TRAINING_OPPONENTS: Final = ("first", "nearest", "contested", "contested_by_time", "patrol")
+"""Who plays where the opponents are known. A learner may train against any agent but the held-out ones."""
+HELD_OUT_OPPONENTS: Final = ("intercept",)
+"""Who plays where they are not: no learner has met, imitated or been chosen by them."""
+REFERENCES: Final = ("nearest", "contested_by_time", "patrol")
+"""Whose results are kept with the package (`make card`), and compared with."""
+QUICK_BLOCKS: Final = 2
+"""Of each scenario, for a first look that is not the protocol."""
+
+
+@dataclass(frozen=True, slots=True)
+class SuiteScenario:
+    """One arena of a suite, with those who play against the agent."""
+
+    name: str
+    config: ArenaConfig
+    opponents: tuple[str, ...]
+    """Shipped agents. In each block others of them fill the seats that the agent leaves free."""
+    held_out: bool
+    about: str
+    """What is special in it."""
+
+    @property
+    def parties(self) -> Parties:
+        """Who plays as one; the agent is one of them."""
+        return Parties.of(self.config)
+
+    def lineup(self, block: int) -> tuple[int, ...]:
+        """Who plays against the agent in a block, by index among the opponents: all of them as often as they fit in,
+        and of the rest each group in turn.
+        """
+        everybody = range(len(self.opponents))
+        whole, rest = divmod(len(self.parties) - 1, len(everybody))
+        groups = list(combinations(everybody, rest))
+        return (*everybody,) * whole + groups[block % len(groups)]
+
+
+@dataclass(frozen=True)
+class Suite:
+    """Scenarios, with what is fixed for all of them."""
+
+    name: str
+    scenarios: tuple[SuiteScenario, ...]
+    blocks: int
+    """Of each scenario: one seed each, played in every rotation of its players through the seats."""
+    seed: int
+    """All that is drawn follows from it. It is public, so a learner must not train on what follows from it."""
+
+    def part(self, *, held_out: bool) -> tuple[SuiteScenario, ...]:
+        """The scenarios for training, or those that are held out."""
+        return tuple(one for one in self.scenarios if one.held_out == held_out)
+
+    def secret(self, scenario: SuiteScenario) -> Secret:
+        """From what a scenario's matches are drawn."""
+        return Secret.of(self.seed).part("suite", self.scenarios.index(scenario))
+
+    def plan(self, scenario: SuiteScenario, blocks: int) -> FixedPlan:
+        """The matches of one agent in a scenario, entrant 0 being the agent and those that follow the opponents. With
+        fewer blocks it has the first ones of a longer plan.
+        """
+        parties = scenario.parties
+        roles = round_robin(len(parties), len(parties), blocks, self.secret(scenario))
+
+        def seated(block: Block) -> Block:
+            playing = (0, *(1 + index for index in scenario.lineup(block[0].block)))
+            return tuple(match.with_players(playing) for match in block)
+
+        # how many blocks there are is no part of it, so that what was played for a first look is not played again
+        about = {"format": "suite", "suite": self.name, "scenario": scenario.name}
+        return FixedPlan(about, roles.size, lambda: map(seated, roles.blocks()))
+
+    @cached_property
+    def digest(self) -> str:
+        """16 hexadecimal digits that stand for all of it."""
+        text = json.dumps(self.facts(), sort_keys=True, separators=(",", ":"))
+        return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
+
+    def facts(self) -> dict[str, Any]:
+        """All of it as JSON-ready values. Of the settings those are named that differ from `ArenaConfig`'s, so that a
+        setting that is added later changes nothing.
+        """
+        usual = ArenaConfig().to_dict()
+        return {
+            "suite": self.name,
+            "ruleset": RULESET,
+            "blocks": self.blocks,
+            "seed": self.seed,
+            "scenarios": [
+                {
+                    "name": one.name,
+                    "held_out": one.held_out,
+                    "opponents": list(one.opponents),
+                    "settings": {name: value for name, value in one.config.to_dict().items() if value != usual[name]},
+                }
+                for one in self.scenarios
+            ],
+        }
+
+
+def _shipped(name: str, about: str) -> SuiteScenario:
+    return SuiteScenario(name, SCENARIOS[name], TRAINING_OPPONENTS, held_out=False, about=about)
+
+
+def _held_out(name: str, about: str, opponents: tuple[str, ...], **settings: Any) -> SuiteScenario:
+    return SuiteScenario(name, ArenaConfig().replace(**settings), opponents, held_out=True, about=about)
+
+
+SUITE: Final = Suite(
+    name="catch_arena_suite_v1",
+    scenarios=(
+        _shipped("standard", "four hunters in turtlesim's arena"),
+        _shipped("duel", "two hunters"),
+        _shipped("scarce", "a target every two seconds"),
+        _shipped("wander", "targets drive in arcs"),
+        _shipped("fog", "hunters see 2.5 m far"),
+        _shipped("pairs", "two teams of two"),
+        _held_out("strangers", "`standard` against held-out opponents", HELD_OUT_OPPONENTS),
+        _held_out(
+            "dense",
+            "three targets a second, 20 at the start",
+            TRAINING_OPPONENTS,
+            initial_targets=20,
+            max_targets=32,
+            spawn_frequency_hz=3.0,
+        ),
+        _held_out(
+            "fast",
+            "hunters drive 3.5 m/s and turn faster; their reach is shorter",
+            TRAINING_OPPONENTS,
+            max_speed_mps=3.5,
+            max_turn_rate_radps=6.0,
+            reach_m=0.2,
+        ),
+        _held_out(
+            "triples",
+            "two teams of three",
+            TRAINING_OPPONENTS,
+            hunters=6,
+            teams=((0, 1, 2), (3, 4, 5)),
+            team_share=1.0,
+            side_m=14.0,
+            initial_targets=12,
+            max_targets=24,
+            spawn_frequency_hz=1.5,
+        ),
+        _held_out(
+            "wide",
+            "a side of 18 m, with few targets",
+            HELD_OUT_OPPONENTS,
+            side_m=18.0,
+            initial_targets=6,
+            spawn_frequency_hz=0.8,
+        ),
+        _held_out(
+            "tight",
+            "three slow hunters in 7 m",
+            HELD_OUT_OPPONENTS,
+            hunters=3,
+            side_m=7.0,
+            max_speed_mps=1.2,
+            max_turn_rate_radps=2.5,
+            initial_targets=5,
+        ),
+        _held_out("six", "six hunters in the arena of four", HELD_OUT_OPPONENTS, hunters=6, spawn_frequency_hz=1.5),
+        _held_out(
+            "lookout",
+            "three hunters, targets that flee, and a partial view with errors: 4 m, 200 degrees, 5 cm",
+            HELD_OUT_OPPONENTS,
+            hunters=3,
+            target_motion="flee",
+            target_speed_mps=1.2,
+            view_radius_m=4.0,
+            view_angle_deg=200.0,
+            view_noise_m=0.05,
+        ),
+    ),
+    blocks=10,
+    seed=1,
+)
+"""The current version."""

@@ -1,0 +1,167 @@
+"""An agent plays a suite: each scenario is a tournament of its own, kept in a folder of the agent's."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from catch_arena.errors import StoreError
+from catch_arena.files import prepare_folder
+from catch_arena.suite.contents import Suite, SuiteScenario
+from catch_arena.tournament.agent_check import play_first_step
+from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.execution.cost import measure_cost
+from catch_arena.tournament.execution.executors import local_executor
+from catch_arena.tournament.execution.runner import play_plan
+from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.plans.schedule import FixedPlan
+from catch_arena.tournament.store import STORE, Store, Tournament
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """One agent in a suite, and on what terms it plays."""
+
+    suite: Suite
+    agent: Entrant
+    opponents: Mapping[str, Entrant]
+    """All that the suite names."""
+    folder: Path
+    """Where its matches are kept: a folder for each scenario, with the store of a tournament."""
+    blocks: int
+    """Of each scenario; as many as the suite has, or fewer for a first look."""
+    limits: AgentLimits | None
+    """Those of an isolated agent; None where it is trusted."""
+    max_forfeits: int
+
+    @property
+    def matches(self) -> int:
+        """In all scenarios."""
+        return sum(self._plan(one).size for one in self.suite.scenarios)
+
+    def entrants(self, scenario: SuiteScenario) -> tuple[Entrant, ...]:
+        """The agent and its opponents, as the plan counts them; a namesake among them is called `nearest#2`."""
+        opponents = (self.opponents[name] for name in scenario.opponents)
+        named = (replace(one, name=one.name + "#2" * (one.name == self.agent.name)) for one in opponents)
+        return self.agent, *named
+
+    def require_new(self) -> None:
+        """
+
+        Raises:
+            StoreError: where matches are kept already.
+        """
+        for one in self.suite.scenarios:
+            if (self._folder(one) / STORE).exists():
+                raise StoreError(
+                    f"{self.folder}: holds matches of {self.agent.name} already: "
+                    "go on with --resume, or give another folder"
+                )
+
+    def cannot_play(self, sandbox: Sandbox | None) -> Iterator[tuple[str, str]]:
+        """The scenarios in which the agent fails at its first observation, and why; nothing of these steps is kept.
+
+        Args:
+            sandbox: how an agent that is not trusted runs; None where it is.
+        """
+        if self.agent.fault is not None:
+            yield "any scenario", self.agent.fault
+            return
+        for one in self.suite.scenarios:
+            # further hunters of its team are under names of their own already (isolation.starting)
+            result = play_first_step(one.config, self.suite.seed, [self.agent] * len(one.parties), sandbox)
+            if (forfeit := result.details[0]) is not None:
+                yield one.name, forfeit.reason
+
+    def estimate_s(self) -> float:
+        """How long the matches that are missing will take one process, about: some of the first scenario are tried, and
+        not kept, and others counted by how many hunters they have, for how many steps.
+        """
+        missing = {one: self._plan(one).size - len(self.played(one)) for one in self.suite.scenarios}
+        if not any(missing.values()):
+            return 0.0
+        first = self.suite.scenarios[0]
+        cost = measure_cost(self._worker(first), self._plan(first))
+        moves = sum(count * _moves(one) for one, count in missing.items())
+        return cost.seconds * moves / _moves(first)
+
+    def play(self, jobs: int, on_results: Callable[[Sequence[PlayedMatch]], None] | None = None) -> None:
+        """Play what is not kept yet, scenario by scenario.
+
+        Args:
+            jobs: how many processes play.
+            on_results: as of `runner.play_plan`.
+
+        Raises:
+            StoreError: for matches in the folder that are of another agent, or on other terms.
+            NoContest, OutputError: as `play_plan`.
+        """
+        waiting = []
+        for one in self.suite.scenarios:
+            self._begun(one).close()  # first of all: they are this agent's matches
+            kept = self.played(one)
+            if len(kept) < self._plan(one).size:
+                waiting.append(one)
+            elif on_results is not None:
+                on_results(kept)
+        if not waiting:
+            return
+        with local_executor(self._worker(waiting[0]), jobs) as ready:
+            for one in waiting:
+                ready.turn_to(self._worker(one))
+                with self._begun(one) as store:
+                    folder = self._folder(one)
+                    play_plan(
+                        store,
+                        self._plan(one),
+                        ready,
+                        max_forfeits=self.max_forfeits,
+                        folder=folder,
+                        on_results=on_results,
+                    )
+
+    def played(self, scenario: SuiteScenario) -> list[PlayedMatch]:
+        """What is kept of a scenario, of the blocks that count: there may be more."""
+        folder = self._folder(scenario)
+        if not (folder / STORE).is_file():
+            return []
+        with Store.read(folder) as store:
+            return [one for one in store.played() if one.match.block < self.blocks]
+
+    def _begun(self, scenario: SuiteScenario) -> Store:
+        """The store of a scenario, made where there is none.
+
+        Raises:
+            StoreError: for one of another agent, or on other terms.
+        """
+        terms: dict[str, int | float] = {"recorded": False, "trusted": self.limits is None}
+        terms |= {"max_forfeits": self.max_forfeits} | ({} if self.limits is None else self.limits.numbers())
+        parameters, secret = self._plan(scenario).parameters, self.suite.secret(scenario)
+        facts = Tournament(scenario.config, self.entrants(scenario), parameters, terms, secret)
+        return Store.begin(facts, prepare_folder(self._folder(scenario)), resume=True)
+
+    def _plan(self, scenario: SuiteScenario) -> FixedPlan:
+        return self.suite.plan(scenario, self.blocks)
+
+    def _worker(self, scenario: SuiteScenario) -> Worker:
+        return Worker(scenario.config, self.entrants(scenario), limits=self.limits)
+
+    def _folder(self, scenario: SuiteScenario) -> Path:
+        return self.folder / scenario.name
+
+
+def enter_opponents(suite: Suite) -> dict[str, Entrant]:
+    """All that a suite names, by name."""
+    names = sorted({name for one in suite.scenarios for name in one.opponents})
+    return dict(zip(names, enter(names), strict=True))
+
+
+def folder_of(out: Path, agent: Entrant) -> Path:
+    """Where an agent's matches are kept: its name, of which nothing is taken for another folder."""
+    return out / agent.name.replace("/", "-").replace("..", "__")
+
+
+def _moves(scenario: SuiteScenario) -> int:
+    return scenario.config.hunters * scenario.config.max_steps

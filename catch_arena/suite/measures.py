@@ -1,0 +1,226 @@
+"""What came out of a suite: docs/suite.md says how each figure is made, and why."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from catch_arena.suite.contents import Suite, SuiteScenario
+from catch_arena.suite.evaluation import Evaluation
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.statistics.aggregates import (
+    interquartile_estimate,
+    interquartile_gap,
+    performance_profile,
+    probability_of_improvement,
+)
+from catch_arena.tournament.statistics.intervals import Estimate, ratios
+from catch_arena.tournament.statistics.outcomes import Floats
+from catch_arena.tournament.statistics.standings import standings
+
+PROFILE_LEVELS = tuple(level / 20 for level in range(20))
+"""Of the performance profile."""
+AGENT = 0
+"""The agent's index among the entrants of a suite's matches."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioMeasures:
+    """An agent in one scenario."""
+
+    name: str
+    held_out: bool
+    by_block: tuple[float, ...]
+    """The normalised score of each block, in [0, 1]; 0.5 is level with the mean opponent."""
+    score: Estimate
+    """Their mean."""
+    win_share: Estimate
+    """Matches won, in [0, 1]; those who share the first rank share the win."""
+    place: int
+    """Among the agent and its opponents, by rating (docs/ratings.md); 1 is best."""
+    of: int
+    """How many these are."""
+    first_group: bool
+    """Whether it cannot be told from the best."""
+    matches: int
+    forfeits: Mapping[str, int]
+    """By code."""
+    move_ms: float
+    """The mean time of a move by the clock on the wall; NaN where it made none."""
+
+
+@dataclass(frozen=True, slots=True)
+class AgentMeasures:
+    """An agent in all scenarios of a suite."""
+
+    agent: Entrant
+    blocks: int
+    scenarios: tuple[ScenarioMeasures, ...]
+
+    def table(self, *, held_out: bool) -> Floats:
+        """(blocks, scenarios): the normalised scores of those for training, or of those that are held out."""
+        return np.array([one.by_block for one in self.scenarios if one.held_out == held_out]).T
+
+    @property
+    def training(self) -> Estimate:
+        """The interquartile mean in the scenarios for training."""
+        return interquartile_estimate(self.table(held_out=False))
+
+    @property
+    def held_out(self) -> Estimate:
+        """And in those that are held out."""
+        return interquartile_estimate(self.table(held_out=True))
+
+    @property
+    def gap(self) -> Estimate:
+        """The first less the second: what does not generalise."""
+        return interquartile_gap(self.table(held_out=False), self.table(held_out=True))
+
+    @property
+    def forfeits(self) -> int:
+        """In all scenarios."""
+        return sum(sum(one.forfeits.values()) for one in self.scenarios)
+
+    @property
+    def move_ms(self) -> float:
+        """The mean time of a move, each scenario counting as much, but for those in which it made none."""
+        times = [one.move_ms for one in self.scenarios if not math.isnan(one.move_ms)]
+        return float(np.mean(times)) if times else math.nan
+
+    def improvement(self, reference: Mapping[str, Sequence[float]], *, held_out: bool) -> Estimate:
+        """The probability that a block of this agent has a higher normalised score than one of the reference's.
+
+        Args:
+            reference: its normalised scores by block, by scenario; of a longer plan the first blocks are taken.
+            held_out: in which scenarios.
+        """
+        names = [one.name for one in self.scenarios if one.held_out == held_out]
+        theirs = np.array([reference[name][: self.blocks] for name in names]).T
+        return probability_of_improvement(self.table(held_out=held_out), theirs)
+
+
+def measure(evaluation: Evaluation) -> AgentMeasures:
+    """What an agent reached in a suite that it has played to its end."""
+    scenarios = (
+        measure_scenario(one, evaluation.entrants(one), evaluation.played(one)) for one in evaluation.suite.scenarios
+    )
+    return AgentMeasures(evaluation.agent, evaluation.blocks, tuple(scenarios))
+
+
+def measure_scenario(
+    scenario: SuiteScenario, entrants: Sequence[Entrant], played: Sequence[PlayedMatch]
+) -> ScenarioMeasures:
+    """What an agent reached in one scenario.
+
+    Args:
+        scenario: which one.
+        entrants: the agent, and its opponents.
+        played: all the matches of its plan, in the order of the plan.
+    """
+    by_block = [_normalised(list(block)) for _, block in groupby(played, key=lambda one: one.match.block)]
+    column = np.array(by_block)[:, None]
+    (score,) = ratios(column, np.ones_like(column))
+    table = standings(entrants, played)
+    (line,) = (line for line in table if line.name == entrants[AGENT].name)
+    times = [one.result.thinking[one.match.seating.index(AGENT)] for one in played]
+    moves = sum(time.moves for time in times)
+    return ScenarioMeasures(
+        name=scenario.name,
+        held_out=scenario.held_out,
+        by_block=tuple(by_block),
+        score=Estimate(score.mean, max(score.low, 0.0), min(score.high, 1.0)) if not math.isnan(score.low) else score,
+        win_share=line.win_share,
+        place=line.place,
+        of=len(table),
+        first_group=line.groups[0] == 1,
+        matches=len(played),
+        forfeits=line.forfeits,
+        move_ms=1000.0 * sum(time.total_s for time in times) / moves if moves else math.nan,
+    )
+
+
+def _normalised(block: Sequence[PlayedMatch]) -> float:
+    """The agent's catches in a block, as a share of its own and those of the mean opponent together. What it caught in
+    a match that it forfeited does not count; where nobody catches anything they are level.
+    """
+    own = others = 0
+    forfeited = True
+    for one in block:
+        party = one.match.seating.index(AGENT)
+        total = sum(one.result.scores)
+        others += total - one.result.scores[party]
+        if one.result.forfeits[party] is None:
+            own += one.result.scores[party]
+            forfeited = False
+    mean = others / (len(block[0].match.seating) - 1)
+    if own + mean == 0:
+        return 0.0 if forfeited else 0.5
+    return own / (own + mean)
+
+
+def over_training_runs(runs: Sequence[AgentMeasures], *, held_out: bool) -> Estimate:
+    """The interquartile mean of a method whose training runs, one for each training seed, these agents are: over runs
+    and scenarios, each being the mean of its blocks. The interval is that of other training seeds.
+    """
+    return interquartile_estimate(np.array([run.table(held_out=held_out).mean(axis=0) for run in runs]))
+
+
+def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Mapping[str, Sequence[float]]]) -> Any:
+    """All of it as JSON-ready values; None where too few blocks tell."""
+    parts = (("training", False), ("held_out", True))
+    return {
+        "suite": suite.name,
+        "suite_digest": suite.digest,
+        "is_protocol": measures.blocks == suite.blocks,
+        "blocks": measures.blocks,
+        "agent": measures.agent.name,
+        "agent_digest": measures.agent.digest,
+        "control": measures.agent.control,
+        "iqm": {
+            "training": ends_of(measures.training),
+            "held_out": ends_of(measures.held_out),
+            "gap": ends_of(measures.gap),
+        },
+        "probability_of_improvement": {
+            name: {part: ends_of(measures.improvement(scores, held_out=held_out)) for part, held_out in parts}
+            for name, scores in references.items()
+        },
+        "performance_profile": {
+            "levels": list(PROFILE_LEVELS),
+            **{
+                part: [
+                    ends_of(one)
+                    for one in performance_profile(measures.table(held_out=held_out), np.array(PROFILE_LEVELS))
+                ]
+                for part, held_out in parts
+            },
+        },
+        "scenarios": {
+            one.name: {
+                "held_out": one.held_out,
+                "score": ends_of(one.score),
+                "score_by_block": list(one.by_block),
+                "win_share": ends_of(one.win_share),
+                "place": one.place,
+                "of": one.of,
+                "first_group": one.first_group,
+                "matches": one.matches,
+                "forfeits": dict(one.forfeits),
+                "move_ms": _number(one.move_ms),
+            }
+            for one in measures.scenarios
+        },
+    }
+
+
+def ends_of(estimate: Estimate) -> dict[str, float | None]:
+    """An estimate as JSON-ready values; None where too few blocks tell."""
+    return {"mean": _number(estimate.mean), "low": _number(estimate.low), "high": _number(estimate.high)}
+
+
+def _number(value: float) -> float | None:
+    return None if math.isnan(value) else round(value, 6)

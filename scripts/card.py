@@ -1,0 +1,223 @@
+"""Plays the suite with every agent that comes with the package, and writes docs/card.md from it: what each is, what it
+reaches, and where it is weak. The results of the references go to catch_arena/suite/references.json.
+
+What was played is kept in --out, and a second run goes on from there: only what has changed is played again.
+"""
+
+from catch_arena import interrupts
+
+if __name__ == "__main__":
+    interrupts.listen()  # before what follows is imported, which takes a second
+
+import argparse
+import importlib
+import math
+import os
+import platform
+import shutil
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from catch_arena.cli.app import MAX_FORFEITS
+from catch_arena.cli.progress import progress_bar
+from catch_arena.errors import CatchArenaError, StoreError
+from catch_arena.files import write_whole
+from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
+from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
+from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures, measure
+from catch_arena.suite.references import FILE, references_text
+from catch_arena.tournament.entrants import Entrant, enter, shipped
+from catch_arena.tournament.execution.executors import usable_cores
+from catch_arena.tournament.statistics.intervals import Estimate
+
+PAGE: Final = Path(__file__).parent.parent / "docs" / "card.md"
+FEWER_BLOCKS: Final = {"search": 1}
+"""Of agents that would take hours: a move of these takes milliseconds."""
+TRAINED: Final = ("ppo_", "trained_", "learned_")
+"""What the names of trained agents begin with."""
+WEAK: Final = 0.45
+"""A scenario in which the normalised score is below this is named as a weakness."""
+
+HEAD: Final = """Their results in `{suite}` (digest {digest}); [the protocol](suite.md) says what the figures are. Best
+in the held-out scenarios first. 0.5 is level with the mean opponent."""
+METHOD: Final = """Measured by `{command}` on {machine}. The protocol has {blocks} blocks of each scenario; where the
+table says fewer, the numbers are a first look. `?` stands where too few blocks were played to tell. The time of a move
+is that of the clock on the wall, in our own processes, while the machine did other things too."""
+HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first in", "forfeits", "a move")
+KEY: Final = """
+*Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first less the
+second. *First in*: in how many scenarios it comes first among itself and its opponents, or cannot be told from the
+first.
+"""
+
+
+def main() -> int:
+    """The exit code: 0, or 2 with a line that says why not."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("agents", nargs="*", help="which ones; without any, all that come with the package")
+    parser.add_argument("--out", type=Path, default=Path("out/card"), help="the folder for the matches")
+    parser.add_argument("--blocks", type=int, default=SUITE.blocks, help="of agents that are no references")
+    parser.add_argument("--jobs", type=int, default=usable_cores(), help="processes that play")
+    args = parser.parse_args()
+    try:
+        wanted = args.agents or list(shipped())
+        agents = enter(sorted(wanted, key=lambda name: name not in REFERENCES))  # what is needed most comes first
+        measured = [play(one, args.out, args.jobs, args.blocks) for one in agents]
+        measured.sort(key=lambda one: -one.held_out.mean)
+        write_whole(PAGE, page(measured, args.blocks).encode())
+        write_whole(FILE, references_text(SUITE, measured).encode())
+    except CatchArenaError as error:
+        print(error, file=sys.stderr)
+        return 2
+    print(f"{PAGE}\n{FILE}")
+    return 0
+
+
+def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
+    """What an agent reaches, in `most` blocks of each scenario at most; matches of another version of it, or of its
+    opponents, are thrown away.
+    """
+    folder = folder_of(out, agent)
+    blocks = SUITE.blocks if agent.name in REFERENCES else min(most, FEWER_BLOCKS.get(agent.name, most))
+    evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder, blocks, None, MAX_FORFEITS)
+    done = 0
+    with progress_bar(agent.name, evaluation.matches) as show:
+
+        def on_results(played: Sequence[object]) -> None:
+            nonlocal done
+            done += len(played)
+            show(done, evaluation.matches)
+
+        while True:
+            try:
+                evaluation.play(jobs, on_results)
+                break
+            except StoreError as error:
+                if "is of another tournament" not in str(error):
+                    raise
+                changed = Path(str(error).partition(":")[0]).parent
+                print(f"{agent.name}: {changed.name} is played anew: {error}", file=sys.stderr)
+                shutil.rmtree(changed)
+                done = 0
+    return measure(evaluation)
+
+
+def page(measured: Sequence[AgentMeasures], most: int) -> str:
+    """docs/card.md; `most` is that of `play`."""
+    command = "make card" if most == SUITE.blocks else f"scripts/card.py --blocks {most}"
+    lines = (
+        "# The agents that come with the package",
+        HEAD.format(suite=SUITE.name, digest=SUITE.digest),
+        METHOD.format(machine=machine(), blocks=SUITE.blocks, command=command),
+        f"| {' | '.join(HEADINGS)} |\n{'|---' * len(HEADINGS)}|",
+    )
+    return "\n".join(
+        (
+            "\n\n".join(lines),
+            *map(summary, measured),
+            KEY,
+            *of_scenarios(measured, held_out=False),
+            *of_scenarios(measured, held_out=True),
+            *(line for one in measured for line in section(one)),
+        )
+    )
+
+
+def summary(one: AgentMeasures) -> str:
+    """An agent's row."""
+    first = sum(of.first_group for of in one.scenarios)
+    cells = (
+        f"[`{one.agent.name}`](#{one.agent.name})",
+        one.agent.control,
+        str(one.blocks),
+        figure(one.training),
+        figure(one.held_out),
+        figure(one.gap),
+        f"{first} of {len(one.scenarios)}" if one.blocks == SUITE.blocks else "?",
+        str(one.forfeits),
+        time_of(one),
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def of_scenarios(measured: Sequence[AgentMeasures], *, held_out: bool) -> Iterator[str]:
+    """The table of the scenarios of a kind."""
+    scenarios = SUITE.part(held_out=held_out)
+    yield f"## {'Held-out scenarios' if held_out else 'Training scenarios'}"
+    yield ""
+    yield "Normalised score, and the share of matches won."
+    yield ""
+    yield f"| agent | {' | '.join(f'`{one.name}`' for one in scenarios)} |"
+    yield "|---" * (len(scenarios) + 1) + "|"
+    for one in measured:
+        cells = [cell(of) for of in one.scenarios if of.held_out == held_out]
+        yield f"| `{one.agent.name}` | {' | '.join(cells)} |"
+    yield ""
+
+
+def cell(of: ScenarioMeasures) -> str:
+    """A scenario in a row: its score with the interval, and wins."""
+    return f"{figure(of.score)}, {100 * of.win_share.mean:.0f} %"
+
+
+def section(one: AgentMeasures) -> Iterator[str]:
+    """What an agent is."""
+    module = importlib.import_module(one.agent.spec.partition(":")[0])
+    about, _, more = (module.__doc__ or "").strip().partition("\n\n")
+    trained = one.agent.name.startswith(TRAINED)
+    yield f"### {one.agent.name}"
+    yield ""
+    yield " ".join(about.split())
+    if more:
+        yield ""
+        yield "\n\n".join(" ".join(part.split()) for part in more.split("\n\n"))
+    yield ""
+    yield f"- Control: {one.agent.control}. {'Trained' if trained else 'Scripted'}. Source: digest {one.agent.digest}."
+    yield f"- Held out {figure(one.held_out)}, training {figure(one.training)}; {time_of(one)} a move."
+    yield f"- Matches: {sum(of.matches for of in one.scenarios)}, of which it forfeited {one.forfeits}."
+    yield f"- Not good at: {weaknesses(one)}."
+    for opponents, kind in ((TRAINING_OPPONENTS, "a training opponent"), (HELD_OUT_OPPONENTS, "a held-out opponent")):
+        if one.agent.name in opponents:
+            yield f"- It is {kind} of the suite, and meets itself there."
+    yield ""
+
+
+def weaknesses(one: AgentMeasures) -> str:
+    """The scenarios in which it is behind, worst first, and those in which it forfeits; else the worst."""
+    worst = sorted(one.scenarios, key=lambda of: of.score.mean)
+    about = {of.name: of.about.replace("`", "") for of in SUITE.scenarios}
+    weak = [of for of in worst if of.score.mean < WEAK or of.forfeits]
+    if len(weak) == len(worst):
+        return f"any scenario; worst of all `{worst[0].name}` ({about[worst[0].name]}), {worst[0].score.mean:.2f}"
+    if not weak:
+        return f"nothing here in particular; its lowest score is {worst[0].score.mean:.2f}, in `{worst[0].name}`"
+    return "; ".join(f"`{of.name}` ({about[of.name]}), {of.score.mean:.2f}" for of in weak)
+
+
+def figure(estimate: Estimate) -> str:
+    """With its interval."""
+    if math.isnan(estimate.low):
+        return f"{estimate.mean:.2f} (?)"
+    return f"{estimate.mean:.2f} ({estimate.low:.2f} to {estimate.high:.2f})"
+
+
+def time_of(one: AgentMeasures) -> str:
+    """Of a move."""
+    return f"{one.move_ms:.2f} ms"
+
+
+def machine() -> str:
+    """What it was measured on."""
+    known = Path("/proc/cpuinfo")
+    found = known.read_text().splitlines() if known.exists() else []
+    models = [line.partition(":")[2].strip() for line in found if line.startswith("model name")]
+    name = models[0] if models else platform.processor() or platform.machine()
+    return f"{name}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}"
+
+
+if __name__ == "__main__":
+    interrupts.run(main)

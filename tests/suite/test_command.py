@@ -1,0 +1,298 @@
+"""`catch-arena suite`: what it says before, what it counts, and what it keeps."""
+
+import dataclasses
+import json
+import re
+import time
+
+import numpy as np
+import pytest
+from interrupts.commands import LINE, PATIENCE_S, Command
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.scenarios import scenario
+from catch_arena.suite import contents
+from catch_arena.suite.contents import Suite, SuiteScenario
+from catch_arena.suite.evaluation import Evaluation, enter_opponents
+from catch_arena.suite.measures import AgentMeasures, measure, measure_scenario, over_training_runs
+from catch_arena.suite.references import references_text
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.match import Match, MatchResult, MoveTimes, PlayedMatch
+from catch_arena.training import Mlp
+
+SHORT = {"time_limit_s": 3.0}
+SMALL = Suite(
+    name="small_v1",
+    scenarios=(
+        SuiteScenario("duel", scenario("duel", **SHORT), ("nearest", "first"), held_out=False, about="two"),
+        SuiteScenario("four", scenario("standard", **SHORT), ("first", "contested"), held_out=True, about="four"),
+        SuiteScenario("pairs", scenario("pairs", **SHORT), ("nearest",), held_out=True, about="teams"),
+    ),
+    blocks=4,
+    seed=5,
+)
+SIZE = 4 * (2 + 4 + 2)
+NEAREST = """
+class Agent:
+    def reset(self, seed): pass
+    def act(self, view): return int(view.mask[1])
+"""
+NARROW = """
+from pathlib import Path
+import numpy as np
+from catch_arena.training import Mlp
+class Agent:
+    def __init__(self):
+        self.network = Mlp.load(Path(__file__).parent / "mine.npz")
+    def reset(self, seed): pass
+    def act(self, view):
+        return int(np.where(view.mask, self.network(view.observation), -np.inf).argmax())
+"""
+FITTED = (
+    NARROW.replace("view.mask", 'fit_mask(view, "standard")')
+    .replace("view.observation", 'fit_observation(view, "standard")')
+    .replace("import Mlp", "import Mlp, fit_mask, fit_observation")
+)
+
+
+@pytest.fixture
+def run(monkeypatch, tmp_path):
+    monkeypatch.setattr(contents, "SUITE", SMALL)
+    monkeypatch.setattr("catch_arena.tournament.execution.cost._SAMPLE_S", 0.0)
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words):
+        return CliRunner(env={"COLUMNS": "100"}).invoke(main, ["suite", "--jobs", "1", *words])
+
+    return run
+
+
+@pytest.fixture
+def network(tmp_path):
+    draw = np.random.default_rng(1)
+    Mlp([(draw.normal(size=(9, 71)), np.zeros(9))]).save(tmp_path / "mine.npz")
+
+
+def test_a_run_says_what_it_plays_before_and_keeps_all_of_it(run, tmp_path):
+    result = run("contested", "--json", "numbers.json")
+    assert result.exit_code == 0, result.output
+    assert f"small_v1 (digest {SMALL.digest}): 3 scenarios, 4 blocks of each" in result.stdout
+    assert re.search(rf"1 agent, {SIZE} matches, about [\d.]+ s with one process", result.stdout)
+    assert "cannot play" not in result.output
+    assert "NOT the protocol" not in result.output
+    for name in ("duel", "four", "pairs"):
+        assert (tmp_path / "out/suite/contested" / name / "tournament.sqlite").exists()
+        assert re.search(rf"^ +{name} +[01]\.\d\d +", result.stdout, re.MULTILINE)
+    (told,) = json.loads((tmp_path / "numbers.json").read_text())["agents"]
+    assert told["suite_digest"] == SMALL.digest
+    assert told["is_protocol"]
+    assert sum(one["matches"] for one in told["scenarios"].values()) == SIZE
+    assert f"interquartile mean, held out: {told['iqm']['held_out']['mean']:.3f} (" in result.stdout
+
+
+def test_it_goes_on_where_it_was_and_ends_with_the_same(run, tmp_path):
+    assert run("contested", "--json", "one.json").exit_code == 0
+    again = run("contested")
+    assert again.exit_code == 2
+    assert again.stderr == (
+        "catch-arena: out/suite/contested: holds matches of contested already: go on with --resume, or give another "
+        "folder\n"
+    )
+    (tmp_path / "out/suite/contested/four/tournament.sqlite").unlink()
+    resumed = run("contested", "--resume", "--json", "two.json")
+    assert resumed.exit_code == 0, resumed.output
+    one, two = ((tmp_path / name).read_text() for name in ("one.json", "two.json"))
+    assert without_times(one) == without_times(two)
+    assert "all of which are kept already" in run("contested", "--resume").stdout
+
+
+def without_times(text):
+    return re.sub(r'"move_ms": [\d.]+', '"move_ms": 0', text)
+
+
+def test_numbers_do_not_depend_on_who_else_is_measured(run, tmp_path):
+    assert run("contested", "nearest", "--json", "both.json", "--out", "both").exit_code == 0
+    assert run("nearest", "--json", "alone.json", "--out", "alone", "--jobs", "2").exit_code == 0
+    both, alone = (
+        json.loads(without_times((tmp_path / name).read_text()))["agents"] for name in ("both.json", "alone.json")
+    )
+    assert both[1] == alone[0]
+
+
+@pytest.mark.usefixtures("network")
+def test_who_cannot_read_a_width_is_told_before_any_match(run, tmp_path):
+    (tmp_path / "mine.py").write_text(NARROW)
+    result = run("mine.py", "--trusted", "--quick")
+    assert result.exit_code == 0, result.output
+    warned = [line for line in result.stderr.splitlines() if "cannot play" in line]
+    needed = "act raised ConfigError: observations must have 71 numbers for this network, got"
+    assert warned == [
+        f"mine cannot play duel, and forfeits there: {needed} (57,)",
+        f"mine cannot play pairs, and forfeits there: {needed} (74,)",
+    ]
+    assert "NOT the protocol" in result.stdout
+    assert re.search(r"^ +duel +0\.00 .* 4 *$", result.stdout, re.MULTILINE)  # forfeits
+
+
+@pytest.mark.usefixtures("network")
+def test_who_fits_observations_plays_everywhere(run, tmp_path):
+    (tmp_path / "mine.py").write_text(FITTED)
+    result = run("mine.py", "--quick", "--trusted")
+    assert result.exit_code == 0, result.output
+    assert "cannot play" not in result.output
+    rows = re.findall(r"^ +(?:duel|four|pairs) .* (\d+) *$", result.stdout, re.MULTILINE)
+    assert rows == ["0", "0", "0"]
+
+
+def test_one_that_cannot_begin_is_told_once(run, tmp_path):
+    (tmp_path / "mine.py").write_text("import rclpy\nclass Agent: pass\n")
+    result = run("mine.py", "--quick")
+    assert result.exit_code == 0, result.output
+    assert result.stderr.count("it imports rclpy, which is not installed here") == 2  # as for every command, and here
+    assert "mine cannot play any scenario, and forfeits there: " in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["nearst"], "unknown agent 'nearst': did you mean nearest"),
+        (["nearest", "--jobs", "0"], "jobs must be at least 1, got 0"),
+        (["nearest", "--limit", "step=1"], "unknown limit 'step': did you mean step_ms"),
+        (["nearest", "--json", "there.json"], "there.json: is there already: give --force"),
+        (["nearest", "--out", "there.json"], "there.json: cannot be written: is a file, not a folder"),
+    ],
+)
+def test_words_that_cannot_be_are_one_line_and_exit_code_2(run, tmp_path, words, message):
+    (tmp_path / "there.json").write_text("{}")
+    result = run(*words)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not (tmp_path / "out" / "suite" / "nearest").exists()
+
+
+def test_matches_of_another_agent_are_not_taken_for_its_own(run, tmp_path):
+    (tmp_path / "mine.py").write_text(NEAREST)
+    assert run("mine.py", "--trusted", "--quick").exit_code == 0
+    with (tmp_path / "mine.py").open("a") as file:
+        file.write("# better\n")
+    result = run("mine.py", "--trusted", "--quick", "--resume")
+    assert result.exit_code == 2
+    assert "is of another tournament: " in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+
+
+def played(block, party, scores, *, forfeits=()):
+    """A match of three, with the agent in this party."""
+    others = iter((1, 2))
+    seating = tuple(0 if place == party else next(others) for place in range(3))
+    codes = tuple("FORFEIT_CRASH" if place in forfeits else None for place in range(3))
+    ranks = tuple(1 + sum(other > score for other in scores) for score in scores)
+    return PlayedMatch(
+        Match(f"m{block}{party}", block, block, seating),
+        MatchResult(scores, ranks, ({},) * 3, (0,) * 3, 9, "00", codes, (MoveTimes(10, 0.02, 0.01),) * 3),
+    )
+
+
+@pytest.mark.parametrize(
+    ("block", "score"),
+    [
+        ([(0, (6, 3, 3))], 6 / 9),
+        ([(0, (6, 3, 3)), (1, (1, 0, 5)), (2, (2, 2, 2))], 8 / (8 + 16 / 2)),
+        ([(1, (0, 0, 0))], 0.5),
+        ([(2, (4, 2, 0))], 0.0),
+        ([(1, (0, 7, 0))], 1.0),
+    ],
+)
+def test_the_normalised_score_is_its_share_beside_the_mean_opponent(block, score):
+    assert measured([[played(0, party, scores) for party, scores in block]]).by_block == (pytest.approx(score),)
+
+
+def test_what_was_caught_in_a_forfeited_match_does_not_count():
+    block = [played(0, 0, (6, 3, 3), forfeits=[0]), played(0, 1, (2, 2, 2))]
+    of = measured([block])
+    assert of.by_block == (pytest.approx(2 / (2 + 10 / 2)),)
+    assert of.forfeits == {"FORFEIT_CRASH": 1}
+    assert measured([[played(0, 0, (0, 0, 0), forfeits=[0])]]).by_block == (0.0,)
+
+
+def measured(blocks):
+    one = SuiteScenario("three", scenario("standard", hunters=3), ("first", "random"), held_out=False, about="")
+    return measure_scenario(one, enter(["nearest", "first", "random"]), [match for block in blocks for match in block])
+
+
+def test_the_best_is_first_and_the_worst_last(tmp_path):
+    opponents = enter_opponents(SMALL)
+    best, worst = (
+        measure(played_out(Evaluation(SMALL, agent, opponents, tmp_path / agent.name, 4, None, 10)))
+        for agent in enter(["patrol", "idle"])
+    )
+    for one in worst.scenarios:
+        assert one.place == one.of
+        assert one.score.mean == 0
+        assert one.win_share.mean <= 0.25  # short matches may end without a catch
+    assert best.training.mean > worst.training.mean
+    assert best.improvement(scores_of(worst), held_out=True).mean == 1
+    assert worst.improvement(scores_of(best), held_out=False).mean == 0
+    assert best.improvement(scores_of(best), held_out=True).mean == 0.5
+
+
+def played_out(evaluation):
+    evaluation.play(1)
+    return evaluation
+
+
+def scores_of(measures):
+    return {one.name: one.by_block for one in measures.scenarios}
+
+
+def test_the_gap_is_what_is_lost_in_held_out_scenarios():
+    known, unknown = (measured([[played(block, 0, (score, 4, 4))] for block in range(4)]) for score in (6, 2))
+    (agent,) = enter(["nearest"])
+    both = AgentMeasures(agent, 4, (known, dataclasses.replace(unknown, held_out=True)))
+    assert both.training.mean == pytest.approx(0.6)
+    assert both.held_out.mean == pytest.approx(1 / 3)
+    assert both.gap.mean == pytest.approx(0.6 - 1 / 3)
+    runs = [both, both, AgentMeasures(agent, 4, (unknown, dataclasses.replace(known, held_out=True)))]
+    assert over_training_runs(runs, held_out=False).mean == pytest.approx(np.mean([0.6, 0.6, 1 / 3]))
+
+
+def test_training_runs_are_one_method(run, tmp_path):
+    result = run("contested", "nearest", "first", "patrol", "--runs", "--quick", "--json", "runs.json")
+    assert result.exit_code == 0, result.output
+    told = json.loads((tmp_path / "runs.json").read_text())
+    means = [
+        np.mean([np.mean(one["score_by_block"]) for one in agent["scenarios"].values() if not one["held_out"]])
+        for agent in told["agents"]
+    ]
+    assert told["method_iqm"]["training"]["mean"] == pytest.approx(np.mean(sorted(means)[1:3]), abs=1e-5)
+    assert "the method, over 4 training runs:" in result.stdout
+
+
+def test_references_are_compared_with_block_by_block(run, tmp_path, monkeypatch):
+    (agent,) = enter(["nearest"])
+    whole = measure(played_out(Evaluation(SMALL, agent, enter_opponents(SMALL), tmp_path / "n", 4, None, 10)))
+    path = tmp_path / "references.json"
+    path.write_text(references_text(SMALL, [whole]))
+    monkeypatch.setattr("catch_arena.suite.references.references.__defaults__", (path,))
+    result = run("nearest", "--json", "numbers.json")
+    (told,) = json.loads((tmp_path / "numbers.json").read_text())["agents"]
+    of = told["probability_of_improvement"]["nearest"]
+    assert of["training"]["mean"] == of["held_out"]["mean"] == 0.5  # itself
+    assert "probability of improvement over nearest: training 0.50" in result.stdout
+
+
+def test_ctrl_c_ends_it_with_one_line_and_leaves_nothing(tmp_path):
+    (tmp_path / "mine.py").write_text(NEAREST)
+    command = Command(tmp_path, ("suite", "mine.py", "--quick", "--out", "o", "--jobs", "1"))
+    command.wait_until_it_listens()
+    store = tmp_path / "o" / "mine" / "standard" / "tournament.sqlite"
+    patience = time.monotonic() + PATIENCE_S
+    while not store.exists() and time.monotonic() < patience:
+        time.sleep(0.05)
+    command.interrupt([])
+    ended = command.ended()
+    assert ended.status == 130
+    assert LINE.fullmatch(ended.errors)["kept"], ended.errors
+    assert not ended.left

@@ -1,0 +1,89 @@
+"""An observation of one arena as a network of another one reads it."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+import catch_arena
+from catch_arena.batch_policy import BatchView
+from catch_arena.errors import ConfigError
+from catch_arena.layout import columns
+from catch_arena.scenarios import SCENARIOS
+from catch_arena.training import fit_mask, fit_observation
+
+STEPS = 12
+
+
+def views(name, **settings):
+    """What all hunters see after some steps."""
+    env = catch_arena.parallel_env(name, **settings)
+    observations, infos = env.reset(seed=3)
+    hunters = [agent for agent in env.agents if agent.startswith("hunter")]
+    for agent in env.agents:
+        env.action_space(agent).seed(1)
+    for _ in range(STEPS):
+        actions = {agent: env.action_space(agent).sample() for agent in env.agents}
+        if env.config.control == "target":
+            actions |= {agent: int(infos[agent]["action_mask"][1]) for agent in hunters}
+        observations, _, _, _, infos = env.step(actions)
+    for seat, agent in enumerate(hunters):
+        mask = infos[agent].get("action_mask", [])
+        yield catch_arena.View(observations[agent].tolist(), list(mask), catch_arena.Limits.of(env.config, seat))
+
+
+@pytest.mark.parametrize("name", [name for name in SCENARIOS if name != "tag"])
+def test_each_column_has_the_value_of_its_name_and_else_0(name):
+    """By the table that the space is made from, which the function does not read."""
+    for view, trained in product(views(name), ("standard", "crowd", "evasive", "pairs")):
+        here = dict(zip([column.name for column in columns(SCENARIOS[name])], view.observation, strict=True))
+        expected = [here.get(column.name, 0.0) for column in columns(SCENARIOS[trained])]
+        fitted = fit_observation(view, trained)
+        assert fitted.dtype == np.float32
+        assert fitted.tolist() == np.float32(expected).tolist()
+        again = catch_arena.View(fitted.tolist(), view.mask, catch_arena.Limits.of(SCENARIOS[trained]))
+        seen = min(len(view.targets), again.limits.targets_seen)
+        assert [(one.rank, one.forward, one.age) for one in again.targets] == [
+            (one.rank, np.float32(one.forward), np.float32(one.age)) for one in view.targets[:seen]
+        ]
+
+
+def test_in_its_own_arena_nothing_changes():
+    for view in views("standard"):
+        assert fit_observation(view, "standard").tolist() == view.observation
+        assert fit_mask(view, "standard").tolist() == [bool(one) for one in view.mask]
+
+
+@pytest.mark.parametrize(("here", "trained"), [(3, 8), (8, 3), (1, 16), (16, 2)])
+def test_a_choice_with_the_fitted_mask_is_legal_here(here, trained):
+    """Ranks that are not in view are masked, and those that the network does not have are left out."""
+    config = catch_arena.scenario("standard", observed_targets=trained)
+    for view in views("standard", observed_targets=here):
+        mask = fit_mask(view, config)
+        assert mask.shape == (trained + 1,)
+        assert mask[0]
+        legal = np.flatnonzero(view.mask)
+        assert np.flatnonzero(mask).tolist() == [one for one in legal if one <= trained]
+
+
+@pytest.mark.parametrize("trained", ["duel", "crowd", "pairs"])
+def test_many_at_once_are_fitted_as_one(trained):
+    seen = list(views("standard"))
+    batch = BatchView(
+        np.array([view.observation for view in seen], np.float32),
+        np.array([view.mask for view in seen], np.int8),
+        seen[0].limits,
+    )
+    assert fit_observation(batch, trained).tolist() == [fit_observation(view, trained).tolist() for view in seen]
+    assert fit_mask(batch, trained).tolist() == [fit_mask(view, trained).tolist() for view in seen]
+
+
+def test_who_drives_itself_has_no_choices():
+    for view in views("standard", control="velocity"):
+        assert fit_mask(view, "standard").shape == (0,)
+        assert fit_observation(view, "duel").shape == (57,)
+
+
+def test_an_unknown_scenario_is_named():
+    with pytest.raises(ConfigError, match="unknown scenario 'standart': did you mean standard"):
+        fit_observation(next(views("duel")), "standart")
