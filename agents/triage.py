@@ -23,10 +23,7 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        targets = view.targets
-        if targets and as_good_as_caught(targets[0], view):
-            targets = targets[1:]
-        target = best_race(targets, view, LOST_BY_S)
+        target = best_race(worth_chasing(view), view, LOST_BY_S)
         return rest(view) if target is None else drive(target.forward, target.left, view)
 
     def act_batch(self, view: BatchView) -> Any:
@@ -34,6 +31,12 @@ class Agent:
         from catch_arena.training.scripted import triage  # a match must not wait for the compiler
 
         return triage(view)
+
+
+def worth_chasing(view: View) -> tuple[SeenTarget, ...]:
+    """The targets in view, without the nearest where that is as good as caught."""
+    targets = view.targets
+    return targets[1:] if targets and as_good_as_caught(targets[0], view) else targets
 
 
 def as_good_as_caught(target: SeenTarget, view: View) -> bool:
