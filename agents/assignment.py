@@ -11,14 +11,14 @@ from typing import Final
 from catch_arena.agents.contested_by_time import arrival_s, rival_arrival_s
 from catch_arena.agents.intercept import meeting_point
 from catch_arena.agents.patrol import drive, rest
-from catch_arena.agents.triage import LOST_BY_S, worth_chasing
+from catch_arena.agents.triage import LOST_BY_S, race_or_rest, worth_chasing
 from catch_arena.policy import View
 
 MOST_TARGETS: Final = 16
 MOST_RIVALS: Final = 8
 """The nearest that count: the work grows with targets times the square of hunters."""
 PATIENCE_S: Final = 1.0
-"""A catch is worth 1 at once, and 1/e of it after this time: who is near a target gets it, though others lose by that."""
+"""A catch is worth 1 at once, and 1/e of it after this time: what is near one hunter is seldom given to another."""
 
 
 class Agent:
@@ -31,15 +31,16 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        places = [meeting_point(target, view) for target in worth_chasing(view)[:MOST_TARGETS]]
-        if not places:
+        targets = worth_chasing(view)[:MOST_TARGETS]
+        if not targets:
             return rest(view)
+        places = [meeting_point(target, view) for target in targets]
         racing = [rival for rival in view.rivals if rival.linear_velocity][:MOST_RIVALS]
         times_s = [[arrival_s(*place, view.limits) for place in places]]
         times_s += [[rival_arrival_s(rival, *place, view.limits) for place in places] for rival in racing]
         own = cheapest_assignment([[-math.exp(-time_s / PATIENCE_S) for time_s in row] for row in times_s])[0]
         if own is None or times_s[0][own] - min(row[own] for row in times_s) >= LOST_BY_S:
-            return rest(view)
+            return race_or_rest(targets, view)
         return drive(*places[own], view)
 
 

@@ -9,8 +9,9 @@ import math
 from typing import Final, NamedTuple
 
 from catch_arena.agents.contested_by_time import best_race
+from catch_arena.agents.intercept import meeting_point
 from catch_arena.agents.patrol import Point, middle_of_own_ground
-from catch_arena.agents.triage import LOST_BY_S, worth_chasing
+from catch_arena.agents.triage import lost_by_s, worth_chasing
 from catch_arena.policy import View
 
 SAME_GOAL_M: Final = 0.6
@@ -68,8 +69,8 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        target = best_race(worth_chasing(view), view, LOST_BY_S)
-        forward, left = middle_of_own_ground(view) if target is None else (target.forward, target.left)
+        target = best_race(worth_chasing(view), view, lost_by_s(view.limits))
+        forward, left = middle_of_own_ground(view) if target is None else meeting_point(target, view)
         cosine, sine = view.heading_cos, view.heading_sin
         goal = view.x + cosine * forward - sine * left, view.y + sine * forward + cosine * left
         if self.goal is None or math.dist(goal, self.goal) > SAME_GOAL_M:

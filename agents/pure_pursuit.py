@@ -1,4 +1,4 @@
-"""Drives arcs to a point that runs ahead of it along its path: to the race that suits it best, and on to the next target.
+"""Drives arcs to a point that runs ahead of it on the line to its goal.
 
 R. C. Coulter, "Implementation of the pure pursuit path tracking algorithm", Carnegie Mellon University, CMU-RI-TR-92-01
 (1992). Where to drive to is chosen as by `triage`; how to drive is the controller that most robots begin with.
@@ -9,18 +9,16 @@ from typing import Final
 
 from catch_arena.agents.contested_by_time import best_race
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import Point, middle_of_own_ground
-from catch_arena.agents.triage import LOST_BY_S, worth_chasing
+from catch_arena.agents.patrol import BRAKE_GAIN, Point, middle_of_own_ground
+from catch_arena.agents.triage import lost_by_s, worth_chasing
 from catch_arena.policy import Limits, View
 
 LOOKAHEAD_M: Final = 0.8
-"""How far ahead of it that point runs: nearer, and it turns sharply; farther, and it cuts corners."""
-BRAKE_GAIN: Final = 2.0
-"""Speed per metre that is left to the end of the path [1/s]."""
+"""How far ahead of it that point runs: nearer, and it stops to turn; farther, and it arrives in wide arcs."""
 
 
 class Agent:
-    """Its path is two straight lines, planned anew in each step."""
+    """Its path is the straight line to the goal, planned anew in each step: nothing pushes it off that line."""
 
     control = "velocity"
 
@@ -29,27 +27,18 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        targets = worth_chasing(view)
-        first = best_race(targets, view, LOST_BY_S)
-        if first is None:
-            goal = middle_of_own_ground(view)
-            speed, turn = follow(goal, view.limits)
-            return min(speed, BRAKE_GAIN * math.hypot(*goal) / view.limits.max_speed_mps), turn
-        goal = meeting_point(first, view)
-        others = [meeting_point(target, view) for target in targets if target is not first]
-        then = min(others, key=lambda other: math.dist(goal, other), default=goal)
-        return follow(lookahead_point(goal, then), view.limits)
+        target = best_race(worth_chasing(view), view, lost_by_s(view.limits))
+        if target is not None:
+            return follow(lookahead_point(meeting_point(target, view)), view.limits)
+        goal = middle_of_own_ground(view)
+        speed, turn = follow(lookahead_point(goal), view.limits)
+        return min(speed, BRAKE_GAIN * math.hypot(*goal) / view.limits.max_speed_mps), turn
 
 
-def lookahead_point(goal: Point, then: Point) -> Point:
-    """The point of the path, by way of one place to another, that is the lookahead distance away along it; the end of
-    the path where that is nearer: (forward, left) [m].
-    """
-    first, second = math.hypot(*goal), math.dist(goal, then)
-    if first >= LOOKAHEAD_M:
-        return goal[0] * LOOKAHEAD_M / first, goal[1] * LOOKAHEAD_M / first
-    share = min(1.0, (LOOKAHEAD_M - first) / second) if second > 0.0 else 0.0
-    return goal[0] + share * (then[0] - goal[0]), goal[1] + share * (then[1] - goal[1])
+def lookahead_point(goal: Point) -> Point:
+    """The point of the path that is the lookahead distance away; its end where that is nearer: (forward, left) [m]."""
+    share = min(1.0, LOOKAHEAD_M / max(1e-9, math.hypot(*goal)))
+    return share * goal[0], share * goal[1]
 
 
 def follow(point: Point, limits: Limits) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from typing import Final
 from catch_arena.agents.contested_by_time import arrival_s, best_race, rival_arrival_s, rivals_arrival_s
 from catch_arena.agents.intercept import meeting_point
 from catch_arena.agents.patrol import drive, rest
-from catch_arena.agents.triage import LOST_BY_S, worth_chasing
+from catch_arena.agents.triage import lost_by_s, worth_chasing
 from catch_arena.policy import SeenHunter, SeenTarget, View
 
 DETOUR_S: Final = 0.4
@@ -28,7 +28,7 @@ class Agent:
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
         targets = worth_chasing(view)
-        best = best_race(targets, view, LOST_BY_S)
+        best = best_race(targets, view, lost_by_s(view.limits))
         wanted = wanted_target(targets, view)
         if wanted is not None and (best is None or mine_s(wanted, view) <= mine_s(best, view) + DETOUR_S):
             best = wanted

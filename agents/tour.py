@@ -7,10 +7,10 @@ The orienteering problem: B. L. Golden, L. Levy, R. Vohra, "The orienteering pro
 import math
 from typing import Final
 
-from catch_arena.agents.contested_by_time import best_race, rival_arrival_s
+from catch_arena.agents.contested_by_time import rival_arrival_s
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import Point, drive, rest
-from catch_arena.agents.triage import LOST_BY_S, worth_chasing
+from catch_arena.agents.patrol import Point, drive
+from catch_arena.agents.triage import race_or_rest, worth_chasing
 from catch_arena.policy import Limits, View
 
 MOST_STOPS: Final = 5
@@ -20,8 +20,6 @@ MOST_RIVALS: Final = 6
 """The nearest that count in what rivals will have taken."""
 PATIENCE_S: Final = 4.0
 """A catch is worth 1 at once, and 1/e of it after this time: by then the arena looks otherwise."""
-
-
 
 
 class Agent:
@@ -37,10 +35,7 @@ class Agent:
         targets = worth_chasing(view)[:MOST_TARGETS]
         places = [meeting_point(target, view) for target in targets]
         tour = best_tour(list(zip(places, taken_s(places, view), strict=True)), view.limits)
-        if tour:
-            return drive(*tour[0], view)
-        lost = best_race(targets, view, LOST_BY_S)
-        return rest(view) if lost is None else drive(*meeting_point(lost, view), view)
+        return drive(*tour[0], view) if tour else race_or_rest(targets, view)
 
 
 def taken_s(places: list[Point], view: View) -> list[float]:

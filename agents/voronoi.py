@@ -9,10 +9,10 @@ on Robotics and Automation 20 (2004).
 import math
 from typing import Final
 
-from catch_arena.agents.contested_by_time import arrival_s, best_race, rival_arrival_s
+from catch_arena.agents.contested_by_time import arrival_s, rival_arrival_s
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import Point, drive, rest
-from catch_arena.agents.triage import LOST_BY_S, worth_chasing
+from catch_arena.agents.patrol import Point, drive
+from catch_arena.agents.triage import race_or_rest, worth_chasing
 from catch_arena.policy import View
 
 COMPANY_M: Final = 1.5
@@ -34,10 +34,9 @@ class Agent:
         targets = worth_chasing(view)
         places = [meeting_point(target, view) for target in targets]
         own = [place for place in places if is_own(place, view)]
-        if own:
-            return drive(*min(own, key=lambda place: cost_s(place, own, view)), view)
-        lost = best_race(targets, view, LOST_BY_S)
-        return rest(view) if lost is None else drive(*meeting_point(lost, view), view)
+        return (
+            drive(*min(own, key=lambda place: cost_s(place, own, view)), view) if own else race_or_rest(targets, view)
+        )
 
 
 def is_own(place: Point, view: View) -> bool:
@@ -50,4 +49,3 @@ def cost_s(place: Point, own: list[Point], view: View) -> float:
     """The time to a target [s], less what its company is worth."""
     company = sum(math.exp(-math.dist(place, other) / COMPANY_M) for other in own)
     return arrival_s(*place, view.limits) - COMPANY_S * company
-
