@@ -292,9 +292,9 @@ def test_whatever_is_in_view_those_that_drive_themselves_act_legally_and_alike(n
         views = {
             hunter: View(observations[hunter].tolist(), (), limits[hunter]) for hunter in env.agents if hunter in limits
         }
-        for hunter, driver in twins:
+        for (hunter, _), both in twins.items():
             if hunter in views:
-                one, other = (twin.act(views[hunter]) for twin in twins[hunter, driver])
+                one, other = (twin.act(views[hunter]) for twin in both)
                 env.check_action(hunter, one)
                 assert one == other
                 looks += 1
