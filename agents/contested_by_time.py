@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from catch_arena.batch_policy import BatchView
-from catch_arena.policy import Limits, SeenTarget, View
+from catch_arena.policy import Limits, SeenHunter, SeenTarget, View
 
 
 class Agent:
@@ -46,13 +46,15 @@ def best_race(targets: Iterable[SeenTarget], view: View, lost_by_s: float = math
 
 def rivals_arrival_s(target: SeenTarget, view: View) -> float:
     """When the first of the visible rivals on the move could reach the target [s]; infinite without any."""
-    soonest = math.inf
-    for _, forward, left, cosine, sine, speed, *_ in view.rivals:
-        if not speed:
-            continue  # who stands still races for nothing
-        dx, dy = target.forward - forward, target.left - left
-        soonest = min(soonest, arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx, view.limits))
-    return soonest
+    racing = (rival for rival in view.rivals if rival.linear_velocity)  # who stands still races for nothing
+    return min((rival_arrival_s(rival, target.forward, target.left, view.limits) for rival in racing), default=math.inf)
+
+
+def rival_arrival_s(rival: SeenHunter, forward: float, left: float, limits: Limits) -> float:
+    """How long a rival takes to a point [s], with one's own speed and turn rate: its own are not known."""
+    dx, dy = forward - rival.forward, left - rival.left
+    cosine, sine = rival.heading_cos, rival.heading_sin
+    return arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx, limits)
 
 
 def arrival_s(forward: float, left: float, limits: Limits) -> float:

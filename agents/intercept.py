@@ -40,6 +40,8 @@ class Agent:
 def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:
     """Where the hunter can meet a target that drives straight on: (forward, left) [m]."""
     forward, left = target.forward, target.left
+    if not target.linear_velocity:
+        return forward, left
     for _ in range(LOOKS):
         lead_s = min(LONGEST_LEAD_S, arrival_s(forward, left, view.limits))
         forward = target.forward + target.linear_velocity * target.heading_cos * lead_s

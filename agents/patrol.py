@@ -16,6 +16,9 @@ TURN_GAIN = 6.0
 BRAKE_GAIN = 2.0
 """Speed per metre that is left to a resting place [1/s]."""
 
+Point = tuple[float, float]
+"""(forward, left) in the hunter's own frame [m]."""
+
 
 class Agent:
     """Catches as it drives by: under velocity control what is within reach is requested for it (R4.4)."""
@@ -56,7 +59,7 @@ def drive(forward: float, left: float, view: View) -> tuple[float, float]:
     return min(1.0, limits.max_turn_rate_radps * diameter / 2 / limits.max_speed_mps), turn
 
 
-def middle_of_own_ground(view: View) -> tuple[float, float]:
+def middle_of_own_ground(view: View) -> Point:
     """The mean (forward, left) [m] of those points of the spawn area that no rival is nearer to."""
     step = (view.limits.side_m - SPAWN_LOW_M - SPAWN_WALL_M) / GRID
     places = [SPAWN_LOW_M + (i + 0.5) * step for i in range(GRID)]

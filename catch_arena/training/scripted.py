@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from catch_arena.agents.intercept import LONGEST_LEAD_S, LOOKS
 from catch_arena.agents.patrol import BRAKE_GAIN, GRID, SPAWN_LOW_M, SPAWN_WALL_M, TURN_GAIN
-from catch_arena.agents.triage import LOST_BY_S
+from catch_arena.agents.triage import lost_by_s
 from catch_arena.batch_policy import BatchView
 from catch_arena.core.jit import entry, phase
 from catch_arena.core.math import PI, atan2, clamp
@@ -48,12 +48,12 @@ class Rules(NamedTuple):
     speed_mps: float
     turn_rate_radps: float
     targets_move: bool
+    lost_by_s: float
     turn_gain: float = TURN_GAIN
     brake_gain: float = BRAKE_GAIN
     grid: int = GRID
     spawn_low_m: float = SPAWN_LOW_M
     spawn_wall_m: float = SPAWN_WALL_M
-    lost_by_s: float = LOST_BY_S
     looks: int = LOOKS
     longest_lead_s: float = LONGEST_LEAD_S
 
@@ -72,6 +72,7 @@ class Rules(NamedTuple):
             speed_mps=limits.max_speed_mps,
             turn_rate_radps=limits.max_turn_rate_radps,
             targets_move=limits.targets_move,
+            lost_by_s=lost_by_s(limits),
         )
 
 
@@ -143,7 +144,11 @@ def _contested_by_time(seen: Seen, rules: Rules, ranks: NDArray[np.int64]) -> No
 @entry
 def _patrol(seen: Seen, rules: Rules, commands: NDArray[np.float64]) -> None:
     for row in range(len(seen)):
-        race_or_rest(seen, row, best_race(seen, row, rules.first_target, math.inf, rules), rules, commands)
+        target = best_race(seen, row, rules.first_target, math.inf, rules)
+        if target == _NONE:
+            commands[row, 0], commands[row, 1] = rest(seen, row, rules)
+        else:
+            commands[row, 0], commands[row, 1] = drive(seen[row, target + _FORWARD], seen[row, target + _LEFT], rules)
 
 
 @entry
@@ -152,7 +157,12 @@ def _triage(seen: Seen, rules: Rules, commands: NDArray[np.float64]) -> None:
         first = rules.first_target
         if as_good_as_caught(seen, row, rules):
             first += rules.target_columns
-        race_or_rest(seen, row, best_race(seen, row, first, rules.lost_by_s, rules), rules, commands)
+        target = best_race(seen, row, first, rules.lost_by_s, rules)
+        if target == _NONE:
+            commands[row, 0], commands[row, 1] = rest(seen, row, rules)
+        else:
+            forward, left = meeting_point(seen, row, target, rules)
+            commands[row, 0], commands[row, 1] = drive(forward, left, rules)
 
 
 @entry
@@ -254,7 +264,7 @@ def as_good_as_caught(seen: Seen, row: int, rules: Rules) -> bool:
         return False
     forward, left = seen[row, rules.first_target + _FORWARD], seen[row, rules.first_target + _LEFT]
     squared = forward * forward + left * left
-    return squared < rules.reach_m * rules.reach_m and squared < nearest_rival_m2(seen, row, forward, left, rules)
+    return bool(squared < rules.reach_m * rules.reach_m and squared < nearest_rival_m2(seen, row, forward, left, rules))
 
 
 @phase
@@ -272,15 +282,11 @@ def meeting_point(seen: Seen, row: int, target: int, rules: Rules) -> Point:
 
 
 @phase
-def race_or_rest(seen: Seen, row: int, target: int, rules: Rules, commands: NDArray[np.float64]) -> None:
-    """What `patrol` does with its choice."""
-    if target != _NONE:
-        commands[row, 0], commands[row, 1] = drive(seen[row, target + _FORWARD], seen[row, target + _LEFT], rules)
-        return
+def rest(seen: Seen, row: int, rules: Rules) -> Point:
+    """`patrol.rest`."""
     forward, left = middle_of_own_ground(seen, row, rules)
-    speed, commands[row, 1] = drive(forward, left, rules)
-    resting = rules.brake_gain * math.sqrt(forward * forward + left * left) / rules.speed_mps
-    commands[row, 0] = min(speed, resting)
+    speed, turn = drive(forward, left, rules)
+    return min(speed, rules.brake_gain * math.sqrt(forward * forward + left * left) / rules.speed_mps), turn
 
 
 @phase

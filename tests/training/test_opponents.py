@@ -54,7 +54,7 @@ def test_act_and_act_batch_agree(name, scenario):
     """On what all hunters see in whole matches; velocities up to the last bits of NumPy's own functions."""
     agent = import_module(f"catch_arena.agents.{name}").Agent
     control = getattr(agent, "control", "target")
-    config = catch_arena.scenario(scenario, control=control, max_cycles=60)
+    config = catch_arena.scenario(scenario, control=control, max_cycles=40)
     arena = catch_arena.VectorArena(config, 4)
     arena.reset(seed=8)
     observations, masks = arena._engine.observations, arena._engine.masks
@@ -72,7 +72,7 @@ def test_act_and_act_batch_agree(name, scenario):
             looks += 4
         told = actions.astype(int) if control == "target" else actions
         arena.step({"hunter": told, "prey": np.zeros((4, config.prey, 2))} if config.prey else told)
-    assert looks == 4 * 60 * config.hunters
+    assert looks == 4 * 40 * config.hunters
     assert isinstance(one, BatchPolicy)
 
 

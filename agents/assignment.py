@@ -1,0 +1,92 @@
+"""Shares out the targets among all hunters in view so that all together do best, and takes its own share.
+
+H. W. Kuhn, "The Hungarian method for the assignment problem", Naval Research Logistics Quarterly 2 (1955); J. Munkres,
+"Algorithms for the assignment and transportation problems", SIAM Journal 5 (1957).
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from catch_arena.agents.contested_by_time import arrival_s, rival_arrival_s
+from catch_arena.agents.intercept import meeting_point
+from catch_arena.agents.patrol import drive, rest
+from catch_arena.agents.triage import LOST_BY_S, race_or_rest, worth_chasing
+from catch_arena.policy import View
+
+MOST_TARGETS: Final = 16
+MOST_RIVALS: Final = 8
+"""The nearest that count: the work grows with targets times the square of hunters."""
+PATIENCE_S: Final = 1.0
+"""A catch is worth 1 at once, and 1/e of it after this time: what is near one hunter is seldom given to another."""
+
+
+class Agent:
+    """Rivals do not obey the assignment, but each is drawn to what is near it. Team-mates that think alike do."""
+
+    control = "velocity"
+
+    def reset(self, seed: int) -> None:
+        """Nothing to forget."""
+
+    def act(self, view: View) -> tuple[float, float]:
+        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        targets = worth_chasing(view)[:MOST_TARGETS]
+        if not targets:
+            return rest(view)
+        places = [meeting_point(target, view) for target in targets]
+        racing = [rival for rival in view.rivals if rival.linear_velocity][:MOST_RIVALS]
+        times_s = [[arrival_s(*place, view.limits) for place in places]]
+        times_s += [[rival_arrival_s(rival, *place, view.limits) for place in places] for rival in racing]
+        own = cheapest_assignment([[-math.exp(-time_s / PATIENCE_S) for time_s in row] for row in times_s])[0]
+        if own is None or times_s[0][own] - min(row[own] for row in times_s) >= LOST_BY_S:
+            return race_or_rest(targets, view)
+        return drive(*places[own], view)
+
+
+def cheapest_assignment(costs: Sequence[Sequence[float]]) -> list[int | None]:
+    """The column of each row, each column once, so that the sum of their costs is least. With more rows than columns
+    some rows get None; with more columns than rows some columns are left over.
+
+    Rows are added one by one, each by the shortest augmenting path (R. Jonker, A. Volgenant, Computing 38, 1987).
+    """
+    if costs and len(costs) > len(costs[0]):
+        rows: list[int | None] = [None] * len(costs)
+        for column, row in enumerate(cheapest_assignment(list(zip(*costs, strict=True)))):
+            if row is not None:
+                rows[row] = column
+        return rows
+    columns = range(len(costs[0])) if costs else range(0)
+    row_of: list[int | None] = [None for _ in columns]
+    row_price, column_price = [0.0] * len(costs), [0.0 for _ in columns]
+    for new in range(len(costs)):
+        reached_by = [math.inf for _ in columns]
+        """The length of the shortest path to each column, in reduced costs."""
+        before: list[int | None] = [None for _ in columns]
+        """The column before it on that path."""
+        done: list[int] = []
+        row, end, way = new, None, 0.0
+        while row is not None:
+            for column in columns:
+                if column in done:
+                    continue
+                length = way + costs[row][column] - row_price[row] - column_price[column]
+                if length < reached_by[column]:
+                    reached_by[column], before[column] = length, end
+            end = min((column for column in columns if column not in done), key=reached_by.__getitem__)
+            way, row = reached_by[end], row_of[end]
+            done.append(end)
+        row_price[new] += way
+        for column in done[:-1]:
+            owner = row_of[column]
+            row_price[owner] += way - reached_by[column]
+            column_price[column] -= way - reached_by[column]
+        while end is not None:
+            step_back = before[end]
+            row_of[end] = new if step_back is None else row_of[step_back]
+            end = step_back
+    assigned: list[int | None] = [None] * len(costs)
+    for column, row in enumerate(row_of):
+        if row is not None:
+            assigned[row] = column
+    return assigned

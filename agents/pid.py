@@ -1,0 +1,85 @@
+"""Drives itself with two PID loops, on distance and on heading: what a controller node on /cmd_vel does.
+
+The gains are those of the ROS 2 course "catch them all" and of the hosted controllers (R4.3). The integral stands still
+while the command is at its limit (conditional integration), and begins anew with each goal: K. J. Åström, T. Hägglund,
+"PID controllers: theory, design, and tuning" (1995), chapter 3.5. Where to drive to is chosen as by `triage`.
+"""
+
+import math
+from typing import Final, NamedTuple
+
+from catch_arena.agents.contested_by_time import best_race
+from catch_arena.agents.intercept import meeting_point
+from catch_arena.agents.patrol import Point, middle_of_own_ground
+from catch_arena.agents.triage import lost_by_s, worth_chasing
+from catch_arena.policy import View
+
+SAME_GOAL_M: Final = 0.6
+"""A goal that has moved by more than this since the last step is another one."""
+
+
+class Gains(NamedTuple):
+    """Of one loop."""
+
+    proportional: float
+    integral: float
+    derivative: float
+
+
+LINEAR: Final = Gains(2.0, 1.0, 0.0)
+"""Speed [m/s] per metre, per metre-second, per metre a second."""
+ANGULAR: Final = Gains(6.0, 0.0, 0.1)
+"""Turn rate [rad/s] per radian, per radian-second, per radian a second: the last damps the end of a turn."""
+
+
+class Loop:
+    """One controller: from an error to a command within its limits."""
+
+    def __init__(self, gains: Gains) -> None:
+        self.gains = gains
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget the past."""
+        self.integral = 0.0
+        self.last: float | None = None
+
+    def command(self, error: float, period_s: float, limit: float) -> float:
+        """The command, in [-limit, limit]."""
+        proportional, integral, derivative = self.gains
+        rate = 0.0 if self.last is None else (error - self.last) / period_s
+        self.last = error
+        sum_so_far = self.integral + error * period_s
+        command = proportional * error + integral * sum_so_far + derivative * rate
+        if abs(command) <= limit:
+            self.integral = sum_so_far
+        return max(-limit, min(limit, command))
+
+
+class Agent:
+    """It slows down towards each target, as turtlesim's controller does, and turns before it drives."""
+
+    control = "velocity"
+
+    def reset(self, seed: int) -> None:
+        """At rest."""
+        del seed
+        self.linear, self.angular = Loop(LINEAR), Loop(ANGULAR)
+        self.goal: Point | None = None
+
+    def act(self, view: View) -> tuple[float, float]:
+        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        target = best_race(worth_chasing(view), view, lost_by_s(view.limits))
+        forward, left = middle_of_own_ground(view) if target is None else meeting_point(target, view)
+        cosine, sine = view.heading_cos, view.heading_sin
+        goal = view.x + cosine * forward - sine * left, view.y + sine * forward + cosine * left
+        if self.goal is None or math.dist(goal, self.goal) > SAME_GOAL_M:
+            self.linear.restart()
+            self.angular.restart()
+        self.goal = goal
+        limits, period_s = view.limits, view.limits.control_period_ms / 1000.0
+        bearing = math.atan2(left, forward)
+        ahead = math.hypot(forward, left) * max(0.0, math.cos(bearing))  # no way at all to what lies behind
+        speed = self.linear.command(ahead, period_s, limits.max_speed_mps) / limits.max_speed_mps
+        turn = self.angular.command(bearing, period_s, limits.max_turn_rate_radps) / limits.max_turn_rate_radps
+        return max(0.0, speed), turn

@@ -1,0 +1,55 @@
+"""Drives arcs to a point that runs ahead of it on the line to its goal.
+
+R. C. Coulter, "Implementation of the pure pursuit path tracking algorithm", Carnegie Mellon University, CMU-RI-TR-92-01
+(1992). Where to drive to is chosen as by `triage`; how to drive is the controller that most robots begin with.
+"""
+
+import math
+from typing import Final
+
+from catch_arena.agents.contested_by_time import best_race
+from catch_arena.agents.intercept import meeting_point
+from catch_arena.agents.patrol import BRAKE_GAIN, Point, middle_of_own_ground
+from catch_arena.agents.triage import lost_by_s, worth_chasing
+from catch_arena.policy import Limits, View
+
+LOOKAHEAD_M: Final = 0.8
+"""How far ahead of it that point runs: nearer, and it stops to turn; farther, and it arrives in wide arcs."""
+
+
+class Agent:
+    """Its path is the straight line to the goal, planned anew in each step: nothing pushes it off that line."""
+
+    control = "velocity"
+
+    def reset(self, seed: int) -> None:
+        """Nothing to forget."""
+
+    def act(self, view: View) -> tuple[float, float]:
+        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        target = best_race(worth_chasing(view), view, lost_by_s(view.limits))
+        if target is not None:
+            return follow(lookahead_point(meeting_point(target, view)), view.limits)
+        goal = middle_of_own_ground(view)
+        speed, turn = follow(lookahead_point(goal), view.limits)
+        return min(speed, BRAKE_GAIN * math.hypot(*goal) / view.limits.max_speed_mps), turn
+
+
+def lookahead_point(goal: Point) -> Point:
+    """The point of the path that is the lookahead distance away; its end where that is nearer: (forward, left) [m]."""
+    share = min(1.0, LOOKAHEAD_M / max(1e-9, math.hypot(*goal)))
+    return share * goal[0], share * goal[1]
+
+
+def follow(point: Point, limits: Limits) -> tuple[float, float]:
+    """The command for the arc that leaves along the heading and passes through a point, as fast as it can be driven."""
+    forward, left = point
+    squared = forward * forward + left * left
+    if squared == 0.0:
+        return 0.0, 0.0
+    if forward <= 0.0:
+        return 0.0, math.copysign(1.0, left)  # no arc to what lies behind: it turns on the spot
+    curvature = 2.0 * left / squared
+    speed_mps = min(limits.max_speed_mps, limits.max_turn_rate_radps / max(1e-9, abs(curvature)))
+    turn = speed_mps * curvature / limits.max_turn_rate_radps
+    return speed_mps / limits.max_speed_mps, max(-1.0, min(1.0, turn))

@@ -1,0 +1,51 @@
+"""Takes what lies in its own dominant region, where it arrives first, and rather where more of that lies together.
+
+T. Taki, J. Hasegawa, "Visualization of dominant region in team games and its application to teamwork analysis",
+Computer Graphics International (2000): a Voronoi cell by arrival times in place of distances. With nothing in view it
+waits in the middle of its cell: J. Cortés and others, "Coverage control for mobile sensing networks", IEEE Transactions
+on Robotics and Automation 20 (2004).
+"""
+
+import math
+from typing import Final
+
+from catch_arena.agents.contested_by_time import arrival_s, rival_arrival_s
+from catch_arena.agents.intercept import meeting_point
+from catch_arena.agents.patrol import Point, drive
+from catch_arena.agents.triage import race_or_rest, worth_chasing
+from catch_arena.policy import View
+
+COMPANY_M: Final = 1.5
+"""Over this distance the worth of a further target nearby falls to 1/e."""
+COMPANY_S: Final = 0.3
+"""The detour that a further target in the same place is worth [s]."""
+
+
+class Agent:
+    """A target of its own is worth more where others of its own are near."""
+
+    control = "velocity"
+
+    def reset(self, seed: int) -> None:
+        """Nothing to forget."""
+
+    def act(self, view: View) -> tuple[float, float]:
+        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        targets = worth_chasing(view)
+        places = [meeting_point(target, view) for target in targets]
+        own = [place for place in places if is_own(place, view)]
+        return (
+            drive(*min(own, key=lambda place: cost_s(place, own, view)), view) if own else race_or_rest(targets, view)
+        )
+
+
+def is_own(place: Point, view: View) -> bool:
+    """Whether no rival reaches a place sooner."""
+    mine = arrival_s(*place, view.limits)
+    return all(rival_arrival_s(rival, *place, view.limits) >= mine for rival in view.rivals if rival.linear_velocity)
+
+
+def cost_s(place: Point, own: list[Point], view: View) -> float:
+    """The time to a target [s], less what its company is worth."""
+    company = sum(math.exp(-math.dist(place, other) / COMPANY_M) for other in own)
+    return arrival_s(*place, view.limits) - COMPANY_S * company
