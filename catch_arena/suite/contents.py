@@ -19,7 +19,7 @@ from catch_arena.tournament.secret import Secret
 
 TRAINING_OPPONENTS: Final = ("first", "nearest", "contested", "contested_by_time", "patrol")
 """Who plays where the opponents are known. A learner may train against any agent but the held-out ones."""
-HELD_OUT_OPPONENTS: Final = ("intercept",)
+HELD_OUT_OPPONENTS: Final = ("assignment", "intercept", "spoiler", "tour", "voronoi")
 """Who plays where they are not: no learner has met, imitated or been chosen by them."""
 REFERENCES: Final = ("nearest", "contested_by_time", "patrol")
 """Whose results are kept with the package (`make card`), and compared with."""

@@ -99,7 +99,9 @@ class LearnerBatch:
         )
         self.num_envs: Final = self.arena.num_envs
         self.num_rows: Final = self.num_envs * self.learners
-        self.opponents: Final = None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
+        self.opponents: Final = (
+            None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
+        )
         """Who plays the other seats; `add` and `weigh` change the pool, for the episodes that begin from then on."""
         self._control = CONTROLS[config.controls[0]]
         self.action_space: Final = self.arena.action_space()

@@ -129,7 +129,7 @@ class Opponents:
             the numbers of the agents in the pool: (n, S).
         """
         if self._distinct and np.count_nonzero(self.weights) >= seats.shape[1]:
-            # without replacement: the largest of the weights' logarithms with Gumbel noise (Efraimidis and Spirakis, 2006)
+            # without replacement: the largest of log weights with Gumbel noise (Efraimidis and Spirakis, 2006)
             with np.errstate(divide="ignore"):
                 keys = np.log(self.weights) + draw.gumbel(size=(len(seats), len(self._pool)))
             chosen = np.argsort(-keys, axis=1, kind="stable")[:, : seats.shape[1]]

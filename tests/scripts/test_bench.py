@@ -241,6 +241,7 @@ def repository(tmp_path_factory):
     return Repository(tmp_path_factory.mktemp("against"))
 
 
+@pytest.mark.nightly
 def test_an_older_commit_and_the_current_version_are_measured_in_turn(repository, tmp_path):
     """Every row but the starts, which need the compiler; with uncommitted changes, which the tables tell of."""
     shutil.copy(ROOT / "docs" / "performance.md", tmp_path / "page.md")

@@ -275,7 +275,9 @@ def test_an_agent_that_is_none_is_refused(opponent, message):
 
 def test_distinct_opponents_are_drawn_by_their_weights_and_never_twice():
     """As in a tournament's matches; with fewer agents than seats they repeat."""
-    batch = LearnerBatch("standard", 600, opponents={"nearest": 1, "first": 1, "idle": 4, "contested": 1}, distinct=True)
+    batch = LearnerBatch(
+        "standard", 600, opponents={"nearest": 1, "first": 1, "idle": 4, "contested": 1}, distinct=True
+    )
     batch.reset(seed=3)
     seated = batch.opponents.seated
     assert all(len(set(row[row >= 0].tolist())) == 3 for row in seated)
@@ -322,6 +324,8 @@ def test_the_figures_of_an_episode_name_its_opponents_and_their_scores():
     assert step.figures["opponents"].shape == step.figures["opponent_scores"].shape == (12, 2)
     for arena in range(6):
         wanted = [who[arena, seat] for seat in range(4) if seat not in seats[arena]]
-        assert step.figures["opponents"][2 * arena].tolist() == step.figures["opponents"][2 * arena + 1].tolist() == wanted
+        assert (
+            step.figures["opponents"][2 * arena].tolist() == step.figures["opponents"][2 * arena + 1].tolist() == wanted
+        )
     assert step.figures["opponent_scores"].sum() > 0
     assert step.figures["score"].sum() == 0  # who holds catches nothing

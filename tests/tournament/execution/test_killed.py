@@ -13,7 +13,6 @@ import pytest
 from catch_arena.tournament.export import export
 from catch_arena.tournament.store import STORE, Store
 
-KILLS = 20
 AGENTS = ["nearest", "random", "contested", "crashes.py"]
 """The last one is out after ten matches, which no resumption may forget."""
 WORDS = [
@@ -109,7 +108,8 @@ def kept(folder: Path) -> int:
     return len(played)
 
 
-def test_killed_at_twenty_random_moments_it_ends_as_if_undisturbed(server, tmp_path):
+@pytest.mark.parametrize("times", [6, pytest.param(20, marks=pytest.mark.nightly)])
+def test_killed_at_random_moments_it_ends_as_if_undisturbed(server, tmp_path, times):
     shutil.copy(Path(__file__).parents[1] / "isolation" / "bad" / "crashes.py", tmp_path)
     code, cpu_s = server.play("undisturbed")
     assert code == 0
@@ -119,16 +119,16 @@ def test_killed_at_twenty_random_moments_it_ends_as_if_undisturbed(server, tmp_p
 
     moments = random.Random(20)
     kills, midway, ended = 0, 0, 0
-    while kills < KILLS:
+    while kills < times:
         out, progress = f"killed{ended}", 0
-        while server.play(out, moments.uniform(0, cpu_s / 8) if kills < KILLS else None)[0] != 0:
+        while server.play(out, moments.uniform(0, cpu_s / 8) if kills < times else None)[0] != 0:
             before, progress = progress, kept(tmp_path / out)
             assert progress >= before
             kills += 1
             midway += 0 < progress < MATCHES
         assert exported(tmp_path / out) == expected
         ended += 1
-    assert midway >= KILLS / 4  # the others came before the first match, or after the last
+    assert midway >= times / 4  # the others came before the first match, or after the last
 
 
 def test_the_processes_of_a_killed_tournament_end_too(tmp_path):
