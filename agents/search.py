@@ -1,179 +1,336 @@
-"""Looks ahead: tries every place to go to in an arena of its own."""
+"""Looks ahead: tries each place to go to in an arena of its own, with rivals as it expects them.
 
-from typing import Any, NamedTuple
+The arena is a light one, in NumPy: what is in view is copied into it, once for each place that the hunter could go to;
+then all copies are played for STEPS steps, in which everybody runs the race that suits it best. Where targets will
+appear nobody knows, so none do: what counts instead is the share of the ground that is the hunter's own, since new
+targets are spread evenly (R3.2). Catch Arena's engine is not used for that. Where its rules are not compiled yet, they
+take longer to compile than an agent may take to begin, and a step of it writes views that nobody here reads.
+
+The work of a move is bounded by the numbers below, whatever is in view and however fast the machine is: so a match can
+be repeated. Nothing is remembered or drawn, so `act_batch` decides as `act` does.
+"""
+
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.agents.patrol import BRAKE_GAIN, SPAWN_LOW_M, SPAWN_WALL_M, drive_all
 from catch_arena.batch_policy import BatchView
 from catch_arena.policy import Limits, View
 
 Numbers = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+STEP_S: Final = 0.2
+"""A step of the look-ahead: coarser than the arena's own."""
+TARGETS: Final = 8
+RIVALS: Final = 7
+"""At most so many of the nearest are looked at."""
+WAITING: Final = 3
+"""A grid of WAITING x WAITING points of the spawn area where the hunter could wait."""
+GROUND: Final = 5
+"""The spawn area is shared out in GROUND x GROUND points."""
+LOOKS_AT_GROUND: Final = 3
+"""How often in a look-ahead."""
+LOST: Final = 1e3
+"""Above every time [s]: a race that is lost comes behind all that are won."""
+LONGEST_LEAD_S: Final = 1.5
+"""Nobody knows where a target turns to after that."""
+THERE_M: Final = 0.02
+"""Who waits stands still so near to its place."""
+CIRCLE: Final = 0.3
+"""Of the arena's side: the circle on which a hunter drives that sees a part of the arena only, and there nothing."""
+FURTHER_RAD: Final = 0.8
+"""How far ahead on it."""
 
 
-class Tuning(NamedTuple):
-    steps: int = 14
-    step_s: float = 0.2
+class Weights(NamedTuple):
+    """What a look-ahead is, and what counts in it."""
+
+    steps: int = 9
+    """Of STEP_S each."""
     discount: float = 0.25
+    """By how much less a catch counts for each second that it comes later [1/s]."""
     rivals: float = 0.33
+    """What a rival's catch costs."""
+    ground: float = 0.6
+    """What all the ground is worth."""
     lost_by_s: float = 0.4
+    """After the first goal the hunter runs no race that it loses by more than this."""
     wait_s: float = 1.0
-    share: float = 0.6
-    grid: int = 3
-    end: float = 1.0
+    """For how long it goes to a place where it waits."""
 
 
 class Agent:
+    """Drives itself to the place from where it expects most, and decides anew in every step."""
+
     control = "velocity"
-    tuning = Tuning()
+    weights = Weights()
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Nothing to forget, and nothing is drawn."""
 
     def act(self, view: View) -> tuple[float, float]:
-        observations = np.asarray([view.observation], dtype=np.float32)
-        speed, turn = self.act_batch(BatchView(observations, np.zeros((1, 0), np.int8), view.limits))[0].tolist()
+        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        observations = np.array([view.observation], dtype=np.float32)
+        masks = np.zeros((1, 0), dtype=np.int8)
+        speed, turn = self.act_batch(BatchView(observations, masks, view.limits))[0].tolist()
         return speed, turn
 
     def act_batch(self, view: BatchView) -> Numbers:
-        t = self.tuning
-        sim = Sim(view, t)
-        choice = sim.values().argmax(axis=1)
-        rows = np.arange(len(choice))
-        return sim.drive0(rows, choice)
+        """The same for N hunters: (N, 2)."""
+        scene = Scene.of(view)
+        return drive_to(scene, look_ahead(scene, self.weights).argmax(axis=1))
 
 
-class Sim:
-    def __init__(self, view, t):
-        self.t = t
-        L = self.L = view.limits
-        own, targets, rivals = view.own, view.targets, view.rivals
-        f8 = np.float64
-        n = len(own.x)
-        K = min(L.targets_seen, 8)
-        R = min(L.hunters_seen, 5)
-        c, s = own.heading_cos.astype(f8)[:, None], own.heading_sin.astype(f8)[:, None]
-        x, y = own.x.astype(f8)[:, None], own.y.astype(f8)[:, None]
+class Scene(NamedTuple):
+    """What N hunters see, in the world frame: H hunters, each itself first, K targets, and C places to go to:
+    the targets, where it is, and where it could wait.
+    """
 
-        def world(forward, left):
-            forward, left = forward.astype(f8), left.astype(f8)
-            return x + c * forward - s * left, y + s * forward + c * left
+    limits: Limits
+    x: Numbers
+    """(N, H) [m]."""
+    y: Numbers
+    heading: Numbers
+    """(N, H) [rad]."""
+    here: Flags
+    """(N, H): whether there is such a hunter."""
+    races: Flags
+    """(N, H): who stands still races for nothing."""
+    mates: Flags
+    """(N, H): itself and its team-mates."""
+    target_x: Numbers
+    """(N, K) [m]."""
+    target_y: Numbers
+    target_vx: Numbers
+    """(N, K) [m/s]."""
+    target_vy: Numbers
+    alive: Flags
+    """(N, K)."""
+    goal_x: Numbers
+    """(N, C) [m]."""
+    goal_y: Numbers
+    open: Flags
+    """(N, C): what is there, and is not as good as caught."""
 
-        self.tx, self.ty = world(targets.forward[:, :K], targets.left[:, :K])
-        self.alive = targets.present[:, :K] > 0
-        rx, ry = world(rivals.forward[:, :R], rivals.left[:, :R])
-        rc, rs = rivals.heading_cos[:, :R].astype(f8), rivals.heading_sin[:, :R].astype(f8)
-        self.hx = np.concatenate((x, rx), 1)
-        self.hy = np.concatenate((y, ry), 1)
-        th0 = np.arctan2(s, c)
-        self.th = np.concatenate((th0, th0 + np.arctan2(rs, rc)), 1)
-        self.here = np.concatenate((np.ones((n, 1), bool), rivals.present[:, :R] > 0), 1)
-        self.moving = np.concatenate((np.ones((n, 1), bool), rivals.linear_velocity[:, :R] != 0), 1)
-        lo, hi = 0.5, L.side_m - 0.5889
-        g = lo + (np.arange(t.grid) + 0.5) * (hi - lo) / t.grid
-        gx, gy = np.repeat(g, t.grid), np.tile(g, t.grid)
-        g5 = lo + (np.arange(5) + 0.5) * (hi - lo) / 5
-        self.sx, self.sy = np.repeat(g5, 5), np.tile(g5, 5)
-        # candidates: targets, stay, grid
-        W = t.grid * t.grid + 1
-        self.ax = np.concatenate((self.tx, x, np.broadcast_to(gx, (n, W - 1))), 1)
-        self.ay = np.concatenate((self.ty, y, np.broadcast_to(gy, (n, W - 1))), 1)
-        self.K, self.C, self.n = K, K + W, n
-        d = np.hypot(self.tx[:, None] - self.hx[:, :, None], self.ty[:, None] - self.hy[:, :, None])
-        d = np.where(self.here[:, :, None], d, np.inf)
-        mine = (d[:, 0] < L.reach_m) & (d.argmin(1) == 0)
-        self.ok = np.concatenate((self.alive & ~mine, np.ones((n, W), bool)), 1)
+    @classmethod
+    def of(cls, view: BatchView) -> "Scene":
+        """What stands in a view."""
+        limits, own = view.limits, view.own
+        x, y, cosine, sine = (
+            np.asarray(c, np.float64)[:, None] for c in (own.x, own.y, own.heading_cos, own.heading_sin)
+        )
+        heading = np.arctan2(sine, cosine)
+        its = {name: np.asarray(c[:, :TARGETS], np.float64) for name, c in view.targets._asdict().items()}
+        others = {name: np.asarray(c[:, :RIVALS], np.float64) for name, c in view.rivals._asdict().items()}
+        alive, me = its["present"] > 0, np.ones((len(x), 1), np.bool_)
+        there = others["present"] > 0
+        target_x, target_y = (
+            x + cosine * its["forward"] - sine * its["left"],
+            y + sine * its["forward"] + cosine * its["left"],
+        )
+        vx, vy = np.zeros(alive.shape), np.zeros(alive.shape)
+        if limits.targets_move:
+            ahead, aside = (its["linear_velocity"] * its[name] for name in ("heading_cos", "heading_sin"))
+            vx, vy = cosine * ahead - sine * aside, sine * ahead + cosine * aside
+        hunters_x = np.concatenate((x, x + cosine * others["forward"] - sine * others["left"]), axis=1)
+        hunters_y = np.concatenate((y, y + sine * others["forward"] + cosine * others["left"]), axis=1)
+        waiting_x, waiting_y = (np.broadcast_to(c, (len(x), c.size)) for c in spawn_area(limits, WAITING))
+        mates = others["mate"] > 0 if limits.teams else np.zeros(there.shape, np.bool_)
+        scene = cls(
+            limits=limits,
+            x=hunters_x,
+            y=hunters_y,
+            heading=np.concatenate(
+                (heading, heading + np.arctan2(others["heading_sin"], others["heading_cos"])), axis=1
+            ),
+            here=np.concatenate((me, there), axis=1),
+            races=np.concatenate((me, there & (others["linear_velocity"] != 0)), axis=1),
+            mates=np.concatenate((me, mates), axis=1),
+            target_x=target_x,
+            target_y=target_y,
+            target_vx=vx,
+            target_vy=vy,
+            alive=alive,
+            goal_x=np.concatenate((target_x, x, waiting_x), axis=1),
+            goal_y=np.concatenate((target_y, y, waiting_y), axis=1),
+            open=np.ones((len(x), alive.shape[1] + 1 + waiting_x.shape[1]), np.bool_),
+        )
+        return scene._replace(open=scene._open())
 
-    def values(self):
-        t, L = self.t, self.L
-        n, C, K = self.n, self.C, self.K
-        H = self.hx.shape[1]
-        V, W, reach, dt = L.max_speed_mps, L.max_turn_rate_radps, L.reach_m, t.step_s
-        hx, hy, th = (np.broadcast_to(a[:, None], (n, C, H)).copy() for a in (self.hx, self.hy, self.th))
-        tx, ty = self.tx[:, None, None], self.ty[:, None, None]
-        alive = np.broadcast_to(self.alive[:, None], (n, C, K)).copy()
-        present = np.where(self.here, 0.0, np.inf)[:, None, :, None]
-        still = np.where(self.moving, 0.0, np.inf)[:, None, :, None]
-        own = np.zeros((n, C))
-        others = np.zeros((n, C))
-        shares = np.zeros((n, C))
-        going = np.broadcast_to(np.arange(C) < K, (n, C)) & self.ok
-        cand = np.minimum(np.arange(C), K - 1)
-        waiting = np.arange(C) >= K
-        ax, ay = self.ax, self.ay
-        for step in range(t.steps):
-            disc = np.exp(-t.discount * step * dt)
-            dx, dy = tx - hx[..., None], ty - hy[..., None]
-            dist = np.sqrt(dx * dx + dy * dy)
-            near = dist + present
-            least = near.min(axis=2)
-            caught = (least < reach) & alive
-            if caught.any():
-                me = caught & (near[:, :, 0] <= least)
-                own += disc * me.sum(-1)
-                others += disc * (caught & ~me).sum(-1)
-                alive &= ~caught
-            co, si = np.cos(th)[..., None], np.sin(th)[..., None]
-            bear = np.abs(np.arctan2(co * dy - si * dx, co * dx + si * dy))
-            arr = np.maximum(0, dist - reach) / V + 0.5 / W * bear + present + still
-            m1 = arr.min(axis=2, keepdims=True)
-            first = arr <= m1
-            m2 = np.where(first, np.inf, arr).min(axis=2, keepdims=True)
-            late = arr - np.where(first, m2, m1)
-            dead = np.where(alive, 0.0, np.inf)
-            key = np.where(first, arr, 1000.0 + late) + dead[:, :, None]
-            key[:, :, 0][late[:, :, 0] > t.lost_by_s] = np.inf
-            goal = key.argmin(axis=-1)
-            gd = np.take_along_axis(key, goal[..., None], -1)[..., 0]
-            go = gd < np.inf
-            gx = np.take_along_axis(np.broadcast_to(tx[:, :, 0], (n, C, K)), goal, -1)
-            gy = np.take_along_axis(np.broadcast_to(ty[:, :, 0], (n, C, K)), goal, -1)
-            # self: candidate
-            if K:
-                going = going & alive[:, np.arange(C), cand]
-            follow = going | (waiting & (step * dt < t.wait_s))
-            gx[:, :, 0] = np.where(follow, ax, gx[:, :, 0])
-            gy[:, :, 0] = np.where(follow, ay, gy[:, :, 0])
-            go[:, :, 0] |= follow
-            dx, dy = gx - hx, gy - hy
-            co, si = co[..., 0], si[..., 0]
-            bearing = np.arctan2(co * dy - si * dx, co * dx + si * dy)
-            d = np.sqrt(dx * dx + dy * dy)
-            turn = np.clip(bearing, -W * dt, W * dt)
-            diam = (d + reach / 2) / np.maximum(1e-6, np.abs(np.sin(bearing)))
-            speed = np.minimum(np.minimum(V, W * diam / 2), d / dt)
-            speed = np.where((np.abs(bearing) < np.pi / 2) & go, speed, 0.0)
-            turn = np.where(go, turn, 0.0)
-            mid = th + 0.5 * turn
-            hx += dt * speed * np.cos(mid)
-            hy += dt * speed * np.sin(mid)
-            th += turn
-            if t.share and step in (t.steps // 3, 2 * t.steps // 3, t.steps - 1):
-                dx, dy = self.sx - hx[..., None], self.sy - hy[..., None]
-                co, si = np.cos(th)[..., None], np.sin(th)[..., None]
-                b = np.abs(np.arctan2(co * dy - si * dx, co * dx + si * dy))
-                a = np.sqrt(dx * dx + dy * dy) / V + 0.5 / W * b + present
-                shares += (a[:, :, 0] <= a.min(2)).mean(-1) / 3
-        if t.end:
-            first0 = arr[:, :, 0] <= m1[:, :, 0]
-            e = t.end * np.exp(-t.discount * (t.steps * dt + m1[:, :, 0])) * alive
-            own += (e * first0).sum(-1)
-            others += (e * ~first0).sum(-1)
-        self.own, self.others, self.shares = own, others, shares
-        v = own - t.rivals * others + t.share * shares
-        return np.where(self.ok, v, -np.inf)
+    def _open(self) -> Flags:
+        distance = np.hypot(self.target_x[:, None] - self.x[:, :, None], self.target_y[:, None] - self.y[:, :, None])
+        distance = np.where(self.here[:, :, None], distance, np.inf)
+        caught = (distance[:, 0] < self.limits.reach_m) & (distance[:, 0] <= distance.min(axis=1))
+        return np.concatenate((self.alive & ~caught, self.open[:, self.alive.shape[1] :]), axis=1)
 
-    def drive0(self, rows, choice):
-        L = self.L
-        dx, dy = self.ax[rows, choice] - self.hx[:, 0], self.ay[rows, choice] - self.hy[:, 0]
-        c, s = np.cos(self.th[:, 0]), np.sin(self.th[:, 0])
-        f, l = c * dx + s * dy, c * dy - s * dx
-        b = np.arctan2(l, f)
-        d = np.hypot(f, l)
-        turn = np.clip(6.0 * b / L.max_turn_rate_radps, -1, 1)
-        diam = (d + L.reach_m / 2) / np.maximum(1e-6, np.abs(np.sin(b)))
-        speed = np.minimum(1.0, L.max_turn_rate_radps * diam / 2 / L.max_speed_mps)
-        wait = choice >= self.K
-        speed = np.where(wait, np.minimum(speed, 2.0 * d / L.max_speed_mps), speed)
-        turn = np.where(d < 0.02, 0, turn)
-        return np.stack((np.where(np.abs(b) >= np.pi / 2, 0.0, speed), turn), 1)
+
+def spawn_area(limits: Limits, points: int) -> tuple[Numbers, Numbers]:
+    """R3.2: a grid of points in it: x and y [m], (points * points,)."""
+    step = (limits.side_m - SPAWN_LOW_M - SPAWN_WALL_M) / points
+    places = SPAWN_LOW_M + (np.arange(points) + 0.5) * step
+    return np.repeat(places, points), np.tile(places, points)
+
+
+def look_ahead(scene: Scene, weights: Weights) -> Numbers:
+    """What each place to go to is worth: (N, C); -inf for those that are not open."""
+    arena, worth = Arena(scene, weights), np.zeros(scene.goal_x.shape)
+    looks = {weights.steps * look // LOOKS_AT_GROUND for look in range(1, LOOKS_AT_GROUND + 1)}
+    for step in range(weights.steps):
+        worth += arena.catch() * np.exp(-weights.discount * STEP_S * step)
+        arena.move(waits=STEP_S * step < weights.wait_s)
+        if step + 1 in looks:
+            worth += weights.ground / len(looks) * arena.own_ground()
+    worth += arena.still_to_come()
+    return np.where(scene.open, worth, -np.inf)
+
+
+class Arena:
+    """C copies of each of N scenes; in each the hunter goes to another place first."""
+
+    def __init__(self, scene: Scene, weights: Weights) -> None:
+        self.scene, self.weights, self.limits = scene, weights, scene.limits
+        count, copies, self.targets = len(scene.x), scene.goal_x.shape[1], scene.alive.shape[1]
+        self.x, self.y, self.heading, self.target_x, self.target_y, self.alive = (
+            np.repeat(of_all[:, None], copies, axis=1)
+            for of_all in (scene.x, scene.y, scene.heading, scene.target_x, scene.target_y, scene.alive)
+        )
+        self.goal_x, self.goal_y = scene.goal_x.copy(), scene.goal_y.copy()
+        self.absent = np.where(scene.here, 0.0, np.inf)[:, None, :, None]
+        self.idle = np.where(scene.races, 0.0, np.inf)[:, None, :, None]
+        self.strangers = np.where(scene.mates, np.inf, 0.0)[:, None, :, None]
+        self.worth = np.where(scene.mates, 1.0, -weights.rivals)
+        self.rows, self.copies = np.arange(count)[:, None, None], np.arange(copies)[:, None]
+        self._look()
+
+    def _look(self) -> None:
+        """From each hunter to each target: (N, C, H, K)."""
+        self.dx = self.target_x[:, :, None] - self.x[..., None]
+        self.dy = self.target_y[:, :, None] - self.y[..., None]
+        self.distance = np.sqrt(self.dx * self.dx + self.dy * self.dy)
+
+    def _arrivals_s(self, dx: Numbers, dy: Numbers, way: Numbers) -> Numbers:
+        """`contested_by_time.arrival_s`; infinite for who is not there."""
+        cosine, sine = np.cos(self.heading)[..., None], np.sin(self.heading)[..., None]
+        turn: Any = np.abs(np.arctan2(cosine * dy - sine * dx, cosine * dx + sine * dy))
+        arrivals: Numbers = way / self.limits.max_speed_mps + 0.5 / self.limits.max_turn_rate_radps * turn + self.absent
+        return arrivals
+
+    def _races_s(self) -> Numbers:
+        """When each hunter could reach each target; infinite for who does not race: (N, C, H, K)."""
+        way = np.maximum(0.0, self.distance - self.limits.reach_m)
+        return self._arrivals_s(self.dx, self.dy, way) + self.idle
+
+    def catch(self) -> Numbers:
+        """Whoever is nearest to a target, and within reach, catches it: what that is worth, (N, C)."""
+        distance = self.distance + self.absent
+        caught = (distance.min(axis=2) < self.limits.reach_m) & self.alive
+        if not caught.any():
+            return np.zeros(caught.shape[:2])
+        self.alive &= ~caught
+        return self._worth_of(distance.argmin(axis=2), caught)
+
+    def still_to_come(self) -> Numbers:
+        """What the targets that are left are worth to those who will reach them first: (N, C)."""
+        races = self._races_s()
+        soon = self.weights.steps * STEP_S + races.min(axis=2)
+        return self._worth_of(races.argmin(axis=2), np.exp(-self.weights.discount * soon) * self.alive)
+
+    def _worth_of(self, winners: NDArray[np.intp], counts: Any) -> Numbers:
+        """What targets are worth, (N, C), of which so many go to these hunters, (N, C, K)."""
+        worth: Numbers = (counts * self.worth[self.rows, winners]).sum(axis=2)
+        return worth
+
+    def own_ground(self) -> Numbers:
+        """The share of the spawn area that the hunter, or a team-mate, would reach first: (N, C)."""
+        x, y = spawn_area(self.limits, GROUND)
+        dx, dy = x - self.x[..., None], y - self.y[..., None]
+        arrivals = self._arrivals_s(dx, dy, np.sqrt(dx * dx + dy * dy))
+        share: Numbers = (arrivals.min(axis=2) < (arrivals + self.strangers).min(axis=2)).mean(axis=2)
+        return share
+
+    def move(self, *, waits: bool) -> None:
+        """A step: everybody drives to the race that it wins soonest, or else loses by least; targets drive on.
+
+        Args:
+            waits: whether the hunter is still on its way where it goes to a place to wait.
+        """
+        races = self._races_s()
+        late = races - races.min(axis=2, keepdims=True)
+        cost = np.where(late > 0.0, LOST + late, races) + np.where(self.alive, 0.0, np.inf)[:, :, None]
+        cost[:, :, 0][late[:, :, 0] > self.weights.lost_by_s] = np.inf
+        choice, drives = cost.argmin(axis=3), cost.min(axis=3) < np.inf
+        x, y = (c[self.rows, self.copies, choice] for c in (self.target_x, self.target_y))
+        sent = np.full(self.goal_x.shape, waits)
+        sent[:, : self.targets] = self.alive.diagonal(axis1=1, axis2=2)
+        x[:, :, 0], y[:, :, 0] = np.where(sent, self.goal_x, x[:, :, 0]), np.where(sent, self.goal_y, y[:, :, 0])
+        drives[:, :, 0] |= sent
+        self._drive(x - self.x, y - self.y, drives)
+        if self.limits.targets_move:
+            self._move_targets()
+        self._look()
+
+    def _drive(self, dx: Numbers, dy: Numbers, drives: Flags) -> None:
+        """`patrol.drive` for all hunters, (N, C, H), but that nobody drives past where it goes."""
+        cosine, sine, fastest = np.cos(self.heading), np.sin(self.heading), self.limits.max_turn_rate_radps
+        bearing = np.arctan2(cosine * dy - sine * dx, cosine * dx + sine * dy)
+        distance = np.sqrt(dx * dx + dy * dy)
+        turn = np.where(drives, np.clip(bearing, -fastest * STEP_S, fastest * STEP_S), 0.0)
+        diameter = (distance + self.limits.reach_m / 2) / np.maximum(1e-6, np.abs(np.sin(bearing)))
+        speed = np.minimum(self.limits.max_speed_mps, np.minimum(fastest / 2 * diameter, distance / STEP_S))
+        way = np.where(drives & (np.abs(bearing) < np.pi / 2), STEP_S * speed, 0.0)
+        self.x += way * np.cos(self.heading + 0.5 * turn)
+        self.y += way * np.sin(self.heading + 0.5 * turn)
+        self.heading += turn
+
+    def _move_targets(self) -> None:
+        """Straight on, or, with a hunter nearer than the alarm, away from it (R3.10)."""
+        vx, vy = self.scene.target_vx[:, None], self.scene.target_vy[:, None]
+        if self.limits.alarm_m:
+            threat = (self.distance + self.absent).argmin(axis=2)
+            away = self.distance[self.rows, self.copies, threat, np.arange(self.targets)]
+            flees = away < self.limits.alarm_m
+            speed = self.limits.target_speed_mps / np.maximum(1e-6, away)
+            vx, vy = (
+                np.where(flees, speed * from_all[self.rows, self.copies, threat, np.arange(self.targets)], straight)
+                for from_all, straight in ((self.dx, vx), (self.dy, vy))
+            )
+        self.target_x = np.clip(self.target_x + STEP_S * vx, 0.0, self.limits.side_m)
+        self.target_y = np.clip(self.target_y + STEP_S * vy, 0.0, self.limits.side_m)
+        self.goal_x[:, : self.targets] = self.target_x.diagonal(axis1=1, axis2=2)
+        self.goal_y[:, : self.targets] = self.target_y.diagonal(axis1=1, axis2=2)
+
+
+def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Numbers:
+    """The commands (N, 2) that bring each hunter to the place that it chose: flat out to a target, ahead of it where it
+    moves, and at rest where it waits.
+    """
+    limits, rows, targets = scene.limits, np.arange(len(choice)), scene.alive.shape[1]
+    x, y = scene.goal_x[rows, choice], scene.goal_y[rows, choice]
+    waits = choice >= targets
+    if limits.targets_move and targets:
+        target, distance = np.minimum(choice, targets - 1), np.hypot(x - scene.x[:, 0], y - scene.y[:, 0])
+        lead = np.where(waits, 0.0, np.minimum(LONGEST_LEAD_S, distance / limits.max_speed_mps))
+        x, y = x + lead * scene.target_vx[rows, target], y + lead * scene.target_vy[rows, target]
+    if limits.view_radius_m is not None or limits.view_angle_deg < 360.0:
+        ahead_x, ahead_y = on_the_circle(scene)
+        blind = ~scene.alive.any(axis=1)
+        x, y, waits = np.where(blind, ahead_x, x), np.where(blind, ahead_y, y), waits & ~blind
+    dx, dy = x - scene.x[:, 0], y - scene.y[:, 0]
+    cosine, sine = np.cos(scene.heading[:, 0]), np.sin(scene.heading[:, 0])
+    commands = drive_all(cosine * dx + sine * dy, cosine * dy - sine * dx, limits)
+    distance = np.hypot(dx, dy)
+    arrived = np.where(waits, BRAKE_GAIN * distance, distance / (limits.control_period_ms / 1000.0))
+    commands[:, 0] = np.minimum(commands[:, 0], arrived / limits.max_speed_mps)
+    commands[waits & (distance < THERE_M)] = 0.0
+    return commands
+
+
+def on_the_circle(scene: Scene) -> tuple[Numbers, Numbers]:
+    """A place further on, on a circle about the arena's middle, from where most of it is seen in turn."""
+    middle = scene.limits.side_m / 2
+    angle = np.arctan2(scene.y[:, 0] - middle, scene.x[:, 0] - middle) + FURTHER_RAD
+    radius = CIRCLE * scene.limits.side_m
+    return middle + radius * np.cos(angle), middle + radius * np.sin(angle)
