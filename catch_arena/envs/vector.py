@@ -252,9 +252,9 @@ class VectorArena:
     def place(
         self, hunters: ArrayLike, targets: ArrayLike, *, steps: ArrayLike = 0, arenas: ArrayLike | None = None
     ) -> Begun:
-        """Begin episodes with these hunters and targets in place of those that the seeds give: for a search that goes on
-        from what a hunter sees, and for lessons. All scores are 0. What is drawn from now on follows from the seed of
-        the last reset, and from `steps`.
+        """Begin episodes with these hunters and targets in place of those that the seeds give: for a search that goes
+        on from what a hunter sees, and for lessons. All scores are 0. What is drawn from now on follows from the seed
+        of the last reset, and from `steps`.
 
         Args:
             hunters: (n, H, 4), of n arenas: x, y [m], heading [rad], linear velocity [m/s]. A row of NaN takes no part:
@@ -268,41 +268,38 @@ class VectorArena:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for a body outside the arena, a velocity above its limit, an age above the time that has passed,
-                and an arena with prey.
+            ConfigError: for a body outside the arena, a velocity above its limit, an age above the time that has
+                passed, and an arena with prey.
             EpisodeError: before the first reset.
         """
         self._require_begun()
         if self.num_prey:
             raise ConfigError(f"place must be called where there is no prey, got {self.num_prey} prey")
         chosen, config = self._rows(arenas), self.config
-        bodies = {"hunters": _placed("hunters", hunters, (len(chosen), config.hunters), 4)}
-        bodies["targets"] = _placed("targets", targets, (len(chosen), config.max_targets), 5)
-        most_steps = (config.time_limit_ms - 1) // config.control_period_ms
-        played = np.asarray(steps)
-        if played.dtype.kind not in "iu" or played.shape not in ((), (len(chosen),)):
+        hunters = _placed("hunters", hunters, len(chosen), (config.hunters, config.hunters), 4)
+        targets = _placed("targets", targets, len(chosen), (0, config.max_targets), 5)
+        played, most = np.asarray(steps), (config.time_limit_ms - 1) // config.control_period_ms
+        if played.dtype.kind not in "iu" or played.shape not in {(), (len(chosen),)}:
             raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {_named(played)}")
-        played = np.broadcast_to(played.astype(np.int64), (len(chosen),))
-        _require("steps", f"from 0 to {most_steps}", played, (played >= 0) & (played <= most_steps))
-        highest = np.array(config.max_speeds) if config.hunters else np.zeros(0)
-        limits = {
-            "hunters": (-highest if config.reverse else np.zeros_like(highest), highest),
-            "targets": (0.0, config.target_speed_mps if config.targets_move else 0.0),
-        }
-        for name, table in bodies.items():
-            absent = np.isnan(table[:, :, 0])
-            place = f"a place in the arena, from 0 to {config.side_m} m, a finite heading"
-            inside = ((table[:, :, :2] >= 0.0) & (table[:, :, :2] <= config.side_m)).all(axis=2)
-            _require(name, place, table, absent | (inside & np.isfinite(table[:, :, 2])))
-            low, high = limits[name]
-            legal = (table[:, :, 3] >= low) & (table[:, :, 3] <= high)
-            _require(name, "a linear velocity within their limits", table, absent | legal)
-        ages, time_s = bodies["targets"][:, :, 4], played[:, None] * config.control_period_ms / 1000.0
-        legal = np.isnan(bodies["targets"][:, :, 0]) | ((ages >= 0.0) & (ages <= time_s + 0.0005))
-        _require("targets", "an age from 0 to the time that has passed", bodies["targets"], legal)
-        self._engine.place_batch(chosen, bodies["hunters"], bodies["targets"], played)
+        _require("steps", f"numbers from 0 to {most}", played, (played >= 0) & (played <= most))
+        played = np.broadcast_to(played.astype(np.int64), len(chosen))
+        fastest = np.array(config.max_speeds)
+        self._require_bodies("hunters", hunters, -fastest if config.reverse else 0.0 * fastest, fastest)
+        self._require_bodies("targets", targets, 0.0, config.target_speed_mps if config.targets_move else 0.0)
+        passed_s = played[:, None] * config.control_period_ms / 1000.0
+        young = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < passed_s + 0.0005)  # to the millisecond
+        _require("targets", "of ages from 0 to the time that has passed", targets, young | np.isnan(targets[:, :, 0]))
+        self._engine.place_batch(chosen, hunters, targets, played)
         self._look_at_the_ends()
         return self._begun_with()
+
+    def _require_bodies(self, name: str, bodies: NDArray[np.float64], slowest: ArrayLike, fastest: ArrayLike) -> None:
+        x, y, heading, speed = (bodies[:, :, column] for column in range(4))
+        absent, side = np.isnan(x), self.config.side_m
+        inside = (x >= 0.0) & (x <= side) & (y >= 0.0) & (y <= side)
+        _require(name, f"at places in the arena, from 0 to {side} m", bodies, absent | inside)
+        _require(name, "of finite headings", bodies, absent | np.isfinite(heading))
+        _require(name, "of velocities within their limits", bodies, absent | ((speed >= slowest) & (speed <= fastest)))
 
     def _begun_with(self) -> Begun:
         engine = self._engine
@@ -552,17 +549,16 @@ def _positive(name: str, value: object, most: int) -> int:
     return int(value)
 
 
-def _placed(name: str, given: ArrayLike, shape: tuple[int, int], columns: int) -> NDArray[np.float64]:
-    """Bodies of `place`: (arenas, at most so many, columns)."""
+def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], columns: int) -> NDArray[np.float64]:
+    """What `place` is given: (arenas, least to most bodies, columns)."""
     try:
         table = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         table = np.zeros(0)
-    rows, most = shape
-    exact = name == "hunters"
-    if table.ndim != 3 or table.shape[::2] != (rows, columns) or not (table.shape[1] == most or (not exact and table.shape[1] < most)):  # fmt: skip
-        wanted = f"({rows}, {most}, {columns})" if exact else f"({rows}, up to {most}, {columns})"
-        raise ConfigError(f"{name} must be numbers of the shape {wanted}, got {_named(given)}")
+    least, most = bodies
+    if table.ndim != 3 or table.shape[::2] != (arenas, columns) or not least <= table.shape[1] <= most:
+        count = most if least == most else f"{least} to {most}"
+        raise ConfigError(f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {_named(given)}")
     return table
 
 
@@ -570,7 +566,7 @@ def _require(name: str, requirement: str, given: NDArray[Any], legal: NDArray[np
     """Name the first that is not legal."""
     if not legal.all():
         where = tuple(int(index) for index in np.argwhere(~legal)[0])
-        raise ConfigError(f"{name} must have {requirement}, got {given[where].tolist()} at {list(where)}")
+        raise ConfigError(f"{name} must be {requirement}, got {given[where].tolist()} at {list(where)}")
 
 
 def _array(what: str, given: Any) -> NDArray[Any]:
