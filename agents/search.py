@@ -160,6 +160,10 @@ class Scene(NamedTuple):
         )
         return scene._replace(open=scene._open())
 
+    def toward(self, some: Any) -> "Scene":
+        """The same with some of the places to go to."""
+        return self._replace(goal_x=self.goal_x[:, some], goal_y=self.goal_y[:, some], open=self.open[:, some])
+
     def _open(self) -> Flags:
         distance = np.hypot(self.target_x[:, None] - self.x[:, :, None], self.target_y[:, None] - self.y[:, :, None])
         distance = np.where(self.here[:, :, None], distance, np.inf)
@@ -251,16 +255,23 @@ class Arena:
         share: Numbers = (arrivals.min(axis=2) < (arrivals + self.strangers).min(axis=2)).mean(axis=2)
         return share
 
+    def costs(self) -> Numbers:
+        """What each hunter decides by, (N, C, H, K): when it wins a race, or LOST and by how much it loses it; infinite
+        for what it does not run at all.
+        """
+        races = self._races_s()
+        late = races - races.min(axis=2, keepdims=True)
+        cost: Numbers = np.where(late > 0.0, LOST + late, races) + np.where(self.alive, 0.0, np.inf)[:, :, None]
+        cost[:, :, 0][late[:, :, 0] > self.weights.lost_by_s] = np.inf
+        return cost
+
     def move(self, *, waits: bool) -> None:
         """A step: everybody drives to the race that it wins soonest, or else loses by least; targets drive on.
 
         Args:
             waits: whether the hunter is still on its way where it goes to a place to wait.
         """
-        races = self._races_s()
-        late = races - races.min(axis=2, keepdims=True)
-        cost = np.where(late > 0.0, LOST + late, races) + np.where(self.alive, 0.0, np.inf)[:, :, None]
-        cost[:, :, 0][late[:, :, 0] > self.weights.lost_by_s] = np.inf
+        cost = self.costs()
         choice, drives = cost.argmin(axis=3), cost.min(axis=3) < np.inf
         x, y = (c[self.rows, self.copies, choice] for c in (self.target_x, self.target_y))
         sent = np.full(self.goal_x.shape, waits)
@@ -303,6 +314,21 @@ class Arena:
         self.goal_y[:, : self.targets] = self.target_y.diagonal(axis1=1, axis2=2)
 
 
+def best_races(scene: Scene, weights: Weights) -> NDArray[np.intp]:
+    """Without looking ahead: the race that suits each hunter best, or where it is; as a place to go to, (N,)."""
+    targets = scene.alive.shape[1]
+    costs = Arena(scene.toward(slice(targets, targets + 1)), weights).costs()[:, 0, 0]
+    return np.where(costs.min(axis=1) < np.inf, costs.argmin(axis=1), targets)
+
+
+def standing(scene: Scene, weights: Weights) -> Numbers:
+    """What is expected from where all are now, of the ground and of the targets in view: (N,)."""
+    targets = scene.alive.shape[1]
+    arena = Arena(scene.toward(slice(targets, targets + 1)), weights._replace(steps=0))
+    worth: Numbers = (weights.ground * arena.own_ground() + arena.still_to_come())[:, 0]
+    return worth
+
+
 def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Numbers:
     """The commands (N, 2) that bring each hunter to the place that it chose: flat out to a target, ahead of it where it
     moves, and at rest where it waits.
@@ -318,12 +344,18 @@ def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Numbers:
         ahead_x, ahead_y = on_the_circle(scene)
         blind = ~scene.alive.any(axis=1)
         x, y, waits = np.where(blind, ahead_x, x), np.where(blind, ahead_y, y), waits & ~blind
+    return drive(scene, x, y, waits)
+
+
+def drive(scene: Scene, x: Numbers, y: Numbers, waits: Flags) -> Numbers:
+    """The commands (N, 2) that bring each hunter to a point [m], and to rest there where it waits."""
+    limits = scene.limits
     dx, dy = x - scene.x[:, 0], y - scene.y[:, 0]
     cosine, sine = np.cos(scene.heading[:, 0]), np.sin(scene.heading[:, 0])
     commands = drive_all(cosine * dx + sine * dy, cosine * dy - sine * dx, limits)
     distance = np.hypot(dx, dy)
-    arrived = np.where(waits, BRAKE_GAIN * distance, distance / (limits.control_period_ms / 1000.0))
-    commands[:, 0] = np.minimum(commands[:, 0], arrived / limits.max_speed_mps)
+    arrives = np.where(waits, BRAKE_GAIN * distance, distance / (limits.control_period_ms / 1000.0))
+    commands[:, 0] = np.minimum(commands[:, 0], arrives / limits.max_speed_mps)
     commands[waits & (distance < THERE_M)] = 0.0
     return commands
 

@@ -13,8 +13,7 @@ def bodies(arena, row):
     """Those of an arena, as `place` takes them."""
     world = arena.world(row)
     hunters = [
-        (one.x, one.y, one.theta, one.linear_velocity) if not one.withdrawn else (NOWHERE,) * 4
-        for one in world.hunters
+        (one.x, one.y, one.theta, one.linear_velocity) if not one.withdrawn else (NOWHERE,) * 4 for one in world.hunters
     ]
     targets = [
         (one.x, one.y, one.theta, one.linear_velocity, (world.time_ms - one.spawned_ms) / 1000.0)
