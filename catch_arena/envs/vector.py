@@ -293,7 +293,7 @@ class VectorArena:
         self._look_at_the_ends()
         return self._begun_with()
 
-    def _require_bodies(self, name: str, bodies: NDArray[np.float64], slowest: ArrayLike, fastest: ArrayLike) -> None:
+    def _require_bodies(self, name: str, bodies: NDArray[np.float64], slowest: Any, fastest: Any) -> None:
         x, y, heading, speed = (bodies[:, :, column] for column in range(4))
         absent, side = np.isnan(x), self.config.side_m
         inside = (x >= 0.0) & (x <= side) & (y >= 0.0) & (y <= side)
