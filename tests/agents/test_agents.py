@@ -48,7 +48,7 @@ def agent(name: str, seed: int = 5) -> Any:
 
 def test_the_shipped_agents_are_these():
     hunters = ["contested", "contested_by_time", "first", "idle", "intercept", "nearest", "patrol", "random"]
-    assert list(shipped()) == sorted([*hunters, "corners", "flee"])
+    assert list(shipped()) == sorted([*hunters, "corners", "flee", "search"])
     assert all(line.endswith(".") for line in shipped().values())
 
 
@@ -144,7 +144,7 @@ def test_every_agent_plays_a_whole_match_in_its_own_control():
     played: set[tuple[str, ...]] = set()
     config = scenario("standard", hunters=len(names), time_limit_s=20)
     result = play(config, 11, policies, names, watch=lambda env: played.add(env.config.controls))
-    assert played == {tuple("velocity" if name in {"intercept", "patrol"} else "target" for name in names)}
+    assert played == {tuple("velocity" if name in {"intercept", "patrol", "search"} else "target" for name in names)}
     scores = dict(zip(names, result.scores, strict=True))
     assert scores["idle"] == 0
     assert scores["patrol"] > scores["random"]
