@@ -52,7 +52,7 @@ WITHOUT_AGENTS = {
     *("sheet", "verify"),
 }
 REFUSES = {"exploit"}
-"""What runs agents by the thousand inside our own process, and takes none that is not trusted (tests/exploitability)."""
+"""What plays agents inside our own process alone, and takes none that is not trusted (tests/exploitability)."""
 ROS_AGENTS = ("serve", "controller")
 """The commands of `ros` that run agents; a controller needs a turtlesim."""
 EXIT_CODES = {"compare": {0, 1, 3}}
