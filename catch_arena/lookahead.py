@@ -198,10 +198,11 @@ class Arena:
         self.dx = self.target_x[:, :, None] - self.x[..., None]
         self.dy = self.target_y[:, :, None] - self.y[..., None]
         self.distance = np.sqrt(self.dx * self.dx + self.dy * self.dy)
+        self.cosine, self.sine = np.cos(self.heading), np.sin(self.heading)
 
     def _arrivals_s(self, dx: Numbers, dy: Numbers, way: Numbers) -> Numbers:
         """The way at full speed, and half of the turn; infinite for who is not there."""
-        cosine, sine = np.cos(self.heading)[..., None], np.sin(self.heading)[..., None]
+        cosine, sine = self.cosine[..., None], self.sine[..., None]
         turn: Any = np.abs(np.arctan2(cosine * dy - sine * dx, cosine * dx + sine * dy))
         arrivals: Numbers = way / self.limits.max_speed_mps + 0.5 / self.limits.max_turn_rate_radps * turn + self.absent
         return arrivals
@@ -269,8 +270,8 @@ class Arena:
 
     def _drive(self, dx: Numbers, dy: Numbers, drives: Flags) -> None:
         """All hunters, (N, C, H), by as much; as `drive`, but that who is quick enough turns in one step."""
-        cosine, sine, fastest = np.cos(self.heading), np.sin(self.heading), self.limits.max_turn_rate_radps
-        bearing = np.arctan2(cosine * dy - sine * dx, cosine * dx + sine * dy)
+        fastest = self.limits.max_turn_rate_radps
+        bearing = np.arctan2(self.cosine * dy - self.sine * dx, self.cosine * dx + self.sine * dy)
         distance = np.sqrt(dx * dx + dy * dy)
         turn = np.where(drives, np.minimum(np.maximum(bearing, -fastest * STEP_S), fastest * STEP_S), 0.0)
         diameter = (distance + self.limits.reach_m / 2) / np.maximum(1e-6, np.abs(np.sin(bearing)))
