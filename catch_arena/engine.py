@@ -432,6 +432,73 @@ class Engine:
             spawner.spawn_at(self._memory, arena, float(x), float(y), 0.0)
         self.observe(arena)
 
+    def place_batch(
+        self,
+        arenas: NDArray[np.int64],
+        hunters: NDArray[np.float64],
+        targets: NDArray[np.float64],
+        steps: NDArray[np.int64],
+    ) -> None:
+        """Begin episodes with these bodies in place of those that the seeds give; the seeds stay, for all that follows.
+        Not for arenas with prey.
+
+        Args:
+            arenas: (n,), all different.
+            hunters: (n, H, 4): x, y, theta, linear velocity; NaN: withdrawn.
+            targets: (n, T, 5): x, y, theta, linear velocity, age [s]; NaN: none. They take the numbers from 1, the
+                oldest first.
+            steps: (n,), how many have been played.
+        """
+        config, (block, lane), count = self.config, np.divmod(arenas, LANES), len(arenas)
+        period = int(config.spawn_period_ms) if config.spawning else None
+        time = steps * config.control_period_ms
+        alive = ~np.isnan(targets[:, :, 0])
+        own = {
+            rows.TIME: time,
+            rows.STEP: steps,
+            rows.SPAWNED: alive.sum(axis=1),
+            rows.NUMBERS: alive.sum(axis=1),
+            rows.FIRINGS: 0 if period is None else time // period,
+            rows.ALIVE: alive.sum(axis=1),
+        }
+        for row in (*range(rows.ARENA_DIGEST_ROWS), _row(rows.ALIVE), _row(rows.ENDED)):
+            self._fields[block, row, lane] = own.get(row * LANES, 0.0)
+
+        seats = np.zeros((count, config.hunters, rows.HUNTER_ROWS))
+        here = ~np.isnan(hunters[:, :, 0])
+        for row, column in ((rows.X, 0), (rows.Y, 1), (rows.THETA, 2), (rows.SPEED, 3)):
+            seats[:, :, _row(row)] = np.where(here, hunters[:, :, column], 0.0)
+        seats[:, :, _row(rows.THETA)] = _wrapped(seats[:, :, _row(rows.THETA)])
+        seats[:, :, _row(rows.WITHDRAWN)] = ~here
+        seats[:, :, _row(rows.REQUESTED_SLOT)] = rows.NO_TARGET
+        seats[:, :, [_row(rows.DISTANCE_UM), _row(rows.WINNER)]] = -1.0
+        self._hunters[block, :, :, lane] = seats
+
+        age_ms = np.floor(1000.0 * targets[:, :, 4] + 0.5)
+        order = np.argsort(np.where(alive, -age_ms, np.inf), axis=1, kind="stable")  # R8.2
+        ranked = np.take_along_axis(targets, order[:, :, None], axis=1)
+        there = np.take_along_axis(alive, order, axis=1)
+        slots = np.zeros((count, config.max_targets, slot_rows(config.targets_move)))
+        slots_used = slots[:, : targets.shape[1]]
+        theta = _wrapped(ranked[:, :, 2]) if config.targets_move else ranked[:, :, 2]
+        appeared = time[:, None] - np.take_along_axis(age_ms, order, axis=1)
+        values = {
+            rows.NUMBER: np.arange(1, targets.shape[1] + 1)[None, :],
+            rows.APPEARED: appeared,
+            rows.TARGET_X: ranked[:, :, 0],
+            rows.TARGET_Y: ranked[:, :, 1],
+            rows.BODY + rows.THETA: theta,
+        }
+        if config.targets_move:
+            values[rows.BODY + rows.SPEED] = ranked[:, :, 3]
+        for row, value in values.items():
+            slots_used[:, :, _row(row)] = np.where(there, value, 0.0)
+        self._targets[block, :, :, lane] = slots
+        self.ends[arenas] = 0
+        for told in (self.rewards, self.parts, self.evidence):
+            told[arenas[: len(told)]] = 0.0
+        self.observe()
+
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: a target outside the timer, with the next number, which is returned; 0 in a full arena (R3.5)."""
         number = spawner.spawn_at(self._memory, arena, x + 0.0, y + 0.0, theta + 0.0)  # so that no zero has a sign
@@ -709,6 +776,13 @@ def batch_seeds(seed: int, num_arenas: int) -> NDArray[np.uint64]:
     seeds = np.zeros(num_arenas, dtype=np.uint64)
     derive_row_seeds(np.uint64(seed), seeds)
     return seeds
+
+
+def _wrapped(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A.2's wrap of many angles, without the sign of zeros."""
+    turned = angles - 2.0 * PI * np.floor((angles + PI) / (2.0 * PI))
+    turned = np.where(turned < -PI, turned + 2.0 * PI, turned)
+    return np.where(turned >= PI, turned - 2.0 * PI, turned) + 0.0
 
 
 _compiled: set[bool] = set()

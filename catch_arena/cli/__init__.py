@@ -4,6 +4,7 @@ the results are.
 
 from catch_arena.cli import conformance as _conformance  # noqa: F401
 from catch_arena.cli import evaluation as _evaluation  # noqa: F401
+from catch_arena.cli import exploitation as _exploitation  # noqa: F401
 from catch_arena.cli import exports as _exports  # noqa: F401
 from catch_arena.cli import hand_ins as _hand_ins  # noqa: F401
 from catch_arena.cli import listings as _listings  # noqa: F401

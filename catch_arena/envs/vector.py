@@ -254,6 +254,58 @@ class VectorArena:
         self._ended[chosen] = False
         return self._begun_with()
 
+    def place(
+        self, hunters: ArrayLike, targets: ArrayLike, *, steps: ArrayLike = 0, arenas: ArrayLike | None = None
+    ) -> Begun:
+        """Begin episodes with these hunters and targets in place of those that the seeds give: for a search that goes
+        on from what a hunter sees, and for lessons. All scores are 0. What is drawn from now on follows from the seed
+        of the last reset, and from `steps`.
+
+        Args:
+            hunters: (n, H, 4), of n arenas: x, y [m], heading [rad], linear velocity [m/s]. A row of NaN takes no part:
+                it stands still, and nobody sees it (R1.6).
+            targets: (n, T, 5), T up to max_targets: x, y [m], heading [rad], linear velocity [m/s] (of targets that
+                stand still, 0), age [s]. A row of NaN is no target. They are numbered from 1, the oldest first.
+            steps: how many have been played, (n,) or one number; the time follows from it, and with that the spawns.
+            arenas: the rows, as for `reset`; all without it.
+
+        Returns:
+            observations and infos, as `reset`.
+
+        Raises:
+            ConfigError: for a body outside the arena, a velocity above its limit, an age above the time that has
+                passed, and an arena with prey.
+            EpisodeError: before the first reset.
+        """
+        self._require_begun()
+        if self.num_prey:
+            raise ConfigError(f"place must be called where there is no prey, got {self.num_prey} prey")
+        chosen, config = self._rows(arenas), self.config
+        hunters = _placed("hunters", hunters, len(chosen), (config.hunters, config.hunters), 4)
+        targets = _placed("targets", targets, len(chosen), (0, config.max_targets), 5)
+        played, most = np.asarray(steps), (config.time_limit_ms - 1) // config.control_period_ms
+        if played.dtype.kind not in "iu" or played.shape not in {(), (len(chosen),)}:
+            raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {_named(played)}")
+        _require("steps", f"numbers from 0 to {most}", played, (played >= 0) & (played <= most))
+        played = np.broadcast_to(played.astype(np.int64), len(chosen))
+        fastest = np.array(config.max_speeds)
+        self._require_bodies("hunters", hunters, -fastest if config.reverse else 0.0 * fastest, fastest)
+        self._require_bodies("targets", targets, 0.0, config.target_speed_mps if config.targets_move else 0.0)
+        passed_s = played[:, None] * config.control_period_ms / 1000.0
+        young = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < passed_s + 0.0005)  # to the millisecond
+        _require("targets", "of ages from 0 to the time that has passed", targets, young | np.isnan(targets[:, :, 0]))
+        self._engine.place_batch(chosen, hunters, targets, played)
+        self._look_at_the_ends()
+        return self._begun_with()
+
+    def _require_bodies(self, name: str, bodies: NDArray[np.float64], slowest: Any, fastest: Any) -> None:
+        x, y, heading, speed = (bodies[:, :, column] for column in range(4))
+        absent, side = np.isnan(x), self.config.side_m
+        inside = (x >= 0.0) & (x <= side) & (y >= 0.0) & (y <= side)
+        _require(name, f"at places in the arena, from 0 to {side} m", bodies, absent | inside)
+        _require(name, "of finite headings", bodies, absent | np.isfinite(heading))
+        _require(name, "of velocities within their limits", bodies, absent | ((speed >= slowest) & (speed <= fastest)))
+
     def _begun_with(self) -> Begun:
         engine = self._engine
         return self._handed_out((self._by_side(engine.observations, engine.prey_observations), dict(self._infos)))
@@ -500,6 +552,26 @@ def _positive(name: str, value: object, most: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 1 <= value <= most:
         raise ConfigError(f"{name} must be a whole number from 1 to {most}, got {value!r}")
     return int(value)
+
+
+def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], columns: int) -> NDArray[np.float64]:
+    """What `place` is given: (arenas, least to most bodies, columns)."""
+    try:
+        table = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        table = np.zeros(0)
+    least, most = bodies
+    if table.ndim != 3 or table.shape[::2] != (arenas, columns) or not least <= table.shape[1] <= most:
+        count = most if least == most else f"{least} to {most}"
+        raise ConfigError(f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {_named(given)}")
+    return table
+
+
+def _require(name: str, requirement: str, given: NDArray[Any], legal: NDArray[np.bool_]) -> None:
+    """Name the first that is not legal."""
+    if not legal.all():
+        where = tuple(int(index) for index in np.argwhere(~legal)[0])
+        raise ConfigError(f"{name} must be {requirement}, got {given[where].tolist()} at {list(where)}")
 
 
 def _array(what: str, given: Any) -> NDArray[Any]:

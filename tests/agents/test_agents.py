@@ -25,7 +25,10 @@ from catch_arena.policy import Limits, Policy, View
 from catch_arena.tournament.entrants import enter, shipped
 from catch_arena.tournament.match import play
 
-DRIVING = ("assignment", "intercept", "patrol", "pid", "pure_pursuit", "spoiler", "tour", "triage", "voronoi")
+DRIVING = (
+    *("assignment", "intercept", "patrol", "pid", "pure_pursuit", "search", "spoiler", "tour", "triage", "voronoi"),
+    *("ppo_destination", "ppo_pairs", "ppo_velocity"),
+)
 """Those under velocity control."""
 
 
@@ -62,7 +65,7 @@ def agent(name: str, seed: int = 5) -> Any:
 
 
 def test_the_shipped_agents_are_these():
-    choosing = ["contested", "contested_by_time", "first", "idle", "nearest", "random"]
+    choosing = ["contested", "contested_by_time", "first", "idle", "nearest", "ppo_target", "random"]
     assert list(shipped()) == sorted([*choosing, *DRIVING, "corners", "flee"])
     assert all(line.endswith(".") for line in shipped().values())
 
