@@ -60,10 +60,9 @@ def cheapest_assignment(costs: Sequence[Sequence[float]]) -> list[int | None]:
     row_of: list[int | None] = [None for _ in columns]
     row_price, column_price = [0.0] * len(costs), [0.0 for _ in columns]
     for new in range(len(costs)):
+        # to each column: the length of the shortest path in reduced costs, and the column before it on that path
         reached_by = [math.inf for _ in columns]
-        """The length of the shortest path to each column, in reduced costs."""
         before: list[int | None] = [None for _ in columns]
-        """The column before it on that path."""
         done: list[int] = []
         row, end, way = new, None, 0.0
         while row is not None:

@@ -78,8 +78,8 @@ def best_tour(stops: list[tuple[Point, float]], limits: Limits) -> list[Point]:
         ahead, aside = tour[-1] if tour else (0.0, 0.0)
         legs = [(now_s + leg_s(ahead, aside, heading, place, limits), place, until_s) for place, until_s in left]
         legs = sorted(leg for leg in legs if leg[0] <= leg[2])
-        if worth + sum(math.exp(-leg[0] / PATIENCE_S) for leg in legs) <= most:
-            return  # even if all were caught as soon as the soonest could be from here
+        if not legs or worth + len(left) * math.exp(-legs[0][0] / PATIENCE_S) <= most:
+            return  # even if all were caught together with the first
         for then_s, place, _ in legs:
             others = [stop for stop in left if stop[0] != place]
             bearing = math.atan2(place[1] - aside, place[0] - ahead)

@@ -34,9 +34,9 @@ class Agent:
         targets = worth_chasing(view)
         places = [meeting_point(target, view) for target in targets]
         own = [place for place in places if is_own(place, view)]
-        return (
-            drive(*min(own, key=lambda place: cost_s(place, own, view)), view) if own else race_or_rest(targets, view)
-        )
+        if not own:
+            return race_or_rest(targets, view)
+        return drive(*min(own, key=lambda place: cost_s(place, own, view)), view)
 
 
 def is_own(place: Point, view: View) -> bool:

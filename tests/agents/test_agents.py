@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from catch_arena import SCENARIOS, parallel_env, scenario
@@ -19,7 +19,7 @@ from catch_arena.agents.assignment import cheapest_assignment
 from catch_arena.agents.pid import Gains, Loop
 from catch_arena.agents.pure_pursuit import follow
 from catch_arena.agents.spoiler import leading_rival
-from catch_arena.agents.tour import best_tour, taken_s
+from catch_arena.agents.tour import PATIENCE_S, best_tour, leg_s, taken_s
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.policy import Limits, Policy, View
 from catch_arena.tournament.entrants import enter, shipped
@@ -216,6 +216,28 @@ def test_tour_begins_where_the_rest_of_the_way_is_short():
     limits = Limits.of(ArenaConfig())
     assert best_tour(stops, limits) == [(1.1, 0.0), (1.9, 0.0), (2.7, 0.0), (0.0, 1.0)]
     assert best_tour([((2.0, 0.0), 0.1)], limits) == []
+
+
+@given(st.lists(st.tuples(st.tuples(st.floats(-5, 5), st.floats(-5, 5)), st.floats(0, 9)), max_size=4, unique=True))
+def test_a_tour_is_the_best_of_all_orders(stops):
+    """Tried one by one; each stop is passed in time."""
+    limits = Limits.of(ArenaConfig())
+
+    def worth(order):
+        ahead = aside = heading = now_s = total = 0.0
+        for (forward, left), until_s in order:
+            now_s += leg_s(ahead, aside, heading, (forward, left), limits)
+            if now_s > until_s:
+                return 0.0
+            heading = math.atan2(left - aside, forward - ahead)
+            ahead, aside, total = forward, left, total + math.exp(-now_s / PATIENCE_S)
+        return total
+
+    stops = [(place, until_s) for place, until_s in stops if leg_s(0.0, 0.0, 0.0, place, limits) <= until_s]
+    assume(len({place for place, _ in stops}) == len(stops))
+    until = dict(stops)
+    best = max(worth(order) for count in range(len(stops) + 1) for order in permutations(stops, count))
+    assert worth([(place, until[place]) for place in best_tour(stops, limits)]) == pytest.approx(best)
 
 
 def test_rivals_take_one_target_after_another():
