@@ -248,7 +248,8 @@ def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] |
 def _shares(weights: NDArray[np.float64], given: str) -> NDArray[np.float64]:
     if not (np.isfinite(weights).all() and (weights >= 0).all() and weights.sum() > 0):
         raise ConfigError(f"opponents must have weights of at least 0, and one above it, got {given}")
-    return weights / weights.sum()
+    shares: NDArray[np.float64] = weights / weights.sum()
+    return shares
 
 
 def _opponent(agent: object) -> _Opponent:
