@@ -343,7 +343,7 @@ def test_every_agent_plays_a_whole_match_in_its_own_control():
     names = list(shipped())
     policies = [one.create() for one in enter(names)]
     played: set[tuple[str, ...]] = set()
-    config = scenario("standard", hunters=len(names), time_limit_s=20)
+    config = scenario("crowd", hunters=len(names), time_limit_s=20, initial_targets=48, max_targets=64)
     result = play(config, 11, policies, names, watch=lambda env: played.add(env.config.controls))
     assert played == {tuple("velocity" if name in DRIVING else "target" for name in names)}
     scores = dict(zip(names, result.scores, strict=True))

@@ -149,12 +149,12 @@ def test_learners_move_on_by_a_seat_and_opponents_are_drawn_anew_in_each_episode
     for _ in range(200):
         batch.step(hold(batch))
         seats.append(batch.seats)
-        met.update(batch._opponents._who[batch._opponents._who >= 0].tolist())
+        met.update(batch.opponents._who[batch.opponents._who >= 0].tolist())
 
     assert seats[0].tolist() == [[0, 1], [1, 2], [2, 3], [3, 0]]
     assert seats[1].tolist() == [[1, 2], [2, 3], [3, 0], [0, 1]]
     assert (seats[4] == seats[0]).all()
-    assert batch._opponents.names == ("nearest", "patrol", "idle")
+    assert batch.opponents.names == ("nearest", "patrol", "idle")
     assert met[2] == 0
     assert met[0] / sum(met.values()) == pytest.approx(0.75, abs=0.05)
 
@@ -168,7 +168,7 @@ def test_an_agent_that_acts_alone_has_an_instance_for_each_hunter_and_episode():
         batch.step(hold(batch))
 
     assert Fixed.made == 9
-    assert {instance.steps for instance in batch._opponents._instances.values()} == {0}
+    assert {instance.steps for instance in batch.opponents._instances.values()} == {0}
 
 
 def test_a_run_is_repeated_by_its_seed():
