@@ -1,4 +1,8 @@
-"""Trained by PPO in `pairs`: chooses where to go beside a team-mate."""
+"""Chooses where to go beside a team-mate, by a trained network.
+
+It began as a network that had learned in `standard`, and went on by PPO in `pairs`, with and against patrol,
+contested_by_time, contested, triage and its own past (scripts/train_ppo.py). It has not met the held-out opponents.
+"""
 
 from pathlib import Path
 

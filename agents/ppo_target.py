@@ -1,4 +1,8 @@
-"""Trained by PPO against scripted agents and itself: chooses a target, which the arena's controller chases."""
+"""Chooses a target by a trained network; the arena's controller chases it.
+
+Trained by PPO in `standard`, against patrol, contested_by_time, contested and its own past (scripts/train_ppo.py). It has
+not met the held-out opponents of the suite.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,8 @@
-"""Trained end to end: a network gives the velocities themselves."""
+"""Drives by a trained network alone: end to end, the velocities are its own.
+
+It began as a copy of a network that chooses where to go (imitation, DAgger), and went on by PPO in `standard`, against
+patrol, contested_by_time and contested (scripts/train_ppo.py --head velocity). It has not met the held-out opponents.
+"""
 
 from pathlib import Path
 

@@ -22,8 +22,6 @@ VERSION: Final = 1
 
 NEVER_S: Final = 1e3
 """The arrival of who is not there."""
-FAR_M2: Final = 1e6
-"""The squared distance of who is not there."""
 RIVALS: Final = 3
 """As many rivals are described for each candidate: those that would arrive first."""
 GRID: Final = 3
@@ -74,8 +72,6 @@ FEATURES: Final = (
         for rival in range(RIVALS)
         for name in ("margin", "bound_there", "facing_it", "distance", "speed", "mate")
     ),
-    "ground",
-    "ground_later",
 )
 """What is told of each candidate, in order; about -3 to 3 each."""
 _OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
@@ -88,8 +84,7 @@ _RIVAL_COS, _RIVAL_SIN, _RIVAL_SPEED = (
 _MATE: Final = TeamRivalFeatures._fields.index("mate")
 _WIDTH: Final = len(FEATURES)
 _OF_RIVALS: Final = FEATURES.index("rival_0_margin")
-_OF_EACH: Final = FEATURES.index("rival_1_margin") - _OF_RIVALS
-_GROUND: Final = FEATURES.index("ground")
+_OF_EACH: Final = (_WIDTH - _OF_RIVALS) // RIVALS
 
 
 class _Shape(NamedTuple):
@@ -183,7 +178,7 @@ def _shape(limits: Limits) -> _Shape:
 
 def _scratch_size(shape: _Shape) -> int:
     candidates = shape.places + shape.targets
-    return candidates + 3 * shape.rivals * candidates + 2 * shape.rivals + 4 * GROUND * GROUND
+    return candidates + 4 * shape.rivals * candidates + 2 * shape.rivals
 
 
 # one source for a match's single views, in plain Python, and for training's batches, compiled
@@ -217,54 +212,37 @@ def _best_race(hunter: Any, shape: Any, first: Any, count: Any, mine: Any, their
     return lost, closest
 
 
-def _own_ground(o: Any, shape: Any, ground: Any) -> Any:
-    """Write a grid of points in the own frame, each with the square of its distance from the nearest rival; the mean of
-    those that no rival is nearer to.
-    """
+def _own_ground(o: Any, shape: Any) -> Any:
+    """The mean of those points of the arena that no rival is nearer to, in the own frame."""
     step = shape.side_m / GROUND
-    points = GROUND * GROUND
-    sum_forward, sum_left, own = 0.0, 0.0, 0
-    for point in range(points):
-        dx = (point // GROUND + 0.5) * step - o[_OWN.x]
-        dy = (point % GROUND + 0.5) * step - o[_OWN.y]
-        forward = o[_OWN.heading_cos] * dx + o[_OWN.heading_sin] * dy
-        left = o[_OWN.heading_cos] * dy - o[_OWN.heading_sin] * dx
-        theirs = FAR_M2
-        for rival in range(shape.rivals):
-            at = shape.first_rival + rival * shape.rival_stride
-            if o[at + _THERE] == 0.0:
-                break
-            theirs = min(theirs, (forward - o[at]) ** 2 + (left - o[at + _ASIDE]) ** 2)
-        ground[point], ground[points + point], ground[2 * points + point] = forward, left, theirs
-        if forward * forward + left * left <= theirs:
-            sum_forward += forward
-            sum_left += left
-            own += 1
-    if own == 0:
+    sum_forward, sum_left, points = 0.0, 0.0, 0
+    for column in range(GROUND):
+        dx = (column + 0.5) * step - o[_OWN.x]
+        for row in range(GROUND):
+            dy = (row + 0.5) * step - o[_OWN.y]
+            forward = o[_OWN.heading_cos] * dx + o[_OWN.heading_sin] * dy
+            left = o[_OWN.heading_cos] * dy - o[_OWN.heading_sin] * dx
+            distance = forward * forward + left * left
+            mine = True
+            for rival in range(shape.rivals):
+                at = shape.first_rival + rival * shape.rival_stride
+                if o[at + _THERE] == 0.0:
+                    break
+                if (forward - o[at]) ** 2 + (left - o[at + _ASIDE]) ** 2 < distance:
+                    mine = False
+                    break
+            if mine:
+                sum_forward += forward
+                sum_left += left
+                points += 1
+    if points == 0:
         return 0.0, 0.0
-    return sum_forward / own, sum_left / own
+    return sum_forward / points, sum_left / points
 
 
-def _ground_later(o: Any, shape: Any, bound: Any, forward: Any, left: Any, ground: Any) -> None:
-    """Write the square of each point's distance from the nearest rival, once all are at the targets of their races."""
-    points = GROUND * GROUND
-    for point in range(points):
-        ground[3 * points + point] = FAR_M2
-    for rival in range(shape.rivals):
-        at = shape.first_rival + rival * shape.rival_stride
-        if o[at + _THERE] == 0.0:
-            break
-        ahead, aside = o[at], o[at + _ASIDE]
-        if bound[rival] >= 0.0:
-            ahead, aside = forward[shape.places + int(bound[rival])], left[shape.places + int(bound[rival])]
-        for point in range(points):
-            distance = (ground[point] - ahead) ** 2 + (ground[points + point] - aside) ** 2
-            ground[3 * points + point] = min(ground[3 * points + point], distance)
-
-
-def _find_places(o: Any, shape: Any, ground: Any, forward: Any, left: Any) -> Any:
+def _find_places(o: Any, shape: Any, forward: Any, left: Any) -> Any:
     """Write where the candidates are; how many targets are in view."""
-    ground_forward, ground_left = _own_ground(o, shape, ground)
+    ground_forward, ground_left = _own_ground(o, shape)
     if not shape.hosted:
         forward[0], left[0] = ground_forward, ground_left
         for point in range(shape.places - 1):
@@ -312,10 +290,8 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
     far = scratch[candidates + 2 * size : candidates + 3 * size]
     rest = candidates + 3 * size
     moving, bound = scratch[rest : rest + shape.rivals], scratch[rest + shape.rivals : rest + 2 * shape.rivals]
-    points = GROUND * GROUND
-    ground = scratch[rest + 2 * shape.rivals : rest + 2 * shape.rivals + 4 * points]
 
-    count, ground_forward, ground_left = _find_places(o, shape, ground, forward, left)
+    count, ground_forward, ground_left = _find_places(o, shape, forward, left)
     first = 1 if _is_as_good_as_caught(o, shape) else 0
     for place in range(candidates):
         alive = place < places or first <= place - places < count
@@ -337,7 +313,6 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
     for rival in range(shape.rivals):
         if moving[rival] > 0.0:
             bound[rival] = float(_best_race(rival, shape, first, count, mine, theirs, moving)[0])
-    _ground_later(o, shape, bound, forward, left, ground)
     race, lost_by = _best_race(-1, shape, first, count, mine, theirs, moving)
     preferred = places + race
     if race < 0 or (lost_by > GIVEN_UP_S and not shape.hosted):
@@ -410,14 +385,6 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
         features[base + 25] = o[_OWN.angular_velocity] / 4.0
         features[base + 26] = min(1.0, o[_OWN.time_left] / 60.0)
 
-        now, later = 0, 0  # the points that would be its own there
-        for point in range(points):
-            own = (ground[point] - x) ** 2 + (ground[points + point] - y) ** 2
-            now += own <= ground[2 * points + point]
-            later += own <= ground[3 * points + point]
-        features[base + _GROUND] = now / points
-        features[base + _GROUND + 1] = later / points
-
         last, last_rival = -1.0, -1  # the rivals in the order of their arrival, and of their ranks where that is one
         for nth in range(RIVALS):
             who, arrival = -1, NEVER_S
@@ -457,14 +424,6 @@ def _compiled() -> Callable[..., None]:
     from catch_arena.core.jit import entry, phase  # a match must not wait for the compiler
 
     space = dict(globals())
-    for function in (
-        _arrival_s,
-        _best_race,
-        _own_ground,
-        _ground_later,
-        _find_places,
-        _is_as_good_as_caught,
-        _describe,
-    ):
+    for function in (_arrival_s, _best_race, _own_ground, _find_places, _is_as_good_as_caught, _describe):
         space[function.__name__] = phase(FunctionType(function.__code__, space, function.__name__))
     return entry(FunctionType(_describe_all.__code__, space, _describe_all.__name__))
