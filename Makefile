@@ -45,7 +45,7 @@ train: $(VENV)/ready-torch ## the scripts that train, for a minute (torch: gigab
 hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and each other, at each level of isolation
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
 
-nightly: long laws interpreted boundscheck coverage mutate compat ## what takes long: the six targets that follow, and compat
+nightly: long laws interpreted boundscheck coverage mutate train compat ## what takes long: the six targets that follow, train, and compat
 
 long: $(VENV)/ready-dev ## the tests that make test leaves out
 	$(BIN)/pytest $(WORKERS) -m nightly tests
