@@ -1,7 +1,7 @@
 """Chooses a target by a trained network; the arena's controller chases it.
 
-Trained by PPO in `standard`, against patrol, contested_by_time, contested and its own past (scripts/train_ppo.py). It has
-not met the held-out opponents of the suite.
+It began with the weights of `ppo_destination`, and went on by PPO in `standard`, against patrol, contested_by_time,
+contested, nearest and triage (scripts/train_ppo.py --head rank). It has not met the held-out opponents of the suite.
 """
 
 from pathlib import Path

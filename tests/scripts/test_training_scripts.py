@@ -13,22 +13,7 @@ from catch_arena.tournament.entrants import create_policy
 from catch_arena.training.pointer import PointerNetwork
 
 ROOT = Path(__file__).parents[2]
-SHORT = [
-    "--arenas",
-    8,
-    "--horizon",
-    16,
-    "--minibatch",
-    64,
-    "--hidden",
-    8,
-    "--snapshot",
-    128,
-    "--evaluate",
-    0,
-    "--seed",
-    3,
-]
+SHORT = ("--arenas=8", "--horizon=16", "--minibatch=64", "--hidden=8", "--snapshot=128", "--evaluate=0", "--seed=3")
 
 
 def run(script, *arguments, fails=False):
