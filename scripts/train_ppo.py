@@ -273,7 +273,12 @@ class Arenas:
 
     def look(self) -> Destinations:
         """The candidates of all learners."""
-        return destinations_of_batch(BatchView(self.observations, self.masks.astype(np.int8), self.limits))
+        return destinations_of_batch(self.view)
+
+    @property
+    def view(self) -> BatchView:
+        """What all learners see."""
+        return BatchView(self.observations, self.masks.astype(np.int8), self.limits)
 
     def play(
         self, seen: Destinations, choice: np.ndarray, velocity: np.ndarray | None
@@ -308,7 +313,7 @@ class Arenas:
 
     def rank_of(self, forward: np.ndarray, left: np.ndarray, chased: np.ndarray) -> np.ndarray:
         """The rank at which the target of this place is now: it may have changed; 0 where it is gone."""
-        targets = BatchView(self.observations, self.masks.astype(np.int8), self.limits).targets
+        targets = self.view.targets
         off = (targets.forward - forward[:, None]) ** 2 + (targets.left - left[:, None]) ** 2
         off = np.where((targets.present > 0) & self.masks[:, 1:], off, np.inf)
         return np.where(chased & (off.min(axis=1) < 0.5**2), off.argmin(axis=1) + 1, 0)
@@ -436,8 +441,7 @@ def imitate(arenas: Arenas, actor: Actor, optimiser: torch.optim.Optimizer, sett
     for moment in range(rounds):
         with clock.of("arena"):
             looked = arenas.look()
-            view = BatchView(arenas.observations, arenas.masks.astype(np.int8), arenas.limits)
-            label = np.asarray(teacher.act_batch(view))
+            label = np.asarray(teacher.act_batch(arenas.view))
             kept.append((Seen.of(looked), torch.from_numpy(label.copy())))
             with torch.no_grad():
                 spoken, mean, _ = actor(kept[-1][0])

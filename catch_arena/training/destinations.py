@@ -76,8 +76,8 @@ FEATURES: Final = (
 """What is told of each candidate, in order; about -3 to 3 each."""
 _OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
 _FIRST_TARGET: Final = len(_OWN)
-_FORWARD, _ASIDE, _THERE, _AGE, _ACTIVE, _COS, _SIN, _SPEED = range(len(MovingTargetFeatures._fields))
-"""Of a target's columns; the first three are a rival's too."""
+_, _ASIDE, _THERE, _AGE, _ACTIVE, _COS, _SIN, _SPEED = range(len(MovingTargetFeatures._fields))
+"""Of a target's columns, behind `forward`; the first three are a rival's too."""
 _RIVAL_COS, _RIVAL_SIN, _RIVAL_SPEED = (
     RivalFeatures._fields.index(name) for name in ("heading_cos", "heading_sin", "linear_velocity")
 )
@@ -178,7 +178,7 @@ def _shape(limits: Limits) -> _Shape:
 
 def _scratch_size(shape: _Shape) -> int:
     candidates = shape.places + shape.targets
-    return candidates + 4 * shape.rivals * candidates + 2 * shape.rivals
+    return 2 * candidates + 3 * shape.rivals * candidates + 2 * shape.rivals
 
 
 # one source for a match's single views, in plain Python, and for training's batches, compiled
@@ -212,6 +212,18 @@ def _best_race(hunter: Any, shape: Any, first: Any, count: Any, mine: Any, their
     return lost, closest
 
 
+def _is_nearest(o: Any, shape: Any, forward: Any, left: Any) -> Any:
+    """Whether no rival is nearer to a point of the own frame."""
+    distance = forward * forward + left * left
+    for rival in range(shape.rivals):
+        at = shape.first_rival + rival * shape.rival_stride
+        if o[at + _THERE] == 0.0:
+            break
+        if (forward - o[at]) ** 2 + (left - o[at + _ASIDE]) ** 2 < distance:
+            return False
+    return True
+
+
 def _own_ground(o: Any, shape: Any) -> Any:
     """The mean of those points of the arena that no rival is nearer to, in the own frame."""
     step = shape.side_m / GROUND
@@ -222,16 +234,7 @@ def _own_ground(o: Any, shape: Any) -> Any:
             dy = (row + 0.5) * step - o[_OWN.y]
             forward = o[_OWN.heading_cos] * dx + o[_OWN.heading_sin] * dy
             left = o[_OWN.heading_cos] * dy - o[_OWN.heading_sin] * dx
-            distance = forward * forward + left * left
-            mine = True
-            for rival in range(shape.rivals):
-                at = shape.first_rival + rival * shape.rival_stride
-                if o[at + _THERE] == 0.0:
-                    break
-                if (forward - o[at]) ** 2 + (left - o[at + _ASIDE]) ** 2 < distance:
-                    mine = False
-                    break
-            if mine:
+            if _is_nearest(o, shape, forward, left):
                 sum_forward += forward
                 sum_left += left
                 points += 1
@@ -271,14 +274,9 @@ def _is_as_good_as_caught(o: Any, shape: Any) -> Any:
     if shape.hosted or o[_FIRST_TARGET + _THERE] == 0.0:
         return False
     forward, left = o[_FIRST_TARGET], o[_FIRST_TARGET + _ASIDE]
-    distance = forward * forward + left * left
-    if distance >= (0.999 * shape.reach_m) ** 2:
+    if forward * forward + left * left >= (0.999 * shape.reach_m) ** 2:
         return False
-    for rival in range(shape.rivals):
-        at = shape.first_rival + rival * shape.rival_stride
-        if o[at + _THERE] != 0.0 and (forward - o[at]) ** 2 + (left - o[at + _ASIDE]) ** 2 < distance:
-            return False
-    return True
+    return _is_nearest(o, shape, forward, left)
 
 
 def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: Any, features: Any) -> Any:
@@ -290,6 +288,7 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
     far = scratch[candidates + 2 * size : candidates + 3 * size]
     rest = candidates + 3 * size
     moving, bound = scratch[rest : rest + shape.rivals], scratch[rest + shape.rivals : rest + 2 * shape.rivals]
+    soonest = scratch[rest + 2 * shape.rivals : rest + 2 * shape.rivals + candidates]
 
     count, ground_forward, ground_left = _find_places(o, shape, forward, left)
     first = 1 if _is_as_good_as_caught(o, shape) else 0
@@ -297,6 +296,7 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
         alive = place < places or first <= place - places < count
         legal[place] = 1.0 if alive else 0.0
         mine[place] = _arrival_s(forward[place], left[place], shape)
+        soonest[place] = NEVER_S
     for rival in range(shape.rivals):
         at = shape.first_rival + rival * shape.rival_stride
         there = o[at + _THERE] != 0.0
@@ -308,6 +308,7 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
             ahead, aside = cosine * dx + sine * dy, cosine * dy - sine * dx
             distance = math.sqrt(dx * dx + dy * dy)
             theirs[rival * candidates + place] = _arrival_s(ahead, aside, shape) if there else NEVER_S
+            soonest[place] = min(soonest[place], theirs[rival * candidates + place])
             facing[rival * candidates + place] = ahead / (distance + 1e-3)
             far[rival * candidates + place] = distance
     for rival in range(shape.rivals):
@@ -324,9 +325,6 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
         base = place * _WIDTH
         x, y = forward[place], left[place]
         distance = math.sqrt(x * x + y * y)
-        soonest = NEVER_S
-        for rival in range(shape.rivals):
-            soonest = min(soonest, theirs[rival * candidates + place])
 
         # from there on: the next target, the next two that no rival reaches before, how many lie about
         cosine, sine = (x / distance, y / distance) if distance > 1e-6 else (1.0, 0.0)
@@ -341,10 +339,7 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
             arrival = _arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx, shape)
             density += 1.0 / (1.0 + 0.5 * (dx * dx + dy * dy))
             next_s = min(next_s, arrival)
-            their_best = NEVER_S
-            for rival in range(shape.rivals):
-                their_best = min(their_best, theirs[rival * candidates + other])
-            if mine[place] + arrival < their_best:
+            if mine[place] + arrival < soonest[other]:
                 if arrival < next_won:
                     next_won, second_won = arrival, next_won
                 elif arrival < second_won:
@@ -358,9 +353,9 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
         features[base + 2] = distance / LENGTH_M
         features[base + 3] = x / (distance + 1e-3)
         features[base + 4] = y / (distance + 1e-3)
-        features[base + 5] = math.atan2(y, x) / math.pi if y >= 0.0 else -math.atan2(y, x) / math.pi
+        features[base + 5] = abs(math.atan2(y, x)) / math.pi
         features[base + 6] = min(mine[place], 2.0 * FARTHEST_S)
-        features[base + 7] = 1.0 if mine[place] < soonest else 0.0
+        features[base + 7] = 1.0 if mine[place] < soonest[place] else 0.0
         features[base + 8] = next_s
         features[base + 9] = next_won
         features[base + 10] = second_won
@@ -424,6 +419,6 @@ def _compiled() -> Callable[..., None]:
     from catch_arena.core.jit import entry, phase  # a match must not wait for the compiler
 
     space = dict(globals())
-    for function in (_arrival_s, _best_race, _own_ground, _find_places, _is_as_good_as_caught, _describe):
+    for function in (_arrival_s, _best_race, _is_nearest, _own_ground, _find_places, _is_as_good_as_caught, _describe):
         space[function.__name__] = phase(FunctionType(function.__code__, space, function.__name__))
     return entry(FunctionType(_describe_all.__code__, space, _describe_all.__name__))

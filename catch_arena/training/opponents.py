@@ -55,11 +55,10 @@ class Opponents:
         self._weights = weights
         self._distinct = distinct
         self._config = config
-        limits = [Limits.of(config, seat) for seat in range(config.hunters)]
-        self._limits = {
-            control: [_with_control(own, control) for own in limits] for control in set(self.controls.tolist())
-        }
-        self._alike = {control: len(set(of)) == 1 for control, of in self._limits.items()}
+        self._limits: dict[int, list[Limits]] = {}
+        self._alike: dict[int, bool] = {}
+        for control in set(self.controls.tolist()):
+            self._know(control)
         self._who = np.full((num_envs, config.hunters), -1)
         self._instances: dict[tuple[int, int], Any] = {}
 
@@ -97,13 +96,16 @@ class Opponents:
         weights = np.append(self.weights, 0.0)
         self._pool.append(added)
         self._weights = weights
-        if added.control not in self._limits:
-            own = [Limits.of(self._config, seat) for seat in range(self._config.hunters)]
-            self._limits[added.control] = [_with_control(limits, added.control) for limits in own]
-            self._alike[added.control] = len(set(self._limits[added.control])) == 1
+        self._know(added.control)
         if added.in_batches:
             self._call(added, "reset", "", number)
         return number
+
+    def _know(self, control: int) -> None:
+        """The limits of each seat under a control, and whether they are the same."""
+        seats = range(self._config.hunters)
+        self._limits[control] = [_with_control(Limits.of(self._config, seat), control) for seat in seats]
+        self._alike[control] = len(set(self._limits[control])) == 1
 
     def weigh(self, weights: ArrayLike) -> None:
         """How often each agent of the pool is drawn from now on: (P,), at least 0, and one above it.
