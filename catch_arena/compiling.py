@@ -1,15 +1,17 @@
-"""What people are told while the rules are compiled: how long it takes, and how far it is."""
+"""The rules are compiled once a process, and people are told how long it takes, and how far it is."""
 
+import gc
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, Final
 
 from numba.core import event
 
-from catch_arena.core.jit import CACHE_DIRECTORY, INNER
+from catch_arena.core.compiler import quick_typing
+from catch_arena.core.jit import CACHE_DIRECTORY, INNER, INTERPRETED
 
 _QUIET_S: Final = 1.0
 """Nothing is said of what is over sooner."""
@@ -28,6 +30,34 @@ _OFTEN: Final = (
 )
 _NOTE: Final = None if CACHE_DIRECTORY is None else CACHE_DIRECTORY.parent / "compiling-took"
 """How long it took here the last time [s]: whatever the state of the sources, it will be much the same."""
+_compiled: set[str] = set()
+"""What is, in this process."""
+
+
+def compile_once(what: str, play: Callable[[], None]) -> None:
+    """Compile, or load from the cache, all that `play` calls, where it has not been done yet under that name; and say
+    so where it takes long.
+    """
+    if INTERPRETED or what in _compiled:
+        return
+    _compiled.add(what)  # first, since `play` may come here too
+    with (
+        progress_shown(),
+        quick_typing(),
+        _without_garbage_collection(),  # which would look at the compiler's many objects again and again
+    ):
+        play()
+
+
+@contextmanager
+def _without_garbage_collection() -> Iterator[None]:
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 class CompileClock(event.Listener):

@@ -26,7 +26,7 @@ RULESET: Final = "catch_arena_v1"
 """R10.3: raised when equal inputs could play differently, and for nothing else."""
 
 _SURROGATE: Final = re.compile("[\ud800-\udfff]")
-"""Half a letter, which no file and no terminal takes."""
+"""A lone UTF-16 surrogate, which cannot be encoded: no file and no terminal takes it."""
 MAX_HUNTERS: Final = 64
 MAX_TARGETS: Final = 64
 MAX_PREY: Final = 32

@@ -90,6 +90,17 @@ def state(pid: int) -> str:
     return (_stat(pid) or [b""])[0].decode()
 
 
+def is_stopped(pid: int) -> bool:
+    """Whether a process stands still, or is told to and has not had its turn on a busy machine yet."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text(errors="replace")
+    except OSError:
+        return False
+    fields = dict(line.split(":", 1) for line in status.splitlines() if ":" in line)
+    pending = int(fields["SigPnd"], 16) | int(fields["ShdPnd"], 16)
+    return fields["State"].split()[0] == "T" or bool(pending >> (signal.SIGSTOP - 1) & 1)
+
+
 def session_of(pid: int) -> int:
     """The session that a process belongs to; 0 where nobody knows."""
     stat = _stat(pid)

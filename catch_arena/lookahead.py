@@ -37,7 +37,9 @@ THERE_M: Final = 0.02
 """Who waits stands still so near to its place."""
 SPAWN_LOW_M: Final = 0.5
 SPAWN_WALL_M: Final = 0.5889
-"""R3.2: spawns keep these distances from the walls at 0 and from those opposite."""
+"""R3.2: spawns keep these distances from the walls at 0 and from those opposite. The second is rounded, as in the agent
+`patrol`; core_settings.py has all of its digits, but with those `search` could decide otherwise than it was rated.
+"""
 TURN_GAIN: Final = 6.0
 """Turn rate per radian of bearing [1/s]."""
 BRAKE_GAIN: Final = 2.0
@@ -56,9 +58,9 @@ class Weights(NamedTuple):
     discount: float = 0.25
     """By how much less a catch counts for each second that it comes later [1/s]."""
     rivals: float = 0.33
-    """What a rival's catch costs."""
+    """What a rival's catch costs [own catches]."""
     ground: float = 0.6
-    """What all the ground is worth."""
+    """What all the ground is worth [own catches]."""
     lost_by_s: float = 0.4
     """After the first goal the hunter runs no race that it loses by more than this."""
     wait_s: float = 1.0
@@ -162,7 +164,7 @@ def spawn_area(limits: Limits, points: int) -> tuple[Numbers, Numbers]:
 
 def look_ahead(scene: Scene, weights: Weights) -> Numbers:
     """What each place to go to is worth: (N, C); -inf for those that are not open."""
-    arena, worth = Arena(scene, weights), np.zeros(scene.goal_x.shape)
+    arena, worth = RolloutArena(scene, weights), np.zeros(scene.goal_x.shape)
     looks = {weights.steps * look // LOOKS_AT_GROUND for look in range(1, LOOKS_AT_GROUND + 1)}
     for step in range(weights.steps):
         worth += arena.catch() * np.exp(-weights.discount * STEP_S * step)
@@ -173,7 +175,7 @@ def look_ahead(scene: Scene, weights: Weights) -> Numbers:
     return np.where(scene.open, worth, -np.inf)
 
 
-class Arena:
+class RolloutArena:
     """C copies of each of N scenes; in each the hunter goes to another place first."""
 
     def __init__(self, scene: Scene, weights: Weights) -> None:
@@ -302,15 +304,15 @@ class Arena:
 def best_races(scene: Scene, weights: Weights) -> NDArray[np.intp]:
     """Without looking ahead: the race that suits each hunter best, or where it is; as a place to go to, (N,)."""
     targets = scene.alive.shape[1]
-    costs = Arena(scene.toward(slice(targets, targets + 1)), weights).costs()[:, 0, 0]
+    costs = RolloutArena(scene.toward(slice(targets, targets + 1)), weights).costs()[:, 0, 0]
     choice: NDArray[np.intp] = np.where(costs.min(axis=1) < np.inf, costs.argmin(axis=1), targets)
     return choice
 
 
-def standing(scene: Scene, weights: Weights) -> Numbers:
+def value_of(scene: Scene, weights: Weights) -> Numbers:
     """What is expected from where all are now, of the ground and of the targets in view: (N,)."""
     targets = scene.alive.shape[1]
-    arena = Arena(scene.toward(slice(targets, targets + 1)), weights._replace(steps=0))
+    arena = RolloutArena(scene.toward(slice(targets, targets + 1)), weights._replace(steps=0))
     worth: Numbers = (weights.ground * arena.own_ground() + arena.still_to_come())[:, 0]
     return worth
 
@@ -352,7 +354,7 @@ def drive(scene: Scene, x: Numbers, y: Numbers, waits: Flags) -> Numbers:
 
 
 def on_the_circle(scene: Scene) -> tuple[Numbers, Numbers]:
-    """A place further on, on a circle about the arena's middle, from where most of it is seen in turn."""
+    """A place further on, on a circle about the arena's middle, to see most of it in turn: x and y [m], (N,) each."""
     middle = scene.limits.side_m / 2
     angle = np.arctan2(scene.y[:, 0] - middle, scene.x[:, 0] - middle) + FURTHER_RAD
     radius = CIRCLE * scene.limits.side_m

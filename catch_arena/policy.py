@@ -409,7 +409,7 @@ AnyLimits = Limits | PreyLimits
 """Of a seat, whatever plays there."""
 
 
-def limits_of(config: ArenaConfig, seat: int) -> AnyLimits:
+def player_limits(config: ArenaConfig, seat: int) -> AnyLimits:
     """Those of a seat of a match: of a hunter, or of prey, whose seats follow the hunters'."""
     return Limits.of(config, seat) if seat < config.hunters else PreyLimits.of(config)
 

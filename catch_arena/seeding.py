@@ -1,4 +1,4 @@
-"""Seeds at the doors: what people may give, and what is drawn where they give none."""
+"""Seeds at the public interfaces: what people may give, and what is drawn where they give none."""
 
 import secrets
 from typing import Final

@@ -58,7 +58,7 @@ class Ruling:
     winner: int | None = None
     """The seat that won; None unless the request was granted or contested."""
     step: int = 0
-    """The step in which it was judged, from 0."""
+    """The step in which it was judged, from 0: how many were played before it. Pages and commands count from 1."""
 
     @classmethod
     def of_numbers(

@@ -38,7 +38,10 @@ MODULES = (
     "controllers",
     "dropouts",
     "physics",
+    "prey",
+    "prey_views",
     "ranking",
+    "rewards",
     "spawner",
     "targets",
     "visibility",
@@ -56,10 +59,17 @@ KILLERS = (
     "tests/rulebook/test_ch4_control.py",
     "tests/rulebook/test_ch5_arbiter.py",
     "tests/rulebook",
+    "tests/properties/test_rows_apart.py",
     "tests/properties/test_batch.py",
     "tests/unit/test_engine.py",
 )
 """What the tests are asked, the quickest to notice a change first."""
+OWN_TESTS = {
+    "prey": ("test_ch12_prey", "test_rows_apart"),
+    "prey_views": ("test_ch12_prey", "test_rows_apart"),
+    "rewards": ("test_ch6_score", "test_ch11_teams", "test_rows_apart"),
+}
+"""Of a module, by their files' names: they are asked before all others. Unit tests need not be named here."""
 SLOW = "[batch or 70 or another_engine or oldest or 60_s or first_fires or process or interpreted"
 """Tests that notice nothing that others do not notice sooner."""
 LONGEST_TEST_S = 90
@@ -277,9 +287,13 @@ class Hourglass:
         resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time()) + LONGEST_TEST_S, resource.RLIM_INFINITY))
 
 
-def is_of_another(path: Path, mutant: Mutant) -> bool:
-    """Whether these are the unit tests of another module, which rarely notice a mutant of this one."""
-    return path.parent.name == "unit" and path.stem != f"test_{mutant.module}"
+def turn_of(path: Path, mutant: Mutant) -> int:
+    """When tests are asked about a mutant: those of its module first, and last the unit tests of others, which rarely
+    notice it.
+    """
+    if path.stem in (f"test_{mutant.module}", *OWN_TESTS.get(mutant.module, ())):
+        return 0
+    return 2 if path.parent.name == "unit" else 1
 
 
 class OnEveryMutant:
@@ -297,7 +311,7 @@ class OnEveryMutant:
         hook = session.config.hook
 
         def run_tests(mutant: Mutant | None) -> int:
-            items = sorted(session.items, key=lambda item: mutant is not None and is_of_another(item.path, mutant))
+            items = sorted(session.items, key=lambda item: 0 if mutant is None else turn_of(item.path, mutant))
             for item, following in itertools.zip_longest(items, items[1:]):
                 hook.pytest_runtest_protocol(item=item, nextitem=following)
                 if session.testsfailed:

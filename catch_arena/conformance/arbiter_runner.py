@@ -38,7 +38,7 @@ class ArbiterRunner:
         """What it has answered so far."""
 
     def run(self) -> None:
-        """
+        """Play the case as it stands, and in every variant of it.
 
         Raises:
             DiffersError: at the first variant whose answer is wrong.

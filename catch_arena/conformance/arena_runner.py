@@ -103,7 +103,7 @@ class ArenaRunner:
         """What it has ruled so far."""
 
     def run(self) -> None:
-        """
+        """Play the case, part by part.
 
         Raises:
             DiffersError: at the first part of the play that goes otherwise.

@@ -72,8 +72,8 @@ def within_reach(distance_um: float, reach_um: float) -> bool:
 
 
 @rule
-def first_tests(target: int, inactive: bool, over: bool) -> int:
-    """R5.2, R9.1: the tests that every policy makes first; 0 where none fails."""
+def common_checks(target: int, inactive: bool, over: bool) -> int:
+    """R5.2, R9.1: the first test that a request fails of those that all policies share; 0 where none."""
     if over:
         return _MATCH_OVER
     if target == NO_SUCH_RANK:
@@ -87,8 +87,18 @@ def first_tests(target: int, inactive: bool, over: bool) -> int:
 def first_failed_test(
     target: int, distance_um: int, reach_um: int, inactive: bool, duplicate: bool, over: bool, service_up: bool
 ) -> int:
-    """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way."""
-    failed = first_tests(target, inactive, over)
+    """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way.
+
+    Args:
+        target: the slot or number asked for, or a code: NO_SUCH_RANK, NEVER_SPAWNED, ALREADY_GONE.
+        distance_um: [micrometres].
+        reach_um: [micrometres].
+        inactive: whether the hunter is withdrawn.
+        duplicate: whether it has asked before in this step.
+        over: whether the episode has ended.
+        service_up: whether the kill service answers.
+    """
+    failed = common_checks(target, inactive, over)
     if failed != _ELIGIBLE:
         return failed
     if duplicate:
@@ -107,7 +117,7 @@ def first_failed_test(
 @rule
 def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
     """R9.1: the original's service says yes to everybody whom it can answer at all."""
-    failed = first_tests(target, inactive, over)
+    failed = common_checks(target, inactive, over)
     if failed != _ELIGIBLE:
         return failed
     if not service_up:
@@ -126,7 +136,18 @@ def is_preferred(
     rival_seat: int,
     rival_distance_um: int,
 ) -> bool:
-    """R5.4, R5.5, R5.9: whether a seat is preferred to a rival for the target that both may catch."""
+    """R5.4, R5.5, R5.9: whether a seat is preferred to a rival for the target that both may catch.
+
+    Args:
+        policy: NEAREST or FIRST_COME.
+        seed: the arena's.
+        step: how many steps were played before.
+        number: the target's spawn number, for the lot.
+        seat: who may be preferred.
+        distance_um: its distance [micrometres].
+        rival_seat: the other.
+        rival_distance_um: its distance [micrometres].
+    """
     if policy == FIRST_COME:
         mine = service_lot(seed, step, seat)
         other = service_lot(seed, step, rival_seat)

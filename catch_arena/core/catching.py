@@ -118,7 +118,17 @@ def collect_requests(block: Block, s: Settings, lane: int, requests: RequestTabl
 def fill_requests(
     block: Block, s: Settings, lane: int, targets: Block, limits: NDArray[np.float64], requests: RequestTable
 ) -> None:
-    """What the arbiter has to know of each request, from S_t; its seat and its slot, or a code for none, are there."""
+    """What the arbiter has to know of each request, from S_t; its seat and its slot, or a code for none, are there.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lane: the lane.
+        targets: the slots of the block.
+        limits: (H, 4): see `memory.Sections`.
+        requests: the request table of the lane, whose seats and slots are there; the columns from REQUEST_NUMBER to
+            REQUEST_REACH are written.
+    """
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step = block[STEP + lane]
     for i in range(len(requests)):
@@ -142,7 +152,14 @@ def fill_requests(
 
 @inlined
 def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable) -> None:
-    """R1.4's phase 3 in one lane: the request table is judged, and the evidence noted: of each hunter its first."""
+    """R1.4's phase 3 in one lane: the request table is judged, and the evidence noted: of each hunter its first.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lane: the lane.
+        requests: the request table of the lane; its verdicts and winners are written.
+    """
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step = block[STEP + lane]
     service_up = not kill_service_down(seed, step, s.kill_down_rate)
@@ -174,7 +191,17 @@ def commit(
     requests: RequestTable,
     scratch: Scratch,
 ) -> None:
-    """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8)."""
+    """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8).
+
+    Args:
+        block: the block.
+        s: the settings.
+        lane: the lane.
+        targets: the slots of the block.
+        limits: (H, 4): see `memory.Sections`.
+        requests: the request table of the lane, judged.
+        scratch: see `workspace.Scratch`; the progress references are renewed.
+    """
     for i in range(len(requests)):
         seat_of(block, requests[i, REQUEST_SEAT])[SCORE + lane] += (
             1.0 if requests[i, REQUEST_VERDICT] == _GRANTED else 0.0
@@ -217,7 +244,7 @@ def resolve_requests(
         lanes: how many lanes are arenas.
         targets: the slots of the block.
         limits: see `memory.Sections`.
-        requests_by_name: requests that take the place of what the hunters ask for, in a block of one arena: their
+        requests_by_name: requests that are judged instead of what the hunters ask for, in a block of one arena: their
             seats and slots, or the codes of `arbiter`; or none.
         scratch: see `workspace.Scratch`.
     """
@@ -237,7 +264,14 @@ def resolve_requests(
 
 @phase
 def write_evidence(block: Block, s: Settings, lanes: int, evidence: NDArray[np.float64]) -> None:
-    """R5.6: the answers to the requests of this step, for those who look from outside; (lanes, H, 4), or none."""
+    """R5.6: the answers to the requests of this step, for those who look from outside.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lanes: how many lanes are arenas.
+        evidence: the result, (lanes, H, 4) in the order of `state.EVIDENCE`, or none.
+    """
     for lane in range(min(lanes, len(evidence))):
         for seat in range(s.hunters):
             for column in range(len(EVIDENCE)):

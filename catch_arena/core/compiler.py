@@ -166,7 +166,7 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
     """The last of the passes."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's passes, but for those that the core does not need, and with ours in the place of two."""
+        """Numba's passes, but for those that the core does not need, and with ours instead of two."""
         builder = compiler.DefaultPassBuilder
         others = {typed_passes.NopythonTypeInference: _Typing, typed_passes.NativeLowering: self.lowering}
         manager = _machinery.PassManager("catch_arena")

@@ -51,6 +51,15 @@ def pi_step(
 ) -> tuple[float, float]:
     """R4.3: one step of a PI loop: its limited output, and the integral to go on with, which does not grow while the
     output saturates.
+
+    Args:
+        error: [m] or [rad].
+        integral: of the error so far [m s] or [rad s].
+        kp: the gain of the error [1/s].
+        ki: the gain of the integral [1/s^2].
+        low: the least output [m/s] or [rad/s].
+        high: the greatest.
+        dt: the control period [s].
     """
     grown = integral + error * dt
     output = kp * error + ki * grown
@@ -72,23 +81,43 @@ def choose(
     and where the target is to which each lane drives, x and y, and its number, 0 for none.
 
     One lane after the other, since the targets are anywhere.
+
+    Args:
+        me: the rows of the seat; REQUESTED_SLOT is written.
+        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
+            them.
+        targets: the slots of the block.
+        ranks: (lanes,), chosen: from 1 up, or 0 to hold.
+        lanes: how many lanes are arenas.
+        s: the settings.
+        goals: the result, three rows: where the target is to which each lane drives, x and y [m], and its number, 0 for
+            none.
     """
     for lane in range(lanes):
         rank = ranks[lane]
         there = int(me[SEEN + lane])
         seen = (rank > 0) & (rank <= there)
         slot = select(seen, slot_at_rank(order, select(seen, rank - 1, 0), lane), 0)
-        place = np.uint64(slot) * np.uint64(s.slot_size) + np.uint64(lane)
+        at = np.uint64(slot) * np.uint64(s.slot_size) + np.uint64(lane)
         unseen = select(rank > there, float(NO_SUCH_RANK), float(NO_TARGET))
         me[REQUESTED_SLOT + lane] = select(seen, float(slot), unseen)
-        goals[lane] = targets[np.uint64(TARGET_X) + place]
-        goals[LANES + lane] = targets[np.uint64(TARGET_Y) + place]
-        goals[2 * LANES + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[np.uint64(NUMBER) + place], 0.0)
+        goals[lane] = targets[np.uint64(TARGET_X) + at]
+        goals[LANES + lane] = targets[np.uint64(TARGET_Y) + at]
+        goals[2 * LANES + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[np.uint64(NUMBER) + at], 0.0)
 
 
 @phase
 def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: SeatLimits) -> None:
-    """R4.1, R4.2, R4.3: the hosted controllers; a target out of reach is driven to, but not yet requested."""
+    """R4.1, R4.2, R4.3: the hosted controllers; a target out of reach is driven to, but not yet requested.
+
+    Args:
+        me: the rows of the seat; its velocities, integrals and active target are written, and REQUESTED_SLOT where the
+            target is out of reach.
+        goals: see `choose`.
+        width: how many lanes a group has.
+        s: the settings.
+        limits: the seat's own.
+    """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         dx = goals[lane] - me[X + lane]
@@ -128,7 +157,17 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: Se
 
 @phase
 def request_nearest(me: Block, order: Block, targets: Block, lanes: int, s: Settings, limits: SeatLimits) -> None:
-    """R4.4: under velocity control the nearest target is requested whenever it is within reach."""
+    """R4.4: under velocity control the nearest target is requested whenever it is within reach.
+
+    Args:
+        me: the rows of the seat; REQUESTED_SLOT is written.
+        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
+            them.
+        targets: the slots of the block.
+        lanes: how many lanes are arenas.
+        s: the settings.
+        limits: the seat's own.
+    """
     for lane in range(lanes):
         me[REQUESTED_SLOT + lane] = NO_TARGET
         if me[SEEN + lane] > 0.0:
@@ -151,6 +190,13 @@ def mark_active(me: Block, goals: Block, width: Width) -> None:
 def drive_by_command(me: Block, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits) -> None:
     """R2.5, R4.4: velocities as fractions of the limits; a request for a rank without a target makes the hunter hold
     (R5.2).
+
+    Args:
+        me: the rows of the seat; its velocities are written.
+        commands: (lanes, 2), speed and turn rate as fractions of the limits in [-1, 1].
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        limits: the seat's own.
     """
     for lane in range(lanes):
         me[SPEED + lane] = np.float64(commands[lane, 0]) * limits.max_speed
@@ -179,7 +225,23 @@ def steer_seat(
     limits: SeatLimits,
     goals: Block,
 ) -> None:
-    """R4.1, R4.4: one seat by one control, in all lanes."""
+    """R4.1, R4.4: one seat by one control, in all lanes.
+
+    Args:
+        me: the rows of the seat.
+        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
+            them.
+        targets: the slots of the block.
+        seat: which hunter.
+        control: TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        choices: (lanes, H), ranks from 1 up, or 0 to hold.
+        commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
+        s: the settings.
+        limits: the seat's own.
+        goals: room for three rows: see `choose`.
+    """
     if control == TARGET_CONTROL:
         choose(me, order, targets, choices[:, seat], lanes, s, goals)
         drive_to_goal(me, goals, width, s, limits)
@@ -205,7 +267,21 @@ def steer_lane_by_lane(
     limits: SeatLimits,
     goals: Block,
 ) -> None:
-    """The same where the seat's control differs by arena: each lane as an arena that is alone."""
+    """The same where the seat's control differs by arena: each lane as an arena that is alone.
+
+    Args:
+        me: the rows of the seat.
+        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
+            them.
+        targets: the slots of the block.
+        seat: which hunter.
+        controls: (lanes, H): TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
+        choices: (lanes, H), ranks from 1 up, or 0 to hold.
+        commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
+        s: the settings.
+        limits: the seat's own.
+        goals: room for three rows: see `choose`.
+    """
     for lane in range(len(controls)):
         steer_seat(
             me[lane:],
@@ -244,7 +320,19 @@ def apply_actions(
     commands: NDArray[np.float32],
     scratch: Scratch,
 ) -> None:
-    """R1.4's phases 1 and 2: from actions to velocities and requested slots, on S_t."""
+    """R1.4's phases 1 and 2: from actions to velocities and requested slots, on S_t.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        controls: (lanes, H): TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
+        limits: (H, 4): see `memory.Sections`.
+        choices: (lanes, H), ranks from 1 up, or 0 to hold.
+        commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
+        scratch: see `workspace.Scratch`; the progress references are set.
+    """
     targets, goals = targets_of(block, s), scratch.rows
     for seat in range(s.hunters):
         me = seat_of(block, seat)

@@ -17,8 +17,8 @@ from catch_arena.core.state import (
 def withdraw(me: Block, lane: int) -> None:
     """R1.6: a hunter stands still from now on, and the others do not see it; `me` has the rows of its seat."""
     me[WITHDRAWN + lane] = 1.0
-    for row in AT_REST:
-        me[row + lane] = 0.0
+    for offset in AT_REST:
+        me[offset + lane] = 0.0
 
 
 @rare

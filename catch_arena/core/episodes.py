@@ -21,7 +21,7 @@ from catch_arena.core.state import (
     NO_TARGET,
     REQUESTED_NUMBER,
     REQUESTED_SLOT,
-    RETURN,
+    REWARD_SUM,
     RUNNING,
     SCORE,
     SEED_HIGH,
@@ -48,7 +48,7 @@ from catch_arena.verdicts import Verdict
 LENGTH: Final = 0  # steps
 FINAL_SCORE: Final = 1
 FINAL_RANK: Final = 2  # R6.1, R11.1: 1 + how many teams have more
-FINAL_RETURN: Final = 3  # the rewards, summed
+FINAL_REWARD_SUM: Final = 3
 FINAL_TEAM_SCORE: Final = 4
 FINAL_CONTESTS_WON: Final = 5
 FINAL_TALLIES: Final = 6  # how often each verdict was met, in the order of Verdict
@@ -59,7 +59,15 @@ _MATCH_OVER: Final = float(Verdict.MATCH_OVER)
 
 @rare
 def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64], record: NDArray[np.float32]) -> None:
-    """An episode in figures, (H, RECORD_COLUMNS), as it stands in one lane; `teams` as in `memory.Sections`."""
+    """An episode in figures, as it stands in one lane.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lane: the lane.
+        teams: see `memory.Sections`.
+        record: the result, (H, RECORD_COLUMNS).
+    """
     for seat in range(s.hunters):
         record[seat, FINAL_TEAM_SCORE] = 0.0
     for seat in range(s.hunters):
@@ -74,14 +82,22 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
         record[seat, LENGTH] = block[STEP + lane]
         record[seat, FINAL_SCORE] = me[SCORE + lane]
         record[seat, FINAL_RANK] = rank
-        record[seat, FINAL_RETURN] = me[RETURN + lane]
+        record[seat, FINAL_REWARD_SUM] = me[REWARD_SUM + lane]
         for column in range(FINAL_CONTESTS_WON, RECORD_COLUMNS):
             record[seat, column] = me[CONTESTS_WON + (column - FINAL_CONTESTS_WON) * LANES + lane]
 
 
 @rare
 def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64], seed: np.uint64) -> None:
-    """R2.6, R3.1, A.6: one arena at the beginning of an episode."""
+    """R2.6, R3.1, A.6: one arena at the beginning of an episode.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lane: the lane.
+        start_poses: (H, 3), x, y [m] and heading [rad]; or (0, 3) for the fair circle (R2.6).
+        seed: the episode's.
+    """
     for row in range(len(block) // LANES):
         block[row * LANES + lane] = 0.0
     block[SEED_HIGH + lane] = float(seed >> np.uint64(32))
@@ -135,14 +151,25 @@ def some_ended(block: Block, lanes: int) -> bool:
 
 @phase
 def write_ends(block: Block, lanes: int, ends: NDArray[np.int8]) -> None:
-    """R1.5: for those who look from outside."""
+    """R1.5: for those who look from outside.
+
+    Args:
+        block: the block.
+        lanes: how many lanes are arenas.
+        ends: the result, (lanes,): RUNNING, TERMINATED or TRUNCATED.
+    """
     for lane in range(lanes):
         ends[lane] = np.int8(block[ENDED + lane])
 
 
 @phase
 def take_snapshot(block: Block, snapshot: Block) -> None:
-    """The block as it is."""
+    """Keep the block as it was before a step, for `restore_finished`.
+
+    Args:
+        block: the block.
+        snapshot: the result, as long as the block.
+    """
     for i in range(len(block)):
         snapshot[i] = block[i]
 
@@ -151,6 +178,14 @@ def take_snapshot(block: Block, snapshot: Block) -> None:
 def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rewards: Rewards, parts: Parts) -> None:
     """R5.2: arenas that had ended are played with the others of their block, and then put back as they were kept:
     nothing moves after the end, and every request is MATCH_OVER.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lanes: how many lanes are arenas.
+        snapshot: the block before the step.
+        rewards: (lanes, H), or none; those of arenas that had ended become 0.
+        parts: (lanes, H, 8), or none; the same.
     """
     for lane in range(lanes):
         if snapshot[ENDED + lane] == RUNNING:
@@ -172,7 +207,12 @@ def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rew
 
 @rare
 def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
-    """The observations or masks of one arena, (agents, columns), as the last ones."""
+    """The observations or masks of one arena, (agents, columns), as the last ones.
+
+    Args:
+        seen: (agents, columns).
+        last_seen: the result, (agents, columns).
+    """
     for agent in range(seen.shape[0]):
         for column in range(seen.shape[1]):
             last_seen[agent, column] = seen[agent, column]
@@ -180,7 +220,15 @@ def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
 
 @inlined
 def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sections) -> None:
-    """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins."""
+    """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins.
+
+    Args:
+        block: the block.
+        s: the settings.
+        first: the first arena of the block.
+        last: the arena behind its last.
+        sections: see `memory.Sections`.
+    """
     for lane in range(last - first):
         if block[ENDED + lane] == RUNNING:
             continue

@@ -44,7 +44,7 @@ INTERPRETED: Final = bool(_numba.DISABLE_JIT)
 _FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
 _WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": WholeCompiler} if USABLE else _FLAGS
 _ALONE: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""What only compiled code calls needs no door to Python: that halves the time to compile."""
+"""What only compiled code calls needs no entry point for Python: that halves the time to compile."""
 _INNER: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": PartCompiler} if USABLE else _ALONE
 _RARE: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": RareCompiler} if USABLE else _ALONE
 _MOST_KEPT: Final = 16
@@ -60,8 +60,8 @@ def _cache_directory() -> Path | None:
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
     checked = "-checked" if _numba.BOUNDSCHECK else ""  # NUMBA_BOUNDSCHECK=1 makes other code of the same sources
-    for place in _places():
-        folder = place / f"core-{digest.hexdigest()}{checked}"
+    for parent in _cache_parents():
+        folder = parent / f"core-{digest.hexdigest()}{checked}"
         with contextlib.suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             if os.access(folder, os.W_OK):
@@ -70,7 +70,7 @@ def _cache_directory() -> Path | None:
     return None
 
 
-def _places() -> Iterator[Path]:
+def _cache_parents() -> Iterator[Path]:
     """Where it could be kept, the best first: where the user says; at home; else where all temporary files are, in a
     folder that this user made and nobody else writes to, since what is read from it is run.
     """
@@ -138,8 +138,8 @@ def unkept_entry(function: F) -> F:
 
 
 def entry(function: F) -> F:
-    """What Python calls: a batch, or a rule with a door of its own. Only these are kept in the cache: they contain
-    all that they call.
+    """What Python calls: `tick.run`, which plays the blocks of a batch, or something smaller. Only entries are kept in
+    the cache: they contain all that they call.
     """
     if INTERPRETED:
         return _with_silent_overflow(function)
@@ -151,7 +151,7 @@ def entry(function: F) -> F:
         compiled = numba.njit(cache=True, **_WHOLE)(function)
     finally:
         _numba.CACHE_DIR = before
-    cache = compiled._cache  # noqa: SLF001 - Numba has no other door: on a full disk it would raise, and not play
+    cache = compiled._cache  # noqa: SLF001 - Numba has no other way in: on a full disk it would raise, and not play
     cache.save_overload = _kept_or_told(cache.save_overload)
     if USABLE:
         cache.load_overload = _lightly(cache)

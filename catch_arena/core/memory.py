@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from catch_arena.core.state import Settings
 from catch_arena.core.vectors import compiled_as
 
-types: Any = numba.core.types  # typed here and there, and not where it matters
+types: Any = numba.core.types  # numba has annotations for a part of it only, and not for what is used here
 
 Bytes = NDArray[np.uint8]
 
 CACHE_LINE: Final = 64
-"""[bytes] Each section begins with one: of what begins anywhere every second SIMD access would straddle two."""
+"""[bytes] Each section begins where a cache line begins. Else many SIMD accesses would need two lines."""
 
 
 class Sections(NamedTuple):
@@ -106,8 +106,8 @@ _DIRECTORY: Final = sum(1 + ndim for ndim in NDIMS)
 """How many numbers of int64: where each section begins, and its shape."""
 
 
-_PLACES: Final = dict(zip(DTYPES, itertools.accumulate((1 + ndim for ndim in NDIMS), initial=0), strict=False))
-"""Where a section stands in the directory."""
+_INDICES: Final = dict(zip(DTYPES, itertools.accumulate((1 + ndim for ndim in NDIMS), initial=0), strict=False))
+"""Where in the directory a section has its numbers."""
 
 
 def zeros(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
@@ -142,9 +142,9 @@ def lay_out(wanted: Sections) -> tuple[Bytes, Sections]:
     return memory, sections
 
 
-def place_of(section: str, memory: Bytes) -> int:
-    """Where a section begins [bytes]."""
-    return int(memory[: 8 * _DIRECTORY].view(np.int64)[_PLACES[section]])
+def offset_of(section: str, memory: Bytes) -> int:
+    """Where in the memory a section begins [bytes]."""
+    return int(memory[: 8 * _DIRECTORY].view(np.int64)[_INDICES[section]])
 
 
 def copy_of(memory: Bytes) -> Bytes:
@@ -237,4 +237,4 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 def _numbers_at(builder: Any, pointer: Any, count: int) -> Iterator[Any]:
-    return (builder.load(builder.gep(pointer, [_INT64(place)])) for place in range(count))
+    return (builder.load(builder.gep(pointer, [_INT64(index)])) for index in range(count))

@@ -49,6 +49,7 @@ from catch_arena.core.state import (
     word_of_rank,
 )
 from catch_arena.core.vectors import (
+    COPIED,
     Width,
     copy_eight,
     copy_four,
@@ -130,7 +131,15 @@ def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block)
 
 @rule
 def target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> TargetFeatures:
-    """R7.1: what a seat sees of the target at `at`, which is that old [s]."""
+    """R7.1: what a seat sees of the target at `at`, which is that old [s].
+
+    Args:
+        me: the rows of the seat.
+        targets: the slots of the block.
+        at: where in `targets` the slot begins, its lane or group of lanes included.
+        lane: the lane.
+        age: of the target [s].
+    """
     sine, cosine = me[SINE + lane], me[COSINE + lane]
     dx, dy = targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]
     return TargetFeatures(
@@ -279,7 +288,16 @@ def blur_key_at(block: Block, seat: int, kind: np.uint64, lane: int) -> np.uint6
 
 @phase
 def write_blurred(key: np.uint64, forward: float, left: float, s: Settings, out: Numbers, at: int) -> None:
-    """R7.6: where one thing is seen that is so far ahead and to the left [m]: two columns from out[at] on."""
+    """R7.6: where one thing is seen that is so far ahead and to the left [m]: two columns from out[at] on.
+
+    Args:
+        key: `visibility.blur_key`'s stream of what is seen.
+        forward: how far ahead it is [m].
+        left: how far to the left [m].
+        s: the settings.
+        out: features or observations, flat.
+        at: where in `out` the two columns begin.
+    """
     out[at] = np.float32(forward + blur(key, 0, s.view_noise_m))
     out[at + 1] = np.float32(left + blur(key, 1, s.view_noise_m))
 
@@ -327,7 +345,8 @@ def write_ranked(
 ) -> None:
     """R7.1: the features of one lane's targets or rivals, in the order of their ranks.
 
-    Each is copied with what is too much, which the next one is written over.
+    Each is copied by `copy_eight`, with what is too much, which the next one is written over. The last is copied by two
+    fours, which meet or overlap. How wide a rank may be for this, tests/contract/test_nothing_is_forgotten.py says.
 
     Args:
         order: slots or seats by rank, packed: see `state.slot_at_rank`.
@@ -336,7 +355,7 @@ def write_ranked(
         lane: the lane.
         features: of every slot or seat: see `compute_target_features`.
         width: how many lanes the group has in which they were computed.
-        columns: how many columns there are of each, at most FEATURE_STRIDE.
+        columns: how many columns there are of each, at most COPIED.
         out: observations, flat.
         at: where in `out` the columns of rank 1 begin.
     """
@@ -345,9 +364,9 @@ def write_ranked(
     rank = 0
     while rank + RANKS_PER_WORD <= copied:
         word = word_of_rank(order, rank, lane)
-        for place in range(RANKS_PER_WORD):  # as often as the compiler knows: eight copies without a loop
-            source = (slot_in_word(word, place) * len(width) + mine) * FEATURE_STRIDE
-            copy_eight(out, at + place * columns, features, source)
+        for next_rank in range(RANKS_PER_WORD):  # as often as the compiler knows: eight copies without a loop
+            source = (slot_in_word(word, next_rank) * len(width) + mine) * FEATURE_STRIDE
+            copy_eight(out, at + next_rank * columns, features, source)
         at += RANKS_PER_WORD * columns
         rank += RANKS_PER_WORD
     while rank < copied:
@@ -443,11 +462,11 @@ def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) ->
         out: observations, flat.
         at: where in `out` they belong.
     """
-    whole = count - count % FEATURE_STRIDE
-    for place in range(0, whole, FEATURE_STRIDE):
-        stream_eight(out, at + place, staging, place)
-    for place in range(whole, count):
-        out[at + place] = staging[place]
+    whole = count - count % COPIED
+    for offset in range(0, whole, COPIED):
+        stream_eight(out, at + offset, staging, offset)
+    for offset in range(whole, count):
+        out[at + offset] = staging[offset]
 
 
 @inlined
@@ -464,7 +483,7 @@ def write(
 ) -> None:
     """R7.1: the observations of a block, one group of lanes after the other.
 
-    They are written in their place, unless the group has lanes that are no arenas, or the batch is so large that they
+    They are written at once, unless the group has lanes that are no arenas, or the batch is so large that they
     had better go past the caches, in the order of the memory.
 
     Args:
@@ -552,6 +571,15 @@ def observe(
     `first` up to, but not including, `last`.
 
     The order of the targets stays in the arena: the next step's choices are ranks in it.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        first: the first arena of the block.
+        last: the arena behind its last.
+        sections: see `memory.Sections`.
+        scratch: see `workspace.Scratch`.
     """
     lanes = last - first
     targets = targets_of(block, s)

@@ -64,7 +64,13 @@ def next_pose(
 
 @rule
 def turned(theta: float, turn: float, ticks: float) -> float:
-    """R2.2: the heading after so many ticks, each of which turns it by `turn`."""
+    """R2.2: the heading after so many ticks, each of which turns it by `turn`.
+
+    Args:
+        theta: the heading [rad].
+        turn: [rad] a tick.
+        ticks: how many.
+    """
     return wrap(theta + turn * ticks)
 
 
@@ -76,7 +82,16 @@ def ticks_until(time_ms: float) -> float:
 
 @phase
 def move_body(me: Block, width: Width, side: float, fewest: int, most: int, ticks: Block) -> None:
-    """R2.2, R2.3: all ticks of one body in a step: from `fewest` on not every lane has them, from `most` on none."""
+    """R2.2, R2.3: all ticks of one body in a step: from `fewest` on not every lane has them, from `most` on none.
+
+    Args:
+        me: the rows of the body; its pose, sine, cosine and AT_WALL are written.
+        width: how many lanes a group has.
+        side: of the arena [m].
+        fewest: from this tick on some lanes have none.
+        most: from this tick on no lane has one.
+        ticks: how many each lane has, one row.
+    """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
@@ -105,7 +120,14 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
 
 @rare
 def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -> None:
-    """R2.4: what the watchdog leaves, where it fired in this step; it stops whatever moved."""
+    """R2.4: what the watchdog leaves, where it fired in this step; it stops whatever moved.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        stale: one row: 1 where the watchdog has fired, else 0.
+    """
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         for first in range(0, span(width), len(width)):
@@ -116,7 +138,12 @@ def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -
 
 @phase
 def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
-    """How many ticks there are in the lane that has fewest, and in the lane that has most."""
+    """How many ticks there are in the lane that has fewest, and in the lane that has most.
+
+    Args:
+        ticks: how many each lane has, one row.
+        lanes: how many lanes are arenas.
+    """
     fewest, most = 1e18, 0.0
     for lane in range(lanes):
         fewest = min(fewest, ticks[lane])
@@ -125,13 +152,22 @@ def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
 
 
 @inlined
-def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, scratch: Block) -> None:
-    """R1.3: all ticks in (t, t + period], one after the other; `scratch` has three rows.
+def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, counts: Block) -> None:
+    """R1.3: all ticks in (t, t + period], one after the other.
 
     R2.4's watchdog stops a hunter at the first tick more than a second after its command: from there on it has no ticks
     that move it. Targets have no watchdog (R3.8).
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        targets: the slots of the block.
+        counts: room for three rows: how many ticks each lane has, how many before its commands are stale, and whether
+            they become so in this step.
     """
-    due, fresh, stale = scratch[:LANES], scratch[LANES : 2 * LANES], scratch[2 * LANES : 3 * LANES]
+    due, fresh, stale = counts[:LANES], counts[LANES : 2 * LANES], counts[2 * LANES : 3 * LANES]
     any_stale = False
     for first in range(0, span(width), len(width)):
         lane = group(first, width)

@@ -20,7 +20,7 @@ from catch_arena.core.state import (
     ENDED,
     LANES,
     NO_TARGET,
-    PREY_RETURN,
+    PREY_REWARD_SUM,
     PREY_SLOT,
     PREY_WITHDRAWN,
     RUNNING,
@@ -50,7 +50,7 @@ PREY_PART_NAMES: Final = ("caught", "survived", "gained")
 PREY_LENGTH: Final = 0  # steps
 PREY_TIMES_CAUGHT: Final = 1
 PREY_RANK: Final = 2  # R12.5: 1 + how many are ahead
-PREY_RETURNED: Final = 3  # the rewards, summed
+PREY_FINAL_REWARD_SUM: Final = 3
 PREY_RECORD_COLUMNS: Final = 4
 
 # rows of a reference, of each prey from phase 2 to its reward
@@ -117,14 +117,29 @@ def command_prey(
 
 @rare
 def distance(targets: Block, at: int, x: float, y: float) -> float:
-    """Between a target and a place [m]."""
+    """Between a target and a position [m].
+
+    Args:
+        targets: the slots of the block.
+        at: where in `targets` the slot begins, its lane included.
+        x: the position [m].
+        y: the position [m].
+    """
     dx, dy = x - targets[TARGET_X + at], y - targets[TARGET_Y + at]
     return sqrt(dx * dx + dy * dy)
 
 
 @rare
 def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> None:
-    """R12.3: whoever plays the target in one slot is out, caught by that seat; before the target leaves."""
+    """R12.3: whoever plays the target in one slot is out, caught by that seat; before the target leaves.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lane: the lane.
+        slot: of the target that was caught.
+        seat: who caught it.
+    """
     for index in range(s.prey):
         me = prey_of(block, index, s)
         if me[PREY_SLOT + lane] == slot:
@@ -191,7 +206,7 @@ def reward_prey(
                         x, y = reference[HUNTER_X + lane], reference[HUNTER_Y + lane]
                         gained = distance(targets, at, x, y) - reference[HUNTER_DISTANCE + lane]
                 total = s.caught_weight * caught + s.survived_weight * survived + s.gained_weight * gained
-                me[PREY_RETURN + lane] += total
+                me[PREY_REWARD_SUM + lane] += total
             if len(parts) == 0:
                 rewards[lane, index] = np.float32(total)
             else:
@@ -203,7 +218,13 @@ def reward_prey(
 
 @rare
 def is_ahead(one: Block, other: Block, lane: int) -> bool:
-    """R12.5: whether one prey ranks before another: withdrawn prey is last, else the fewest catches come first."""
+    """R12.5: whether one prey ranks before another: withdrawn prey is last, else the fewest catches come first.
+
+    Args:
+        one: the rows of one prey.
+        other: the rows of the other.
+        lane: the lane.
+    """
     if one[PREY_WITHDRAWN + lane] != other[PREY_WITHDRAWN + lane]:
         return bool(one[PREY_WITHDRAWN + lane] < other[PREY_WITHDRAWN + lane])
     return bool(one[TIMES_CAUGHT + lane] < other[TIMES_CAUGHT + lane])
@@ -211,7 +232,14 @@ def is_ahead(one: Block, other: Block, lane: int) -> bool:
 
 @rare
 def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
-    """An episode in figures, (P, PREY_RECORD_COLUMNS), as it stands in one lane."""
+    """An episode in figures, as it stands in one lane.
+
+    Args:
+        block: the block.
+        s: the settings.
+        lane: the lane.
+        record: the result, (P, PREY_RECORD_COLUMNS).
+    """
     for index in range(s.prey):
         me = prey_of(block, index, s)
         rank = 1.0
@@ -220,4 +248,4 @@ def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.
         record[index, PREY_LENGTH] = block[STEP + lane]
         record[index, PREY_TIMES_CAUGHT] = me[TIMES_CAUGHT + lane]
         record[index, PREY_RANK] = rank
-        record[index, PREY_RETURNED] = me[PREY_RETURN + lane]
+        record[index, PREY_FINAL_REWARD_SUM] = me[PREY_REWARD_SUM + lane]

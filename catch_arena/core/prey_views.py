@@ -11,7 +11,18 @@ from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, phase, rare
 from catch_arena.core.memory import Sections
-from catch_arena.core.ranking import FAR, Keys, body_at, equally_far, gather_ties, item_of, key_of, lead, sort_keys
+from catch_arena.core.ranking import (
+    FAR,
+    Keys,
+    body_at,
+    equally_far,
+    gather_ties,
+    item_of,
+    key_of,
+    lead,
+    some_tied,
+    sort_keys,
+)
 from catch_arena.core.state import (
     BODY,
     BODY_ROWS,
@@ -34,7 +45,7 @@ from catch_arena.core.state import (
     span,
     targets_of,
 )
-from catch_arena.core.vectors import Width, any_of, copy_eight, copy_four, group, put_rows, select
+from catch_arena.core.vectors import Width, copy_eight, copy_four, group, put_rows, select
 from catch_arena.core.workspace import FEATURE_STRIDE, GATHERED_SIZE, Scratch, gathered_of
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
@@ -102,19 +113,25 @@ def rank_bodies(
             keys[item * LANES + lane] = select(unseen, FAR, key)
     sort_keys(keys, network, width, count)
     last = min(ranks, count - 1)
-    tied = False
-    for rank in range(last):
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            tied = tied or any_of(equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane]))
-    if tied:
+    if some_tied(keys, last, width):
         for lane in range(lanes):
             sort_tied_bodies(me, others, size, lane, gather_ties(lane, last, count, keys), keys)
 
 
 @rare
 def sort_tied_bodies(me: Block, others: Block, size: int, lane: int, count: int, keys: Keys) -> None:
-    """R12.4: those of one lane's sorted bodies that are equally far are put in order among themselves, by insertion."""
+    """R12.4: those of one lane's sorted bodies that are equally far are put in order among themselves, by insertion.
+
+    `ranking.sort_ties` does the same with rivals, which differ in catches, team and seat too; bodies have none.
+
+    Args:
+        me: the rows of the observer.
+        others: the rows of all bodies.
+        size: how many numbers there are of each.
+        lane: the lane.
+        count: of how many keys the order is put right.
+        keys: sorted by distance, rows of LANES.
+    """
     for last in range(1, count):
         key = keys[last * LANES + lane]
         if not equally_far(keys[(last - 1) * LANES + lane], key):
@@ -166,10 +183,10 @@ def write_bodies(
     for item in range(count):
         seen = body_at(me, others[item * size :], group(first, width))
         put_rows(features, item * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
-    for place in range(len(width)):
+    for mine in range(len(width)):
         for rank in range(ranks):
-            source = (item_of(keys[rank * LANES + first + place]) * len(width) + place) * FEATURE_STRIDE
-            to = at + place * stride + rank * _BODY_WIDTH
+            source = (item_of(keys[rank * LANES + first + mine]) * len(width) + mine) * FEATURE_STRIDE
+            to = at + mine * stride + rank * _BODY_WIDTH
             if exactly and rank == ranks - 1:
                 copy_four(out, to, features, source)
                 copy_four(out, to + _BODY_WIDTH - 4, features, source + _BODY_WIDTH - 4)

@@ -72,7 +72,7 @@ def tie_lot(seed: np.uint64, step: float, number: float, seat: int) -> np.uint64
 
 @rule
 def service_lot(seed: np.uint64, step: float, seat: int) -> np.uint64:
-    """R5.9: a hunter's place in the queue of one step under `first_come`; the lowest is served first."""
+    """R5.9: a hunter's position in the queue of one step under `first_come`; the lowest is served first."""
     return draw(draw(stream(seed, SERVICE_LOT), np.uint64(step)), np.uint64(seat))
 
 

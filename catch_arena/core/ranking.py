@@ -43,6 +43,11 @@ FAR: Final = 0x7F800000
 def key_of(dx: float, dy: float, item: int) -> int:
     """R7.1: an int32 that sorts by distance and then by slot or seat: the squared distance as float32, whose bits sort
     as it does, rounded to where the last six of them have room for `item`.
+
+    Args:
+        dx: east of the observer [m].
+        dy: north of it [m].
+        item: the slot or seat, 0 to 63.
     """
     return ((single_bits(dx * dx + dy * dy) + 32) & ~_SLOTS) | item
 
@@ -106,7 +111,13 @@ def _sorting_network(wires: int) -> list[tuple[int, int]]:
 
 @rule
 def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
-    """R7.1, R12.4: what one body sees of another; both begin with the rows of a body."""
+    """R7.1, R12.4: what one body sees of another; both begin with the rows of a body.
+
+    Args:
+        me: the rows of the observer.
+        other: the rows of the body that it sees.
+        lane: the lane.
+    """
     sine, cosine = me[SINE + lane], me[COSINE + lane]
     other_sine, other_cosine = other[SINE + lane], other[COSINE + lane]
     dx, dy = other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane]
@@ -122,7 +133,15 @@ def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
 
 @rule
 def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.int64]) -> TeamRivalFeatures:
-    """R7.1, R7.4: what one seat sees of another hunter; `teams` as in `memory.Sections`."""
+    """R7.1, R7.4: what one seat sees of another hunter.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        other: the seat that is seen.
+        lane: the lane.
+        teams: see `memory.Sections`.
+    """
     me, rival = seat_of(block, seat), seat_of(block, other)
     seen = body_at(me, rival, lane)
     return TeamRivalFeatures(
@@ -175,12 +194,12 @@ def pack_order(keys: Keys, there: int, ranks: int, width: Width, packed: Block) 
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
             word = long(keys[lane] & 0)
-            for place in range(RANKS_PER_WORD):
-                if rank + place < min(there, ranks):
-                    item = long(item_of(keys[(rank + place) * LANES + lane]))
-                    word = word | (item << (RANK_BITS * place))
+            for next_rank in range(RANKS_PER_WORD):
+                if rank + next_rank < min(there, ranks):
+                    item = long(item_of(keys[(rank + next_rank) * LANES + lane]))
+                    word = word | (item << (RANK_BITS * next_rank))
                 else:
-                    word = word | (ABSENT << (RANK_BITS * place))
+                    word = word | (ABSENT << (RANK_BITS * next_rank))
             packed[rank // RANKS_PER_WORD * LANES + lane] = number_of(word)
 
 
@@ -335,9 +354,32 @@ def precedes(a: TeamRivalFeatures, b: TeamRivalFeatures, lower_seat: bool) -> bo
     return lower_seat
 
 
+@phase
+def some_tied(keys: Keys, ranks: int, width: Width) -> bool:
+    """R7.1, R12.4: whether two that are seen, or the last one and the next, are equally far in some lane.
+
+    Args:
+        keys: sorted by distance as far as one beyond `ranks`, rows of LANES.
+        ranks: how many are seen.
+        width: how many lanes a group has.
+    """
+    tied = False
+    for rank in range(ranks):
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            tied = tied or any_of(equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane]))
+    return tied
+
+
 @rare
 def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
     """R7.1: who is as far as the first rival beyond the view comes right after it.
+
+    Args:
+        lane: the lane.
+        ranks: how many rivals are seen; the next one is the first beyond the view.
+        wires: how many keys there are.
+        keys: sorted as far as `ranks`, rows of LANES.
 
     Returns:
         how many keys there are so far; the others are farther, in any order.
@@ -355,7 +397,16 @@ def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
 
 @rare
 def sort_ties(block: Block, seat: int, lane: int, count: int, teams: NDArray[np.int64], keys: Keys) -> None:
-    """R7.1: those of one lane's sorted rivals who are equally far are put in order among themselves, by insertion."""
+    """R7.1: those of one lane's sorted rivals who are equally far are put in order among themselves, by insertion.
+
+    Args:
+        block: the block.
+        seat: who sees them.
+        lane: the lane.
+        count: of how many keys the order is put right.
+        teams: see `memory.Sections`.
+        keys: sorted by distance, rows of LANES.
+    """
     for last in range(1, count):
         key = keys[last * LANES + lane]
         if not equally_far(keys[(last - 1) * LANES + lane], key):
@@ -378,14 +429,19 @@ def sort_ties(block: Block, seat: int, lane: int, count: int, teams: NDArray[np.
 def resolve_ties(
     block: Block, seat: int, width: Width, lanes: int, s: Settings, teams: NDArray[np.int64], keys: Keys
 ) -> None:
-    """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far."""
+    """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far.
+
+    Args:
+        block: the block.
+        seat: who sees them.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        s: the settings.
+        teams: see `memory.Sections`.
+        keys: sorted by distance, rows of LANES; put right in place.
+    """
     ranks = min(s.hunters_seen, s.hunters - 2)
-    tied = False
-    for rank in range(ranks):
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            tied = tied or any_of(equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane]))
-    if not tied:
+    if not some_tied(keys, ranks, width):
         return
     for lane in range(lanes):
         sort_ties(block, seat, lane, gather_ties(lane, ranks, s.hunters, keys), teams, keys)

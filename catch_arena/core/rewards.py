@@ -11,7 +11,7 @@ from catch_arena.core.state import (
     ALIVE,
     COSINE,
     LANES,
-    RETURN,
+    REWARD_SUM,
     SEEN,
     SINE,
     TARGET_X,
@@ -45,7 +45,17 @@ Parts = NDArray[np.float64]
 
 @phase
 def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, s: Settings, reference: Block) -> None:
-    """R6.2's progress: the nearest target that is seen on S_t, from where the hunter stands."""
+    """R6.2's progress: the nearest target that is seen on S_t, from where the hunter stands.
+
+    Args:
+        me: the rows of the seat.
+        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
+            them.
+        targets: the slots of the block.
+        lanes: how many lanes are arenas.
+        s: the settings.
+        reference: the result, three rows: see `workspace.progress_reference_of`.
+    """
     for lane in range(lanes):
         there = me[SEEN + lane] > 0.0
         at = select(there, slot_at_rank(order, 0, lane), 0) * s.slot_size + lane
@@ -60,7 +70,17 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
 def renew_progress_reference(
     block: Block, me: Block, targets: Block, lane: int, s: Settings, limits: SeatLimits, reference: Block
 ) -> None:
-    """The same in one lane where targets have just left: among those that are alive after the commit."""
+    """The same in one lane where targets have just left: among those that are alive after the commit.
+
+    Args:
+        block: the block.
+        me: the rows of the seat.
+        targets: the slots of the block.
+        lane: the lane.
+        s: the settings.
+        limits: the seat's own.
+        reference: the result, three rows: see `workspace.progress_reference_of`.
+    """
     reference[2 * LANES + lane] = -1.0
     nearest = FAR
     for slot in range(int(block[ALIVE + lane])):
@@ -77,7 +97,15 @@ def renew_progress_reference(
 
 @rare
 def count_team_catches(block: Block, s: Settings, width: Width, teams: NDArray[np.int64], team_rows: Block) -> None:
-    """R11.2: how many grants each team has in this step, by the seat that stands for it."""
+    """R11.2: how many grants each team has in this step, by the seat that stands for it.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        teams: see `memory.Sections`.
+        team_rows: the result: see `workspace.Scratch`.
+    """
     for seat in range(s.hunters):
         at = teams[seat] * LANES
         me = seat_of(block, seat)
@@ -99,7 +127,7 @@ def share_rewards(
     rewards: Rewards,
     parts: Parts,
 ) -> None:
-    """R11.2: what each seat gets of what its team has earned, in the place of what it has earned by itself.
+    """R11.2: what each seat gets of what its team has earned, instead of what it has earned by itself.
 
     Args:
         block: the block.
@@ -126,7 +154,7 @@ def share_rewards(
                     me = seat_of(block, seat)
                     shared = (1.0 - s.team_share) * team_rows[own + seat * LANES + lane] + s.team_share * mean
                     shared = shared if me[WITHDRAWN + lane] == 0.0 else 0.0
-                    me[RETURN + lane] += shared
+                    me[REWARD_SUM + lane] += shared
                     if len(parts) > 0:
                         parts[lane, seat, 0] = shared
                     else:
@@ -203,7 +231,7 @@ def reward_hunters(
                 total = total + s.mate_catch_weight * mate
                 scratch.team_rows[(s.hunters + seat) * LANES + lane] = total
             if not (in_teams and s.team_share > 0.0):  # else `share_rewards` does it
-                me[RETURN + lane] = me[RETURN + lane] + total
+                me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + total
             amounts[lane] = total
             if not parts_wanted:
                 continue

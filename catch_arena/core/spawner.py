@@ -33,7 +33,15 @@ from catch_arena.core.state import (
 
 @rule
 def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: float) -> tuple[float, float, float]:
-    """R3.2, R3.3: where the target of that number appears: x, y [m], theta [rad] in [0, 2 pi)."""
+    """R3.2, R3.3: where the target of that number appears: x, y [m], theta [rad] in [0, 2 pi).
+
+    Args:
+        seed: the arena's.
+        number: the spawn number, from 1.
+        low: the least coordinate [m].
+        high: the bound above it [m].
+        last: the greatest number below that bound [m].
+    """
     key = stream(seed, PLACE)
     first = np.uint64(3) * (np.uint64(number) - np.uint64(1))
     x = low + fraction(draw(key, first)) * (high - low)
@@ -46,7 +54,18 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
 def add_target(
     block: Block, targets: Block, lane: int, s: Settings, x: float, y: float, theta: float, time_ms: float
 ) -> None:
-    """R3.4, R3.8, R8.2: a target of the latest number at the end of the alive list, at rest."""
+    """R3.4, R3.8, R8.2: a target of the latest number at the end of the alive list, at rest.
+
+    Args:
+        block: the block.
+        targets: the slots of the block.
+        lane: the lane.
+        s: the settings.
+        x: [m].
+        y: [m].
+        theta: [rad].
+        time_ms: when it appears [ms] since reset.
+    """
     slot = int(block[ALIVE + lane]) * s.slot_size + lane
     targets[slot + NUMBER] = block[NUMBERS + lane]
     targets[slot + APPEARED] = time_ms
@@ -59,7 +78,15 @@ def add_target(
 
 @rare
 def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
-    """R8.2: one target leaves the alive list; those behind it move up, so that the order stays."""
+    """R8.2: one target leaves the alive list; those behind it move up, so that the order stays.
+
+    Args:
+        block: the block.
+        targets: the slots of the block.
+        lane: the lane.
+        slot: whose target leaves.
+        s: the settings.
+    """
     for index in range(s.prey):
         me = prey_of(block, index, s)
         if me[PREY_SLOT + lane] > slot:
@@ -74,7 +101,16 @@ def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Setting
 
 @phase
 def spawn_next(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings, time_ms: float) -> None:
-    """R3.3: the place of the next number, taken."""
+    """R3.3: a target appears, with the next number and at that number's pose.
+
+    Args:
+        block: the block.
+        targets: the slots of the block.
+        lane: the lane.
+        seed: the arena's.
+        s: the settings.
+        time_ms: when it appears [ms] since reset.
+    """
     block[NUMBERS + lane] += 1.0
     x, y, theta = spawn_pose(seed, block[NUMBERS + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
     add_target(block, targets, lane, s, x, y, theta, time_ms)
@@ -82,7 +118,15 @@ def spawn_next(block: Block, targets: Block, lane: int, seed: np.uint64, s: Sett
 
 @phase
 def fire(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) -> None:
-    """R3.1, R3.5, R3.6, R8.3: one firing of the spawn timer."""
+    """R3.1, R3.5, R3.6, R8.3: one firing of the spawn timer.
+
+    Args:
+        block: the block.
+        targets: the slots of the block.
+        lane: the lane.
+        seed: the arena's.
+        s: the settings.
+    """
     block[FIRINGS + lane] += 1.0
     if block[SPAWNED + lane] >= s.target_budget:
         return
@@ -103,6 +147,12 @@ def spawn_through(block: Block, targets: Block, lanes: int, s: Settings) -> None
 
     Targets and hunters do not touch each other, and a target that appears stands still until the next step (R3.8), so
     that these firings may follow the step's ticks.
+
+    Args:
+        block: the block.
+        targets: the slots of the block.
+        lanes: how many lanes are arenas.
+        s: the settings.
     """
     for lane in range(lanes):
         while (block[FIRINGS + lane] + 1.0) * s.spawn_period_ms <= block[TIME + lane] + s.period_ms:
@@ -112,6 +162,13 @@ def spawn_through(block: Block, targets: Block, lanes: int, s: Settings) -> None
 @entry
 def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int:
     """R8.1: a target outside the timer.
+
+    Args:
+        memory: see core/memory.py.
+        arena: which of the batch.
+        x: [m].
+        y: [m].
+        theta: [rad].
 
     Returns:
         its number; 0 where the arena is full (R3.5).
@@ -130,6 +187,11 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
 def kill(memory: Bytes, arena: int, number: int) -> bool:
     """R8.1, R5.8: an alive target leaves uncaught, and no longer counts as spawned. False where it is not alive, and
     where prey plays it.
+
+    Args:
+        memory: see core/memory.py.
+        arena: which of the batch.
+        number: the target's spawn number.
     """
     sections = sections_of(memory)
     s = settings_in(sections.settings)

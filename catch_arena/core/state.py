@@ -1,9 +1,11 @@
 """The arena memory: everything that an arena is, as rows of float64 in blocks of LANES arenas.
 
-A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it
-is to copy that column. The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then a few for
-each slot, then the targets in the order in which each seat sees them, then PREY_ROWS for each prey. Integers are exact
-in float64; a seed needs two of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
+A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it is
+to copy that column. A row is one number of each arena, and the constants below are offsets: r * LANES.
+
+The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then a few for each slot, then the targets in the
+order in which each seat sees them, then PREY_ROWS for each prey. Integers are exact in float64; a seed needs two of
+them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
 from typing import Final, NamedTuple
@@ -21,8 +23,8 @@ LANES: Final = 32
 
 @rule
 def span(width: Width) -> int:
-    """How many lanes a block has: one where arenas are played one at a time. Those beyond a batch's last arena are
-    played too, since none is cheaper than some, and nobody looks at them.
+    """How many lanes a block has: one where arenas are played one at a time. The lanes behind a batch's last arena are
+    played too, and nobody reads them: to leave them out would cost more than to play them.
     """
     return LANES if len(width) > 1 else 1
 
@@ -67,7 +69,7 @@ REQUESTED_NUMBER: Final = 15 * LANES  # number of the target requested, 0 for no
 VERDICT: Final = 16 * LANES  # R5.2, 0 for no request
 DISTANCE_UM: Final = 17 * LANES  # the verdict's evidence [micrometres], -1 for none
 WINNER: Final = 18 * LANES  # seat, -1 for none
-RETURN: Final = 19 * LANES  # the rewards of this episode
+REWARD_SUM: Final = 19 * LANES  # of this episode
 CONTESTS_WON: Final = 20 * LANES  # in this episode: kills granted or refused that a rival could have had
 TALLIES: Final = 21 * LANES  # how often each verdict was met in this episode, in the order of Verdict
 HUNTER_ROWS: Final = 21 + len(Verdict)
@@ -112,7 +114,7 @@ TIMES_CAUGHT: Final = 1 * LANES  # in this episode
 CAUGHT_AT: Final = 2 * LANES  # [ms] since reset: when the state was on which it was caught; -1 while it is in play
 CAUGHT_BY: Final = 3 * LANES  # the seat that caught it in the last step, -1 for none
 PREY_WITHDRAWN: Final = 4 * LANES  # R12.5's flag
-PREY_RETURN: Final = 5 * LANES  # the rewards of this episode
+PREY_REWARD_SUM: Final = 5 * LANES  # of this episode
 PREY_ROWS: Final = 6
 PREY_SIZE: Final = PREY_ROWS * LANES
 
@@ -202,7 +204,7 @@ RANKS_PER_WORD: Final = 8
 """Slots or seats in an order are kept eight to a number, a byte each, the first in the lowest bits."""
 RANK_BITS: Final = 8
 ABSENT: Final = 64
-"""In the place of a slot or seat: nothing has this rank. There are at most as many of each."""
+"""Instead of a slot or seat: nothing has this rank. There are at most as many of each."""
 
 
 @rule
@@ -219,7 +221,14 @@ def slot_rows(targets_move: bool) -> int:
 
 @rule
 def first_prey_row(hunters: int, max_targets: int, rows_of_slot: int, targets_seen: int) -> int:
-    """The row with which those of prey begin; as many come before."""
+    """The row with which those of prey begin; as many come before.
+
+    Args:
+        hunters: H.
+        max_targets: how many slots there are.
+        rows_of_slot: see `slot_rows`.
+        targets_seen: K.
+    """
     return ARENA_ROWS + hunters * HUNTER_ROWS + max_targets * rows_of_slot + hunters * target_order_rows(targets_seen)
 
 
@@ -282,7 +291,13 @@ def target_order_of(block: Block, seat: int, s: Settings) -> Block:
 
 @rule
 def word_of_rank(packed: Block, rank: int, lane: int) -> int:
-    """The word that holds a rank, and those that follow in it: see `RANKS_PER_WORD`."""
+    """The word that holds a rank, and those that follow in it: see `RANKS_PER_WORD`.
+
+    Args:
+        packed: an order, rows of LANES: see `RANKS_PER_WORD`.
+        rank: from 0.
+        lane: the lane.
+    """
     return bits_of(packed[rank // RANKS_PER_WORD * LANES + lane])
 
 
@@ -296,5 +311,10 @@ def slot_in_word(word: int, rank: int) -> int:
 def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
     """The slot or seat at a rank, in a view or another order that is kept in this way. Ranks count from 0 here,
     and from 1 in actions, whose 0 is hold (R4.1).
+
+    Args:
+        packed: an order, rows of LANES: see `RANKS_PER_WORD`.
+        rank: from 0.
+        lane: the lane.
     """
     return slot_in_word(word_of_rank(packed, rank, lane), rank)

@@ -46,21 +46,42 @@ _NOBODY: Final = 1e300
 
 
 @rule
-def push(place: float, side: float) -> float:
-    """R3.10: how strongly a wall nearer than a metre pushes back [m]: up or right where that is positive."""
-    return select(place < 1.0, 1.0 - place, select(place > side - 1.0, (side - 1.0) - place, 0.0))
+def push(position: float, side: float) -> float:
+    """R3.10: how strongly a wall nearer than a metre pushes back [m]: up or right where that is positive.
+
+    Args:
+        position: along one axis [m].
+        side: of the arena [m].
+    """
+    return select(position < 1.0, 1.0 - position, select(position > side - 1.0, (side - 1.0) - position, 0.0))
 
 
 @rule
 def steered(east: float, north: float, sine: float, cosine: float, most: float) -> float:
-    """R3.9, R3.10: the turn rate towards a direction, within [-most, most] [rad/s]; the error is R4.2's."""
+    """R3.9, R3.10: the turn rate towards a direction, within [-most, most] [rad/s]; the error is R4.2's.
+
+    Args:
+        east: of the direction, in any unit.
+        north: of the same.
+        sine: of the target's heading.
+        cosine: of the same.
+        most: the greatest turn rate [rad/s].
+    """
     error = below_pi(atan2(cosine * north - sine * east, cosine * east + sine * north))
     return clamp(STEERING_GAIN * error, -most, most)
 
 
 @rare
 def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) -> None:
-    """R3.9: the draw of the period that a target is in, where its last one has ended; it is kept until it ends."""
+    """R3.9: the draw of the period that a target is in, where its last one has ended; it is kept until it ends.
+
+    Args:
+        block: the block.
+        targets: the slots of the block.
+        lane: the lane.
+        at: where in `targets` the slot begins, its lane included.
+        s: the settings.
+    """
     period = floor((block[TIME + lane] - targets[APPEARED + at]) / s.wander_period_ms)
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     targets[WANDER + at] = wander_draw(seed, targets[NUMBER + at], period)
@@ -69,7 +90,15 @@ def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) 
 
 @phase
 def keep_wandering(block: Block, targets: Block, width: Width, slot: int, s: Settings) -> None:
-    """R3.9: the targets in one slot have the draws of the periods that they are in."""
+    """R3.9: the targets in one slot have the draws of the periods that they are in.
+
+    Args:
+        block: the block.
+        targets: the slots of the block.
+        width: how many lanes a group has.
+        slot: which target.
+        s: the settings.
+    """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         ended = targets[slot * s.slot_size + WANDER_ENDS + lane] <= block[TIME + lane]
@@ -149,6 +178,14 @@ def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Setti
 def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, threats: Block) -> None:
     """R3.9, R3.10: the command of the targets in one slot: away from a threat, else to the centre where a wall held
     them, else on in an arc.
+
+    Args:
+        block: the block.
+        targets: the slots of the block.
+        width: how many lanes a group has.
+        slot: which target; its speed and turn rate are written.
+        s: the settings.
+        threats: as `find_threats` writes them; read where targets flee.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -178,10 +215,19 @@ def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, th
 
 
 @inlined
-def command_targets(block: Block, s: Settings, width: Width, lanes: int, targets: Block, scratch: Block) -> None:
-    """R3.8: what every target that moves does in this step; `scratch` has three rows."""
+def command_targets(block: Block, s: Settings, width: Width, lanes: int, targets: Block, threats: Block) -> None:
+    """R3.8: what every target that moves does in this step.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        targets: the slots of the block.
+        threats: room for three rows: see `find_threats`.
+    """
     for slot in range(most_alive(block, lanes)):
         keep_wandering(block, targets, width, slot, s)
         if s.target_motion == FLEEING:
-            find_threats(block, targets, width, slot, s, scratch)
-        steer(block, targets, width, slot, s, scratch)
+            find_threats(block, targets, width, slot, s, threats)
+        steer(block, targets, width, slot, s, threats)

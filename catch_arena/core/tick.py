@@ -42,7 +42,20 @@ def play(
     sections: Sections,
     scratch: Scratch,
 ) -> None:
-    """R1.4, but for the observations: one step of the arenas from `first` up to, but not including, `last`."""
+    """R1.4, but for the observations: one step of the arenas from `first` up to, but not including, `last`.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        first: the first arena of the block.
+        last: the arena behind its last.
+        choices: see `run`.
+        commands: see `run`.
+        requests_by_name: see `run`.
+        sections: see `memory.Sections`.
+        scratch: see `workspace.Scratch`.
+    """
     lanes = last - first
     targets = targets_of(block, s)
     rewards, parts = sections.rewards[first:last], sections.parts[first:last]

@@ -23,11 +23,13 @@ from numba.extending import lower_builtin, lower_cast, models, register_model, t
 from numpy.typing import NDArray
 
 Width = tuple[int, ...]
-"""How many lanes a group has: as many as there are places. A tuple, since the compiler knows its length."""
+"""How many lanes a group has: as many as the tuple is long, which the compiler knows."""
 SINGLE: Final[Width] = (0,)
 HALF: Final[Width] = (0,) * 4
 WIDE: Final[Width] = (0,) * 8
 """Of float32 a register of AVX2 holds eight, of float64 four."""
+COPIED: Final = 8
+"""How many numbers `copy_eight` and `stream_eight` copy."""
 
 T = TypeVar("T")
 
@@ -97,24 +99,24 @@ def put_rows(out: NDArray[np.float32], at: int, stride: int, columns: tuple[floa
     lane's from out[at + stride] on. With more lanes than one it writes whole fours: up to three numbers too many.
     """
     lanes = max(np.size(column) for column in columns)
-    for place, column in enumerate(columns):
+    for index, column in enumerate(columns):
         for lane, number in enumerate(np.broadcast_to(column, lanes)):
-            out[at + lane * stride + place] = number
+            out[at + lane * stride + index] = number
 
 
-def copy_four(out: NDArray[np.float32], at: int, source: NDArray[np.float32], place: int) -> None:
+def copy_four(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
     """Four numbers, in one load and one store."""
-    out[at : at + 4] = source[place : place + 4]
+    out[at : at + 4] = source[start : start + 4]
 
 
-def copy_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], place: int) -> None:
+def copy_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
     """Eight numbers, in one load and one store."""
-    out[at : at + 8] = source[place : place + 8]
+    out[at : at + COPIED] = source[start : start + COPIED]
 
 
-def stream_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], place: int) -> None:
+def stream_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
     """Eight numbers, past the caches where `at` lies on 32 bytes."""
-    out[at : at + 8] = source[place : place + 8]
+    out[at : at + COPIED] = source[start : start + COPIED]
 
 
 # ---- for the compiler ----
@@ -187,8 +189,8 @@ def _spread(context: Any, builder: Any, number: Any, vector: Vector, value: Any)
     return _shuffle(builder, first, empty, [0] * vector.count)
 
 
-def _shuffle(builder: Any, a: Any, b: Any, places: list[int]) -> Any:
-    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT32, len(places)), places))
+def _shuffle(builder: Any, a: Any, b: Any, chosen: list[int]) -> Any:
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT32, len(chosen)), chosen))
 
 
 Typer = Callable[..., Any]
@@ -286,8 +288,8 @@ def _pointer(context: Any, builder: Any, array_type: Any, array: Any, first: Any
     if context.enable_boundscheck:
         (size,) = cgutils.unpack_tuple(builder, view.shape)
         last = builder.add(first, first.type(of.count - 1 if isinstance(of, Vector) else 0))
-        for place in (first, last):
-            cgutils.do_boundscheck(context, builder, place, size)
+        for index in (first, last):
+            cgutils.do_boundscheck(context, builder, index, size)
     return builder.bitcast(builder.gep(view.data, [first]), _low_level(of).as_pointer())
 
 
@@ -406,7 +408,7 @@ _convert(bits_of, types.float64, types.int64, ("bitcast", types.int64))
 _convert(number_of, types.int64, types.float64, ("bitcast", types.float64))
 
 
-# rows
+# from columns to rows, and copies of these
 
 
 def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
@@ -416,15 +418,15 @@ def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
     dear to cross.
     """
     pairs = [
-        _shuffle(builder, columns[k], columns[k + 1], places)
+        _shuffle(builder, columns[k], columns[k + 1], chosen)
         for k in range(0, len(columns), 2)
-        for places in ([0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15])
+        for chosen in ([0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15])
     ]
     fours = [
         [
-            _shuffle(builder, pairs[k + which], pairs[k + which + 2], places)
+            _shuffle(builder, pairs[k + which], pairs[k + which + 2], chosen)
             for which in (0, 1)
-            for places in ([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15])
+            for chosen in ([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15])
         ]
         for k in range(0, len(pairs), 4)
     ]  # the k-th of them has four columns of the lanes k and k + 4
@@ -451,8 +453,8 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         for part, each in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
     ]
     if not isinstance(number, Vector):
-        for place, part in enumerate(parts):
-            to = _pointer(context, builder, signature.args[0], out, builder.add(at, at.type(place)), number)
+        for index, part in enumerate(parts):
+            to = _pointer(context, builder, signature.args[0], out, builder.add(at, at.type(index)), number)
             builder.store(part, to)
         return context.get_dummy_value()
     nothing = ir.Constant(_low_level(number), None)
@@ -460,10 +462,10 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         some = parts[first : first + 8]
         some += [nothing] * (-len(some) % 4)
         row = Vector(types.float32, len(some))
-        place = builder.add(at, at.type(first))
+        offset = builder.add(at, at.type(first))
         for value in _transposed(builder, some):
-            builder.store(value, _pointer(context, builder, signature.args[0], out, place, row), align=4)
-            place = builder.add(place, stride)
+            builder.store(value, _pointer(context, builder, signature.args[0], out, offset, row), align=4)
+            offset = builder.add(offset, stride)
     return context.get_dummy_value()
 
 
@@ -473,7 +475,7 @@ def _round(_context: Any, builder: Any, given: Vector, made: Vector, value: Any)
     return value if given == made else builder.fptrunc(value, _low_level(made))
 
 
-def _type_of_copy(out: Any, _at: Any, source: Any, _place: Any) -> Any:
+def _type_of_copy(out: Any, _at: Any, source: Any, _start: Any) -> Any:
     return types.void(out, types.int64, source, types.int64)
 
 
@@ -483,8 +485,8 @@ def _copy(function: Callable[..., Any], count: int, *, streamed: bool = False) -
 
     @compiled_as(function, _type_of_copy, 4)
     def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        out, at, source, place = arguments
-        numbers = builder.load(_pointer(context, builder, signature.args[2], source, place, vector), align=align)
+        out, at, source, start = arguments
+        numbers = builder.load(_pointer(context, builder, signature.args[2], source, start, vector), align=align)
         stored = builder.store(numbers, _pointer(context, builder, signature.args[0], out, at, vector), align=align)
         if streamed:
             stored.set_metadata("nontemporal", builder.module.add_metadata([_INT32(1)]))
@@ -492,5 +494,5 @@ def _copy(function: Callable[..., Any], count: int, *, streamed: bool = False) -
 
 
 _copy(copy_four, 4)
-_copy(copy_eight, 8)
-_copy(stream_eight, 8, streamed=True)
+_copy(copy_eight, COPIED)
+_copy(stream_eight, COPIED, streamed=True)

@@ -9,14 +9,14 @@ from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.jit import Block, inlined
 from catch_arena.core.memory import Sections
 from catch_arena.core.state import ABSENT, LANES, RANKS_PER_WORD, WITHDRAWN
-from catch_arena.core.vectors import WIDE
+from catch_arena.core.vectors import COPIED, WIDE
 
 _MOST: Final = 64
 """Of hunters and of targets, in one arena."""
 _ROWS: Final = 9
 """As many as `rewards.reward` needs."""
 FEATURE_STRIDE: Final = 8
-"""How many numbers there are at most, and room for, of one thing that is seen."""
+"""How many numbers there is room for of one thing that is seen: at least as many as are copied (`vectors.COPIED`)."""
 _FEATURES: Final = (ABSENT + 1) * FEATURE_STRIDE * len(WIDE)
 """Of all slots or seats, and of what is absent: zeros."""
 _ORDER_ROWS: Final = _MOST // RANKS_PER_WORD
@@ -63,7 +63,7 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
     """The shapes of one thread's scratch memory, for blocks of so many rows and, in an arena, observations of so many
     columns.
     """
-    staging = len(WIDE) * columns + FEATURE_STRIDE  # with room for what is written too much
+    staging = len(WIDE) * columns + COPIED  # with room for what is written too much
     return {
         "keys": (_MOST * LANES,),
         "ages": (_MOST * LANES,),

@@ -1,4 +1,8 @@
-"""The doors for learning: PettingZoo's parallel and AEC environments over the engine.
+"""PettingZoo's parallel and AEC environments, and VectorArena, the batch as arrays, over the engine.
+
+- parallel: PettingZoo's parallel environment; aec: the same hunter by hunter. vector: VectorArena.
+- spaces: the spaces, and the check of an action against them. infos: made when somebody asks for them.
+- global_state: R7.3's view of a whole arena.
 
 Importing this package registers every scenario with PettingZoo: `pettingzoo.make("parallel",
 "catch_arena/standard_v1")`.

@@ -1,5 +1,5 @@
-"""The arena as a PettingZoo parallel environment: the batch engine with one arena, names for seats, and checks at the
-door.
+"""The arena as a PettingZoo parallel environment: the batch engine with one arena, names for seats, and checks of
+what callers give.
 """
 
 import copy
@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from catch_arena.config import ArenaConfig, Control, require_choice
-from catch_arena.core import state as rows
+from catch_arena.core import state
 from catch_arena.core.prey import PREY_PART_NAMES
 from catch_arena.core.rewards import PART_NAMES
-from catch_arena.engine import Engine, episode_seed
+from catch_arena.engine import Engine
+from catch_arena.envs.global_state import state_vector
 from catch_arena.envs.infos import LazyInfos
 from catch_arena.envs.spaces import (
     action_space,
@@ -33,8 +34,8 @@ from catch_arena.envs.spaces import (
     state_space,
     velocity_space,
 )
+from catch_arena.episode_seeds import episode_seed
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
-from catch_arena.layout import STATE_PREY_COLUMNS, state_columns
 from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import in_short
@@ -142,7 +143,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.max_cycles = config.max_steps
         self._seats = {name: seat for seat, name in enumerate(config.hunter_names)}
         self._prey = {name: index for index, name in enumerate(config.prey_names)}
-        self._places = {name: place for place, name in enumerate(self.possible_agents)}
+        self._indices = {name: index for index, name in enumerate(self.possible_agents)}
         self._observation_spaces: dict[str, spaces.Space[Any]] = {}
         self._action_spaces: dict[str, spaces.Space[Any]] = {}
         self._engine = Engine(config)
@@ -305,8 +306,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._replay.append(self._choices[0], self._hunter_commands[0], engine, prey_commands)
         agents = self.agents
         ended = engine.ends.item()
-        terminations = dict.fromkeys(agents, ended == rows.TERMINATED)
-        truncations = dict.fromkeys(agents, ended == rows.TRUNCATED)
+        terminations = dict.fromkeys(agents, ended == state.TERMINATED)
+        truncations = dict.fromkeys(agents, ended == state.TRUNCATED)
         earned = self._rewards.tolist()
         if self._prey:
             earned += engine.prey_rewards[0].tolist()
@@ -351,7 +352,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._engine.withdraw(0, self._seats[agent])
         self._leaving.add(agent)
         if self._replay is not None:
-            insort(self._replay.withdrawals, (self._replay.steps, self._places[agent]))  # agents fail in any order
+            insort(self._replay.withdrawals, (self._replay.steps, self._indices[agent]))  # agents fail in any order
 
     def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
         """R8.1: a target outside the timer; its name, or "" where the arena is full. A recorded episode takes none."""
@@ -533,20 +534,20 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                     choices[seats[agent]] = action if legal else checked_choice(agent, "an action", action, ranks)
             else:
                 for agent in agents:
-                    place = self._places[agent]
+                    index = self._indices[agent]
                     if agent in self._prey:
                         speed, turn_rate = checked_command(agent, "an action", actions[agent])
                     else:
-                        choices[place], (speed, turn_rate) = self._checked(agent, place, actions[agent])
-                    commands[2 * place] = speed
-                    commands[2 * place + 1] = turn_rate
+                        choices[index], (speed, turn_rate) = self._checked(agent, index, actions[agent])
+                    commands[2 * index] = speed
+                    commands[2 * index + 1] = turn_rate
         except KeyError:
             self._explain_mismatch(actions)
         for agent in self._leaving:
             if agent not in agents:
                 if agent in seats:
                     choices[seats[agent]] = 0
-                self._commands[0, self._places[agent]] = 0.0
+                self._commands[0, self._indices[agent]] = 0.0
 
     def _checked(self, agent: str, seat: int, action: Any) -> tuple[int, tuple[float, float]]:
         """A seat's choice and command.
@@ -621,7 +622,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         infos: dict[str, dict[str, Any]] = {}
         masks = self._masks_in(outputs)
         hunters = self.config.hunters
-        answers = outputs[self._evidence].view(np.float64)[: hunters * len(rows.EVIDENCE)].reshape(hunters, -1).tolist()
+        answers = (
+            outputs[self._evidence].view(np.float64)[: hunters * len(state.EVIDENCE)].reshape(hunters, -1).tolist()
+        )
         shares = outputs[self._parts].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
         for agent in agents:
             if agent in self._prey:
@@ -649,10 +652,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             parts = outputs[self._prey_parts].view(np.float64)[: len(prey) * (1 + len(PREY_PART_NAMES))]
             earned = parts.reshape(len(prey), -1).tolist()
             for agent, told, share in zip(self._prey, prey.tolist(), earned, strict=True):
-                catcher = told[rows.CAUGHT_BY // rows.LANES]
+                catcher = told[state.CAUGHT_BY // state.LANES]
                 if agent in agents:
                     infos[agent] = {
-                        "active": told[rows.PREY_SLOT // rows.LANES] != rows.NO_TARGET,
+                        "active": told[state.PREY_SLOT // state.LANES] != state.NO_TARGET,
                         "caught_by": None if catcher < 0 else int(catcher),
                         "reward_parts": dict(zip(PREY_PART_NAMES, share[1:], strict=True)),
                     }
@@ -680,27 +683,3 @@ def _named_parts(
         "time": time,
         "mate_catch": mate_catch,
     }
-
-
-def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
-    """R7.3: a world as the numbers of `layout.state_columns`."""
-    numbers = [max(0.0, (config.time_limit_ms - world.time_ms) / 1000.0)]
-    for hunter in world.hunters:
-        numbers += [hunter.x, hunter.y, np.cos(hunter.theta), np.sin(hunter.theta)]
-        numbers += [hunter.linear_velocity, hunter.angular_velocity, hunter.score, hunter.withdrawn]
-    for target in world.targets:
-        numbers += [1.0, target.x, target.y, (world.time_ms - target.spawned_ms) / 1000.0]
-        if config.targets_move:
-            numbers += [np.cos(target.theta), np.sin(target.theta), target.linear_velocity]
-    of_prey = len(STATE_PREY_COLUMNS) * config.prey
-    numbers += [0.0] * (len(state_columns(config)) - of_prey - len(numbers))
-    played = {target.prey: target for target in world.targets}
-    for prey in world.prey:
-        its = played.get(prey.name)
-        if its is None:
-            numbers += [0.0] * 7
-        else:
-            numbers += [1.0, its.x, its.y, np.cos(its.theta), np.sin(its.theta)]
-            numbers += [its.linear_velocity, its.angular_velocity]
-        numbers += [prey.times_caught, prey.withdrawn]
-    return np.array(numbers, dtype=np.float32)

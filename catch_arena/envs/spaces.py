@@ -54,7 +54,7 @@ def _box(table: tuple[Column, ...]) -> spaces.Box:
 
 
 def require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
-    """A place in the arena [m] and a finite angle [rad], for a target that is spawned by hand.
+    """A position in the arena [m] and a finite angle [rad], for a target that is spawned by hand.
 
     Raises:
         ActionError: for anything else.

@@ -10,19 +10,19 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig, Control
-from catch_arena.core import episodes, prey
-from catch_arena.core import state as rows
+from catch_arena.core import episodes, prey, state
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.engine import Engine, batch_seeds, next_seeds
+from catch_arena.engine import Engine
 from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, velocity_space
+from catch_arena.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
-_TERMINATED: Final = np.int8(rows.TERMINATED)  # of the same type as `Engine.ends`, so that NumPy converts nothing
-_TRUNCATED: Final = np.int8(rows.TRUNCATED)
+_TERMINATED: Final = np.int8(state.TERMINATED)  # of the same type as `Engine.ends`, so that NumPy converts nothing
+_TRUNCATED: Final = np.int8(state.TRUNCATED)
 _MOST_ENVS: Final = 10**9  # of which a machine's memory holds fewer
 _MOST_THREADS: Final = 4096
 
@@ -162,7 +162,7 @@ class VectorArena:
             infos["episode"] = self._by_side(
                 {
                     "length": records[:, :, episodes.LENGTH],
-                    "return": records[:, :, episodes.FINAL_RETURN],
+                    "return": records[:, :, episodes.FINAL_REWARD_SUM],
                     "score": records[:, :, episodes.FINAL_SCORE],
                     "team_score": records[:, :, episodes.FINAL_TEAM_SCORE],
                     "rank": records[:, :, episodes.FINAL_RANK],
@@ -172,7 +172,7 @@ class VectorArena:
                 },
                 {
                     "length": prey_records[:, :, prey.PREY_LENGTH],
-                    "return": prey_records[:, :, prey.PREY_RETURNED],
+                    "return": prey_records[:, :, prey.PREY_FINAL_REWARD_SUM],
                     "times_caught": prey_records[:, :, prey.PREY_TIMES_CAUGHT],
                     "rank": prey_records[:, :, prey.PREY_RANK],
                 },
@@ -419,7 +419,7 @@ class VectorArena:
     def _blame(
         what: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_], side: str = "hunter"
     ) -> None:
-        arena, index = (int(place) for place in np.argwhere(illegal)[0])
+        arena, index = (int(found) for found in np.argwhere(illegal)[0])
         value = given[arena, index].tolist()
         raise ActionError(f"{what} must be {requirement}, got {value} in arena {arena} for {side}_{index}")
 
@@ -502,7 +502,7 @@ class VectorArena:
         if saved.num_envs != num_envs:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
-        sizes = self._engine.saved_sizes(row=num_envs is None)
+        sizes = self._engine.saved_sizes(alone=num_envs is None)
         if len(saved.memory) not in sizes:  # kept by another version of this package
             raise ConfigError(f"a saved state must have {sizes[-1]} bytes, got {len(saved.memory)}")
         return saved.memory

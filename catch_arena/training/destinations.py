@@ -76,7 +76,10 @@ FEATURES: Final = (
 """What is told of each candidate, in order; about -3 to 3 each."""
 _OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
 _FIRST_TARGET: Final = len(_OWN)
-_, _ASIDE, _THERE, _AGE, _ACTIVE, _COS, _SIN, _SPEED = range(len(MovingTargetFeatures._fields))
+_ASIDE, _THERE, _AGE, _ACTIVE, _COS, _SIN, _SPEED = (
+    MovingTargetFeatures._fields.index(name)
+    for name in ("left", "present", "age", "active", "heading_cos", "heading_sin", "linear_velocity")
+)
 """Of a target's columns, behind `forward`; the first three are a rival's too."""
 _RIVAL_COS, _RIVAL_SIN, _RIVAL_SPEED = (
     RivalFeatures._fields.index(name) for name in ("heading_cos", "heading_sin", "linear_velocity")

@@ -46,6 +46,9 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
         """Begin all episodes, or those of `options["reset_mask"]`, (N,) bool: of all learners of an arena or of none.
         Of a list of seeds the first counts, since the rows of an arena begin together.
 
+        Returns:
+            Observations (N, D) float32, and infos.
+
         Raises:
             ConfigError: for a mask that cannot be.
         """
@@ -64,7 +67,20 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
     def step(
         self, actions: Any
     ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """R1.4: one step of every row."""
+        """R1.4: one step of every row.
+
+        Args:
+            actions: (N,) choices, (N, 2) velocities, or under full control {"cmd_vel": (N, 2), "catch": (N,)}.
+
+        Returns:
+            Observations (N, D) float32, rewards (N,) float64, terminations and truncations (N,) bool, and infos as the
+            class describes them.
+
+        Raises:
+            ActionError: for an action that is not legal; nothing has moved then.
+            AgentError: for an opponent that raised, or whose action is not legal; nothing has moved then.
+            EpisodeError: before the first reset.
+        """
         step = self.batch.step(actions)
         infos = self._told({"action_mask": step.masks} if step.masks.size else {}, np.ones(self.num_envs, np.bool_))
         if self._auto_reset and len(step.ended):

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import RULESET, Control
 from catch_arena.errors import ConfigError, reason
+from catch_arena.files import whole_file
 from catch_arena.policy import Limits, View
 from catch_arena.training.destinations import FEATURES, VERSION, Destinations, destinations, destinations_of_batch
 
@@ -26,6 +27,8 @@ CONTROL_OF: Final[dict[Head, Control]] = {"destination": "velocity", "rank": "ta
 
 QUERIES: Final = 2
 """How many ways there are of looking at all candidates together."""
+# The driver of what was learned: the weights were trained with these numbers. So they are not imported from
+# agents/patrol.py, which has the same: whoever tunes an agent must not change how a network drives.
 TURN_GAIN: Final = 6.0
 """Turn rate per radian of bearing [1/s]."""
 BRAKE_GAIN: Final = 2.0
@@ -86,9 +89,13 @@ class PointerNetwork:
         return result
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to an .npz file."""
+        """Write it to an .npz file.
+
+        Raises:
+            OutputError: where it cannot be written; what was there stays.
+        """
         tables: dict[str, Any] = {"head": self.head, "features": VERSION, "ruleset": RULESET, **self.weights}
-        with Path(path).open("wb") as file:
+        with whole_file(Path(path)) as file:
             np.savez_compressed(file, **tables)
 
     @classmethod

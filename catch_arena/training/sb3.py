@@ -42,7 +42,7 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
         self._began = time.monotonic()
 
     def reset(self) -> NDArray[np.float32]:
-        """Begin all episodes; with the seed that `seed` was given, whose first number counts."""
+        """Begin all episodes, from the first of the seeds that `seed` was given: observations (N, D) float32."""
         observations, self._masks = self.batch.reset(self._seeds[0])
         self._reset_seeds()
         self._reset_options()
@@ -56,7 +56,7 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
     def step_wait(
         self,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
-        """R1.4: one step of every row: observations, rewards, dones, infos."""
+        """R1.4: one step of every row: observations (N, D) and rewards (N,) float32, dones (N,) bool, and N infos."""
         step = self.batch.step(self._actions if self._actions is not None else [])
         self._masks = step.masks
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]

@@ -148,7 +148,7 @@ BAD_ACTIONS = {
     ids=repr,
 )
 def test_a_bad_action_is_refused_and_nothing_moves(control, action):
-    """By the parallel door; the same step with good actions then plays as if nothing had been."""
+    """By the parallel env; the same step with good actions then plays as if nothing had been."""
     env, twin = (catch_arena.parallel_env(control=control) for _ in range(2))
     for each in (env, twin):
         each.reset(seed=2)
@@ -223,7 +223,7 @@ def test_every_error_is_ours():
 
 
 def test_a_withdrawn_hunter_leaves_in_good_order():
-    """R1.6 by the parallel door: one more step, termination, and then no more actions."""
+    """R1.6 in the parallel env: one more step, termination, and then no more actions."""
     env = catch_arena.parallel_env(max_cycles=10)
     env.reset(seed=3)
     env.withdraw("hunter_1")

@@ -1,4 +1,4 @@
-"""What other libraries ask of the doors, each of it found wanting once by a client that did not run.
+"""What other libraries ask of the interfaces, each of it found wanting once by a client that did not run.
 
 `make compat` trains with the libraries themselves (docs/compatibility.md).
 """
@@ -15,16 +15,16 @@ MIXED = ("target", "velocity", "full", "target")
 
 
 @pytest.mark.rule("R7.2")
-@pytest.mark.parametrize("door", [catch_arena.parallel_env, catch_arena.env])
-def test_r7_2_infos_hold_the_mask_alone_or_nothing_where_that_is_asked_for(door):
+@pytest.mark.parametrize("make", [catch_arena.parallel_env, catch_arena.env])
+def test_r7_2_infos_hold_the_mask_alone_or_nothing_where_that_is_asked_for(make):
     """TorchRL, BenchMARL and AgileRL make arrays of infos, and take neither None nor dicts in them."""
     told = {}
     for infos in ("full", "mask", "none"):
-        env = door(control=MIXED, max_cycles=5, infos=infos)
+        env = make(control=MIXED, max_cycles=5, infos=infos)
         env.reset(seed=3)
         step = {"target": 1, "velocity": [0.5, 0.1], "full": {"cmd_vel": [1.0, 0.0], "catch": 0}}
         actions = dict(zip(env.agents, map(step.get, MIXED), strict=True))
-        if door is catch_arena.env:
+        if make is catch_arena.env:
             for action in actions.values():
                 env.step(action)
             told[infos] = env.infos
@@ -60,9 +60,9 @@ def test_masks_that_are_told_alone_are_the_callers_own():
 @pytest.mark.parametrize("infos", ["masks", None, True, ["mask"]])
 def test_infos_of_an_unknown_kind_are_refused(infos):
     """With the kinds that there are."""
-    for door in (catch_arena.parallel_env, catch_arena.env):
+    for make in (catch_arena.parallel_env, catch_arena.env):
         with pytest.raises(ConfigError, match="infos must be one of full, mask, none, got"):
-            door(infos=infos)
+            make(infos=infos)
 
 
 @pytest.mark.parametrize("action", [np.array([2]), np.array([[2]], dtype=np.uint8), np.int8(2), np.array(2)])

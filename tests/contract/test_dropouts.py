@@ -1,4 +1,4 @@
-"""R1.7 at every door: hunters that drop out leave, or stay and do nothing."""
+"""R1.7 in every interface: hunters that drop out leave, or stay and do nothing."""
 
 import numpy as np
 import pytest
@@ -64,7 +64,7 @@ def test_r1_7_who_drops_out_and_stays_is_refused_and_told_apart_by_active():
 @pytest.mark.rule("R1.7")
 @pytest.mark.parametrize("dropouts", ["leave", "fixed"])
 def test_r1_7_both_ways_play_the_same_arena(dropouts):
-    """The door differs, not the game: the batch of arrays has the same states, and says who is active."""
+    """The interface differs, not the game: the batch of arrays has the same states, and says who is active."""
     config = catch_arena.scenario("standard", dropout_rate=RATE, dropouts=dropouts, max_cycles=30)
     env, batch = catch_arena.parallel_env(config), catch_arena.VectorArena(config, 3, auto_reset=False)
     env.reset(seed=11)

@@ -1,6 +1,6 @@
 """A setting, a column, a verdict or a rule of motion that is declared, and that nobody reads or plays, fails here.
 
-docs/architecture.md ("The house stays open") lists the files that each of them takes.
+docs/architecture.md ("How to extend") lists the files that each of them takes.
 """
 
 import dataclasses
@@ -18,7 +18,20 @@ from properties.matches import some_config
 import catch_arena
 from catch_arena.config import ArenaConfig, FaultRates, Gains, PreyRewardWeights, RewardWeights, TargetMotion
 from catch_arena.core.state import MOTIONS, Settings
-from catch_arena.layout import columns, prey_columns, state_columns
+from catch_arena.core.vectors import COPIED
+from catch_arena.core.workspace import FEATURE_STRIDE
+from catch_arena.layout import (
+    BODY_COLUMNS,
+    MOVING_TARGET_COLUMNS,
+    PREY_SELF_COLUMNS,
+    RIVAL_COLUMNS,
+    SELF_COLUMNS,
+    TARGET_COLUMNS,
+    TEAM_RIVAL_COLUMNS,
+    columns,
+    prey_columns,
+    state_columns,
+)
 from catch_arena.verdicts import REASONS, Verdict
 
 CORE = Path(catch_arena.__file__).parent / "core"
@@ -106,7 +119,7 @@ OF_ENVS = {"name_prefix", "mask_in_observation", "dropouts"}
 
 
 def transcript(config: ArenaConfig) -> list[object]:
-    """All that a match hands out at the env's door, of two seeds."""
+    """All that the env hands out in a match, of two seeds."""
     env = catch_arena.parallel_env(config)
     told: list[object] = []
     for seed in range(2):
@@ -152,7 +165,7 @@ def test_every_setting_has_another_value_here():
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_setting_is_read(rich, change):
-    """With another value another match is played, or it looks another way at the env's door."""
+    """With another value another match is played, or the env shows it another way."""
     assert transcript(RICH.replace(**change)) != rich
 
 
@@ -211,6 +224,45 @@ def note(values: dict[str, set[float]], table: Any, numbers: Any) -> None:
     plain: Callable[[str], str] = lambda name: re.sub(r"_\d+\.", ".", name)  # noqa: E731
     for column, number in zip(table, numbers.tolist(), strict=True):
         values.setdefault(plain(column.name), set()).add(number)
+
+
+OF_A_RANK = {
+    "TargetFeatures": TARGET_COLUMNS,
+    "MovingTargetFeatures": MOVING_TARGET_COLUMNS,
+    "RivalFeatures": RIVAL_COLUMNS,
+    "TeamRivalFeatures": TEAM_RIVAL_COLUMNS,
+    "BodyFeatures": BODY_COLUMNS,
+}
+FOURS = 4
+"""`put_rows` writes whole fours, and the last rank is copied by two of them."""
+
+
+@pytest.mark.parametrize("kind", OF_A_RANK)
+def test_a_rank_has_as_many_columns_as_the_core_can_copy(kind):
+    """Else columns would stay zero, or a copy would run over numbers that are not written again: nothing else would say
+    so. docs/architecture.md has what a ninth column takes.
+    """
+    width = len(OF_A_RANK[kind])
+    assert width <= FEATURE_STRIDE, "compute_...features would write into the next lane's room"
+    assert FEATURE_STRIDE % FOURS == 0, "the same, for what put_rows writes too much"
+    assert width <= COPIED, "write_ranked and prey_views.write_bodies would leave out columns"
+    assert FOURS <= width <= 2 * FOURS, "and of the last rank, the columns between its two fours"
+    assert COPIED <= FEATURE_STRIDE, "they would read the next lane's numbers"
+    assert 2 * width >= COPIED, "what is copied too much would pass the next rank"
+
+
+def test_what_is_written_too_much_is_written_over():
+    """What a hunter or prey knows of itself comes before the first rank, and the last target before the first rival."""
+    for own, of_a_rank in (
+        (SELF_COLUMNS, TARGET_COLUMNS),
+        (SELF_COLUMNS, MOVING_TARGET_COLUMNS),
+        (PREY_SELF_COLUMNS, BODY_COLUMNS),
+    ):
+        assert -len(own) % FOURS <= len(of_a_rank)
+    for target, rival in itertools.product(
+        (TARGET_COLUMNS, MOVING_TARGET_COLUMNS), (RIVAL_COLUMNS, TEAM_RIVAL_COLUMNS)
+    ):
+        assert len(target) + len(rival) >= COPIED
 
 
 def test_every_verdict_has_its_reason_and_cites_a_clause():

@@ -174,7 +174,7 @@ def test_pettingzoo_makes_every_scenario(api):
 
 
 def test_aec_and_parallel_play_the_same_match():
-    """The same actions by either door: the same digests, rewards and observations."""
+    """The same actions by either interface: the same digests, rewards and observations."""
     parallel, aec = catch_arena.parallel_env(max_cycles=100), catch_arena.env(max_cycles=100)
     parallel.reset(seed=4)
     aec.reset(seed=4)

@@ -1,4 +1,4 @@
-"""Chapter 12 at the env's doors: prey is among the agents, is caught, leaves or returns, and is withdrawn."""
+"""Chapter 12 in both envs: prey is among the agents, is caught, leaves or returns, and is withdrawn."""
 
 import warnings
 

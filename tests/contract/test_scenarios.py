@@ -1,4 +1,4 @@
-"""Every scenario at every door, by the tests of those who use it: PettingZoo's, SuperSuit's, tournaments and grades."""
+"""Every scenario in every interface, by the tests of those who use it: PettingZoo, SuperSuit, tournaments, grades."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""R11.1, R11.2 at the doors: whose rival is a mate, what a team has caught, and what its members get."""
+"""R11.1, R11.2 in every interface: whose rival is a mate, what a team has caught, and what its members get."""
 
 import numpy as np
 import pytest

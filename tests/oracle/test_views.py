@@ -10,8 +10,10 @@ from oracle.arithmetic import ERROR, draw, fraction, key, to_float32
 from oracle.quiet import drive, quiet, rest
 from oracle.turtles import micrometres
 
-OWN, TARGET, MOVING_TARGET, RIVAL = 10, 5, 8, 7
-"""How many numbers of an observation are about what."""
+from catch_arena.layout import MOVING_TARGET_COLUMNS, RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
+
+OWN, TARGET, MOVING_TARGET, RIVAL = map(len, (SELF_COLUMNS, TARGET_COLUMNS, MOVING_TARGET_COLUMNS, RIVAL_COLUMNS))
+"""How many numbers of an observation are about what: names and widths are the table's, all values the oracle's."""
 
 
 def seen_numbers(arena: OracleArena, seat: int = 0) -> int:
@@ -24,7 +26,7 @@ def seen_numbers(arena: OracleArena, seat: int = 0) -> int:
 def seen_rivals(arena: OracleArena, seat: int = 0) -> int:
     """How many rivals stand in the observation of a hunter of an arena with still targets."""
     rivals = arena.observations()[seat][OWN + TARGET * arena.targets_seen :]
-    return int(sum(rivals[2::RIVAL]))
+    return int(sum(rivals[RIVAL_COLUMNS.index("present") :: RIVAL]))
 
 
 @pytest.mark.rule("R7.4")
@@ -37,7 +39,9 @@ def test_r7_4_a_moving_target_has_a_heading_and_a_velocity() -> None:
         assert len(numbers) == OWN + 5 * MOVING_TARGET + RIVAL
         rows = [numbers[OWN + MOVING_TARGET * rank :][:MOVING_TARGET] for rank in range(5)]
         assert rows[3:] == [[0.0] * MOVING_TARGET] * 2
-        for forward, left, present, _, _, cosine, sine, velocity in rows[:3]:
+        for row in rows[:3]:
+            seen = dict(zip(MOVING_TARGET_COLUMNS, row, strict=True))
+            forward, left = seen["forward"], seen["left"]
             (target,) = (
                 one
                 for one in arena.alive
@@ -46,8 +50,9 @@ def test_r7_4_a_moving_target_has_a_heading_and_a_velocity() -> None:
                 )
             )
             turn = target.theta - hunter.theta
-            assert (cosine, sine) == pytest.approx((math.cos(turn), math.sin(turn)), abs=1e-6)
-            assert (present, velocity) == (1.0, to_float32(0.8))
+            heading = (seen["heading_cos"], seen["heading_sin"])
+            assert heading == pytest.approx((math.cos(turn), math.sin(turn)), abs=1e-6)
+            assert (seen["present"], seen["linear_velocity"]) == (1.0, to_float32(0.8))
 
 
 @pytest.mark.rule("R7.4")
@@ -55,13 +60,13 @@ def test_r7_4_a_new_target_has_no_velocity_yet() -> None:
     """At reset; in the next observation it has."""
     arena = quiet(target_motion="flee", initial_targets=1, alarm_m=0.0)
     for velocity in (0.0, 0.5, 0.5):
-        assert arena.observations()[0][OWN + 7] == velocity
+        assert arena.observations()[0][OWN + MOVING_TARGET_COLUMNS.index("linear_velocity")] == velocity
         rest(arena)
 
 
 @pytest.mark.rule("R7.4")
 def test_r7_4_still_targets_keep_their_columns() -> None:
-    """Five each."""
+    """None for a heading or a velocity."""
     arena = quiet(hunters=3, initial_targets=2, view_radius_m=3.0, view_noise_m=0.1)
     assert {len(numbers) for numbers in arena.observations()} == {OWN + 8 * TARGET + 2 * RIVAL}
 
@@ -220,13 +225,13 @@ def errors(arena: OracleArena, exact: OracleArena) -> list[float]:
     found = []
     for noisy, plain in zip(arena.observations(), exact.observations(), strict=True):
         places = set()
-        for start, width, count in (
-            (OWN, TARGET, arena.targets_seen),
-            (OWN + TARGET * arena.targets_seen, RIVAL, arena.hunters_seen),
+        for start, names, count in (
+            (OWN, TARGET_COLUMNS, arena.targets_seen),
+            (OWN + TARGET * arena.targets_seen, RIVAL_COLUMNS, arena.hunters_seen),
         ):
             for rank in range(count):
-                at = start + width * rank
-                if plain[at + 2]:
+                at = start + len(names) * rank
+                if plain[at + names.index("present")]:
                     places |= {at, at + 1}
         assert all(one == other for at, (one, other) in enumerate(zip(noisy, plain, strict=True)) if at not in places)
         found += [noisy[at] - plain[at] for at in sorted(places)]

@@ -13,7 +13,8 @@ from oracle.arithmetic import ROW_SEED, draw, key
 from properties.matches import EFFORT, seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
 
 from catch_arena.config import ArenaConfig, FaultRates
-from catch_arena.engine import Engine, batch_seeds
+from catch_arena.engine import Engine
+from catch_arena.episode_seeds import batch_seeds
 
 FIRST_SEED = 70
 STEPS = 20

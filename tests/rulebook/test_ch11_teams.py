@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from oracle.arena import PART_NAMES
+from oracle.arithmetic import TIE_LOT, draw, key
 from rulebook.adjudicators import Adjudicator
 from rulebook.conftest import ArenaFactory
 
@@ -111,6 +112,29 @@ def test_r11_3_team_mates_contest_a_target_like_anybody(arena: ArenaFactory, tea
         None,
         (Verdict.GRANTED, 2, 100_000, 3),
     ]
+
+
+@pytest.mark.rule("R11.3", "R5.5")
+@pytest.mark.parametrize("tied", [(0, 1), (0, 1, 2)], ids=["two mates", "two mates and a rival"])
+def test_r11_3_a_tie_of_team_mates_is_drawn_by_lot(arena: ArenaFactory, tied: tuple[int, ...]) -> None:
+    """Of the lots of their seats the lowest wins, as between anybody. Its mate has lost like a rival, and is paid for
+    a mate's catch.
+    """
+    third = (4.9 if 2 in tied else 4.8, 5.0, 0.0)
+    winners = set()
+    for seed in range(10):
+        match = arena(control="full", hunters=3, teams=((1, 0), (2,)), rewards=WEIGHTS, seed=seed)
+        match.place(hunters=[(5.1, 5.0, 0.0), (5.0, 5.1, 0.0), third], targets=[(5.0, 5.0)])
+        match.step(ASK, ASK, ASK)
+        lots = {seat: draw(draw(draw(key(seed, TIE_LOT), 0), 1), seat) for seat in tied}
+        winner = min(lots, key=lots.__getitem__)
+        for seat, found in enumerate(match.evidence()):
+            verdict = Verdict.GRANTED if seat == winner else Verdict.LOST_CONTEST
+            assert found == (verdict, 1, 100_000 if seat in tied else 200_000, winner)
+        assert match.team_scores == [int(winner != 2), int(winner == 2)]
+        assert part(match, "mate_catch") == [int((seat, winner) in {(0, 1), (1, 0)}) for seat in range(3)]
+        winners.add(winner)
+    assert winners == set(tied)
 
 
 @pytest.mark.rule("R7.4")

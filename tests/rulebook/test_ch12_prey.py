@@ -117,6 +117,32 @@ def test_r12_4_prey_sees_itself_the_hunters_and_the_other_prey(arena: ArenaFacto
     assert match.prey_observation(1)[21:] == [0.0] * 6
 
 
+@pytest.mark.rule("R12.4", "R7.1")
+@pytest.mark.parametrize("order", [(0, 1, 2, 3, 4, 5, 6), (6, 5, 4, 3, 2, 1, 0), (3, 6, 0, 5, 2, 4, 1)])
+def test_r12_4_bodies_that_are_equally_far_have_an_order(arena: ArenaFactory, order: tuple[int, ...]) -> None:
+    """Six hunters at 0.5 m and one nearer, whatever their seats: by the greater left, then forward, then relative
+    cosine.
+    """
+    match = arena(control="full", hunters=7, prey=1, initial_targets=1)
+    me = match.targets[0]
+    places = [(0.0, 0.4), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5), (0.0, 0.5), (0.0, 0.5)]
+    headings = [0.0, 0.0, 0.0, me.theta, 0.0, me.theta + 1.0, me.theta - 2.0]
+    poses = [(me.x + dx, me.y + dy, theta) for (dx, dy), theta in zip(places, headings, strict=True)]
+    match.place(hunters=[poses[number] for number in order])
+    match.look()
+    numbers = match.prey_observation(0)[9:]
+    rows = [tuple(numbers[at : at + 6]) for at in range(0, len(numbers), 6)]
+    assert len(rows) == 7
+    assert [round(math.hypot(row[0], row[1]), 6) for row in rows] == [0.4] + [0.5] * 6
+
+    def rank(row: tuple[float, ...]) -> tuple[float, ...]:
+        forward, left, _, cosine, sine, speed = row
+        return (-round(left, 6), -round(forward, 6), -round(cosine, 6), -round(sine, 6), -speed)
+
+    assert rows[1:] == sorted(rows[1:], key=rank)
+    assert len({rank(row) for row in rows}) == 7
+
+
 @pytest.mark.rule("R12.5")
 def test_r12_5_prey_is_paid_for_time_distance_and_catches(arena: ArenaFactory) -> None:
     """The distance is that to where the nearest hunter stood."""
@@ -134,6 +160,23 @@ def test_r12_5_prey_is_paid_for_time_distance_and_catches(arena: ArenaFactory) -
     match.hold()
     assert (match.prey_parts, match.prey_rewards) == ([(0.0, 0.0, 0.0)], [0.0])
     match.hold()
+    assert match.prey_parts == [(0.0, 0.1, 0.0)]
+
+
+@pytest.mark.rule("R12.5")
+def test_r12_5_it_gains_on_a_hunter_at_its_very_place_and_on_nobody_where_all_are_withdrawn(
+    arena: ArenaFactory,
+) -> None:
+    """A distance of zero is one."""
+    match = arena(control="full", prey=1, initial_targets=1, side_m=50.0, prey_rewards={"gained": 1.0})
+    stand_by(match, away=0.0)
+    was = match.targets[0]
+    match.step(HOLD, prey=[FORWARD])
+    now = match.targets[0]
+    assert match.prey_parts == [(0.0, 0.1, pytest.approx(math.dist((now.x, now.y), (was.x, was.y))))]
+    assert match.prey_parts[0][2] > 0.09
+    match.withdraw(0)
+    match.step(HOLD, prey=[FORWARD])
     assert match.prey_parts == [(0.0, 0.1, 0.0)]
 
 

@@ -435,7 +435,7 @@ def tie_lot(seed: int, step: int, number: int, seat: int) -> int:
 
 
 @pytest.mark.rule("R5.5")
-def test_r5_5_of_a_tie_the_lowest_ticket_wins(arbiter: Arbiter) -> None:
+def test_r5_5_of_a_tie_the_lowest_lot_wins(arbiter: Arbiter) -> None:
     """Seeds, steps and the target's place among those given all enter it."""
     hunters = [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1)]
     seen = set()
@@ -450,7 +450,7 @@ def test_r5_5_of_a_tie_the_lowest_ticket_wins(arbiter: Arbiter) -> None:
 
 
 @pytest.mark.rule("R5.5")
-def test_r5_5_in_an_arena_the_ticket_bears_seed_step_number_and_seat(arena: ArenaFactory) -> None:
+def test_r5_5_in_an_arena_the_lot_bears_seed_step_number_and_seat(arena: ArenaFactory) -> None:
     """Two hunters at one place, in several steps of several matches."""
     winners = []
     for seed in (3, 4, 5):
@@ -690,7 +690,7 @@ def test_r5_9_the_policy_is_part_of_the_config_and_has_three_names() -> None:
         ArenaConfig(policy="farthest")  # type: ignore[arg-type]
 
 
-# ---- arbitrate's own door ----
+# ---- arbitrate by itself ----
 
 
 def test_arbitrate_refuses_a_seat_that_does_not_exist() -> None:

@@ -91,6 +91,16 @@ def test_r6_2_progress_is_towards_the_target_that_was_nearest_after_the_commit(a
 
 
 @pytest.mark.rule("R6.2")
+def test_r6_2_who_leaves_the_place_of_a_target_loses_the_way(arena: ArenaFactory) -> None:
+    """A distance of zero is one: it is not as if there were no target."""
+    match = arena(control="full")
+    match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(5.0, 5.0)])
+    match.step(((1.0, 0.0), 0))
+    assert match.hunter().x > 5.1
+    assert match.parts[0][PROGRESS] == pytest.approx(5.0 - match.hunter().x, abs=1e-12)
+
+
+@pytest.mark.rule("R6.2")
 def test_r6_2_without_a_target_there_is_no_progress(arena: ArenaFactory) -> None:
     """Also when the timer fires in the same step: what appears after the motion was no aim."""
     match = arena(control="full", spawn_frequency_hz=10.0)

@@ -14,12 +14,16 @@ from catch_arena import (
     SCENARIOS,
     ArenaConfig,
     ArenaService,
+    BatchView,
     CatchArenaError,
     Engine,
     FaultRates,
     Gains,
     Limits,
     Policy,
+    PreyLimits,
+    PreyPolicy,
+    PreyView,
     Replay,
     RewardWeights,
     Ruling,
@@ -34,11 +38,12 @@ from catch_arena import (
     parallel_env,
     scenario,
 )
+from catch_arena.batch_policy import BatchPolicy
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import Column
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray, Twist
-from catch_arena.policy import SeenHunter, SeenTarget
+from catch_arena.policy import SeenBody, SeenHunter, SeenTarget
 from catch_arena.testing import Failure, Report, run_conformance
 from catch_arena.world import HunterState, TargetState
 
@@ -160,6 +165,35 @@ def agents(policy: Policy) -> None:
     assert_type(policy.act(View([0.0], [1], Limits.of(ArenaConfig()))), Any)
     agents(Nearest())
     agents(Blind())  # pyright: ignore[reportArgumentType]
+
+
+class Runaway:
+    """Prey, without a base class."""
+
+    def reset(self, seed: int) -> None:
+        """It remembers nothing."""
+
+    def act(self, view: PreyView) -> tuple[float, float]:
+        assert_type(view.hunters, tuple[SeenBody, ...])
+        assert_type(view.limits, PreyLimits)
+        assert_type(view.limits.hunters, int)
+        return 1.0, 0.0
+
+
+class All(Nearest):
+    """An agent that acts on a batch too."""
+
+    def act_batch(self, view: BatchView) -> NDArray[np.int64]:
+        assert_type(view.limits, Limits)
+        assert_type(view.masks, NDArray[np.int8])
+        return np.ones(len(view.masks), np.int64)
+
+
+def prey_and_batches(prey: PreyPolicy, batch: BatchPolicy) -> None:
+    assert_type(prey.act(PreyView([0.0], PreyLimits.of(scenario("tag")))), Any)
+    prey_and_batches(Runaway(), All())
+    prey_and_batches(Blind(), batch)  # pyright: ignore[reportArgumentType]
+    prey_and_batches(prey, Nearest())  # pyright: ignore[reportArgumentType]
 
 
 def by_names() -> None:

@@ -74,7 +74,7 @@ def test_a_refused_kill_is_won_by_somebody_where_it_was_contested():
 
 @entry
 def prefers(policy: int, one: int, other: int) -> bool:
-    """A door for Python to a rule that has none."""
+    """Lets Python call a rule that only compiled code calls."""
     return is_preferred(policy, np.uint64(5), 3, 7, one, 100_000, other, 100_000)
 
 

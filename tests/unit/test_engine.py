@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from catch_arena.core.state import RUNNING, TRUNCATED
-from catch_arena.engine import Engine, batch_seeds, next_seeds
+from catch_arena.engine import Engine
+from catch_arena.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
 from catch_arena.verdicts import Verdict
@@ -86,8 +87,8 @@ def test_a_slot_that_is_left_is_empty_throughout():
         engine.step(choices, commands)
 
         assert len(engine.world(0).targets) == alive
-        assert (engine._targets[0, alive:, :, 0] == 0).all()
-        assert (engine._targets[0, :alive, 0, 0] > 0).all()
+        assert (engine._views.targets[0, alive:, :, 0] == 0).all()
+        assert (engine._views.targets[0, :alive, 0, 0] > 0).all()
         assert len(engine.world(1).targets) == 8
 
 

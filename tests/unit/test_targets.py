@@ -62,7 +62,7 @@ def test_each_target_of_each_row_draws_its_threat(withdrawn):
     assert drawn == {0, 1, 2, 3} - {withdrawn}
 
 
-def test_who_is_farther_has_no_ticket():
+def test_who_is_farther_has_no_lot():
     """R3.10: two of four are equally near, and seats 0 and 3 are a micrometre farther or right beside."""
     farther = ((6.000001, 5.0, 0.0), CROSS[1], CROSS[2], (9.0, 9.0, 0.0))
     for hunters in (farther, farther[::-1]):

@@ -1,4 +1,4 @@
-"""R11 and R12 at the batch's door: both sides by their names, and every row plays what one arena plays."""
+"""R11 and R12 in the batch: both sides by their names, and every row plays what one arena plays."""
 
 import copy
 import pickle
@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from catch_arena import VectorArena, parallel_env, scenario
-from catch_arena.engine import Engine, batch_seeds
+from catch_arena.engine import Engine
+from catch_arena.episode_seeds import batch_seeds
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.layout import prey_width, width
 

@@ -1,4 +1,4 @@
-"""The batch door: many arenas play what one plays, whatever their number, rows and threads."""
+"""The batch: many arenas play what one plays, whatever their number, rows and threads."""
 
 import copy
 import multiprocessing
@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from catch_arena import ArenaConfig, VectorArena, Verdict, parallel_env
-from catch_arena.engine import batch_seeds
+from catch_arena.episode_seeds import batch_seeds
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 
 SEED = 20_261_121
@@ -352,7 +352,7 @@ def test_episodes_without_a_seed_follow_one_another():
 @pytest.mark.large
 @pytest.mark.parametrize("again", [copy.deepcopy, lambda arena: pickle.loads(pickle.dumps(arena))])  # noqa: S301
 def test_copies_and_pickles_play_on_by_themselves(again):
-    """Both doors, threads and figures of episodes included; the original does not move."""
+    """Threads and figures of episodes included; the original does not move."""
     arena = VectorArena(BUSY, 2000, 2)
     arena.reset(seed=SEED)
     actions = np.ones((2000, 5), dtype=np.int64)

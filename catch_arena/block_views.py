@@ -1,0 +1,60 @@
+"""The memory of a batch of arenas by what lies in it: views of the blocks of core/state.py, without a copy."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.config import ArenaConfig
+from catch_arena.core import state
+from catch_arena.core.state import LANES, slot_rows, target_order_rows
+
+
+def row_of(offset: int) -> int:
+    """The row at one of core/state.py's offsets, which count numbers, LANES to a row."""
+    return offset // LANES
+
+
+class BlockViews:
+    """Views of the blocks, each [block, ..., row, lane]; to write to one is to write to the arena.
+
+    Args:
+        config: the arenas' settings.
+        blocks: (number of blocks, rows * LANES).
+    """
+
+    def __init__(self, config: ArenaConfig, blocks: NDArray[np.float64]) -> None:
+        hunters, prey = config.hunters, config.prey
+        num_blocks, num_rows = len(blocks), blocks.shape[1] // LANES
+        slot = slot_rows(config.targets_move)
+        first = state.ARENA_ROWS + hunters * state.HUNTER_ROWS
+        orders = first + config.max_targets * slot
+        prey_begin = num_rows - prey * state.PREY_ROWS
+        self.fields = blocks.reshape(num_blocks, num_rows, LANES)
+        """All rows; the arena's own come first."""
+        self.hunters = self.fields[:, state.ARENA_ROWS : first].reshape(num_blocks, hunters, state.HUNTER_ROWS, LANES)
+        """[block, seat, row, lane]."""
+        self.targets = self.fields[:, first:orders].reshape(num_blocks, config.max_targets, slot, LANES)
+        """[block, slot, row, lane]."""
+        self.target_orders = self.fields[:, orders:prey_begin].reshape(
+            num_blocks, hunters, target_order_rows(config.targets_seen), LANES
+        )
+        """In which order each seat sees the targets: [block, seat, word, lane], see RANKS_PER_WORD."""
+        self.prey = self.fields[:, prey_begin:].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
+        """[block, index, row, lane]."""
+
+        digest = state.MOVING_TARGET_DIGEST if config.targets_move else state.TARGET_DIGEST
+        self.target_digest = [row_of(offset) for offset in digest]
+        """A.8: which of a slot's rows stand in the digest, in their order."""
+
+    def hunter_rows(self, arena: int) -> NDArray[np.float64]:
+        """One arena's hunters: (H, HUNTER_ROWS)."""
+        return self.hunters[arena // LANES, :, :, arena % LANES]
+
+    def prey_rows(self, arena: int) -> NDArray[np.float64]:
+        """One arena's prey: (P, PREY_ROWS)."""
+        return self.prey[arena // LANES, :, :, arena % LANES]
+
+    def prey_numbers(self, arena: int) -> NDArray[np.float64]:
+        """R12.1: the numbers of the targets that one arena's prey plays, 0 for prey that is out: (P,), a copy."""
+        slots = self.prey_rows(arena)[:, row_of(state.PREY_SLOT)].astype(np.int64)
+        numbers = self.targets[arena // LANES, slots, row_of(state.NUMBER), arena % LANES]
+        return np.where(slots == state.NO_TARGET, 0.0, numbers)

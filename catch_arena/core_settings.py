@@ -1,0 +1,108 @@
+"""A config as the numbers that the core reads: scalars, each in the unit that its name ends in, and the limits of every
+seat.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
+from catch_arena.core.arbiter import POLICIES
+from catch_arena.core.math import PI, sincos
+from catch_arena.core.state import LANES, MOTIONS, SeatLimits, Settings, slot_rows
+
+_SEES_ALL_ROUND: Final = -2.0
+"""Below every cosine."""
+_SPAWN_LOW_M: Final = 0.5
+_SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
+
+
+def settings_of(config: ArenaConfig, *, progress_wanted: bool, any_control: bool = False) -> Settings:
+    """The scalars of a config, as the core reads them."""
+    high = config.side_m - _SPAWN_WALL_M
+    return Settings(
+        hunters=config.hunters,
+        max_targets=config.max_targets,
+        targets_seen=config.targets_seen,
+        hunters_seen=config.hunters_seen,
+        policy=POLICIES[config.policy],
+        progress_wanted=int(progress_wanted or config.rewards.progress != 0.0),
+        any_control=int(any_control),
+        target_budget=math.inf if config.target_budget is None else float(config.target_budget),
+        spawned_in_full=_spawned_in_full(config),
+        side_m=float(config.side_m),
+        kp_v=float(config.gains.kp_v),
+        ki_v=float(config.gains.ki_v),
+        kp_w=float(config.gains.kp_w),
+        ki_w=float(config.gains.ki_w),
+        period_ms=float(config.control_period_ms),
+        period_s=config.control_period_ms / 1000.0,
+        time_limit_ms=float(config.time_limit_ms),
+        spawn_period_ms=float(config.spawn_period_ms) if config.spawning else math.inf,
+        spawn_low_m=_SPAWN_LOW_M,
+        spawn_high_m=high,
+        spawn_last_m=math.nextafter(high, 0.0),
+        start_radius_m=0.3 * config.side_m if config.start_radius_m is None else float(config.start_radius_m),
+        initial_targets=config.initial_targets,
+        slot_size=slot_rows(config.targets_move) * LANES,
+        targets_move=int(config.targets_move),
+        target_motion=MOTIONS[config.target_motion],
+        target_speed_mps=float(config.target_speed_mps),
+        target_turn_rate_radps=float(config.target_turn_rate_radps),
+        wander_period_ms=float(config.wander_period_ms),
+        alarm_um=float(config.alarm_um),
+        prey=config.prey,
+        prey_min_speed_mps=-float(config.target_speed_mps) if config.reverse else 0.0,
+        prey_returns_ms=math.inf if config.prey_returns_ms is None else float(config.prey_returns_ms),
+        prey_distance_wanted=int(progress_wanted or config.prey_rewards.gained != 0.0),
+        partial_view=int(config.partial_view),
+        view_radius_um=math.inf if config.view_radius_um is None else float(config.view_radius_um),
+        view_cosine=_SEES_ALL_ROUND
+        if config.view_angle_deg == 360.0
+        else sincos(config.view_angle_deg * PI / 360.0)[1],
+        view_noise_m=float(config.view_noise_m),
+        dropout_rate=float(config.dropout_rate),
+        kill_down_rate=float(config.faults.kill_down),
+        kill_refused_rate=float(config.faults.kill_refused),
+        spawn_down_rate=float(config.faults.spawn_down),
+        spawn_refused_rate=float(config.faults.spawn_refused),
+        catch_weight=float(config.rewards.catch),
+        rival_catch_weight=float(config.rewards.rival_catch),
+        lost_contest_weight=float(config.rewards.lost_contest),
+        rejected_request_weight=float(config.rewards.rejected_request),
+        progress_weight=float(config.rewards.progress),
+        time_weight=float(config.rewards.time),
+        has_teams=int(config.teams is not None),
+        team_share=0.0 if config.teams is None else float(config.team_share),
+        mate_catch_weight=float(config.rewards.mate_catch),
+        caught_weight=float(config.prey_rewards.caught),
+        survived_weight=float(config.prey_rewards.survived),
+        gained_weight=float(config.prey_rewards.gained),
+    )
+
+
+def _spawned_in_full(config: ArenaConfig) -> float:
+    """R1.5, R12.6: how many targets have appeared when none will any more."""
+    if config.prey and config.prey_returns_s is not None:
+        return math.inf
+    if not config.spawning:
+        return 0.0
+    return math.inf if config.target_budget is None else float(config.target_budget)
+
+
+def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
+    """R2.5, R2.7: the limits of every seat, as the core reads them: (H, 4)."""
+    limits = zip(config.max_speeds, config.max_turn_rates, config.reaches_um, strict=True)
+    return np.array(
+        [
+            SeatLimits(
+                max_speed=float(speed),
+                min_speed=-float(speed) if config.reverse else 0.0,
+                max_turn_rate=float(turn_rate),
+                reach_um=float(reach_um),
+            )
+            for speed, turn_rate, reach_um in limits
+        ]
+    )

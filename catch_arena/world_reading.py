@@ -1,0 +1,92 @@
+"""From an arena's memory to what people read: its World, and the rulings of its last step."""
+
+from catch_arena.block_views import BlockViews, row_of
+from catch_arena.config import ArenaConfig
+from catch_arena.core import state
+from catch_arena.core.state import LANES
+from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
+from catch_arena.world import HunterState, PreyState, TargetState, World
+
+
+def read_world(config: ArenaConfig, views: BlockViews, arena: int) -> World:
+    """One arena as people read it."""
+    block, lane = divmod(arena, LANES)
+    own = views.fields[block, : state.ARENA_ROWS, lane]
+    alive = int(own[row_of(state.ALIVE)])
+    prey, players = _prey_states(config, views, arena)
+    return World(
+        time_ms=int(own[row_of(state.TIME)]),
+        step=int(own[row_of(state.STEP)]),
+        side_m=config.side_m,
+        hunters=tuple(
+            HunterState(
+                name=name,
+                x=me[row_of(state.X)],
+                y=me[row_of(state.Y)],
+                theta=me[row_of(state.THETA)],
+                linear_velocity=me[row_of(state.SPEED)],
+                angular_velocity=me[row_of(state.TURN_RATE)],
+                score=int(me[row_of(state.SCORE)]),
+                active_target=config.target_name(int(me[row_of(state.ACTIVE)])) if me[row_of(state.ACTIVE)] else None,
+                at_wall=me[row_of(state.AT_WALL)] > 0,
+                withdrawn=me[row_of(state.WITHDRAWN)] > 0,
+                team=team,
+            )
+            for name, team, me in zip(
+                config.hunter_names, config.team_by_seat, views.hunter_rows(arena).tolist(), strict=True
+            )
+        ),
+        targets=tuple(
+            TargetState(
+                name=config.target_name(int(number)),
+                number=int(number),
+                x=x,
+                y=y,
+                theta=theta,
+                spawned_ms=int(appeared),
+                linear_velocity=motion[0] if motion else 0.0,
+                angular_velocity=motion[1] if motion else 0.0,
+                at_wall=bool(motion and motion[2]),
+                prey=players.get(slot),
+            )
+            for slot, (number, x, y, theta, appeared, *motion) in enumerate(
+                views.targets[block, :alive, views.target_digest, lane].T.tolist()
+            )
+        ),
+        rulings=read_rulings(config, views, arena),
+        spawned=int(own[row_of(state.SPAWNED)]),
+        prey=prey,
+    )
+
+
+def read_rulings(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[Ruling, ...]:
+    """R5.6: the verdicts of one arena's last step with their evidence, by seat."""
+    found = []
+    steps = int(views.fields[arena // LANES, row_of(state.STEP), arena % LANES])
+    for seat, me in enumerate(views.hunter_rows(arena).tolist()):
+        number, verdict, distance, winner = (me[row_of(offset)] for offset in state.EVIDENCE)
+        if verdict == NO_REQUEST:
+            continue
+        step = steps if verdict == Verdict.MATCH_OVER else steps - 1
+        target = config.target_name(int(number)) if number else None
+        found.append(Ruling.of_numbers(verdict, seat, target, distance, winner, step))
+    return tuple(found)
+
+
+def _prey_states(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[tuple[PreyState, ...], dict[int, str]]:
+    """R12.1: one arena's prey, and who plays the target in a slot."""
+    states, players = [], {}
+    numbers = views.prey_numbers(arena).tolist()
+    for name, number, me in zip(config.prey_names, numbers, views.prey_rows(arena).tolist(), strict=True):
+        states.append(
+            PreyState(
+                name=name,
+                target=config.target_name(int(number)) if number else None,
+                times_caught=int(me[row_of(state.TIMES_CAUGHT)]),
+                caught_ms=None if number else int(me[row_of(state.CAUGHT_AT)]),
+                caught_by=None if me[row_of(state.CAUGHT_BY)] < 0 else int(me[row_of(state.CAUGHT_BY)]),
+                withdrawn=me[row_of(state.PREY_WITHDRAWN)] > 0,
+            )
+        )
+        players[int(me[row_of(state.PREY_SLOT)])] = name
+    return tuple(states), players

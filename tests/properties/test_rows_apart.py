@@ -1,0 +1,190 @@
+"""Rows of one small batch that are at different steps, have ended, or are all withdrawn, beside an oracle each; and the
+figures that an episode leaves. What a row gets from another one's memory shows here.
+"""
+
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+from oracle.arena import OracleArena
+from properties.matches import some_actions, some_prey_actions
+from properties.test_engine_equals_oracle import compare, prey_array
+from rulebook.adjudicators import as_arrays
+
+from catch_arena.config import ArenaConfig
+from catch_arena.core.episodes import FINAL_RANK, FINAL_REWARD_SUM, FINAL_SCORE, LENGTH
+from catch_arena.engine import Engine
+from catch_arena.layout import columns
+
+ROWS = 3
+MANY_ROWS = 33
+"""One more than a block has."""
+STEPS = 14
+SMALL = {"hunters": 3, "control": ("target", "velocity", "full"), "side_m": 2.5, "reach_m": 0.6, "time_limit_s": 1.1}
+WEIGHTS = {
+    "catch": 1.0,
+    "rival_catch": -0.3,
+    "lost_contest": -0.2,
+    "rejected_request": -0.1,
+    "progress": 0.7,
+    "time": -0.05,
+    "mate_catch": 0.15,
+}
+PREY = {
+    "prey": 3,
+    "initial_targets": 3,
+    "target_speed_mps": 2.0,
+    "prey_rewards": {"caught": -1.0, "survived": 0.3, "gained": 0.7},
+}
+CONFIGS = {
+    "prey that waits for room": {**PREY, "prey_returns_s": 0.2, "max_targets": 4, "spawn_frequency_hz": 6.0},
+    "prey that is gone for good": {
+        **PREY,
+        "prey_returns_s": None,
+        "spawning": False,
+        "control": "velocity",
+        "reach_m": 1.0,
+    },
+    "teams": {"teams": ((0, 2), (1,)), "team_share": 0.4, "initial_targets": 4, "spawn_frequency_hz": 9.0},
+    "nobody shares": {"teams": ((1, 0), (2,)), "initial_targets": 4, "spawn_frequency_hz": 9.0},
+    "no teams": {"team_share": 0.4, "initial_targets": 4, "spawn_frequency_hz": 9.0},
+    "narrow views": {"initial_targets": 9, "view_angle_deg": 100.0, "view_radius_m": 1.2, "spawning": False},
+}
+"""Much happens in each."""
+CROWDS = [(1, 1, 3), (2, 2, 41), (4, 9, 3), (9, 2, 3), (10, 12, 3)]
+"""How many hunters, prey and rows: fewer bodies than prey sees, as many, and more; in one block and in two."""
+
+
+def config_of(name: str) -> ArenaConfig:
+    return ArenaConfig().replace(**SMALL | {"rewards": WEIGHTS} | CONFIGS[name])
+
+
+def actions_of(
+    source: Random, config: ArenaConfig, oracles: list[OracleArena]
+) -> tuple[list[Any], list[Any], list[Any]]:
+    """For each row, as the oracles take them; and all of them as the engine does."""
+    hunters = [some_actions(source, config, oracle.masks()) for oracle in oracles]
+    prey = [some_prey_actions(source, config) for _ in oracles]
+    choices, commands = zip(*(as_arrays(config, own) for own in hunters), strict=True)
+    return hunters, prey, [np.stack(choices), np.stack(commands), np.stack([prey_array(own) for own in prey])]
+
+
+@pytest.mark.parametrize("name", CONFIGS)
+def test_rows_that_begin_and_end_apart_play_as_the_oracle_does(name: str) -> None:
+    """Row 1 begins anew after 3 steps; all hunters of row 2 are withdrawn after 7, and in row 0 a prey. Who has ended
+    stands still, and is told nothing new; and then all begin anew.
+    """
+    config, source = config_of(name), Random(20261123)
+    batch, oracles = Engine(config, ROWS), [OracleArena(config.to_dict()) for _ in range(ROWS)]
+    batch.reset(range(ROWS))
+    for seed, oracle in enumerate(oracles):
+        oracle.reset(seed)
+    names = [column.name for column in columns(config)]
+    ended, caught_last = 0, 0
+    for step in range(STEPS + 2):
+        for row in {3: [1], STEPS: range(ROWS)}.get(step, []):
+            batch.reset([9 + row], [row])
+            oracles[row].reset(9 + row)
+        for seat in range(config.hunters) if step == 7 else ():
+            batch.withdraw(2, seat)
+            oracles[2].withdraw(seat)
+        if step == 7 and config.prey:
+            batch.withdraw_prey(0, 1)
+            oracles[0].withdraw_prey(1)
+        over = [oracle.terminated or oracle.truncated for oracle in oracles]
+        digests = [bytes(batch.digest(row)) for row in range(ROWS)]
+        hunters, prey, arrays = actions_of(source, config, oracles)
+        batch.step(*arrays)
+        for row, oracle in enumerate(oracles):
+            if over[row]:
+                ended += 1
+                assert bytes(batch.digest(row)) == digests[row]
+                assert not batch.rewards[row].any()
+                assert not batch.parts[row].any()
+                assert not batch.prey_rewards[row].any()
+                assert not batch.prey_parts[row].any()
+                caught_last += any(catcher is not None for catcher in oracle.caught_by)
+                assert all(one.caught_by is None for one in batch.world(row).prey)
+                continue
+            oracle.step(hunters[row], prey[row])
+            compare(batch, oracle, config, names, row)
+    assert ended > 0
+    assert caught_last > 0 or config.prey_returns_s is not None
+
+
+@pytest.mark.parametrize("name", CONFIGS)
+def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
+    """Without parts, as learners have it, through an episode of each row; ranks are R6.1's, R11.1's and R12.5's."""
+    config, source = config_of(name).replace(time_limit_s=0.6), Random(7)
+    batch = Engine(config, MANY_ROWS, infos_wanted=False, auto_reset=True)
+    oracles = [OracleArena(config.to_dict()) for _ in range(MANY_ROWS)]
+    batch.reset(range(MANY_ROWS))
+    for seed, oracle in enumerate(oracles):
+        oracle.reset(seed)
+    oracles[2].withdraw(1)
+    batch.withdraw(2, 1)
+    for row, index in ((1, 0), (2, 1)) if config.prey else ():
+        oracles[row].withdraw_prey(index)
+        batch.withdraw_prey(row, index)
+    paid = np.zeros((MANY_ROWS, config.hunters))
+    prey_paid = np.zeros((MANY_ROWS, config.prey))
+    for step in range(1, 7):
+        hunters, prey, arrays = actions_of(source, config, oracles)
+        batch.step(*arrays)
+        for row, oracle in enumerate(oracles):
+            if oracle.terminated or oracle.truncated:
+                continue
+            oracle.step(hunters[row], prey[row])
+            paid[row] += oracle.rewards
+            prey_paid[row] += oracle.prey_rewards
+            assert batch.rewards[row].tolist() == [np.float32(one) for one in oracle.rewards]
+            assert batch.prey_rewards[row].tolist() == [np.float32(one) for one in oracle.prey_rewards]
+            if oracle.terminated or oracle.truncated:
+                scores = [hunter.score for hunter in oracle.hunters]
+                figures = batch.records[row]
+                assert (figures[:, LENGTH] == step).all()
+                assert figures[:, FINAL_REWARD_SUM].tolist() == [np.float32(one) for one in paid[row]]
+                assert figures[:, FINAL_SCORE].tolist() == scores
+                team_scores = oracle.team_scores()
+                for seats, score in zip(config.team_seats, team_scores, strict=True):
+                    assert (figures[list(seats), FINAL_RANK] == 1 + sum(other > score for other in team_scores)).all()
+                keys = [(one.withdrawn, one.times_caught) for one in oracle.prey]
+                expected = [
+                    [step, one.times_caught, 1 + sum(other < own for other in keys), np.float32(earned)]
+                    for one, own, earned in zip(oracle.prey, keys, prey_paid[row], strict=True)
+                ]
+                assert batch.prey_records[row].tolist() == expected
+    assert all(oracle.terminated or oracle.truncated for oracle in oracles)
+
+
+@pytest.mark.parametrize(("hunters", "prey", "rows"), CROWDS)
+def test_what_prey_sees_has_its_order_in_every_row(hunters: int, prey: int, rows: int) -> None:
+    """Hunters and prey stand on the nodes of a coarse net, or one on another, and no two rows alike: most distances are
+    those of several bodies, some are zero, and some bodies look the same. In the end nobody hunts in row 0.
+    """
+    settings = {"side_m": 4.0, "prey": prey, "initial_targets": prey, "max_targets": 16, "time_limit_s": 0.201}
+    config, source = ArenaConfig(hunters=hunters, control="full").replace(**settings), Random(hunters + 100 * prey)
+    batch, oracles = Engine(config, rows), [OracleArena(config.to_dict()) for _ in range(rows)]
+    batch.reset(range(rows))
+    for seed, oracle in enumerate(oracles):
+        oracle.reset(seed)
+    names = [column.name for column in columns(config)]
+
+    def node() -> tuple[float, float, float]:
+        return source.choice([1.0, 2.0, 3.0]), source.choice([1.0, 2.0, 3.0]), source.choice([0.0, 1.5, 3.0])
+
+    rest = ((0.0, 0.0), 0)
+    arrays = [np.stack([one] * rows) for one in as_arrays(config, [rest] * hunters)]
+    for leaving in ([(1, source.randrange(hunters))], [(0, seat) for seat in range(hunters)]):
+        for row, oracle in enumerate(oracles):
+            bodies = [node() for _ in range(hunters)], [], [node() for _ in range(prey)]
+            batch.place(row, *bodies)
+            oracle.place(*bodies)
+        for row, seat in leaving:
+            batch.withdraw(row, seat)
+            oracles[row].withdraw(seat)
+        batch.step(*arrays, np.zeros((rows, prey, 2), np.float32))
+        for row, oracle in enumerate(oracles):
+            oracle.step([rest] * hunters, [(0.0, 0.0)] * prey)
+            compare(batch, oracle, config, names, row)
