@@ -57,11 +57,11 @@ def _contest(replay: Replay, world: World, target: str, asked: Sequence[Ruling])
 
 @entry
 def _tie_lot(seed: np.uint64, step: int, number: int, seat: int) -> np.uint64:
-    """R5.5: the core's own rule, with a door to Python."""
+    """R5.5: the core's own rule, as Python can call it."""
     return tie_lot(seed, step, number, seat)
 
 
 @entry
 def _service_lot(seed: np.uint64, step: int, seat: int) -> np.uint64:
-    """R5.9: the core's own rule, with a door to Python."""
+    """R5.9: the core's own rule, as Python can call it."""
     return service_lot(seed, step, seat)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from catch_arena.explanation.sight import Unseen
+from catch_arena.explanation.seen_targets import Unseen
 from catch_arena.verdicts import Verdict
 
 

@@ -19,6 +19,7 @@ from catch_arena.explanation.facts import (
     json_ready,
 )
 from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels, team_label
+from catch_arena.explanation.seen_targets import SeenTargets
 from catch_arena.explanation.sentences import (
     capture_sentence,
     contest_sentence,
@@ -27,7 +28,6 @@ from catch_arena.explanation.sentences import (
     refusals_sentence,
     summary_sentence,
 )
-from catch_arena.explanation.sight import Sight
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Verdict
 from catch_arena.world import World
@@ -54,7 +54,7 @@ class Explanation:
     refusals: tuple[Refusals, ...]
     records: tuple[HunterSummary, ...]
     teams: tuple[TeamSummary, ...]
-    """None where the scenario has no teams."""
+    """() where the scenario has no teams."""
     captures: tuple[Capture, ...]
     """Of prey, by the hunters that were asked about."""
     prey: tuple[PreySummary, ...]
@@ -113,10 +113,10 @@ def explain(
     summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
     scores: tuple[int, ...] = ()
     prey = PreyRecord(replay)
-    sight = _SightOfMatch(replay) if replay.config.partial_view else None
+    seen_in_match = _SeenInMatch(replay) if replay.config.partial_view else None
     for step, world in enumerate(replay.worlds()):
-        if sight is not None:
-            sight.note(world, summaries)
+        if seen_in_match is not None:
+            seen_in_match.note(world, summaries)
         _note_departures(replay, world, summaries)
         prey.note(world)
         found = contests_of(replay, world)
@@ -188,11 +188,11 @@ def _note_refusals(
             run.farthest_um = distance if run.farthest_um is None else max(run.farthest_um, distance)
 
 
-class _SightOfMatch:
+class _SeenInMatch:
     """R7.5: what each hunter has had in sight so far."""
 
     def __init__(self, replay: Replay) -> None:
-        self._sight = Sight(replay.config)
+        self._targets = SeenTargets(replay.config)
         self._seen: list[set[str]] = [set() for _ in replay.hunter_names]
 
     def note(self, world: World, summaries: Sequence[HunterSummary]) -> None:
@@ -203,7 +203,7 @@ class _SightOfMatch:
             missed = sum(by != summary.seat and name not in seen for name, by in caught)
             summary.never_seen = (summary.never_seen or 0) + missed
             if not world.hunters[summary.seat].withdrawn:
-                seen.update(names[self._sight.of(world, summary.seat)].tolist())
+                seen.update(names[self._targets.of(world, summary.seat)].tolist())
 
 
 def _note_departures(replay: Replay, world: World, summaries: Sequence[HunterSummary]) -> None:

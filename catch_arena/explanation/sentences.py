@@ -16,7 +16,7 @@ from catch_arena.explanation.facts import (
 )
 from catch_arena.explanation.formatting import exact_length, metres, seconds
 from catch_arena.explanation.seats import with_seat
-from catch_arena.explanation.sight import Unseen
+from catch_arena.explanation.seen_targets import Unseen
 from catch_arena.verdicts import REASONS, Verdict
 
 _EMPTY_RANK: Final = "a rank that no target in its view has"
@@ -93,14 +93,15 @@ def refusals_sentence(run: Refusals, name: str, reach_um: int) -> str:
     else:
         when = f"From {seconds(run.first_ms)} to {seconds(run.last_ms)} (steps {run.first_step} to {run.last_step})"
         often = f"asked {run.times} times"
-    what = run.target or _EMPTY_RANK
-    place = ""
-    if run.nearest_um is not None:
-        farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
-        place = f" from {metres(run.nearest_um)}{farthest}"
-    limit = f"; within reach is less than {metres(reach_um)}" if run.verdict is Verdict.OUT_OF_REACH else ""
-    asked = f"{when} {name} {often} for {what}{place}"
-    return f"{asked}: {run.verdict.name}, {REASONS[run.verdict]}{limit}."
+    farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
+    place = "" if run.nearest_um is None else f" from {metres(run.nearest_um)}{farthest}"
+    return f"{when} {name} {often} for {_answered(run.target, place, run.verdict, reach_um)}."
+
+
+def _answered(target: str | None, place: str, verdict: Verdict, reach_um: int) -> str:
+    """What was asked for, from which place, and the answer with its reason."""
+    limit = f"; within reach is less than {metres(reach_um)}" if verdict is Verdict.OUT_OF_REACH else ""
+    return f"{target or _EMPTY_RANK}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
 
 
 def capture_sentence(one: Capture, names: Sequence[str], prey_names: Sequence[str]) -> str:
@@ -154,13 +155,21 @@ def summary_sentence(summary: HunterSummary, policy: str) -> str:
 
 
 def action_sentences(
-    one: HunterAction, names: Sequence[str], view_radius_m: float | None, view_angle_deg: float
+    one: HunterAction, names: Sequence[str], reach_um: int, view_radius_m: float | None, view_angle_deg: float
 ) -> str:
-    """What one hunter did in a step, what it asked for, and what it did not see."""
+    """What one hunter did in a step, what it asked for, and what it did not see.
+
+    Args:
+        one: the hunter's part in the step.
+        names: what the hunters are called, by seat.
+        reach_um: its reach [micrometres].
+        view_radius_m: how far the hunters see, None for any distance.
+        view_angle_deg: and how wide, 360 for all round.
+    """
     chosen = f" ({one.chosen})" if one.chosen else ""
     did = f"{with_seat(names[one.seat], one.seat)}, {one.control} control: {one.action}{chosen}."
     sight = _sight(one, view_radius_m, view_angle_deg)
-    return " ".join((did, *filter(None, (_left(one), _requested(one, names), sight))))
+    return " ".join((did, *filter(None, (_left(one), _requested(one, names, reach_um), sight))))
 
 
 def prey_action_sentences(one: PreyAction, names: Sequence[str]) -> str:
@@ -182,15 +191,14 @@ def _left(one: HunterAction) -> str:
     return f"{_LEFT[one.out]}." if one.out is not None else ""
 
 
-def _requested(one: HunterAction, names: Sequence[str]) -> str:
+def _requested(one: HunterAction, names: Sequence[str], reach_um: int) -> str:
     if one.verdict is None:
         return "It requested nothing."
-    what = one.target or _EMPTY_RANK
     place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
     winner = (
         f"; the winner is {names[one.winner]}" if one.verdict is Verdict.LOST_CONTEST and one.winner is not None else ""
     )
-    return f"It requested {what}{place}: {one.verdict.name}, {one.reason}{winner}."
+    return f"It requested {_answered(one.target, place, one.verdict, reach_um)}{winner}."
 
 
 def _sight(one: HunterAction, view_radius_m: float | None, view_angle_deg: float) -> str:

@@ -11,13 +11,13 @@ from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import seconds
 from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels
+from catch_arena.explanation.seen_targets import SeenTargets
 from catch_arena.explanation.sentences import (
     action_sentences,
     contest_sentence,
     distances_sentence,
     prey_action_sentences,
 )
-from catch_arena.explanation.sight import Sight
 from catch_arena.replay import Replay
 from catch_arena.verdicts import REASONS, Ruling
 from catch_arena.world import World
@@ -43,6 +43,8 @@ class StepExplanation:
     """For each target that these named or requested: every hunter's distance, by seat (R5.3)."""
     out_of_sight: dict[str, tuple[int, ...]]
     """For each of these: the seats that did not see it (R7.5)."""
+    reaches_um: tuple[int, ...]
+    """How near each hunter had to be, by seat (R5.3)."""
     view_radius_m: float | None
     view_angle_deg: float
     contests: tuple[Contest, ...]
@@ -52,7 +54,10 @@ class StepExplanation:
         begin, end = seconds(self.begin_ms), seconds(self.end_ms)
         return [
             f"Step {self.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
-            *(action_sentences(one, self.names, self.view_radius_m, self.view_angle_deg) for one in self.asked),
+            *(
+                action_sentences(one, self.names, self.reaches_um[one.seat], self.view_radius_m, self.view_angle_deg)
+                for one in self.asked
+            ),
             *(prey_action_sentences(one, self.names) for one in self.prey),
             *(
                 distances_sentence(target, distances_um, self.names, self.out_of_sight[target], self.played.get(target))
@@ -101,11 +106,11 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         raise ConfigError(f"step must be {has}, got {step}")
     chosen = range(replay.config.hunters) if hunter is None else (find_seat(replay, hunter),)
     before, after = islice(replay.worlds(), step - 1, step + 1)
-    sight = Sight(replay.config)
+    seen_targets = SeenTargets(replay.config)
     rulings = {ruling.hunter: ruling for ruling in after.rulings}
-    asked = tuple(_asked(replay, sight, (before, after), seat, rulings.get(seat)) for seat in chosen)
+    asked = tuple(_asked(replay, seen_targets, (before, after), seat, rulings.get(seat)) for seat in chosen)
     named = {name for one in asked for name in (one.chosen, one.target) if name is not None}
-    unseen = [{one.target for one in sight.unseen(before, seat)} for seat in range(replay.config.hunters)]
+    unseen = [{one.target for one in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
     return StepExplanation(
         step=step,
         begin_ms=before.time_ms,
@@ -126,6 +131,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         out_of_sight={
             name: tuple(seat for seat, missing in enumerate(unseen) if name in missing) for name in sorted(named)
         },
+        reaches_um=replay.config.reaches_um,
         view_radius_m=replay.config.view_radius_m,
         view_angle_deg=replay.config.view_angle_deg,
         contests=tuple(
@@ -149,12 +155,14 @@ def _prey_actions(replay: Replay, before: World, after: World) -> tuple[PreyActi
     )
 
 
-def _asked(replay: Replay, sight: Sight, worlds: tuple[World, World], seat: int, ruling: Ruling | None) -> HunterAction:
+def _asked(
+    replay: Replay, seen_targets: SeenTargets, worlds: tuple[World, World], seat: int, ruling: Ruling | None
+) -> HunterAction:
     before, after = worlds
     step = before.step
     rank = int(replay.choices[step][seat])
-    view = sight.ranked(before, seat)
-    unseen = tuple(sight.unseen(before, seat))
+    view = seen_targets.ranked(before, seat)
+    unseen = tuple(seen_targets.unseen(before, seat))
     return HunterAction(
         seat=seat,
         control=replay.config.controls[seat],

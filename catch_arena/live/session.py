@@ -46,7 +46,7 @@ class HumanPolicy:
 class Lineup:
     """Who plays, by seat: those of the hunters first, then those of the prey."""
 
-    players: tuple[Entrant | None, ...]
+    entrants: tuple[Entrant | None, ...]
     """None for the person."""
     names: tuple[str, ...]
     """The person is «you»."""
@@ -54,12 +54,12 @@ class Lineup:
     @property
     def person(self) -> int | None:
         """The person's seat."""
-        return self.players.index(None) if None in self.players else None
+        return self.entrants.index(None) if None in self.entrants else None
 
     @property
     def agents(self) -> dict[int, Entrant]:
         """The entrants by seat."""
-        return {seat: player for seat, player in enumerate(self.players) if player is not None}
+        return {seat: entrant for seat, entrant in enumerate(self.entrants) if entrant is not None}
 
 
 class SessionResult(NamedTuple):
@@ -167,13 +167,15 @@ def free_parties(config: ArenaConfig, person: int | None) -> list[int]:
     return [party for party, seats in enumerate(Parties.of(config).seats) if seats != (person,)]
 
 
-def line_up(config: ArenaConfig, players: Sequence[Entrant], person: int | None) -> Lineup:
+def line_up(config: ArenaConfig, entrants: Sequence[Entrant], person: int | None) -> Lineup:
     """The entrants in the free parties, in their order, about the person's seat."""
     parties = Parties.of(config)
-    entered = dict(zip(free_parties(config, person), players, strict=True))
+    entered = dict(zip(free_parties(config, person), entrants, strict=True))
     seated: list[Entrant | None] = []
     names = []
-    for seat, player in enumerate(in_seats(config, [entered.get(party, players[0]) for party in range(len(parties))])):
-        seated.append(None if seat == person else player)
+    for seat, entrant in enumerate(
+        in_seats(config, [entered.get(party, entrants[0]) for party in range(len(parties))])
+    ):
+        seated.append(None if seat == person else entrant)
         names.append("you" if seat == person else entered[parties.by_seat[seat]].name)
     return Lineup(tuple(seated), tuple(names))

@@ -1,4 +1,8 @@
-"""A replay as a piece of a web page: a canvas that plays it, with nothing to load from anywhere."""
+"""A replay as a piece of a web page: a canvas that plays it, with nothing to load from anywhere.
+
+- bundle: a replay as the page plays it. element: the HTML element `<catch-replay>`, as one script.
+- page/: the JavaScript.
+"""
 
 from catch_arena.player.bundle import bundle_text, packed_text
 from catch_arena.player.element import element_script, page_file, player_html, script_json

@@ -197,7 +197,7 @@ class MatchRenderer:
         lines = self._standings_animation.lines(time_ms)
         if self._changed("standings", lines):
             self._redraw(plan.standings, standings_shapes(plan.standings, info, lines, unit))
-        if plan.feed.width and self._changed("news", self._feed.items):
+        if plan.feed.width and self._changed("events", self._feed.items):
             self._redraw(plan.feed, feed_shapes(plan.feed, info, self._feed.items, unit))
         area, history = plan.timeline, self._timeline
         cursor = round(timeline.cursor_x(area, history, time_ms, unit))

@@ -1,4 +1,10 @@
-"""Matches that are kept: recorded, saved, loaded, played again, checked and compared (docs/replays.md)."""
+"""Matches that are kept: recorded, saved, loaded, played again, checked and compared (docs/replays.md).
+
+- recording: a match is recorded: `Replay`. fileformat: as a file, with quantisation (states in whole millionths) and
+  codec (columns of whole numbers as bytes).
+- verification: whether a match plays as recorded. comparison: where two matches part. state_differences: in which
+  numbers.
+"""
 
 from catch_arena.replay.fileformat import checked_names, checked_text
 from catch_arena.replay.recording import Replay

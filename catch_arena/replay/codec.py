@@ -70,7 +70,7 @@ class Reader:
         return read
 
     def end(self) -> None:
-        """
+        """Require that all bytes have been read.
 
         Raises:
             ReplayError: where something is left.

@@ -15,12 +15,12 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.rows import DamagedError
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.standings import Standing, standings
 from catch_arena.tournament.store import Store, Tournament
+from catch_arena.tournament.stored_values import DamagedError
 
 
 @dataclass(frozen=True)

@@ -147,14 +147,15 @@ def _forfeits(data: ReportData) -> list[dict[str, Any]]:
     """How agents failed, the most frequent way first; each with how often, and the first time."""
     found: dict[tuple[str, str, str], dict[str, Any]] = {}
     for one in data.played:
-        for seat, code in enumerate(one.result.forfeits):
+        for party, code in enumerate(one.result.forfeits):
             if code is None:
                 continue
-            detail = one.result.details[seat] if one.result.details else None
-            entrant = data.tournament.entrants[one.match.seating[seat]]
+            detail = one.result.details[party] if one.result.details else None
+            entrant = data.tournament.entrants[one.match.seating[party]]
             name, told = entrant.name, detail.reason if detail else ""
             reason = without_folders(told.replace(entrant.spec, entrant.source))
-            first = {"match": one.match.id, "seat": seat, "step": detail.step if detail else None, "times": 0}
+            where = f"match {one.match.id}, {data.parties.called(party)}"
+            first = {"where": where, "step": detail.step if detail else None, "times": 0}
             way = found.setdefault((name, code, reason), {"name": name, "code": code, "reason": reason} | first)
             way["times"] += 1
     return sorted(found.values(), key=lambda way: -way["times"])

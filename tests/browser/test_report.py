@@ -415,6 +415,19 @@ def test_a_damaged_replay_says_so_in_one_line_and_the_next_one_plays(quiet, crow
     assert "cannot be shown" not in page.locator(".note").inner_text()
 
 
+def test_play_that_is_pressed_while_a_replay_is_read_is_not_lost(quiet, crowd, tmp_path):
+    page = opened(quiet, tmp_path, player_html(crowd))
+    player = page.locator("catch-replay")
+    again = "player => { const text = player.getAttribute('film'); player.setAttribute('film', ''); "
+    player.evaluate(again + "player.setAttribute('film', text); player.play(); }")
+    until(page, "document.querySelector('catch-replay').time > 600")
+
+    player.evaluate(again + "player.setAttribute('film', text); player.play(); player.pause(); }")
+    until(page, "document.querySelector('catch-replay').replay")
+    page.wait_for_timeout(300)
+    assert page.evaluate("document.querySelector('catch-replay').time") == 0
+
+
 def test_an_injected_script_does_not_run_and_nothing_is_fetched(chromium, report, tmp_path):
     """As if the escaping had failed: a script, a handler, an address and an image in the page itself."""
     wicked = (

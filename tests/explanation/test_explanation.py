@@ -15,7 +15,7 @@ from catch_arena.cli import main
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import step_at
 from catch_arena.explanation.formatting import short_length
-from catch_arena.explanation.sight import Sight
+from catch_arena.explanation.seen_targets import SeenTargets
 
 TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
 CLOSE = {"hunters": 3, "hunter_poses": TIED, "initial_targets": 3, "reach_m": 3.0, "max_cycles": 20}
@@ -312,7 +312,7 @@ def half_blind(play, request):
 
 def test_what_a_hunter_is_said_to_see_is_what_the_engine_ranks(half_blind):
     """Every state, every seat, every target: the same ranks, and no rank for what is told as unseen."""
-    sight = Sight(half_blind.config)
+    sight = SeenTargets(half_blind.config)
     hidden = 0
     for engine in half_blind.engines():
         world = engine.world()
@@ -391,7 +391,7 @@ def test_targets_that_a_hunter_never_saw_are_counted(play):
     match = play("fog", chase=True, max_cycles=300, reach_m=0.6, dropout_rate=0.002)
     seen = [set() for _ in range(4)]
     missed = [0] * 4
-    sight = Sight(match.config)
+    sight = SeenTargets(match.config)
     for world in match.worlds():
         for ruling in world.rulings:
             for seat in range(4):
@@ -440,4 +440,9 @@ def test_a_refusal_tells_the_hunters_own_reach(play):
     seats = [int(line.split("hunter_")[1][0]) for line in refused]
     assert set(seats) == {0, 1}
     for line, seat in zip(refused, seats, strict=True):
-        assert line.endswith(f"within reach is less than {reaches[seat]:.6f} m.")
+        limit = f"within reach is less than {reaches[seat]:.6f} m."
+        assert line.endswith(limit)
+        step = int(re.search(r"steps? (\d+)", line)[1])
+        assert (
+            f" OUT_OF_REACH, the target is out of reach (R5.3); {limit}" in explain_step(match, step, seat).lines()[1]
+        )

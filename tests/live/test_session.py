@@ -93,8 +93,8 @@ def test_a_scenario_can_be_played_by_a_person(session, tmp_path, name):
 
 def test_a_person_plays_prey(session, tmp_path):
     """Against hunters; what it drives is recorded as the prey's actions."""
-    words = ["play", "--scenario", "tag", "--seat", "prey_0", "--against", "nearest", "--record", "mine.replay"]
-    result = session(words, pygame.K_UP, *nothing(150))
+    words = ["play", "--scenario", "tag", "--seat", "prey_0", "--seed", "1", "--against", "nearest"]
+    result = session([*words, "--record", "mine.replay"], pygame.K_UP, *nothing(150))
     assert result.exit_code == 0, result.output
     replay = Replay.load(tmp_path / "mine.replay")
     assert replay.names[3:] == ("you",)

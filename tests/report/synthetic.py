@@ -28,8 +28,15 @@ def tournament(
 ) -> int:
     """Fill a folder's store, or what is missing in it; how many matches it has. The first agents are the best.
 
-    Args: `most`, play no more than so many; `forfeits`, whether the last agent crashes now and then; `specs`, of the
-    agents, else files; `reason`, for which the first one forfeits all.
+    Args:
+        folder: the store's.
+        names: of the agents.
+        rounds: of the plan.
+        most: play no more matches than so many.
+        forfeits: whether the last agent crashes now and then.
+        terms: what the store says of how it is played.
+        specs: of the agents, else files.
+        reason: for which the first one forfeits all.
     """
     config: ArenaConfig = scenario("standard")
     entrants = tuple(

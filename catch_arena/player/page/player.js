@@ -38,7 +38,7 @@ const plight = ({ caught, out }) => `${out ? "out, " : ""}caught ${caught}`;
 /** @param {string} verdict */
 const words = (verdict) => verdict.toLowerCase().replaceAll("_", " ");
 
-/** <catch-replay replay="…">: a recorded match that plays. It needs nothing from the page around it. */
+/** <catch-replay film="…">: a recorded match that plays. It needs nothing from the page around it. */
 export class CatchReplay extends HTMLElement {
   static observedAttributes = ["film"];
   static unpacked = unpacked;
@@ -56,6 +56,8 @@ export class CatchReplay extends HTMLElement {
   viewed = false;
   speed = 1;
   playing = false;
+  /** Whether it plays as soon as the replay has been read. */
+  waiting = false;
   /** The latest frame that was asked for. */
   frame = 0;
   /** @type {number | null} when the frame before was painted */
@@ -114,9 +116,11 @@ export class CatchReplay extends HTMLElement {
     this.#cast(this.replay);
     this.#fit();
     this.#describe();
+    if (this.waiting) this.play();
   }
 
   play() {
+    this.waiting = !this.replay;
     if (!this.replay || this.playing) return;
     if (this.time >= this.replay.duration) this.time = 0;
     this.playing = true;
@@ -126,6 +130,7 @@ export class CatchReplay extends HTMLElement {
   }
 
   pause() {
+    this.waiting = false;
     if (!this.playing) return;
     this.playing = false;
     cancelAnimationFrame(this.frame);
@@ -287,7 +292,7 @@ export class CatchReplay extends HTMLElement {
   }
 
   #toggle() {
-    if (this.playing) this.pause();
+    if (this.playing || this.waiting) this.pause();
     else this.play();
   }
 

@@ -8,7 +8,7 @@
  * @property {number} steps
  * @property {number} grid parts of the side
  * @property {number} turn parts of a full turn
- * @property {Sight | null} view what hunters see; null where they see everything
+ * @property {ViewLimits | null} view what hunters see; null where they see everything
  * @property {Cast[]} hunters by seat
  * @property {Team[] | null} teams null where each hunter is for itself
  * @property {{ name: string, targets: number[] }[]} prey by index, and the numbers of the targets that it played
@@ -33,7 +33,7 @@
 
 /** @typedef {[seat: number, verdict: string, micrometres: number | null]} Claim */
 
-/** @typedef {{ radius: number | null, angle: number }} Sight how far one sees, in metres, and how wide, in degrees */
+/** @typedef {{ radius: number | null, angle: number }} ViewLimits how far one sees, in metres, and how wide, in degrees */
 
 /**
  * Where one was in each state from `first` to `last`: x and y in metres, theta in radians.
@@ -297,9 +297,9 @@ function check(facts) {
     must(Number.isFinite(value) && low <= value && value <= high, field, value, `a number from ${low} to ${high}`);
   }
   const { view } = facts;
-  const isSight = view === null ||
+  const isViewLimits = view === null ||
     (view && (view.radius === null || isWithin(view.radius, FARTHEST)) && isWithin(view.angle, 360));
-  must(isSight, "view", view, "a radius and an angle, or null");
+  must(isViewLimits, "view", view, "a radius and an angle, or null");
   must(isCount(facts.steps), "steps", facts.steps, "a whole number");
   /** @type {[string, Fits, string][]} */
   const lists = [

@@ -13,7 +13,7 @@ from catch_arena.core.arbiter import measure_um
 from catch_arena.core.math import sincos
 from catch_arena.core.ranking import key_of
 from catch_arena.core.visibility import is_seen
-from catch_arena.engine import settings_of
+from catch_arena.core_settings import settings_of
 from catch_arena.world import World
 
 
@@ -31,7 +31,7 @@ class Unseen:
     """It was not within view_angle_deg."""
 
 
-class Sight:
+class SeenTargets:
     """Who sees what in the arenas of a config."""
 
     def __init__(self, config: ArenaConfig) -> None:
@@ -39,7 +39,9 @@ class Sight:
         self._settings = settings_of(config, progress_wanted=False)
 
     def of(self, world: World, seat: int) -> NDArray[np.bool_]:
-        """Which of a world's targets a seat sees, in their order; a withdrawn one sees what the others would."""
+        """Which of a world's targets a seat sees: (targets,), in the order of `world.targets`. Of a withdrawn
+        hunter: what one in its place would see.
+        """
         me = world.hunters[seat]
         x, y = np.array([(target.x, target.y) for target in world.targets]).reshape(-1, 2).T
         sine, cosine = sincos(me.theta)
