@@ -7,8 +7,11 @@ What is in which folder:
 - statistics: what the results say about the agents, and how sure that is.
 
 And in which file, from one match up:
-- entrants: who plays. players, match: one match, and its result.
-- store: what was planned and played. agent_logs, export, standings_files: what is written beside it.
+- entrants: who plays. parties: who plays as one, a team or one prey. players, match: one match, and its result.
+- secret: the tournament's secret, and all seeds that follow from it.
+- store: what was planned and played. stored_values: what a stored value may be.
+- agent_logs, export, standings_files: what is written beside it.
+- first_looks, suspicions: who is looked at, and who is under suspicion of harm: written before an agent runs.
 - agent_check, grading: one agent. comparison: two. audit, invariance: whether the arena is fair.
 
 Nothing here draws, prints or reads options: the command line does (cli/).

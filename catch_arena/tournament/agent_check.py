@@ -6,7 +6,7 @@ from typing import Final, Literal
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
-from catch_arena.policy import PreyView, limits_of
+from catch_arena.policy import PreyView, player_limits
 from catch_arena.tournament.entrants import Entrant, Inspection, enter
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
@@ -162,7 +162,7 @@ def _shown_to(forfeit: Forfeit, config: ArenaConfig) -> str:
     """The view that it failed on, on a line of its own."""
     if forfeit.observation is None:
         return ""
-    view = limits_of(config, forfeit.seat).view(*forfeit.observation)
+    view = player_limits(config, forfeit.seat).view(*forfeit.observation)
     if isinstance(view, PreyView):
         hunters = ", ".join(f"{hunter.distance:.2f} m" for hunter in view.hunters)
         return (

@@ -7,6 +7,7 @@ from typing import Final
 from catch_arena.files import unwritable
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
 
 MOST_BYTES: Final = 4 << 20
 """Of one agent's file; the next match is the last that is added."""
@@ -17,21 +18,23 @@ _LONGEST: Final = 240
 class AgentLogs:
     """The folder of these files, which is made when there is something to say."""
 
-    def __init__(self, folder: Path, entrants: Sequence[Entrant]) -> None:
+    def __init__(self, folder: Path, entrants: Sequence[Entrant], parties: Parties) -> None:
         self._folder = folder
         self._entrants = entrants
+        self._parties = parties
 
     def add(self, one: PlayedMatch) -> None:
-        """Of each seat that forfeited or printed: what.
+        """Of each party that forfeited or printed: what.
 
         Raises:
             OutputError: where it cannot be written.
         """
-        for seat, index in enumerate(one.match.seating):
-            forfeit, printed = one.result.details[seat], one.result.logs[seat]
+        for party, index in enumerate(one.match.seating):
+            forfeit, printed = one.result.details[party], one.result.logs[party]
             if forfeit is not None or printed:
                 why = f": {forfeit}" if forfeit is not None else ""
-                self._append(self._entrants[index].name, f"== match {one.match.id}, seat {seat}{why}\n{printed}")
+                where = f"match {one.match.id}, {self._parties.called(party)}"
+                self._append(self._entrants[index].name, f"== {where}{why}\n{printed}")
 
     def _append(self, name: str, text: str) -> None:
         *folders, last = name.split("/")  # as ann/agent has

@@ -21,7 +21,6 @@ from catch_arena.tournament.isolation.starting import inspector, sandbox_for
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
-from catch_arena.tournament.rows import number_of, text_of, whole
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
@@ -29,6 +28,7 @@ from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import holm, p_values
 from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.tail_probabilities import chi_squared_tail
+from catch_arena.tournament.stored_values import number_of, text_of, whole
 
 LEVEL: Final = 0.01
 """A fair arena fails an audit so often: all its tests together, corrected for their number (Holm 1979)."""
@@ -36,6 +36,19 @@ FILE: Final = "audit.json"
 _DRAWS_NOTHING: Final = "nearest"
 _OTHERS: Final = (_DRAWS_NOTHING, "contested", "patrol", "first")
 """Whom the twins play with."""
+_QUESTIONS: Final[dict[Side, tuple[str, str, str]]] = {
+    "hunter": (
+        "Does a seat win more often than another?",
+        "Does a seat catch more than another?",
+        "Does one agent under two names get two ratings?",
+    ),
+    "prey": (
+        "Does one prey win more often than another?",
+        "Is one prey caught more often than another?",
+        "Does one agent under two names get two ratings as prey?",
+    ),
+}
+"""What is asked of the results of each side."""
 _STEPS: Final = 2000
 _REPLAYED: Final = 5
 _FEWEST_MATCHES: Final = 100
@@ -176,12 +189,12 @@ def audit(
 
     identical, paired = outcomes(alike, seat_matches, 0), outcomes(twins, twin_matches, len(seat_matches))
     exact, drawn = permuted_steps(config, secret.seed("audit steps"))
-    twin_checks = {side: twins_differ(found, len(twin_matches)) for side, found in paired.items()}
+    twin_checks = {side: twins_differ(found, len(twin_matches), side) for side, found in paired.items()}
     seat_checks = [
-        check if side == "hunter" else replace(check, question=f"Of prey: {check.question}")
+        check
         for side, found in identical.items()
         if len(parties.seats[parties.on(side)]) > 1  # else there is none to differ from
-        for check in seats_differ(found)
+        for check in seats_differ(found, parties.names[parties.on(side)], side)
     ]
     return Audit(
         agent=alike[0].name,
@@ -235,30 +248,39 @@ def seats_of(identical: Outcomes) -> tuple[Seat, ...]:
     return tuple(Seat(share, score) for share, score in zip(wins, scores, strict=True))
 
 
-def seats_differ(identical: Outcomes) -> list[Check]:
-    """Whether a seat wins, or catches, more than its part."""
+def seats_differ(identical: Outcomes, names: Sequence[str], side: Side = "hunter") -> list[Check]:
+    """Whether a seat wins, or catches, more than its part; or a team's seats, or one prey.
+
+    Args:
+        identical: of one side.
+        names: what its parties are called (`Parties.names`).
+        side: which one.
+    """
     wins, scores = identical.win_shares, identical.scores
-    won, caught = 100.0 * wins.mean(axis=0), scores.mean(axis=0)
+    won, scored = 100.0 * wins.mean(axis=0), scores.mean(axis=0)
+    asked_wins, asked_scores, _ = _QUESTIONS[side]
+    places = [f"seat {name}" for name in names] if side == "hunter" else names
+    whose = "seats" if side == "hunter" else "prey"
     return [
         _by_chance(
-            "Does a seat win more often than another?",
+            asked_wins,
             p_of_no_bias(wins - wins.mean(axis=1, keepdims=True)),
-            f"the seats won from {won.min():.1f} to {won.max():.1f} % of the matches (most: seat {won.argmax()})",
+            f"the {whose} won from {won.min():.1f} to {won.max():.1f} % of the matches (most: {places[won.argmax()]})",
         ),
         _by_chance(
-            "Does a seat catch more than another?",
+            asked_scores,
             p_of_no_bias(scores - scores.mean(axis=1, keepdims=True)),
-            f"from {caught.min():.2f} to {caught.max():.2f} catches a match (most: seat {caught.argmax()})",
+            f"from {scored.min():.2f} to {scored.max():.2f} catches a match (most: {places[scored.argmax()]})",
         ),
     ]
 
 
-def twins_differ(paired: Outcomes, matches: int) -> tuple[Estimate, Check]:
+def twins_differ(paired: Outcomes, matches: int, side: Side) -> tuple[Estimate, Check]:
     """Whether the first two entrants, which are one agent, differ; and by how much, after so many matches."""
     ratings = rate(paired)
     difference = ratings.difference(0, 1)
     return difference, _by_chance(
-        "Does one agent under two names get two ratings?",
+        _QUESTIONS[side][2],
         float(p_values(ratings)[0, 1]),
         f"{abs(difference.mean):.0f} points apart after {matches} matches, "
         f"where up to {difference.margin:.0f} are noise",

@@ -44,7 +44,8 @@ class ComparisonDesign:
         if free < 1 or (free > 1 and free % 2):
             fitting = [str(size) for size in range(self.seats) if size == self.seats - 1 or not (self.seats - size) % 2]
             raise ConfigError(
-                f"the field must be of {' or '.join(fitting)} agents where {self.seats} play a block, got {self.field}"
+                f"the field (--against) must be of {' or '.join(fitting)} agents where {self.seats} play a block, "
+                f"got {self.field}"
             )
         if self.seats < 2:
             raise ConfigError(f"the scenario must be for at least 2 agents, got {self.seats}")

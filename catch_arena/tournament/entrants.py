@@ -202,7 +202,7 @@ def look_for_prey(spec: str) -> tuple[bool, str | None]:
     Raises:
         AgentError: where its module cannot be used.
     """
-    if not hasattr(load_module(_module_of(spec)), _PREY):
+    if not hasattr(agent_module(spec), _PREY):
         return False, None
     try:
         found = agent_class(spec, "prey")
@@ -230,25 +230,30 @@ def command_of(spec: str) -> list[str] | None:
 
 
 @cache
+def agent_module(spec: str) -> ModuleType:
+    """Where the class is that a spec stands for, imported once: whatever asks for it, and in all that is forked since.
+
+    Raises:
+        AgentError: for a command, and a module that cannot be imported.
+    """
+    if spec.startswith(COMMAND):
+        raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
+    return load_module(spec if spec.endswith(".py") else spec.partition(":")[0])
+
+
 def agent_class(spec: str, side: Side = "hunter") -> type:
     """The class that a spec stands for; that of its prey stands beside it.
 
     Raises:
         AgentError: for a command, a module that cannot be imported, and one without that class.
     """
-    if spec.startswith(COMMAND):
-        raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
+    module = agent_module(spec)
     name = _PREY if side == "prey" else "Agent" if spec.endswith(".py") else spec.partition(":")[2]
-    module = load_module(_module_of(spec))
     found = getattr(module, name, None)
     if not isinstance(found, type):
         classes = [key for key, value in vars(module).items() if isinstance(value, type)]
         raise AgentError(f"{spec}: has no class {name}{'; ' + suggest(name, classes) if classes else ''}")
     return found
-
-
-def _module_of(spec: str) -> str:
-    return spec if spec.endswith(".py") else spec.partition(":")[0]
 
 
 def load_module(name: str) -> ModuleType:

@@ -96,21 +96,21 @@ class Spec:
     """Where its seed was read from, if not from itself."""
 
     def matches(self, test: Test) -> tuple[Match, ...]:
-        """Those of one of the tests, with the student, 0, in each seat in turn: each team, and each prey."""
-        secret, seats = self.secret.part("grade", self.tests.index(test)), len(Parties.of(test.config))
+        """Those of one of the tests, with the student, 0, as each party in turn: each hunter or team, and each prey."""
+        secret, parties = self.secret.part("grade", self.tests.index(test)), len(Parties.of(test.config))
         return tuple(
             Match(
                 id=f"m{number + 1:05d}",
                 block=number,
                 seed=secret.seed("match", number),
-                seating=(*range(1, number % seats + 1), 0, *range(number % seats + 1, seats)),
-                agent_seeds=tuple(secret.seed("agent", number, seat) for seat in range(seats)),
+                seating=(*range(1, number % parties + 1), 0, *range(number % parties + 1, parties)),
+                agent_seeds=tuple(secret.seed("agent", number, party) for party in range(parties)),
             )
             for number in range(test.matches)
         )
 
 
-class Marks(Protocol):
+class TestGrade(Protocol):
     """What one test gave, of an agent or of a node: a dataclass."""
 
     @property
@@ -216,15 +216,15 @@ def grade_agent(
     config = test.config
     parties = Parties.of(config)
     others = list(islice(cycle(opponents), len(parties) - 1)) if opponents else []
-    others = [replace(one, name=f"{one.name} {seat}") for seat, one in enumerate(others, 1)]
+    others = [replace(one, name=f"{one.name} {number}") for number, one in enumerate(others, 1)]
     played: list[tuple[int, MatchResult]] = []
     forfeited = 0
     for match in spec.matches(test):
-        seat = match.seating.index(0)
-        seating = [*others[:seat], student, *others[seat:]]
+        party = match.seating.index(0)
+        seating = [*others[:party], student, *others[party:]]
         result = play_entrants(config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds)
-        played.append((seat, result))
-        forfeited = 0 if result.forfeits[seat] is None else forfeited + 1
+        played.append((party, result))
+        forfeited = 0 if result.forfeits[party] is None else forfeited + 1
         if max_forfeits and forfeited == max_forfeits:
             break
     return _grade(test, played, parties, max_forfeits)
@@ -237,18 +237,18 @@ def _grade(test: Test, played: Sequence[tuple[int, MatchResult]], parties: Parti
     scores: dict[Side, list[int]] = {"hunter": [], "prey": []}
     wins: list[float] = []
     log = ""
-    for seat, result in played:
-        verdicts.update(result.verdicts[seat])
-        side = parties.side_of(seat)
-        scores[side].append(result.scores[seat])
-        forfeit, rivals = result.details[seat], result.ranks[parties.on(side)]
+    for party, result in played:
+        verdicts.update(result.verdicts[party])
+        side = parties.side_of(party)
+        scores[side].append(result.scores[party])
+        forfeit, rivals = result.details[party], result.ranks[parties.on(side)]
         if len(rivals) > 1 or len(parties.sides) == 1:  # the only prey has nobody to win against
-            wins.append(0.0 if forfeit else (result.ranks[seat] == 1) / rivals.count(1))
+            wins.append(0.0 if forfeit else (result.ranks[party] == 1) / rivals.count(1))
         if forfeit is None:
             continue
         if forfeit.code not in reasons:
             reasons[forfeit.code] = str(forfeit)
-            log = log or result.logs[seat][-_LOG_SHOWN:]
+            log = log or result.logs[party][-_LOG_SHOWN:]
             causes.append("not installed" if _misses_a_module(forfeit) else forfeit.code)
     count = len(played)
     refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
@@ -289,7 +289,7 @@ def _misses_a_module(forfeit: Forfeit) -> bool:
     return NOT_INSTALLED in forfeit.reason or ModuleNotFoundError.__name__ in forfeit.reason
 
 
-def json_text(spec: Spec, name: str, digest: str | None, grades: Sequence[Marks]) -> str:
+def json_text(spec: Spec, name: str, digest: str | None, grades: Sequence[TestGrade]) -> str:
     """The grades as JSON; no seed is told.
 
     Args:
@@ -310,7 +310,7 @@ def json_text(spec: Spec, name: str, digest: str | None, grades: Sequence[Marks]
     return json.dumps(content, indent=2) + "\n"
 
 
-def junit_text(spec: Spec, name: str, grades: Sequence[Marks]) -> str:
+def junit_text(spec: Spec, name: str, grades: Sequence[TestGrade]) -> str:
     """The grades as JUnit XML, a test case for each test; no seed is told."""
     failed = sum(bool(one.failures) for one in grades)
     suite = ET.Element(

@@ -12,7 +12,7 @@ from typing import Any, Final
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError
-from catch_arena.policy import Policy, PreyPolicy, limits_of
+from catch_arena.policy import Policy, PreyPolicy, player_limits
 from catch_arena.text import one_line, printable_lines
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Fault, ForfeitCode, Observation, Players, TrustedPlayers
@@ -85,7 +85,7 @@ class MatchResult:
     ranks: tuple[int, ...]
     """R6.1, R12.5: 1 is best, on either side by itself; equal scores share a rank, and the ranks that they use up are
     left out (1, 1, 3). Those who forfeited come last, whatever their scores: of hunters, the longer one lasted, the
-    better; of prey, the seldomer it was caught.
+    better; of prey, the less often it was caught.
     """
     verdicts: tuple[dict[str, int], ...]
     """How many of its requests met each verdict, by its name; verdicts that it never met are left out."""
@@ -198,7 +198,7 @@ def play(
                 players.drop(one)
 
     told = agent_seeds or [agent_seed(seed, seat) for seat in seats]
-    forfeit(players.reset(told, [limits_of(env.config, seat) for seat in seats]), {})
+    forfeit(players.reset(told, [player_limits(env.config, seat) for seat in seats]), {})
     if watch is not None:
         watch(env)
     while env.agents and step != most_steps:

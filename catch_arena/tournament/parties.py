@@ -104,6 +104,11 @@ class Parties:
         hunting = ["+".join(map(str, seats)) for seats in self.seats[: self.hunting]]
         return *hunting, *(f"prey {index}" for index in range(len(self) - self.hunting))
 
+    def called(self, party: int) -> str:
+        """A party in a sentence: `seat 1`, `seats 2+3`, `prey 0`."""
+        many = "s" if len(self.seats[party]) > 1 else ""
+        return f"seat{many} {self.names[party]}" if party < self.hunting else self.names[party]
+
     @property
     def by_seat(self) -> tuple[int, ...]:
         """The party of each seat."""

@@ -20,7 +20,7 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import StoreError
 from catch_arena.files import LEAST_FREE, is_full, room
 from catch_arena.text import one_line
-from catch_arena.tournament import rows
+from catch_arena.tournament import stored_values
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
@@ -63,14 +63,14 @@ CREATE TABLE culprit (
 ) STRICT;
 """
 """The last four are suspicions.py's."""
-_COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in rows.RESULTS)
+_COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
 """One for each part of a result, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
 _LONGEST: Final = 1 << 26
 """Bytes of a value; longer ones are not read."""
-_KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(rows.RESULTS)})"  # noqa: S608
+_KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
 _MATCH: Final = "id, block, seed, seating, agent_seeds"
-_PLAYED: Final = f"SELECT {_MATCH}, replay, {', '.join(rows.RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
+_PLAYED: Final = f"SELECT {_MATCH}, replay, {', '.join(stored_values.RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +133,7 @@ class Store:
     def read(cls, folder: Path) -> Self:
         """The store of a tournament that has begun.
 
-        Whatever is read from it was checked (rows.py), as it may be damaged, or made by anybody.
+        Whatever is read from it was checked (stored_values.py), as it may be damaged, or made by anybody.
 
         Raises:
             StoreError: where there is none; from here on also where something in it is none of ours.
@@ -166,11 +166,11 @@ class Store:
         facts = self._facts()
         with self._store_errors():
             return Tournament(
-                rows.config_of(facts),
-                rows.entrants_of(facts),
-                rows.parameters_of("plan", facts),
-                rows.parameters_of("terms", facts),
-                rows.secret_of(facts),
+                stored_values.config_of(facts),
+                stored_values.entrants_of(facts),
+                stored_values.parameters_of("plan", facts),
+                stored_values.parameters_of("terms", facts),
+                stored_values.secret_of(facts),
             )
 
     @property
@@ -210,7 +210,7 @@ class Store:
 
     def _keep(self, one: PlayedMatch) -> None:
         result = one.result
-        parts = {name: getattr(result, name) for name in rows.RESULTS}
+        parts = {name: getattr(result, name) for name in stored_values.RESULTS}
         parts["thinking"] = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in result.thinking]
         parts["details"] = [one and (one.code, one.step, one.reason) for one in result.details]
         row = (one.match.id, self._versions, one.replay, *map(_json, parts.values()))
@@ -239,7 +239,7 @@ class Store:
                     "WHERE result.match IS NULL AND id > ? ORDER BY id LIMIT ?",
                     (after, _PAGE),
                 ).fetchall()
-                page = list(rows.in_order(map(read.match, found), lambda match: match, after))
+                page = list(stored_values.in_order(map(read.match, found), lambda match: match, after))
             if not page:
                 return
             yield from page
@@ -250,7 +250,7 @@ class Store:
         read = self._rows()
         with self._store_errors():
             found = self._db.execute(f"{_PLAYED} ORDER BY id LIMIT ?", (most,))
-            yield from rows.in_order(map(read.played, found), lambda one: one.match)
+            yield from stored_values.in_order(map(read.played, found), lambda one: one.match)
 
     def records(self) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
         """What was played, in the order of the plan, each with the versions that played it."""
@@ -259,7 +259,7 @@ class Store:
             known = self._known_versions()
             query = f"SELECT versions, {_PLAYED.removeprefix('SELECT ')} ORDER BY id"
             found = ((read.played(row), known[by]) for by, *row in self._db.execute(query))
-            yield from rows.in_order(found, lambda one: one[0].match)
+            yield from stored_values.in_order(found, lambda one: one[0].match)
 
     def count_played(self) -> int:
         """How many matches were played."""
@@ -335,7 +335,7 @@ class Store:
         return True
 
     def _require_sound(self) -> None:
-        """
+        """Require a whole store, and one that was made here.
 
         Raises:
             StoreError: where its pages do not hang together, its tables are not ours, or a row leads nowhere.
@@ -343,27 +343,27 @@ class Store:
         with self._store_errors():
             (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
             if found != "ok":
-                raise rows.DamagedError(str(found))
+                raise stored_values.DamagedError(str(found))
             # nothing else: what a view or a trigger would do is up to whoever made it
             made = self._db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'").fetchall()
             if sorted(made) != sorted((statement,) for statement in _STATEMENTS):
-                raise rows.DamagedError("its tables are none of ours")
+                raise stored_values.DamagedError("its tables are none of ours")
             if self._db.execute("PRAGMA foreign_key_check").fetchone() is not None:
-                raise rows.DamagedError("a result is of no match, or of no versions")
+                raise stored_values.DamagedError("a result is of no match, or of no versions")
             self._known_versions()
 
     def _facts(self) -> dict[str, Any]:
         with self._store_errors():
-            return rows.facts_of(self._db.execute("SELECT name, value FROM fact"))
+            return stored_values.facts_of(self._db.execute("SELECT name, value FROM fact"))
 
     def _known_versions(self) -> dict[int, dict[str, str]]:
         found = self._db.execute("SELECT id, value FROM versions")
-        return {key: rows.versions_of(value, versions()) for key, value in found}
+        return {key: stored_values.versions_of(value, versions()) for key, value in found}
 
-    def _rows(self) -> rows.Rows:
+    def _rows(self) -> stored_values.Rows:
         tournament = self.tournament
         parties = Parties.of(tournament.config)
-        return rows.Rows(len(parties), len(parties.by_seat), len(tournament.entrants))
+        return stored_values.Rows(len(parties), len(parties.by_seat), len(tournament.entrants))
 
     def _count(self, table: str) -> int:
         with self._store_errors():
@@ -394,7 +394,7 @@ class Store:
     def _store_errors(self) -> Iterator[None]:
         try:
             yield
-        except rows.DamagedError as error:
+        except stored_values.DamagedError as error:
             raise StoreError(f"{self._name}: is damaged: {one_line(str(error))}") from None
         except UnicodeError:  # of what SQLite itself says
             raise StoreError(f"{self._name}: is damaged: it holds what is no text") from None

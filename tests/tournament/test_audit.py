@@ -12,6 +12,7 @@ from catch_arena.cli import main
 from catch_arena.tournament import invariance
 from catch_arena.tournament.audit import (
     LEVEL,
+    audit,
     corrected,
     p_of_no_bias,
     permuted_steps,
@@ -51,7 +52,7 @@ def identical(random, matches, bonus):
 
 
 def passes(outcomes):
-    return all(check.passed for check in corrected(seats_differ(outcomes)))
+    return all(check.passed for check in corrected(seats_differ(outcomes, "0123")))
 
 
 def test_a_fair_arena_passes_and_audit_json_says_so(tmp_path):
@@ -74,6 +75,31 @@ def test_an_agent_that_plays_better_in_the_first_seat_is_an_unfair_arena(tmp_pat
     assert "(most: seat 0)" in result.output
     assert "verdict: NOT FAIR" in result.output
     assert json.loads((tmp_path / "audit.json").read_text())["passed"] is False
+
+
+@pytest.mark.parametrize(
+    ("side", "names"), [("hunter", ("0+1", "2+3", "4+5", "6+7")), ("prey", ("prey 0", "prey 1", "prey 2", "prey 3"))]
+)
+def test_what_is_found_names_teams_by_their_seats_and_prey_by_its_index(side, names):
+    """As the table does. The third of them catches most, or is caught most."""
+    found = seats_differ(identical(np.random.default_rng(3), 200, 0.9), names, side)
+    assert [check.question for check in found] == (
+        ["Does a seat win more often than another?", "Does a seat catch more than another?"]
+        if side == "hunter"
+        else ["Does one prey win more often than another?", "Is one prey caught more often than another?"]
+    )
+    most = {"hunter": "(most: seat 4+5)", "prey": "(most: prey 2)"}[side]
+    assert all(check.finding.endswith(most) for check in found)
+
+
+@pytest.mark.parametrize(("name", "of_prey"), [("pairs", 0), ("tag", 1), ("herd", 3)])
+def test_prey_is_asked_of_by_itself(name, of_prey):
+    """Of one prey alone only what its name matters: there is no other in its match."""
+    found = audit(scenario(name, time_limit_s=1), matches=100, seed=0)
+    assert found.passed
+    questions = [check.question for check in found.checks]
+    assert len(set(questions)) == len(questions) == 8 + of_prey
+    assert sum("prey" in question for question in questions) == of_prey
 
 
 def test_a_bonus_of_one_catch_in_two_matches_is_found_in_two_thousand():

@@ -18,7 +18,7 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import SerialExecutor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.export import export
+from catch_arena.tournament.export import export, rows
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import STORE, Store, Tournament
@@ -237,6 +237,13 @@ def damaged_rows(random, path):
                 db.execute(f"UPDATE OR IGNORE {table} SET {column} = ? WHERE {key} = ?", (new, chosen))
             except sqlite3.Error:  # what cannot even be written
                 continue
+
+
+def test_matches_whose_agents_seeds_followed_from_their_own_are_read_and_exported(whole, tmp_path):
+    changed(whole, tmp_path / "store", "UPDATE match SET agent_seeds = '[]'")
+    with Store.read(tmp_path / "store") as store:
+        assert {row["agent_seed"] for row in rows(store)} == {None}
+    export_all(tmp_path / "store")
 
 
 @pytest.mark.parametrize("damage", [damaged_bytes, damaged_rows])

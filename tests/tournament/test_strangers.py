@@ -27,6 +27,7 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.isolation.starting import inspector, start_players
 from catch_arena.tournament.match import Match, PlayedMatch, play
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.store import STORE, Store, Tournament
 
 ANY = st.text(st.characters(codec=None, exclude_categories=()), max_size=400)
@@ -217,7 +218,7 @@ def test_any_exception_reaches_every_sink(tmp_path_factory, raised):
         store.keep([one])
         (kept,) = store.played()
         assert kept.result.details[0].reason == result.details[0].reason
-    AgentLogs(folder / "logs", entrants).add(one)
+    AgentLogs(folder / "logs", entrants, Parties.of(SHORT)).add(one)
     write_report(folder).read_text(encoding="utf-8")
 
 

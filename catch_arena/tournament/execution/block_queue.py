@@ -109,7 +109,7 @@ class _BlockQueue:
         one.matches, one.excluded = None, self._streaks.excluded_from(one.block)
         one.on_trial = fresh and self._trials.is_due(one.block, one.excluded)
         if not one.on_trial:
-            self._trials.note(one.block, one.excluded)
+            self._trials.note_begun(one.block, one.excluded)
             one.future = self._executor.submit(one.block, one.excluded)
 
     def _take(self, one: _QueuedBlock) -> None:
@@ -145,7 +145,7 @@ class _BlockQueue:
             for one in suspected:
                 one.on_trial = True
             self._keep(matches)
-        self._trials.settle(self._queue.popleft().block)
+        self._trials.note_kept(self._queue.popleft().block)
         if self._streaks.add(played for played, _ in matches):
             for one in self._queue:
                 if one.excluded != self._streaks.excluded_from(one.block):

@@ -70,7 +70,11 @@ def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay |
 
 
 def measure_cost(worker: Worker, plan: Plan) -> Cost:
-    """What a match of this plan costs here: its first block is tried, and none of it kept. Raises: NoContest."""
+    """What a match of this plan costs here: its first block is tried, and none of it kept.
+
+    Raises:
+        NoContest: where that block cannot be played.
+    """
     block = next(iter(plan.batch(0, ())))
     seconds, sizes = 0.0, []
     forfeits: dict[str, str] = {}

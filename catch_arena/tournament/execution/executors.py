@@ -37,7 +37,11 @@ class Executor(Protocol):
         """Begin to play these matches, without the entrants that are `excluded`."""
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """What came of it. Raises: WorkerLost where it should be played again."""
+        """What came of it.
+
+        Raises:
+            WorkerLost: where it should be played again.
+        """
 
     def rest(self) -> None:
         """End all that agents run on this machine; nothing of what was begun is waited for. More may be begun then."""
@@ -228,7 +232,7 @@ def usable_cores() -> int:
 
 
 def require_jobs(jobs: int) -> None:
-    """
+    """Require at least one process.
 
     Raises:
         ConfigError: for a number of processes that cannot play.

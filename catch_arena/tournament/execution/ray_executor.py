@@ -113,13 +113,11 @@ def _play(
 
 @cache
 def require_same(worker: Worker, expected: tuple[tuple[str, str], ...]) -> None:
-    """
+    """Require the agents and versions of the machine that began; asked once in each of Ray's processes.
 
     Raises:
         AgentError: where this machine has not the agents that were entered, or other versions.
         ConfigError: where this machine has not the agents that were entered, or other versions.
-
-    Asked once in each of Ray's processes.
     """
     here = versions()
     for name, wanted in expected:

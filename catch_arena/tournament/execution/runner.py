@@ -16,6 +16,7 @@ from catch_arena.tournament.execution.trials import Trials
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Match, PlayedMatch
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan, listed
 from catch_arena.tournament.store import Store, Tournament
 from catch_arena.tournament.suspicions import Suspicions
@@ -97,7 +98,8 @@ def play_plan(
         OutputError: for logs and replays that cannot be written.
         StoreError: for results that cannot be written.
     """
-    logs = None if folder is None else AgentLogs(folder / LOGS, store.tournament.entrants)
+    tournament = store.tournament
+    logs = None if folder is None else AgentLogs(folder / LOGS, tournament.entrants, Parties.of(tournament.config))
     streaks = ForfeitStreaks(max_forfeits)
     trials = Trials(executor, Suspicions(store))
 

@@ -33,12 +33,12 @@ class Trials:
         """Whether a block was being played when the tournament ended the last time, perhaps by its agents' doing."""
         return block[0].block in self._suspicions.begun and self.has_suspects(block, excluded)
 
-    def note(self, block: Block, excluded: Excluded) -> None:
+    def note_begun(self, block: Block, excluded: Excluded) -> None:
         """That block is about to be played."""
         if self.has_suspects(block, excluded):
             self._suspicions.begin(block[0].block)
 
-    def settle(self, block: Block) -> None:
+    def note_kept(self, block: Block) -> None:
         """That block has been kept."""
         self._suspicions.end(block[0].block)
 

@@ -29,7 +29,7 @@ _GONE: Final = "gone"
 """What stands for the end of requests."""
 
 
-class _Together(NamedTuple):
+class _PlayRequest(NamedTuple):
     """A request: these matches."""
 
     matches: Sequence[Match]
@@ -38,7 +38,7 @@ class _Together(NamedTuple):
     """Whether no agent is to live on afterwards."""
 
 
-class _Apart(NamedTuple):
+class _TrialRequest(NamedTuple):
     """A request: these matches, isolated agents one at a time."""
 
     matches: Sequence[Match]
@@ -47,7 +47,11 @@ class _Apart(NamedTuple):
 
 
 class WorkerProcess:
-    """Plays blocks, one at a time. It ends when this process does, however that ends. Raises: NoContest."""
+    """Plays blocks, one at a time. It ends when this process does, however that ends.
+
+    Raises:
+        NoContest: where it cannot be started.
+    """
 
     def __init__(self, worker: Worker) -> None:
         self._channel, theirs = Pipe()
@@ -82,19 +86,25 @@ class WorkerProcess:
         Raises:
             WorkerLost: where the process has died.
         """
-        return self._answer(_Together(matches, excluded), None)
+        return self._answer(_PlayRequest(matches, excluded), None)
 
     def play_apart(
         self, matches: Sequence[Match], excluded: Excluded, on_turn: Callable[[int], None], disks: Mapping[str, Path]
     ) -> list[RecordedMatch]:
         """The same, as of `Worker.play_apart`: no agent runs before `on_turn` has returned."""
-        return self._answer(_Apart(matches, excluded, disks), on_turn)
+        return self._answer(_TrialRequest(matches, excluded, disks), on_turn)
 
     def rest(self) -> None:
-        """End the agents that wait there for their next match. Raises: WorkerLost where the process has died."""
-        self._answer(_Together((), {}, rest=True), None)
+        """End the agents that wait there for their next match.
 
-    def _answer(self, request: "_Together | _Apart", on_turn: Callable[[int], None] | None) -> list[RecordedMatch]:
+        Raises:
+            WorkerLost: where the process has died.
+        """
+        self._answer(_PlayRequest((), {}, rest=True), None)
+
+    def _answer(
+        self, request: "_PlayRequest | _TrialRequest", on_turn: Callable[[int], None] | None
+    ) -> list[RecordedMatch]:
         try:
             self._channel.send(request)
             while isinstance(answer := self._heard(), int):
@@ -152,7 +162,7 @@ def main() -> None:
             continue
         answer: list[RecordedMatch] | Exception
         try:
-            if isinstance(request, _Apart):
+            if isinstance(request, _TrialRequest):
                 answer = worker.play_apart(request.matches, request.excluded, begin_turn, request.disks)
             else:
                 answer = worker.play(request.matches, request.excluded)

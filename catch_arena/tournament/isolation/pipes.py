@@ -59,7 +59,7 @@ class AgentPipes:
 
     def files(self) -> tuple[int, ...]:
         """What is worth waiting for."""
-        return tuple(file for file in (self.answers, self.printed) if file in self._ours)
+        return (self.answers, self.printed) if self.printed in self._ours else (self.answers,)
 
     def write(self, line: bytes) -> bool:
         """Whether the agent's pipe had room for it; one that is closed shows when it is read."""

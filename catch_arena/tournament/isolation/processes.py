@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.descendants import LINUX
+from catch_arena.tournament.isolation.forbidden_calls import forbid_calls
 from catch_arena.tournament.isolation.limits import AgentLimits
 
 # <linux/prctl.h>
@@ -69,6 +70,7 @@ def confine(limits: AgentLimits, *, namespaced: bool) -> None:
         Path("/proc/self/oom_score_adj").write_text("1000")
     close_to_others()
     _prctl(_SET_NO_NEW_PRIVS, 1)
+    forbid_calls()
     _limit(resource.RLIMIT_NPROC, _most_tasks(limits, namespaced=namespaced))  # root is not held by it
     _limit(resource.RLIMIT_DATA, limits.memory_mib * _MIB)
     _limit(resource.RLIMIT_AS, _ADDRESSES * limits.memory_mib * _MIB)

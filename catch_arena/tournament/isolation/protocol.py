@@ -59,10 +59,10 @@ def read_record(stream: BufferedReader) -> tuple[list[float], list[int]] | None:
     head = stream.read(_HEAD.size)
     if len(head) < _HEAD.size:
         return None
-    form = _record_form(*_HEAD.unpack(head))
-    _, _, *numbers = form.unpack(head + stream.read(form.size - _HEAD.size))
-    width = _HEAD.unpack(head)[0]
-    return numbers[:width], numbers[width:]
+    width, choices = _HEAD.unpack(head)
+    form = _record_form(width, choices)
+    numbers = form.unpack(head + stream.read(form.size - _HEAD.size))
+    return [*numbers[2 : 2 + width]], [*numbers[2 + width :]]
 
 
 @cache

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
 
-from catch_arena.descendants import family, start, state
+from catch_arena.descendants import family, is_stopped, start, state
 from catch_arena.errors import NoContest
 from catch_arena.files import is_full, room
 from catch_arena.tournament.entrants import Entrant
@@ -81,14 +81,22 @@ class _Supervisor:
         return self._process.pid
 
     def ask(self, files: Sequence[int] = (), **request: Any) -> dict[str, Any]:
-        """Its answer. Raises: NoContest where there is none."""
+        """Its answer.
+
+        Raises:
+            NoContest: where there is none.
+        """
         self._require_not_stopped()
         with suppress(OSError):  # what is wrong shows when it is heard
             protocol.send(self._control, files, **request)
         return self._heard()
 
     def require_alive(self) -> None:
-        """Raises: NoContest where it has ended, and all agents with it, or was stopped."""
+        """Require that it runs.
+
+        Raises:
+            NoContest: where it has ended, and all agents with it, or was stopped.
+        """
         if select.select([self._control], [], [], 0.0)[0]:  # it says nothing that it was not asked
             raise NoContest(_GONE)
         self._require_not_stopped()
@@ -264,17 +272,21 @@ class Sandbox:
         return "its process has ended, or closed its answers", True
 
     def require_alive(self) -> None:
-        """Raises: NoContest where what keeps the agents has ended or was stopped."""
+        """Require that what keeps the agents runs.
+
+        Raises:
+            NoContest: where it has ended or was stopped.
+        """
         if self._supervisor is not None:
             self._supervisor.require_alive()
 
     def has_stopped(self) -> bool:
         """Whether what keeps the agents was stopped."""
-        return self._supervisor is not None and state(self._supervisor.pid) == "T"
+        return self._supervisor is not None and is_stopped(self._supervisor.pid)
 
     def holds_stopped(self) -> bool:
         """Whether anybody has stopped a process of an agent."""
-        return self._supervisor is not None and "T" in map(state, family(self._supervisor.pid))
+        return self._supervisor is not None and any(map(is_stopped, family(self._supervisor.pid)))
 
     def is_full(self) -> bool:
         """Whether the disk is full that agents' folders are on."""

@@ -189,7 +189,7 @@ def listed(matches: Sequence[Match]) -> FixedPlan:
 
 
 def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournament: bool = False) -> None:
-    """
+    """Require as many entrants as fill the seats.
 
     Args:
         entrants: how many there are.
@@ -220,7 +220,7 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournam
 
 
 def _check(rounds: int, size: int, what: str) -> None:
-    """
+    """Require a plan that can be played.
 
     Raises:
         ConfigError: for a plan that cannot be, or that is too long.

@@ -34,6 +34,16 @@ class Estimate:
         """Half of the interval's width."""
         return (self.high - self.low) / 2
 
+    def to_dict(self, digits: int | None = None) -> dict[str, float | None]:
+        """For programs: `mean`, `low` and `high`, rounded to `digits` behind the point where they are given; None where
+        too few blocks tell.
+        """
+        numbers = {"mean": self.mean, "low": self.low, "high": self.high}
+        return {
+            name: None if math.isnan(number) else number if digits is None else round(number, digits)
+            for name, number in numbers.items()
+        }
+
 
 def estimates(
     means: Floats, residuals: Floats, counts: Floats, pseudo_variance: Floats | float = 0.0

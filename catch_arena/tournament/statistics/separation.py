@@ -103,7 +103,7 @@ def next_look(blocks: int) -> int:
 
 
 def require_confidence(confidence: float) -> None:
-    """
+    """Require a confidence that an interval can have.
 
     Raises:
         ConfigError: for a confidence outside [0.5, 1).

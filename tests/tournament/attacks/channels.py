@@ -208,6 +208,21 @@ def remembers_a_match_by_system_v_shared_memory(own):
         attached(True).value = b"all that I saw"
 
 
+def remembers_a_match_by_a_posix_message_queue(own):
+    """It lasts as long as the namespaces, or the machine."""
+    libc = ctypes.CDLL(None)
+    name = f"/{FACTS['token']}".encode()
+    queue = libc.mq_open(name, os.O_RDWR | os.O_CREAT | os.O_NONBLOCK, 0o600, None)
+    if queue < 0:
+        return
+    content = ctypes.create_string_buffer(8192)
+    if libc.mq_receive(queue, content, 8192, None) > 0:
+        tell(f"carried {content.value}")
+        libc.mq_unlink(name)
+    else:
+        libc.mq_send(queue, b"all that I saw", 14, 0)
+
+
 def remembers_a_match_by_memory_that_its_fork_server_shares(own):
     """Mapped when its module is imported, once for all its matches."""
     remembers(lambda: shared[:14].strip(b"\0"), shared.write)

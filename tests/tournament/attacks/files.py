@@ -50,6 +50,16 @@ def says_that_its_source_is_its_memory():
     fork_server.source_of = lambda policy: "/proc/self/mem"  # a file that cannot be read from its beginning
 
 
+def names_a_source_that_no_file_can_have(own):
+    """Longer than a path may be: whoever looks for it is told so by the system."""
+
+
+def says_that_its_source_is_very_long():
+    from catch_arena.tournament.isolation import fork_server
+
+    fork_server.source_of = lambda policy: "x" * 9999
+
+
 class Told(BaseException):
     """What it has found: a grade shows why an agent forfeited."""
 
@@ -92,9 +102,9 @@ def lists_the_users_home(own):
 
 def finds_a_way_out_through_proc(own):
     for pid in ["self", *relatives()]:
-        for door in ("root", "cwd/..", "cwd/../.."):
+        for way in ("root", "cwd/..", "cwd/../.."):
             try:
-                tell(secrets_in(Path(f"/proc/{pid}/{door}/{FACTS['home']}/key").read_bytes()))
+                tell(secrets_in(Path(f"/proc/{pid}/{way}/{FACTS['home']}/key").read_bytes()))
             except OSError:
                 continue
 

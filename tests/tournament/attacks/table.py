@@ -15,6 +15,7 @@ NOT_STOPPED: Final = "not stopped"
 BY_LUCK: Final = "not stopped, where it has luck"
 BY_SOME_KERNELS: Final = "not stopped by all kernels"
 AS_ROOT: Final = "stopped, but not where the tournament runs as root"
+ROOT_STOPS: Final = "not stopped, but where the tournament runs as root"
 IMPATIENT: Final = {"step_ms": 1500, "bank_s": 0.5}
 """For agents that somebody stops, and that are late then."""
 
@@ -96,6 +97,11 @@ def attack(run, succeeded, by_processes, by_namespaces, **options) -> Attack:
 def quiet(run, succeeded, by_processes, by_namespaces) -> Attack:
     """One that leaves the match as it is: one agent tries them all."""
     return attack(run, succeeded, by_processes, by_namespaces, together="looks", rounds=2)
+
+
+def hidden_memory(run, by_processes, by_namespaces) -> Attack:
+    """One that takes more than an agent may have, where no process of its own holds it; one agent tries them all."""
+    return attack(run, done, by_processes, by_namespaces, together="memory", limits={"memory_mib": 64})
 
 
 ATTACKS: Final = (
@@ -189,6 +195,13 @@ ATTACKS: Final = (
         file="../packages/attacker.py",
         spec="attacker:Agent",
     ),
+    attack(
+        files.names_a_source_that_no_file_can_have,
+        beaten,
+        STOPPED,
+        STOPPED,
+        at_import=files.says_that_its_source_is_very_long,
+    ),
     attack(files.reads_the_spec_that_it_is_graded_by, leaked, NOT_STOPPED, STOPPED, graded=True, file="attacker.py"),
     quiet(files.changes_the_rivals_source, changed("rival.py"), NOT_STOPPED, STOPPED),
     quiet(files.reads_the_rivals_working_folder, leaked, NOT_STOPPED, STOPPED),
@@ -227,8 +240,15 @@ ATTACKS: Final = (
     attack(resources.forks_300_processes, done, BY_LUCK, AS_ROOT),
     attack(resources.starts_10_000_threads, done, STOPPED, STOPPED),
     attack(resources.takes_memory_in_many_processes, done, STOPPED, STOPPED, limits={"memory_mib": 64}),
-    attack(resources.takes_memory_by_files_in_memory, done, NOT_STOPPED, NOT_STOPPED, limits={"memory_mib": 64}),
-    attack(resources.takes_memory_by_system_v_segments, done, NOT_STOPPED, NOT_STOPPED, limits={"memory_mib": 64}),
+    attack(resources.takes_memory_by_forgetting_what_it_shares, done, ROOT_STOPS, STOPPED, limits={"memory_mib": 128}),
+    attack(resources.takes_memory_by_pipes_that_nobody_reads, done, AS_ROOT, STOPPED, limits={"memory_mib": 256}),
+    hidden_memory(resources.takes_memory_by_files_in_memory, STOPPED, STOPPED),
+    hidden_memory(resources.takes_memory_by_system_v_segments, STOPPED, STOPPED),
+    hidden_memory(resources.takes_memory_by_system_v_segments_and_calls_of_32_bits, STOPPED, STOPPED),
+    hidden_memory(resources.takes_memory_by_system_v_messages, STOPPED, STOPPED),
+    hidden_memory(resources.takes_memory_by_pages_that_lie_in_pipes, STOPPED, STOPPED),
+    hidden_memory(resources.takes_memory_by_rings_of_the_kernel, STOPPED, STOPPED),
+    hidden_memory(resources.takes_memory_by_connections_that_nobody_reads, NOT_STOPPED, NOT_STOPPED),
     attack(resources.runs_away_by_forking_for_ever, beaten, STOPPED, STOPPED),
     # what it says
     attack(resources.prints_for_ever_while_it_plays, beaten, STOPPED, STOPPED),
@@ -258,11 +278,15 @@ ATTACKS: Final = (
             ),
             (channels.hears_an_accomplice_by_shared_memory, channels.sends_the_secret_by_shared_memory),
             (channels.hears_an_accomplice_by_a_temporary_file, channels.sends_the_secret_by_a_temporary_file),
-            (
-                channels.hears_an_accomplice_by_system_v_shared_memory,
-                channels.sends_the_secret_by_system_v_shared_memory,
-            ),
         )
+    ),
+    attack(
+        channels.hears_an_accomplice_by_system_v_shared_memory,
+        leaked,
+        STOPPED,
+        STOPPED,
+        accomplice=channels.sends_the_secret_by_system_v_shared_memory,
+        together="talks",
     ),
     attack(
         channels.hears_an_accomplice_by_locks_on_files_that_all_may_read,
@@ -285,7 +309,7 @@ ATTACKS: Final = (
     quiet(channels.remembers_a_match_by_a_file_in_its_home, remembered, STOPPED, STOPPED),
     quiet(channels.remembers_a_match_by_a_file_beside_its_source, remembered, NOT_STOPPED, STOPPED),
     quiet(channels.remembers_a_match_by_shared_memory, remembered, NOT_STOPPED, STOPPED),
-    quiet(channels.remembers_a_match_by_system_v_shared_memory, remembered, NOT_STOPPED, NOT_STOPPED),
+    quiet(channels.remembers_a_match_by_system_v_shared_memory, remembered, STOPPED, STOPPED),
     attack(
         channels.remembers_a_match_by_memory_that_its_fork_server_shares,
         remembered,
@@ -302,7 +326,8 @@ ATTACKS: Final = (
         at_import=channels.starts_a_thread_that_listens,
         together="server",
     ),
-    quiet(channels.remembers_a_match_by_a_key_that_the_kernel_keeps, remembered, BY_SOME_KERNELS, BY_SOME_KERNELS),
+    quiet(channels.remembers_a_match_by_a_key_that_the_kernel_keeps, remembered, STOPPED, STOPPED),
+    quiet(channels.remembers_a_match_by_a_posix_message_queue, remembered, STOPPED, STOPPED),
 )
 
 _SPELLED: Final = {
@@ -314,6 +339,7 @@ _SPELLED: Final = {
     "elses": "else's",
     "system v": "System V",
     "tcp": "TCP",
+    "posix": "POSIX",
     "python": "Python",
     "proc": "/proc",
     "pidfd": "pidfd_getfd",

@@ -26,6 +26,19 @@ IMPATIENT = {
     "never_reads.sh": AgentLimits(init_s=1),
 }
 
+NAPS = """
+import time
+naps = {}
+
+class Agent:
+    def reset(self, seed):
+        pass
+
+    def act(self, view):
+        time.sleep(naps.pop() if naps else 0)
+        return 0
+"""
+
 
 @pytest.fixture(scope="module", params=LEVELS)
 def sandbox(request):
@@ -99,6 +112,17 @@ def test_who_kills_its_fork_server_goes_with_it_unless_it_is_the_first_process_o
         assert result.forfeits == (None, None)
     else:
         assert str(result.details[0]) == "FORFEIT_CRASH in step 1: act: its process has ended, or closed its answers"
+
+
+def test_who_is_late_stays_late_though_another_thinks_for_longer(sandbox, tmp_path):
+    """The first has used up half of its bank when it takes longer than the rest, and answers before the second does."""
+    for name, naps in (("late", "[2.4, 1.5]"), ("slow", "[2.6, 0.0]")):
+        (tmp_path / f"{name}.py").write_text(NAPS.format(naps))
+    with Sandbox(AgentLimits(init_s=60, step_ms=200, bank_s=3, level=sandbox.level)) as within:
+        entrants = enter([str(tmp_path / "late.py"), str(tmp_path / "slow.py")], inspector(within))
+        with start_players(entrants, within) as players:
+            result = play(SHORT, 3, players, ["late", "slow"], most_steps=3)
+    assert str(result.details[0]).startswith("FORFEIT_TIMEOUT in step 2")
 
 
 def test_a_traceback_goes_to_the_agents_own_log(sandbox):

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from catch_arena.descendants import family, session_of
+from catch_arena.descendants import family, is_stopped, session_of
 from catch_arena.tournament.isolation.freezer import Freezer
 from catch_arena.tournament.isolation.newcomers import no_newcomers_left
 
@@ -82,3 +82,17 @@ def test_orphans_in_sessions_of_their_own_are_killed_and_other_children_are_not(
         assert ours.poll() is None
         assert not newcomers & family(os.getpid())
         ours.kill()
+
+
+def test_who_is_told_to_stand_still_is_known_to_be_stopped_at_once():
+    """Also before it has had its turn on a busy machine, when its state does not say so yet."""
+    with subprocess.Popen(["yes"], stdout=subprocess.DEVNULL) as process:
+        try:
+            for _ in range(100):
+                assert not is_stopped(process.pid)
+                process.send_signal(signal.SIGSTOP)
+                assert is_stopped(process.pid)
+                process.send_signal(signal.SIGCONT)
+        finally:
+            process.kill()
+    assert not is_stopped(process.pid)

@@ -148,6 +148,19 @@ def test_an_agent_is_told_its_own_seed_and_the_arenas_limits(sandbox, tmp_path):
     assert result.logs[0].startswith(f"seed {2**63 - 1}\n{Limits.of(SHORT)} [")
 
 
+def test_a_module_is_imported_once_for_all_matches_and_what_a_match_changes_in_it_is_gone(sandbox, tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(
+        "print('imported')\nmatches = 0\nclass Agent:\n    def reset(self, seed):\n        global matches\n"
+        "        matches += 1\n        print('match', matches)\n    def act(self, view): return 0\n"
+        "class Prey:\n    def reset(self, seed): pass\n    def act(self, view): return [0.0, 0.0]\n"
+    )
+    entrants = enter([str(path), "idle"], inspector(sandbox))
+    first, second = (played(SHORT, entrants, sandbox).logs[0].splitlines() for _ in range(2))
+    assert first in (["match 1"], ["imported", "match 1"])  # it may have been looked at in another fork server
+    assert second == ["match 1"]
+
+
 def test_numpys_numbers_are_actions(sandbox, tmp_path):
     path = tmp_path / "numbers.py"
     path.write_text(

@@ -70,7 +70,11 @@ def facts_of(rows: Iterable[Sequence[Any]]) -> dict[str, Any]:
 
 
 def config_of(facts: Mapping[str, Any]) -> ArenaConfig:
-    """The arena's settings. Raises: DamagedError."""
+    """The arena's settings.
+
+    Raises:
+        DamagedError: where no arena can have them.
+    """
     try:
         return ArenaConfig.from_dict(_table("config", facts["config"]))
     except (CatchArenaError, TypeError, ValueError, AttributeError, RecursionError) as error:
@@ -78,7 +82,11 @@ def config_of(facts: Mapping[str, Any]) -> ArenaConfig:
 
 
 def entrants_of(facts: Mapping[str, Any]) -> tuple[Entrant, ...]:
-    """Who plays; there is at least one, and each has a name of its own. Raises: DamagedError."""
+    """Who plays; there is at least one, and each has a name of its own.
+
+    Raises:
+        DamagedError: where that is not so.
+    """
     entrants = tuple(map(_entrant, _list_of("entrants", facts["entrants"], 1, _MOST)))
     if len({one.name for one in entrants}) < len(entrants):
         raise DamagedError("entrants must have a name each")
@@ -86,7 +94,11 @@ def entrants_of(facts: Mapping[str, Any]) -> tuple[Entrant, ...]:
 
 
 def parameters_of(what: str, facts: Mapping[str, Any]) -> dict[str, Any]:
-    """The plan's parameters, or the terms. Raises: DamagedError."""
+    """The plan's parameters, or the terms.
+
+    Raises:
+        DamagedError: for a name or a value that neither can have.
+    """
     found = _table(what, facts[what])
     for name, value in found.items():
         text_of(f"a name of {what}", name)
@@ -100,7 +112,11 @@ def parameters_of(what: str, facts: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def secret_of(facts: Mapping[str, Any]) -> Secret | None:
-    """What the plan is drawn from. Raises: DamagedError."""
+    """What the plan is drawn from.
+
+    Raises:
+        DamagedError: where it is no secret.
+    """
     text = facts["seed"]
     try:
         return None if text is None else Secret.parse(text_of("seed", text))
@@ -109,7 +125,11 @@ def secret_of(facts: Mapping[str, Any]) -> Secret | None:
 
 
 def versions_of(text: object, known: Iterable[str]) -> dict[str, str]:
-    """What played, by version. Raises: DamagedError."""
+    """What played, by version.
+
+    Raises:
+        DamagedError: for names other than those `known`, or a version that is no text.
+    """
     found = _table("versions", parsed("versions", text), [*known])
     return {name: text_of(f"versions.{name}", value) for name, value in found.items()}
 
@@ -123,7 +143,11 @@ class Rows:
     entrants: int
 
     def match(self, row: Sequence[Any]) -> Match:
-        """A match of the plan, of its id, block, seed, seating and agents' seeds. Raises: DamagedError."""
+        """A match of the plan, of its id, block, seed, seating and agents' seeds.
+
+        Raises:
+            DamagedError: where one of them cannot be.
+        """
         name, block, seed, seating, agent_seeds = row
         if not isinstance(name, str) or not _ID.fullmatch(name):
             raise DamagedError(f"a match's id must be of letters, digits, - and _, got {in_short(name)}")
@@ -140,7 +164,11 @@ class Rows:
         return () if value == [] else self._wholes("agent_seeds", value, 0, SEED_LIMIT - 1)
 
     def played(self, row: Sequence[Any]) -> PlayedMatch:
-        """A match that was played: as `match` has it, its replay's digest, and RESULTS. Raises: DamagedError."""
+        """A match that was played: as `match` has it, its replay's digest, and RESULTS.
+
+        Raises:
+            DamagedError: where one of them cannot be, or two do not belong together.
+        """
         *planned, replay = row[: -len(RESULTS)]
         match = self.match(planned)
         with _within(match.id):
@@ -179,7 +207,11 @@ class Rows:
 
 
 def in_order(found: Iterable[T], match_of: Callable[[T], Match], after: str = "") -> Iterator[T]:
-    """The same. Raises: DamagedError, where the ids of their matches do not ascend from `after`."""
+    """The same, one after the other.
+
+    Raises:
+        DamagedError: where the ids of their matches do not ascend from `after`.
+    """
     for one in found:
         match = match_of(one)
         if match.id <= after:
@@ -189,21 +221,33 @@ def in_order(found: Iterable[T], match_of: Callable[[T], Match], after: str = ""
 
 
 def whole(what: str, value: object, least: int, most: int) -> int:
-    """A whole number in that range. Raises: DamagedError."""
+    """A whole number in [least, most].
+
+    Raises:
+        DamagedError: for anything else.
+    """
     if type(value) is not int or not least <= value <= most:
         raise DamagedError(f"{what} must be a whole number from {least} to {most}, got {in_short(value)}")
     return value
 
 
 def number_of(what: str, value: object, least: float, most: float) -> float:
-    """A number in that range. Raises: DamagedError."""
+    """A number in [least, most].
+
+    Raises:
+        DamagedError: for anything else.
+    """
     if type(value) not in {int, float} or not least <= value <= most:  # type: ignore[operator]
         raise DamagedError(f"{what} must be a number from {least:g} to {most:g}, got {in_short(value)}")
     return value  # type: ignore[return-value]
 
 
 def text_of(what: str, value: object, most: int | None = _LONGEST_TEXT) -> str:
-    """A printable text of at most so many characters; for None any text. Raises: DamagedError."""
+    """A printable text of at most so many characters; for None any text.
+
+    Raises:
+        DamagedError: for anything else.
+    """
     if not isinstance(value, str) or (most is not None and (len(value) > most or not value.isprintable())):
         must = "text" if most is None else f"printable text of at most {most} characters"
         raise DamagedError(f"{what} must be {must}, got {in_short(value)}")
