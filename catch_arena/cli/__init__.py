@@ -1,5 +1,13 @@
 """The command line: a file for each group of commands. Each checks its options, calls the library, and says where
 the results are.
+
+- app: the application, its errors, and the options that commands share.
+- The commands: matches (tournament, match), hand_ins (check-agent, grade), evaluation (compare, audit), suite,
+  exploitation (exploit), live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights,
+  sheet), report, exports (export), conformance, listings (agents, scenarios), ros and ros_bags.
+- ros_nodes: what conformance and grade do with a node on a ROS 2 bus. bus_options: which bus that is.
+- arguments: secrets on the command line. outputs: files that are not replaced unasked.
+- terminal, tables, fitted_table, progress, live_standings: what a terminal shows.
 """
 
 from catch_arena.cli import conformance as _conformance  # noqa: F401

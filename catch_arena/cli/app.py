@@ -73,7 +73,7 @@ class _Commands(TyperGroup):
 
 main = typer.Typer(
     name="catch-arena",
-    help="Hunters chase turtles, and a referee decides who caught what.",
+    help="Hunters chase turtles, and an arbiter decides who caught what.",
     cls=_Commands,
     no_args_is_help=True,
     add_completion=False,
@@ -89,6 +89,7 @@ Agents = Annotated[
         "cmd:COMMAND (docs/isolation.md).",
     ),
 ]
+Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
 TeamSize = Annotated[
     int | None,
     typer.Option(
@@ -300,19 +301,19 @@ def enter_agents(
     with sandbox_for(limits) as sandbox:
         look = inspector(sandbox)
         if looks is None or sandbox is None:
-            players = enter(specs, look)
+            entrants = enter(specs, look)
         else:
-            players = enter(specs, lambda spec: look(spec) if is_shipped(spec) else looks.inspect(spec, look))
+            entrants = enter(specs, lambda spec: look(spec) if is_shipped(spec) else looks.inspect(spec, look))
     say_level(limits)
-    for player in players:
-        if player.fault is not None:
-            say(f"warning: {player.name} cannot begin, and forfeits its matches: {player.fault}", err=True)
-        elif prey and player.prey_fault is not None:
-            say(f"warning: {player.name} forfeits its matches as prey: {player.prey_fault}", err=True)
-    if limits is not None and not all(is_shipped(player.spec) for player in players):
+    for entrant in entrants:
+        if entrant.fault is not None:
+            say(f"warning: {entrant.name} cannot begin, and forfeits its matches: {entrant.fault}", err=True)
+        elif prey and entrant.prey_fault is not None:
+            say(f"warning: {entrant.name} forfeits its matches as prey: {entrant.prey_fault}", err=True)
+    if limits is not None and not all(is_shipped(entrant.spec) for entrant in entrants):
         for line in missing_protections():
             say(f"warning: {line}", err=True)
-    return players
+    return entrants
 
 
 def _pairs(option: str, changes: list[str] | None) -> Iterator[tuple[str, Any]]:
@@ -323,4 +324,7 @@ def _pairs(option: str, changes: list[str] | None) -> Iterator[tuple[str, Any]]:
         try:
             yield key, json.loads(text)
         except ValueError:
+            if text.startswith(("[", "(", "{")) or text in {"None", "True", "False"}:
+                wanted = "a number, a word, true, false, null, or a list as [[0, 1], [2, 3]]"
+                raise ConfigError(f"{option} {key} must be {wanted}, got {text!r}") from None
             yield key, text  # a bare word

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 import typer
 
 from catch_arena.cli.app import main
+from catch_arena.cli.bus_options import BRIDGE_URL, INTERFACES, TURTLESIM, BusOption, Domain, Package, Turtlesim, Url
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.ros import BRIDGE_URL, BusOption, Domain, Package, Turtlesim, Url
 from catch_arena.cli.ros_nodes import is_service, node_under_test
 from catch_arena.cli.terminal import columns, say
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
@@ -51,8 +51,8 @@ def conformance(
     bus: BusOption = None,
     domain: Domain = None,
     url: Url = BRIDGE_URL,
-    interfaces: Package = "my_robot_interfaces",
-    turtlesim: Turtlesim = "turtlesim",
+    interfaces: Package = INTERFACES,
+    turtlesim: Turtlesim = TURTLESIM,
 ) -> None:
     """Try an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 

@@ -16,15 +16,15 @@ from catch_arena.cli.app import (
     main,
     say_level,
 )
+from catch_arena.cli.bus_options import BRIDGE_URL, INTERFACES, TURTLESIM, BusOption, Domain, Package, Turtlesim, Url
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.ros import BRIDGE_URL, BusOption, Domain, Package, Turtlesim, Url
 from catch_arena.cli.ros_nodes import is_service, node_under_test
 from catch_arena.cli.terminal import folded, say
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 
 if TYPE_CHECKING:
-    from catch_arena.tournament.grading import Marks, Spec
+    from catch_arena.tournament.grading import Spec, TestGrade
     from catch_arena.tournament.isolation.limits import AgentLimits
 
 Agent = Annotated[
@@ -101,8 +101,8 @@ def grade(
     bus: BusOption = None,
     domain: Domain = None,
     url: Url = BRIDGE_URL,
-    interfaces: Package = "my_robot_interfaces",
-    turtlesim: Turtlesim = "turtlesim",
+    interfaces: Package = INTERFACES,
+    turtlesim: Turtlesim = TURTLESIM,
 ) -> None:
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
@@ -117,7 +117,7 @@ def grade(
     for path in (junit, json, seeds):
         if path is not None:
             output_file(path, force=force)
-    grades: list[Marks] = []
+    grades: list[TestGrade] = []
     if is_service(agent):
         from catch_arena.ros.node_grading import grade_node
 
@@ -125,9 +125,9 @@ def grade(
             raise ConfigError("--seeds must be left out with a service: its cases have none")
         name, digest = agent, None
         with node_under_test(agent, bus, domain, url, interfaces, turtlesim) as node:
-            for mark in grade_node(exercise, node):
-                grades.append(mark)
-                say(str(mark))
+            for one in grade_node(exercise, node):
+                grades.append(one)
+                say(str(one))
     else:
         for test in exercise.tests:
             if test.cases:
@@ -155,7 +155,7 @@ def _grade_agent(
     allowed: "AgentLimits | None",
     max_forfeits: int,
     spec: Path,
-    grades: "list[Marks]",
+    grades: "list[TestGrade]",
 ) -> tuple[str, str | None]:
     """Play the tests, and say and collect what each gave: the agent's name and digest."""
     from catch_arena.tournament.entrants import enter
@@ -167,10 +167,6 @@ def _grade_agent(
         (student,) = enter([agent], look)
         say_level(allowed)
         for test in exercise.tests:
-            if test.cases:
-                raise ConfigError(
-                    f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents"
-                )
             opponents = enter(test.opponents, look)
             for word, opponent in zip(test.opponents, opponents, strict=True):
                 if opponent.fault is not None:

@@ -96,7 +96,9 @@ def tournament(
     watch: Annotated[
         bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 from the first match on, until Ctrl-C.")
     ] = False,
-    plan: Annotated[bool, typer.Option("--plan", help="Say what would be played and what it costs; no more.")] = False,
+    plan_only: Annotated[
+        bool, typer.Option("--plan", help="Say what would be played and what it costs; no more.")
+    ] = False,
     settings: SettingOption = None,
 ) -> None:
     """Play groups of agents in every seating, and rank them.
@@ -123,13 +125,13 @@ def tournament(
     given = None if seed is None else secret_of(seed)
     allowed = limits_or_trust(limits, isolation, agents, out, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
-    players = enter_agents(agents, allowed, FirstLooks(out), prey=config.prey > 0)
-    require_enough(len(players), config, scenario, tournament=True)
+    entrants = enter_agents(agents, allowed, FirstLooks(out), prey=config.prey > 0)
+    require_enough(len(entrants), config, scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
-    plays = _plan(players, parties, form, rounds, secret, until_separated, max_matches)
-    worker = Worker(config, players, record, allowed)
-    if plan:
-        Console().print(plan_table(plays, worker, measure_cost(worker, plays), jobs, max_forfeits))
+    plan = _plan(entrants, parties, form, rounds, secret, until_separated, max_matches)
+    worker = Worker(config, entrants, record, allowed)
+    if plan_only:
+        Console().print(plan_table(plan, worker, measure_cost(worker, plan), jobs, max_forfeits))
         return
     prepare_folder(out / REPLAYS if record else out)
     if not (out / STORE).exists():  # else they are made from it
@@ -141,28 +143,28 @@ def tournament(
             )
     terms: dict[str, int | float] = {"recorded": record, "trusted": trusted, "max_forfeits": max_forfeits}
     terms |= {} if allowed is None else allowed.numbers()
-    facts = Tournament(config, players, plays.parameters, terms, secret)
-    most = "at most " if isinstance(plays, UntilSeparated) else ""
+    about = Tournament(config, entrants, plan.parameters, terms, secret)
+    most = "at most " if isinstance(plan, UntilSeparated) else ""
 
     def kept(count: int) -> str:
-        return f"{count} of {most}{plays.size} matches are kept in {out}; the same command with --resume goes on"
+        return f"{count} of {most}{plan.size} matches are kept in {out}; the same command with --resume goes on"
 
     def kept_by_now() -> str:
         with Store.read(out) as store:  # of its own: any thread may ask
             return kept(store.count_played())
 
-    with Store.begin(facts, out, resume=resume) as store, _watched(out) if watch else nullcontext():
+    with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
         interrupts.also_say(kept_by_now)
-        say(f"{scenario}: {len(players)} agents, {most}{plays.size} matches, {len(parties)} in each")
+        say(f"{scenario}: {len(entrants)} agents, {most}{plan.size} matches, {len(parties)} in each")
         try:
             with (
                 _executor(executor, worker, jobs, address) as ready,
-                LiveStandings(players, parties, plays.size) as live,
+                LiveStandings(entrants, parties, plan.size) as live,
             ):
-                play_plan(store, plays, ready, max_forfeits=max_forfeits, folder=out, on_results=live.update)
-            tables = standings_of_sides(players, list(store.played()), parties)
+                play_plan(store, plan, ready, max_forfeits=max_forfeits, folder=out, on_results=live.update)
+            tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
-            write_standings(out, facts, played, tables)
+            write_standings(out, about, played, tables)
         except (NoContest, OutputError, StoreError) as error:
             raise type(error)(f"{error}; {kept(store.count_played())}") from None
         for table in standings_tables(tables):
@@ -174,8 +176,8 @@ def tournament(
             if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
                 matches = sum(one.matches for one in lines)
                 say(f"{line.name} was out: {without} of its {matches} matches were played without it")
-        if isinstance(plays, UntilSeparated) and plays.last is not None:
-            say(f"after {played} matches, {plays.last}")
+        if isinstance(plan, UntilSeparated) and plan.last is not None:
+            say(f"after {played} matches, {plan.last}")
         if (out / LOGS).exists():
             say(f"what agents printed, and how they failed: {out / LOGS}")
         say(seed_told(secret))
@@ -196,7 +198,7 @@ def _watched(folder: Path) -> Iterator[None]:
 
 
 def _plan(
-    players: "tuple[Entrant, ...]",
+    entrants: "tuple[Entrant, ...]",
     parties: "Parties",
     form: Format | None,
     rounds: int | None,
@@ -216,17 +218,17 @@ def _plan(
     if until_separated is None:
         if max_matches is not None:
             raise ConfigError(f"--max-matches must come with --until-separated, got {max_matches} alone")
-        return plan_of(form, len(players), parties.group, rounds, seed, prey)
+        return plan_of(form, len(entrants), parties.group, rounds, seed, prey)
     if rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
 
     def of_rounds(count: int) -> FixedPlan:
-        made = plan_of(form, len(players), parties.group, count, seed, prey)
+        made = plan_of(form, len(entrants), parties.group, count, seed, prey)
         if not isinstance(made, FixedPlan):
             raise ConfigError(f"--format must be another one with --until-separated, got {form}")
         return made
 
-    return UntilSeparated(players, until_separated, BUDGET if max_matches is None else max_matches, of_rounds, prey)
+    return UntilSeparated(entrants, until_separated, BUDGET if max_matches is None else max_matches, of_rounds, prey)
 
 
 def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
@@ -282,15 +284,15 @@ def match(
     config = arena(scenario, settings, team_size)
     parties = Parties.of(config)
     allowed = limits_or_trust(limits, isolation, agents, output, trusted=trusted)
-    players = enter_agents(agents, allowed, prey=config.prey > 0)
-    require_enough(len(players), config, scenario)
-    if len(players) > len(parties):
-        raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(players)}")
+    entrants = enter_agents(agents, allowed, prey=config.prey > 0)
+    require_enough(len(entrants), config, scenario)
+    if len(entrants) > len(parties):
+        raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(entrants)}")
     output_file(output, force=force)
     drawn = arena_seed(seed)
     with sandbox_for(allowed) as sandbox:
-        result = play_entrants(config, drawn, players, sandbox, title=scenario, record=output)
-    names = [player.name for player in players]
+        result = play_entrants(config, drawn, entrants, sandbox, title=scenario, record=output)
+    names = [entrant.name for entrant in entrants]
     print_logs(names, result.logs)
     print_result(parties, result, names)
     say(f"seed: {drawn}")

@@ -9,14 +9,19 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
 
 _LINE_EVERY_S: Final = 10.0
+_LATE_S: Final = 2.0
 
 
 @contextmanager
-def progress_bar(what: str, total: int | None = None, *, after_s: float = 0.0) -> Iterator[Callable[[int, int], None]]:
+def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> Iterator[Callable[[int, int], None]]:
     """How far it is, on stderr, to be called with (done, total).
 
-    On a terminal it is a bar, which appears after `after_s` seconds and goes away in the end; elsewhere it is a line
-    now and then.
+    On a terminal it is a bar, which goes away in the end; elsewhere it is a line now and then.
+
+    Args:
+        what: is done.
+        total: how much there is to do, where that is known before.
+        late: whether a terminal shows nothing of work that is over soon.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
@@ -28,11 +33,11 @@ def progress_bar(what: str, total: int | None = None, *, after_s: float = 0.0) -
 
     def show(done: int, total: int) -> None:
         bar.update(task, completed=done, total=total)
-        if time.monotonic() - begin >= after_s:
+        if time.monotonic() - begin >= _LATE_S or not late:
             bar.start()
 
     try:
-        if not after_s:
+        if not late:
             bar.start()
         yield show
     finally:

@@ -7,15 +7,12 @@ from typing import Annotated
 
 import typer
 
-from catch_arena.cli.app import main
+from catch_arena.cli.app import Recorded, main
 from catch_arena.cli.terminal import WIDE, columns, say
 from catch_arena.errors import ConfigError, ReplayError
 
 _EXIT_DIFFERENT = 1
 _EXIT_UNREADABLE = 2
-_BAR_AFTER_S = 2.0
-
-Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
 
 
 @main.command()
@@ -36,7 +33,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
             codes.append(_EXIT_UNREADABLE)
             say(str(error), err=True)
             continue
-        with progress_bar("verifying", after_s=_BAR_AFTER_S) as show:
+        with progress_bar("verifying", late=True) as show:
             faults = verification.verify(replay, show)
         for fault in faults:
             say(f"{path}: {fault}", err=True)
@@ -102,7 +99,7 @@ def explain(
         step = explanation.step_at(recorded, at)
     result: explanation.Explanation | explanation.StepExplanation
     if step is None:
-        with progress_bar("playing", after_s=_BAR_AFTER_S) as show:
+        with progress_bar("playing", late=True) as show:
             result = explanation.explain(recorded, hunter, show)
     else:
         result = explanation.explain_step(recorded, step, hunter)

@@ -1,11 +1,8 @@
 """`catch-arena ros`: the arena, and our own nodes, on a ROS 2 bus."""
 
-import json
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -20,15 +17,25 @@ from catch_arena.cli.app import (
     limits_or_trust,
     main,
 )
+from catch_arena.cli.bus_options import (
+    BRIDGE_URL,
+    INTERFACES,
+    TURTLESIM,
+    BusOption,
+    Domain,
+    NodeCommand,
+    Package,
+    RosArgs,
+    Turtlesim,
+    Url,
+    interfaces_of,
+    joined_bus,
+)
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.text import name_fault
-
-if TYPE_CHECKING:
-    from catch_arena.ros.bus import Bus
-    from catch_arena.ros.interfaces import Interfaces
 
 ros = typer.Typer(
     name="ros",
@@ -37,33 +44,14 @@ ros = typer.Typer(
 )
 main.add_typer(ros)
 
-BusName = Literal["cyclonedds", "rosbridge", "rclpy"]
-BusOption = Annotated[
-    BusName | None,
-    typer.Option(
-        "--bus",
-        help="cyclonedds: no ROS is needed here. rosbridge: a rosbridge server runs where ROS is. rclpy: ROS is here.",
-        show_default="the first of them that is installed",
-    ),
-]
-Domain = Annotated[int | None, typer.Option(help="DDS's, from 0 to 232.", show_default="ROS_DOMAIN_ID, or 0")]
-Url = Annotated[str, typer.Option(metavar="URL", help="Where rosbridge's server listens.")]
-Package = Annotated[
-    str,
-    typer.Option(
-        "--interfaces", metavar="PACKAGE", help="Your package with Turtle, TurtleArray and CatchTurtle (docs/ros2.md)."
-    ),
-]
-Turtlesim = Annotated[
-    str, typer.Option(metavar="PACKAGE", help="turtlesim, or turtlesim_msgs from Kilted on: where Pose is.")
-]
-BRIDGE_URL = "ws://127.0.0.1:9090"
 _TURTLE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_EXERCISE = {"nearest": True, "first": False}
+"""The agents that the exercise's catch_closest_turtle_first chooses from, by its value."""
 NODE, HUMAN = "ros", "human"
 """The words for seats that nodes drive: one that asks for its targets, and one that only drives."""
 
 
-@ros.command()
+@ros.command(cls=NodeCommand)
 def serve(
     *,
     seat: Annotated[
@@ -90,8 +78,8 @@ def serve(
     bus: BusOption = None,
     domain: Domain = None,
     url: Url = BRIDGE_URL,
-    interfaces: Package = "my_robot_interfaces",
-    turtlesim: Turtlesim = "turtlesim",
+    interfaces: Package = INTERFACES,
+    turtlesim: Turtlesim = TURTLESIM,
     trusted: Trusted = False,
     limits: LimitOption = None,
     isolation: Isolation = None,
@@ -100,10 +88,13 @@ def serve(
     ] = None,
     force: Force = False,
     settings: SettingOption = None,
+    ros_args: RosArgs = None,
 ) -> None:
     """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle (docs/ros2.md)."""
     from catch_arena.cli.matches import print_ranking
     from catch_arena.explanation.seats import with_seat
+    from catch_arena.ros.parameters import NAME_PREFIX, SPAWN_FREQUENCY, arena_parameters
+    from catch_arena.ros.ros_args import take_ros_args
     from catch_arena.ros.serving import serve_match
     from catch_arena.seeding import arena_seed
 
@@ -113,6 +104,11 @@ def serve(
         raise ConfigError(
             f"--seat must be from 0 to {config.hunters - 1} in {scenario or 'standard'}, got {max(seats)}"
         )
+    parameters = arena_parameters(config)
+    called = take_ros_args(ros_args or (), "catch_arena", parameters, _warn)
+    config = config.replace(
+        spawn_frequency_hz=parameters[SPAWN_FREQUENCY].value, name_prefix=parameters[NAME_PREFIX].value
+    )
     nodes = {number: who.partition(":")[::2] for number, who in seats.items() if who.partition(":")[0] in {NODE, HUMAN}}
     specs = {number: who for number, who in sorted(seats.items()) if number not in nodes}
     allowed = limits_or_trust(limits, isolation, list(specs.values()), trusted=trusted)
@@ -124,7 +120,8 @@ def serve(
         entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
         for number in range(config.hunters)
     ]
-    with joined_bus(bus, "catch_arena", domain, url) as joined:
+    with joined_bus(bus, called, domain, url) as joined:
+        joined.declare(parameters)
         served = serve_match(
             joined,
             config,
@@ -148,7 +145,7 @@ def serve(
         say(f"replay: {record}")
 
 
-@ros.command()
+@ros.command(cls=NodeCommand)
 def controller(
     agent: Annotated[
         str, typer.Argument(help="Who drives: a shipped name or a .py file, as in `catch-arena match`.")
@@ -158,31 +155,39 @@ def controller(
     bus: BusOption = None,
     domain: Domain = None,
     url: Url = BRIDGE_URL,
-    interfaces: Package = "my_robot_interfaces",
-    turtlesim: Turtlesim = "turtlesim",
+    interfaces: Package = INTERFACES,
+    turtlesim: Turtlesim = TURTLESIM,
     trusted: Trusted = False,
     limits: LimitOption = None,
     isolation: Isolation = None,
     settings: SettingOption = None,
+    ros_args: RosArgs = None,
 ) -> None:
     """Drive a turtle by an agent, in turtlesim or in `ros serve`, until Ctrl-C.
 
-    nearest is the exercise's catch_closest_turtle_first, first is the oldest first.
+    nearest and first are the exercise's catch_closest_turtle_first, true and false: a parameter then.
     """
     from catch_arena.ros.controller import PERIOD_S, Controller
     from catch_arena.ros.pace import Pace
+    from catch_arena.ros.parameters import CLOSEST_FIRST, controller_parameters
+    from catch_arena.ros.ros_args import take_ros_args
     from catch_arena.tournament.isolation.starting import sandbox_for, start_players
 
-    allowed = limits_or_trust(limits, isolation, [agent], trusted=trusted)
+    specs = list(_EXERCISE) if agent in _EXERCISE else [agent]
+    allowed = limits_or_trust(limits, isolation, specs, trusted=trusted)
+    parameters = controller_parameters(_EXERCISE.get(agent))
+    called = take_ros_args(ros_args or (), "turtle_controller", parameters, _warn)
+    closest_first = parameters[CLOSEST_FIRST] if agent in _EXERCISE else None
     config = arena("capstone", settings)
     types = interfaces_of(interfaces, turtlesim)
-    (entrant,) = enter_agents([agent], allowed)
+    entrants = enter_agents(specs, allowed)
     with (
         sandbox_for(allowed) as sandbox,
-        start_players([entrant], sandbox) as players,
-        joined_bus(bus, "turtle_controller", domain, url) as joined,
+        start_players(entrants, sandbox) as players,
+        joined_bus(bus, called, domain, url) as joined,
     ):
-        node = Controller(joined, players, config, checked_turtle(turtle), types, say=say)
+        node = Controller(joined, players, config, checked_turtle(turtle), types, closest_first, say=say)
+        joined.declare(parameters)
         pace = Pace(PERIOD_S)
         try:
             while True:
@@ -193,7 +198,7 @@ def controller(
             node.stop()
 
 
-@ros.command()
+@ros.command(cls=NodeCommand)
 def spawner(
     *,
     turtle: Annotated[
@@ -207,25 +212,31 @@ def spawner(
     bus: BusOption = None,
     domain: Domain = None,
     url: Url = BRIDGE_URL,
-    interfaces: Package = "my_robot_interfaces",
-    turtlesim: Turtlesim = "turtlesim",
+    interfaces: Package = INTERFACES,
+    turtlesim: Turtlesim = TURTLESIM,
+    ros_args: RosArgs = None,
 ) -> None:
-    """Spawn targets in turtlesim and referee who catches them, until Ctrl-C.
+    """Spawn targets in turtlesim and judge who catches them, until Ctrl-C.
 
     With several turtles each asks its own service, as in /turtle2/catch_turtle.
     """
     from catch_arena.ros.pace import Pace
+    from catch_arena.ros.parameters import NAME_PREFIX, SPAWN_FREQUENCY, spawner_parameters
+    from catch_arena.ros.ros_args import take_ros_args
     from catch_arena.ros.spawner import TICK_S, Spawner
     from catch_arena.seeding import arena_seed
 
     turtles = tuple(checked_turtle(name) for name in turtle or ("turtle1",))
-    config = arena(
-        "capstone",
-        [f"spawn_frequency_hz={spawn_frequency}", f"name_prefix={json.dumps(name_prefix)}", f"reach_m={reach}"],
+    parameters = spawner_parameters(spawn_frequency, name_prefix)
+    called = take_ros_args(ros_args or (), "turtle_spawner", parameters, _warn)
+    frequency = parameters[SPAWN_FREQUENCY]
+    config = arena("capstone", [f"reach_m={reach}"]).replace(
+        spawn_frequency_hz=frequency.value, name_prefix=parameters[NAME_PREFIX].value
     )
     types = interfaces_of(interfaces, turtlesim)
-    with joined_bus(bus, "turtle_spawner", domain, url) as joined:
-        node = Spawner(joined, turtles, types, config, seed=arena_seed(seed), say=say)
+    with joined_bus(bus, called, domain, url) as joined:
+        node = Spawner(joined, turtles, types, config, frequency, seed=arena_seed(seed), say=say)
+        joined.declare(parameters)
         pace = Pace(TICK_S)
         if not node.ready:
             say("waiting for turtlesim: /spawn and /kill")
@@ -250,6 +261,10 @@ def checked_turtle(name: str) -> str:
     return name
 
 
+def _warn(line: str) -> None:
+    say(line, err=True)
+
+
 def _seats(options: list[str]) -> dict[int, str]:
     """Who drives which hunter."""
     seats: dict[int, str] = {}
@@ -270,31 +285,3 @@ def _arena(scenario: str | None, settings: list[str] | None, hunters: int) -> Ar
     if scenario is not None:
         return arena(scenario, settings)
     return arena("standard", [f"hunters={hunters}", *(settings or ())])
-
-
-def interfaces_of(package: str, turtlesim: str) -> "Interfaces":
-    """The types of --interfaces and --turtlesim.
-
-    Raises:
-        ConfigError: for a name that no package can have.
-    """
-    from catch_arena.ros.bus import checked_package
-    from catch_arena.ros.interfaces import Interfaces
-
-    return Interfaces(checked_package("--interfaces", package), checked_package("--turtlesim", turtlesim))
-
-
-@contextmanager
-def joined_bus(backend: BusName | None, node: str, domain: int | None, url: str) -> "Iterator[Bus]":
-    """The bus of --bus, --domain and --url, which is left in the end.
-
-    Raises:
-        BusError: where it cannot be reached.
-    """
-    from catch_arena.ros.bus import open_bus
-
-    joined = open_bus(backend, node=node, domain=domain, url=url, say=lambda line: say(line, err=True))
-    try:
-        yield joined
-    finally:
-        joined.close()

@@ -6,18 +6,18 @@ from typing import Annotated, Literal
 
 import typer
 
+from catch_arena.cli.app import Recorded
+from catch_arena.cli.bus_options import INTERFACES, TURTLESIM, Package, Turtlesim, interfaces_of
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.ros import Package, Turtlesim, interfaces_of, ros
+from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import say
-from catch_arena.cli.videos import Fps, Layout, VideoSize, print_report, width_and_height
+from catch_arena.cli.videos import Fps, LayoutOption, Speed, VideoSize, print_report, width_and_height
 from catch_arena.errors import BusError
-
-_BAR_AFTER_S = 2.0
 
 
 @ros.command()
 def bag(
-    replay: Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")],
+    replay: Recorded,
     *,
     output: Annotated[
         Path | None,
@@ -26,8 +26,8 @@ def bag(
         ),
     ] = None,
     storage: Annotated[Literal["mcap", "sqlite3"], typer.Option(help="The kind of its file.")] = "mcap",
-    interfaces: Package = "my_robot_interfaces",
-    turtlesim: Turtlesim = "turtlesim",
+    interfaces: Package = INTERFACES,
+    turtlesim: Turtlesim = TURTLESIM,
     force: Force = False,
 ) -> None:
     """Write a recorded match as a bag, for ros2 bag play and Foxglove (docs/ros2_bags.md)."""
@@ -41,7 +41,7 @@ def bag(
     recorded = Replay.load(replay)
     folder = replay.with_suffix("") if output is None else output
     require_free(folder, force=force)
-    with progress_bar("writing", after_s=_BAR_AFTER_S) as show:
+    with progress_bar("writing", late=True) as show:
         messages = export_bag(recorded, folder, storage, types, force=force, progress=show)
     say(f"bag: {folder} ({messages} messages)")
 
@@ -64,8 +64,8 @@ def import_(
     reach: Annotated[float, typer.Option(metavar="M", help="The reach to judge by, in metres.")] = 0.3,
     size: VideoSize = None,
     fps: Fps = None,
-    layout: Annotated[Layout, typer.Option(help="With the scores, or the arena alone.")] = "broadcast",
-    speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
+    layout: LayoutOption = "broadcast",
+    speed: Speed = 1.0,
 ) -> None:
     """Film a recording of turtlesim, and say of each catch in it what our arbiter would have ruled."""
     _require_rosbags()
@@ -80,7 +80,7 @@ def import_(
 
         format_of(target)
         output_file(output_path(target), force=force)
-    with progress_bar("reading", after_s=_BAR_AFTER_S) as show:
+    with progress_bar("reading", late=True) as show:
         recording = read_recording(bag, show)
     judged = judge_recording(recording, reach)
     for one in judged:

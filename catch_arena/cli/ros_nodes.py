@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
-from catch_arena.cli.ros import BusName, interfaces_of, joined_bus
+from catch_arena.cli.bus_options import BusName, interfaces_of, joined_bus
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 

@@ -204,12 +204,12 @@ def _json_text(measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]
     from json import dumps
 
     from catch_arena.suite.contents import SUITE
-    from catch_arena.suite.measures import ends_of, facts_of, over_training_runs
+    from catch_arena.suite.measures import DIGITS, facts_of, over_training_runs
 
     found: dict[str, Any] = {"agents": [facts_of(SUITE, one, known) for one in measured]}
     if runs:
         found["method_iqm"] = {
-            part: ends_of(over_training_runs(measured, held_out=held_out))
+            part: over_training_runs(measured, held_out=held_out).to_dict(DIGITS)
             for part, held_out in (("training", False), ("held_out", True))
         }
     return dumps(found, indent=1) + "\n"

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 import typer
 
-from catch_arena.cli.app import main
+from catch_arena.cli.app import Recorded, main
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
@@ -15,16 +15,18 @@ if TYPE_CHECKING:
     from catch_arena.explanation.highlights import Highlight, MatchEvents
     from catch_arena.render.video import RenderReport
 
-Layout = Literal["broadcast", "arena"]
-
-_BAR_AFTER_S = 2.0
 _MOST_IN_ONE = 64
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with replays.")]
-Video = Annotated[
-    Path,
-    typer.Option("--output", "-o", help="The file to write, which ends in .mp4, .webm, .gif or .webp."),
+_VIDEO: Final = "The file to write, which ends in .mp4, .webm, .gif or .webp."
+Video = Annotated[Path, typer.Option("--output", "-o", help=_VIDEO)]
+VideoBeside = Annotated[
+    Path | None, typer.Option("--output", "-o", help=_VIDEO, show_default="an MP4 file beside the replay")
 ]
+LayoutOption = Annotated[
+    Literal["broadcast", "arena"], typer.Option("--layout", help="With the scores, or the arena alone.")
+]
+Speed = Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")]
 VideoSize = Annotated[
     str | None,
     typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"),
@@ -34,26 +36,18 @@ Fps = Annotated[int | None, typer.Option(help="Frames per second.", show_default
 
 @main.command()
 def render(
-    replay: Annotated[Path, typer.Argument(help="A recorded match.")],
+    replay: Recorded,
     *,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="The file to write, which ends in .mp4, .webm, .gif or .webp.",
-            show_default="an MP4 file beside the replay",
-        ),
-    ] = None,
+    output: VideoBeside = None,
     force: Force = False,
     size: VideoSize = None,
     fps: Fps = None,
-    layout: Annotated[Layout, typer.Option(help="With the scores, or the arena alone.")] = "broadcast",
+    layout: LayoutOption = "broadcast",
     start: Annotated[float, typer.Option("--from", metavar="SECONDS", help="Where to begin in the match.")] = 0.0,
     end: Annotated[
         float | None, typer.Option("--to", metavar="SECONDS", help="Where to end.", show_default="the match's end")
     ] = None,
-    speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
+    speed: Speed = 1.0,
     view_of: Annotated[
         str | None,
         typer.Option(
@@ -97,7 +91,7 @@ def mosaic(
         typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture.", show_default="as the cells need, up to 1280x1280"),
     ] = None,
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="30; GIF 25")] = None,
-    speed: Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")] = 1.0,
+    speed: Speed = 1.0,
     count: Annotated[
         int | None,
         typer.Option(min=1, max=_MOST_IN_ONE, help="At most so many matches, by name.", show_default=f"{_MOST_IN_ONE}"),
@@ -173,7 +167,7 @@ def highlights(
 
 @main.command()
 def sheet(
-    replay: Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")],
+    replay: Recorded,
     *,
     output: Annotated[Path, typer.Option("--output", "-o", help="The PNG file to write.")] = Path("sheet.png"),
     force: Force = False,
@@ -202,7 +196,7 @@ def sheet(
     frame_size = None if size is None else width_and_height(size)
     recorded = Replay.load(replay)
     output_file(output, force=force)
-    with progress_bar("looking", after_s=_BAR_AFTER_S) as show:
+    with progress_bar("looking", late=True) as show:
         if pick == "even":
             instants = even_instants(recorded, count)
         else:
@@ -231,7 +225,7 @@ def _highlights_in(folder: Path) -> "Mapping[Path, Sequence[Highlight]]":
 
     paths = _replays_in(folder)
     matches = {}
-    with progress_bar("looking", after_s=_BAR_AFTER_S) as show:
+    with progress_bar("looking", late=True) as show:
         for done, path in enumerate(paths, start=1):
             try:
                 matches[path] = _events_of(path)

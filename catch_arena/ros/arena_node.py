@@ -37,13 +37,13 @@ _SECOND: Final = 1000 // TICK_MS
 _OFTEN: Final = 6
 """In ticks: targets that move are told anew, and who has gone is looked for."""
 _MOST_WAITING: Final = 1000
-"""Catch requests that are kept for the match's first step."""
+"""Catch requests that are kept for the match's first step; those beyond are answered and not judged."""
 _NOT_JUDGED: Final = CatchTurtleResponse(success=False)
-"""What is answered where no hunter asks."""
+"""What is answered where no hunter asks, or too many do."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
+class _PendingRequest:
     """A catch request that waits for the next step."""
 
     hunter: str
@@ -80,7 +80,7 @@ class ArenaNode:
         hunters = service.config.hunter_names
         self._names = names
         self.seats = [RosSeat(hunters[seat], say) for seat in sorted(driven)]
-        self._asked: list[_Asked] = []
+        self._asked: list[_PendingRequest] = []
         self._told: set[str] = set()
         self._ticks = 0
         self._scores: tuple[int, ...] = ()
@@ -128,7 +128,9 @@ class ArenaNode:
     def wait(self) -> None:
         """One tick in which the clock stands: nodes hear where all is, and get to know each other."""
         self._bus.spin()
-        del self._asked[_MOST_WAITING:]
+        self._asked, flood = self._asked[:_MOST_WAITING], self._asked[_MOST_WAITING:]
+        for one in flood:
+            one.request.answer(_NOT_JUDGED)
         self._tell(self._service.world)
 
     def tick(self) -> None:
@@ -218,7 +220,7 @@ class ArenaNode:
                 self._tell_once(f"the node that drives {rivals[0].hunter} asks for {seat.hunter}: it is not heard")
                 request.answer(_NOT_JUDGED)
             else:
-                self._asked.append(_Asked(seat.hunter, request))
+                self._asked.append(_PendingRequest(seat.hunter, request))
 
         return ask
 
@@ -228,7 +230,7 @@ class ArenaNode:
         if seat is None:
             request.answer(_NOT_JUDGED)
         else:
-            self._asked.append(_Asked(seat.hunter, request))
+            self._asked.append(_PendingRequest(seat.hunter, request))
 
     def _spawn(self, request: Request) -> None:
         """R8.1: a target of the arena's own next name; out of bounds turtlesim puts it at the wall, and so do we."""

@@ -17,7 +17,7 @@ from catch_arena.errors import ReplayError, reason
 from catch_arena.messages import Pose, Turtle, TurtleArray
 from catch_arena.ros.bag_files import register
 from catch_arena.ros.interfaces import Interfaces, MessageType
-from catch_arena.ros.recording import Asked, Listed, Place, Placed, Recording, Track
+from catch_arena.ros.recording import Listed, Place, Placed, RecordedRequest, Recording, Track
 from catch_arena.ros.service_events import (
     REQUEST_RECEIVED,
     REQUEST_SENT,
@@ -41,14 +41,14 @@ _MOST_TURTLES: Final = 10_000
 
 
 @dataclass(slots=True)
-class _Story:
+class _BagContent:
     """What has been read so far."""
 
     tracks: dict[str, Track] = field(default_factory=dict)
     lists: list[Listed] = field(default_factory=list)
-    left: list[Asked] = field(default_factory=list)
+    left: list[RecordedRequest] = field(default_factory=list)
     """Targets that left the list."""
-    called: dict[tuple[str, bytes, int], Asked] = field(default_factory=dict)
+    called: dict[tuple[str, bytes, int], RecordedRequest] = field(default_factory=dict)
     """Calls of the service."""
     listed: set[str] = field(default_factory=set)
     """All names that ever stood in a list."""
@@ -87,7 +87,7 @@ class _Story:
         poses, targets = self.situation()
         names = {turtle.name for turtle in turtles}
         self.left += [
-            Asked(time_ms, name, None, success=True, hunters=poses, targets=targets)
+            RecordedRequest(time_ms, name, None, success=True, hunters=poses, targets=targets)
             for name in self.alive
             if name not in names
         ]
@@ -103,7 +103,7 @@ class _Story:
             if key not in self.called or info.event_type == REQUEST_RECEIVED:
                 known = self.called.get(key)
                 poses, targets = self.situation()
-                self.called[key] = Asked(
+                self.called[key] = RecordedRequest(
                     time_ms,
                     str(message.request[0].name),
                     hunter,
@@ -125,10 +125,10 @@ def read_recording(path: Path, progress: Callable[[int, int], None] | None = Non
     Raises:
         ReplayError: for what is no such bag, or has no hunter in it; one line.
     """
-    story = _Story()
+    content = _BagContent()
     unreadable: dict[str, str] = {}
     with _opened(path) as bag:
-        ears = _ears(path, story, bag.connections)
+        ears = _ears(path, content, bag.connections)
         if not ears:
             raise ReplayError(f"{path}: has no poses of turtlesim: record with ros2 bag record -a")
         first: int | None = None
@@ -142,68 +142,70 @@ def read_recording(path: Path, progress: Callable[[int, int], None] | None = Non
             decode, hear = ears[connection.topic]
             try:
                 hear(time_ms, decode(data))
-                story.end_ms = time_ms
+                content.end_ms = time_ms
             except Exception as error:  # noqa: BLE001 - a stranger's bytes, read by a stranger's definitions
-                story.left_out += 1
+                content.left_out += 1
                 unreadable.setdefault(connection.topic, reason(error))
             if progress is not None:
                 progress(done, total)
-    return _recording(path, story, unreadable)
+    return _recording(path, content, unreadable)
 
 
-def _recording(path: Path, story: _Story, unreadable: Mapping[str, str]) -> Recording:
+def _recording(path: Path, content: _BagContent, unreadable: Mapping[str, str]) -> Recording:
     for topic, why in unreadable.items():
-        if topic.endswith(_ALIVE) and not story.lists:
+        if topic.endswith(_ALIVE) and not content.lists:
             raise ReplayError(
                 f"{path}: {topic}: none of its messages can be read as TurtleArray with string name, float64 x, y, "
                 f"theta: {one_line(why)}"
             )
-    if not story.tracks:
+    if not content.tracks:
         why = f": {one_line(next(iter(unreadable.values())))}" if unreadable else ""
         raise ReplayError(f"{path}: holds no pose that can be read{why}")
-    hunters = _hunters(story)
+    hunters = _hunters(content)
     if not hunters:
         raise ReplayError(f"{path}: holds poses of targets alone: record /turtle1/pose too")
-    targets = {name: track for name, track in story.tracks.items() if name not in hunters and name in story.listed}
-    asked = list(story.called.values()) if story.called else story.left
-    if not story.lists:
-        targets = {name: track for name, track in story.tracks.items() if _named(name) != _named(next(iter(hunters)))}
-        asked = asked or _silenced(story, hunters, targets)
+    targets = {name: track for name, track in content.tracks.items() if name not in hunters and name in content.listed}
+    asked = list(content.called.values()) if content.called else content.left
+    if not content.lists:
+        targets = {name: track for name, track in content.tracks.items() if _named(name) != _named(next(iter(hunters)))}
+        asked = asked or _silenced(content, hunters, targets)
     for one in asked:
         one.hunters = {name: one.hunters.get(name, hunters[name].placed[0].pose[:2]) for name in hunters}
     return Recording(
-        hunters, targets, story.lists, sorted(asked, key=lambda one: one.time_ms), story.end_ms, story.left_out
+        hunters, targets, content.lists, sorted(asked, key=lambda one: one.time_ms), content.end_ms, content.left_out
     )
 
 
-def _hunters(story: _Story) -> dict[str, Track]:
+def _hunters(content: _BagContent) -> dict[str, Track]:
     """Who never was a target. Where the arena's own hunters are, turtle1 is another name of one of them; where no list
     was recorded nobody knows more than names.
     """
-    free = [name for name in story.tracks if name not in story.listed]
+    free = [name for name in content.tracks if name not in content.listed]
     own = sorted((name for name in free if _OWN_HUNTER.fullmatch(name)), key=lambda name: int(name[7:]))
     if own:
         free = own
-    elif not story.lists:
+    elif not content.lists:
         free = [name for name in free if name == "turtle1"]
-    return {name: story.tracks[name] for name in free}
+    return {name: content.tracks[name] for name in free}
 
 
 def _named(name: str) -> str:
     return "hunter" if name == "turtle1" or _OWN_HUNTER.fullmatch(name) else name
 
 
-def _silenced(story: _Story, hunters: Mapping[str, Track], targets: Mapping[str, Track]) -> list[Asked]:
+def _silenced(
+    content: _BagContent, hunters: Mapping[str, Track], targets: Mapping[str, Track]
+) -> list[RecordedRequest]:
     """Where no list was recorded: the targets whose poses end before the recording does."""
     found = []
     for name, track in targets.items():
-        if track.end_ms < story.end_ms - _GONE_MS:
+        if track.end_ms < content.end_ms - _GONE_MS:
             time_ms = track.end_ms
             alive = {
                 other: one.last(time_ms)[:2] for other, one in targets.items() if one.begin_ms <= time_ms <= one.end_ms
             }
             poses = {hunter: one.last(time_ms)[:2] for hunter, one in hunters.items()}
-            found.append(Asked(time_ms, name, None, success=True, hunters=poses, targets=alive))
+            found.append(RecordedRequest(time_ms, name, None, success=True, hunters=poses, targets=alive))
     return found
 
 
@@ -233,7 +235,7 @@ _Ear = tuple[Callable[[bytes], Any], Callable[[float, Any], None]]
 """How a topic's messages are read, and what is done with them."""
 
 
-def _ears(path: Path, story: _Story, connections: "list[Connection]") -> dict[str, _Ear]:
+def _ears(path: Path, content: _BagContent, connections: "list[Connection]") -> dict[str, _Ear]:
     """By topic: those that tell of the game."""
     found: dict[str, _Ear] = {}
     plain = Interfaces()
@@ -243,23 +245,23 @@ def _ears(path: Path, story: _Story, connections: "list[Connection]") -> dict[st
         package, _, kind = one.msgtype.rpartition("/")
         if kind == "Pose" and package in {"turtlesim/msg", "turtlesim_msgs/msg"} and one.topic.endswith("/pose"):
             name = one.topic.strip("/").removesuffix("/pose")
-            found[one.topic] = _decoder(plain.pose), _pose_ear(story, name)
+            found[one.topic] = _decoder(plain.pose), _pose_ear(content, name)
             poses += 1
         elif one.topic in lists and (one.topic.endswith(f"/{_ALIVE}") or len(lists) == 1):
-            found[one.topic] = _lists_decoder(path, one), story.hear_list
+            found[one.topic] = _lists_decoder(path, one), content.hear_list
         elif kind == "CatchTurtle_Event" and one.topic.endswith(TOPIC):
             hunter = one.topic.strip("/").removesuffix(TOPIC).rpartition("/")[0] or None
             types = Interfaces(package.removesuffix("/srv")) if package.count("/") == 1 else plain
-            found[one.topic] = _decoder(event_of(types.catch_turtle)), _call_ear(story, hunter, one.topic)
+            found[one.topic] = _decoder(event_of(types.catch_turtle)), _call_ear(content, hunter, one.topic)
     return found if poses else {}
 
 
-def _pose_ear(story: _Story, name: str) -> Callable[[float, Any], None]:
-    return lambda time_ms, message: story.hear_pose(name, time_ms, message)
+def _pose_ear(content: _BagContent, name: str) -> Callable[[float, Any], None]:
+    return lambda time_ms, message: content.hear_pose(name, time_ms, message)
 
 
-def _call_ear(story: _Story, hunter: str | None, topic: str) -> Callable[[float, Any], None]:
-    return lambda time_ms, message: story.hear_call(hunter, topic, time_ms, message)
+def _call_ear(content: _BagContent, hunter: str | None, topic: str) -> Callable[[float, Any], None]:
+    return lambda time_ms, message: content.hear_call(hunter, topic, time_ms, message)
 
 
 def _decoder(kind: MessageType) -> Callable[[bytes], Any]:

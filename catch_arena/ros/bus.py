@@ -10,6 +10,7 @@ from typing import Any, Final, Literal, Protocol, get_args
 
 from catch_arena.errors import BusError, ConfigError
 from catch_arena.ros.interfaces import MessageType, ServiceType
+from catch_arena.ros.parameters import Parameters
 
 Backend = Literal["cyclonedds", "rosbridge", "rclpy"]
 BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
@@ -83,6 +84,11 @@ class Bus(Protocol):
     def client(self, service: str, kind: ServiceType) -> Client:
         """Call a service."""
 
+    def declare(self, parameters: Parameters) -> None:
+        """Let others read and change the node's parameters, as `ros2 param` does. Over rosbridge there is no node of
+        ours, and nobody finds them.
+        """
+
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
         """Who publishes on a topic that was subscribed to; None where the middleware does not tell."""
 
@@ -128,7 +134,7 @@ def open_bus(
     if backend == "cyclonedds":
         from catch_arena.ros.dds_bus import DdsBus
 
-        return DdsBus(number, localhost=_localhost_only() if localhost is None else localhost, say=say)
+        return DdsBus(node, number, localhost=_localhost_only() if localhost is None else localhost, say=say)
     if backend == "rosbridge":
         from catch_arena.ros.rosbridge_bus import RosbridgeBus
 

@@ -14,11 +14,12 @@ from catch_arena.config import ArenaConfig, Gains
 from catch_arena.engine import Engine
 from catch_arena.envs.spaces import checked_choice, checked_command, checked_full
 from catch_arena.errors import ActionError, AgentError
-from catch_arena.layout import SELF_COLUMNS, TARGET_COLUMNS
+from catch_arena.layout import columns
 from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
 from catch_arena.policy import Limits
 from catch_arena.ros.bus import Bus, Call, Peer, Say
 from catch_arena.ros.interfaces import TWIST, Interfaces, TwistMessage
+from catch_arena.ros.parameters import Parameter
 from catch_arena.tournament.match import agent_seed
 from catch_arena.tournament.players import Players
 from catch_arena.world import World
@@ -29,8 +30,6 @@ _ANSWER_S: Final = 1.0
 """After so long a request that was not answered is made again."""
 _SILENT_S: Final = 1.0
 """A turtle whose pose is so old is not there any more."""
-_AGE: Final = len(SELF_COLUMNS) + TARGET_COLUMNS.index("age")
-"""Its place in the observation, for the target of rank 1."""
 _ALONE: Final[dict[str, Any]] = {
     "hunters": 1,
     "initial_targets": 0,
@@ -49,19 +48,31 @@ class Controller:
 
     Args:
         bus: the bus.
-        players: the agent, in seat 0.
+        players: the agent, in seat 0; with `closest_first` nearest is there, and first in seat 1.
         config: reach and limits of the turtle; the rest is the exercise's.
         turtle: its name.
         interfaces: the packages of the types.
+        closest_first: which of two agents drives, from one control period to the next; None where there is one.
         say: takes one line when there is news.
     """
 
     def __init__(
-        self, bus: Bus, players: Players, config: ArenaConfig, turtle: str, interfaces: Interfaces, *, say: Say
+        self,
+        bus: Bus,
+        players: Players,
+        config: ArenaConfig,
+        turtle: str,
+        interfaces: Interfaces,
+        closest_first: Parameter | None = None,
+        *,
+        say: Say,
     ) -> None:
         config = config.replace(**_ALONE, control=players.controls[0], observed_targets=64)
         self._engine = Engine(config)
-        self._players, self._turtle, self._say = players, turtle, say
+        self._ages = [place for place, column in enumerate(columns(config)) if column.name.endswith(".age")]
+        """Where an observation has the targets' ages, by rank."""
+        self._players, self._closest_first = players, closest_first
+        self._turtle, self._say = turtle, say
         self._pose: Pose | None = None
         self._heard_s = -_SILENT_S
         self._turtles = TurtleArray(())
@@ -76,7 +87,8 @@ class Controller:
         bus.subscribe("/alive_turtles", interfaces.turtle_array, self._hear_turtles)
         self._engine.reset([0])
         limits = replace(Limits.of(config), control_period_ms=config.control_period_ms)
-        for fault in players.reset([agent_seed(0, 0)], [limits]).values():
+        seats = range(len(players.controls))
+        for fault in players.reset([agent_seed(0, seat) for seat in seats], [limits for _ in seats]).values():
             raise AgentError(fault.reason)
 
     def tick(self) -> None:
@@ -139,7 +151,7 @@ class Controller:
         self._known = {name: self._known.get(name, now) for name in names}
         for place, (target, name) in enumerate(zip(world.targets, names, strict=True)):
             rank = self._engine.rank_of(0, 0, target.name)
-            vector[_AGE + (rank - 1) * len(TARGET_COLUMNS)] = now - self._known[name] + 1e-3 * (len(names) - place)
+            vector[self._ages[rank - 1]] = now - self._known[name] + 1e-3 * (len(names) - place)
         return vector
 
     def _decide(self, world: World, names: list[str]) -> None:
@@ -147,7 +159,8 @@ class Controller:
         config = self._engine.config
         control, ranks = config.controls[0], config.targets_seen
         mask = [] if control == "velocity" else self._engine.masks[0, 0].tolist()
-        action, _, fault = self._players.act({0: (self._observe(world, names), mask)})[0]
+        seat = 0 if self._closest_first is None or self._closest_first.value else 1
+        action, _, fault = self._players.act({seat: (self._observe(world, names), mask)})[seat]
         if fault is not None:
             raise AgentError(f"{fault.code}: {fault.reason}")
         rank, command = 0, (0.0, 0.0)

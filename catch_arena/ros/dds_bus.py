@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import count
 from typing import Any, Final
 from uuid import UUID
@@ -25,9 +26,12 @@ from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
 from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
+from catch_arena.ros.dds_graph import Graph
 from catch_arena.ros.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
 from catch_arena.ros.dds_types import from_sample, idl_struct, ros_name, to_sample
 from catch_arena.ros.interfaces import MessageType, ServiceType
+from catch_arena.ros.parameter_services import serve_parameters
+from catch_arena.ros.parameters import Parameters
 
 _LOCALHOST: Final = """<CycloneDDS><Domain>
 <General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
@@ -48,6 +52,7 @@ class DdsBus:
     """See `catch_arena.ros.bus.Bus`.
 
     Args:
+        node: what the node is called.
         domain: from 0 to 232.
         localhost: whether it keeps to this machine; else the network is used as CYCLONEDDS_URI says, or as by default.
         say: takes one line whenever there is something that people should know.
@@ -56,7 +61,7 @@ class DdsBus:
         BusError: where there is no network interface to use.
     """
 
-    def __init__(self, domain: int, *, localhost: bool, say: Say) -> None:
+    def __init__(self, node: str, domain: int, *, localhost: bool, say: Say) -> None:
         try:
             if localhost and domain not in _domains:
                 with suppress(DDSException):  # this process is in it already
@@ -68,14 +73,15 @@ class DdsBus:
                 f"DDS domain {domain} cannot be joined ({_code(error)}): is there a network interface? "
                 "ROS_LOCALHOST_ONLY=1 keeps to this machine"
             ) from None
-        self._say = say
+        self._node, self._say = node, say
         self._waiting = WaitSet(self._participant)
         self._readers: list[_Reader] = []
         self._topics: dict[str, _Reader] = {}
         self._late: list[_Reply] = []
         self._unsent: set[str] = set()
         self._ids = count(1)
-        self._watch = PeerWatch(self._participant, say)
+        self._graph = Graph(self._participant, node)
+        self._watch = PeerWatch(self._participant, say, self._graph.hear_of)
 
     @property
     def backend(self) -> Backend:
@@ -101,15 +107,15 @@ class DdsBus:
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
-        user = Policy.Userdata(f"serviceid={self._next_id()};".encode())
         name = _absolute(service)
-        writer = self._writer(f"rr{name}Reply", kind.response, user, header=True)
+        self._watch.serve(name, f"rr{name}Reply")
+        self._serve(name, kind, on_request, at_once=_SERVICE_DEPTH)
 
-        def on_sample(sample: Any, peer: Peer | None) -> None:
-            reply = _Reply(self._write, writer, kind.response, sample.client, sample.number, peer)
-            on_request(Request(from_sample(kind.request, sample), peer, lambda response: self._answer(reply, response)))
-
-        self._reader(f"rq{name}Request", kind.request, _SERVICE_DEPTH, on_sample, user, header=True)
+    def declare(self, parameters: Parameters) -> None:
+        """Answer the services of the node's parameters, one request of each in a spin: they take long to read, and
+        nobody is in a hurry. That two nodes have one name is ROS's to tell.
+        """
+        serve_parameters(partial(self._serve, at_once=1), self._node, parameters)
 
     def client(self, service: str, kind: ServiceType) -> "_DdsClient":
         """Call a service."""
@@ -136,14 +142,27 @@ class DdsBus:
         if self._late:
             self._late = [reply for reply in self._late if not reply.send()]
         self._watch.look()
+        self._graph.tell()
 
     def close(self) -> None:
         """Leave the bus."""
         self._watch.close()
+        self._graph.close()
         self._readers.clear()
         self._topics.clear()
         self._late.clear()
         del self._waiting, self._participant
+
+    def _serve(self, name: str, kind: ServiceType, on_request: Callable[[Request], object], *, at_once: int) -> None:
+        user = Policy.Userdata(f"serviceid={self._next_id()};".encode())
+        writer = self._writer(f"rr{name}Reply", kind.response, user, header=True)
+
+        def on_sample(sample: Any, peer: Peer | None) -> None:
+            reply = _Reply(self._write, writer, kind.response, sample.client, sample.number, peer)
+            on_request(Request(from_sample(kind.request, sample), peer, lambda response: self._answer(reply, response)))
+
+        asked = self._reader(f"rq{name}Request", kind.request, _SERVICE_DEPTH, on_sample, user, header=True)
+        asked.at_once = at_once
 
     def _answer(self, reply: "_Reply", response: Any) -> None:
         reply.sample = to_sample(reply.kind, response, client=reply.client, number=reply.number)
@@ -168,7 +187,9 @@ class DdsBus:
     def _writer(self, topic: str, kind: MessageType, *policies: Any, header: bool = False) -> DataWriter[Any]:
         self._watch.expect(topic, kind)
         qos = _qos(DEPTH if not header else _SERVICE_DEPTH, Policy.WriterDataLifecycle(autodispose=False), *policies)
-        return DataWriter(self._participant, self._topic(topic, kind, header=header), qos=qos)
+        made: DataWriter[Any] = DataWriter(self._participant, self._topic(topic, kind, header=header), qos=qos)
+        self._graph.add_writer(made.guid)
+        return made
 
     def _reader(
         self,
@@ -183,6 +204,7 @@ class DdsBus:
         reader: DataReader[Any] = DataReader(
             self._participant, self._topic(topic, kind, header=header), qos=_qos(depth, *policies)
         )
+        self._graph.add_reader(reader.guid)
         made = _Reader(topic, reader, depth, on_sample)
         self._readers.append(made)
         self._waiting.attach(made.fresh)
@@ -200,13 +222,15 @@ class _Reader:
     ) -> None:
         self.reader = reader
         self.fresh = ReadCondition(reader, Views.Any | Instances.Any | Samples.NotRead)
-        self._topic, self._depth, self._on_sample = topic, depth, on_sample
+        self._topic, self._on_sample = topic, on_sample
+        self.at_once = depth
+        """So many samples are taken in one spin."""
         self._peers: dict[int, Peer | None] = {}
         self._told = False
 
     def take(self, say: Say) -> None:
-        """Whatever lies there, one after the other: what cannot be read must not take others with it."""
-        for _ in range(self._depth):
+        """What lies there, one after the other: what cannot be read must not take others with it."""
+        for _ in range(self.at_once):
             try:
                 samples = self.reader.take(1)
             except Exception as error:  # noqa: BLE001 - what strangers send may fail anywhere in the decoder

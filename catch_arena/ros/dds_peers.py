@@ -2,6 +2,7 @@
 
 import re
 import time
+from collections.abc import Callable
 from importlib.util import find_spec
 from typing import Any, Final
 from uuid import UUID
@@ -32,16 +33,18 @@ class PeerWatch:
     Args:
         participant: of this process.
         say: takes one line for each that something would go wrong with.
+        on_writer: takes each writer of another process that appears.
     """
 
-    def __init__(self, participant: DomainParticipant, say: Say) -> None:
+    def __init__(self, participant: DomainParticipant, say: Say, on_writer: Callable[[Any], object]) -> None:
         self._appeared = [
-            BuiltinDataReader(participant, topic)
-            for topic in (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)
+            (BuiltinDataReader(participant, BuiltinTopicDcpsPublication), True),
+            (BuiltinDataReader(participant, BuiltinTopicDcpsSubscription), False),
         ]
         self._own = participant.guid
-        self._say = say
+        self._say, self._on_writer = say, on_writer
         self._expected: dict[str, MessageType] = {}
+        self._served: dict[str, str] = {}
         self._told: set[tuple[str, str]] = set()
         self._next = 0.0
 
@@ -49,23 +52,36 @@ class PeerWatch:
         """What is sent on a topic of DDS's."""
         self._expected[topic] = kind
 
+    def serve(self, service: str, replies: str) -> None:
+        """A service of this process, which nobody else should serve, and DDS's topic of its responses."""
+        self._served[replies] = service
+
     def look(self) -> None:
         """Now and then, at who has appeared."""
         now = time.monotonic()
         if now < self._next:
             return
         self._next = now + _LOOK_EVERY_S
-        for reader in self._appeared:
+        for reader, writes in self._appeared:
             for endpoint in reader.take(1000):
                 if endpoint.sample_info.valid_data and endpoint.participant_key != self._own:
-                    self._check(endpoint)
+                    self._check(endpoint, writes=writes)
+                    if writes:
+                        self._on_writer(endpoint)
 
     def close(self) -> None:
         """Look no more."""
         self._appeared.clear()
 
-    def _check(self, endpoint: Any) -> None:
+    def _check(self, endpoint: Any, *, writes: bool) -> None:
         topic, kind = endpoint.topic_name, self._expected.get(endpoint.topic_name)
+        if writes and topic in self._served:
+            self._tell(
+                topic,
+                f"another node serves {self._served[topic]} too, so that whoever asks gets two answers: "
+                "--domain gives each arena a domain of its own",
+            )
+            self._served.clear()  # one line, however many they have in common
         if kind is None:
             return
         if endpoint.type_name != dds_name(kind):
@@ -76,7 +92,7 @@ class PeerWatch:
             )
         elif topic.startswith("rq") and is_fast_dds(endpoint.participant_key):
             self._tell(topic, FAST_DDS.format(what=f"has to do with {topic[2:].removesuffix('Request')}"))
-        elif topic.startswith("rt") and (announced := _announced_hash(endpoint)) not in {None, _own_hash(kind)}:
+        elif topic.startswith("rt") and (announced := announced_hash(endpoint)) not in {None, _own_hash(kind)}:
             self._tell(
                 topic,
                 f"another node has other fields in {kind.name}, on {topic[2:]}, so that numbers arrive as garbage: "
@@ -94,7 +110,7 @@ def is_fast_dds(participant: UUID) -> bool:
     return participant.bytes[:2] == _FAST_DDS_VENDOR
 
 
-def _announced_hash(endpoint: Any) -> str | None:
+def announced_hash(endpoint: Any) -> str | None:
     """What a node of Iron or later says about its fields; older ones say nothing."""
     for policy in endpoint.qos:
         if isinstance(policy, Policy.Userdata) and (found := _TYPE_HASH.search(policy.data)):

@@ -16,6 +16,8 @@ _PRIMITIVES: Final[dict[str, Any]] = {word: getattr(types, word, None) for word 
     "string": str,
 }
 _sequence: Final[Any] = types.sequence
+MOST_ASKED: Final = 16
+"""Elements that a sequence of a request may have: DDS leaves out what has more, before it takes time to read."""
 
 
 def dds_name(kind: MessageType) -> str:
@@ -30,12 +32,21 @@ def ros_name(topic: str) -> str:
 
 
 @cache
-def idl_struct(kind: MessageType, *, header: bool = False) -> Any:
-    """The package's own type of a message; with what a request or a response begins with."""
+def idl_struct(kind: MessageType, *, header: bool = False, bounded: bool = False) -> Any:
+    """The package's own type of a message.
+
+    Args:
+        kind: the message.
+        header: with what a request or a response begins with.
+        bounded: whether it is a part of a request.
+    """
+    bounded = bounded or kind.name.endswith("_Request")
     fields: dict[str, Any] = {"client": types.uint64, "number": types.int64} if header else {}
     for name, word, is_sequence in kind.fields:
-        one: Any = _PRIMITIVES[word] if isinstance(word, str) else idl_struct(word)
-        fields[name] = _sequence[one] if is_sequence else one
+        one: Any = _PRIMITIVES[word] if isinstance(word, str) else idl_struct(word, bounded=bounded)
+        if is_sequence:
+            one = _sequence[one, MOST_ASKED] if bounded else _sequence[one]
+        fields[name] = one
     if not kind.fields:
         fields[_MISSING_MEMBER] = types.uint8
     return final(make_idl_struct(kind.name.rpartition("/")[2], dds_name(kind), fields))

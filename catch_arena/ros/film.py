@@ -39,7 +39,7 @@ def film_recording(
     """Write a recording as a video; scores and words are the arbiter's.
 
     Args:
-        recording: the bag's story.
+        recording: what was read of the bag.
         judged: its catches.
         path: which ends in .mp4, .webm, .gif or .webp.
         reach_m: the reach that is shown.

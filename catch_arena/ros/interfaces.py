@@ -140,7 +140,7 @@ class StandingMessage(NamedTuple):
     """Whether the match has ended."""
 
 
-def _message(name: str, make: Callable[..., Any], *lines: "str | tuple[MessageType, str]") -> MessageType:
+def message_type(name: str, make: Callable[..., Any], *lines: "str | tuple[MessageType, str]") -> MessageType:
     """A message from the lines of its definition; those that hold another message are (message, name)."""
     fields = []
     for line in lines:
@@ -150,16 +150,17 @@ def _message(name: str, make: Callable[..., Any], *lines: "str | tuple[MessageTy
     return MessageType(name, make, tuple(fields))
 
 
-def _service(name: str, request: tuple[Any, ...], response: tuple[Any, ...]) -> ServiceType:
-    return ServiceType(name, _message(f"{name}_Request", *request), _message(f"{name}_Response", *response))
+def service_type(name: str, request: tuple[Any, ...], response: tuple[Any, ...]) -> ServiceType:
+    """A service: of each half the class, and the lines of its definition."""
+    return ServiceType(name, message_type(f"{name}_Request", *request), message_type(f"{name}_Response", *response))
 
 
-VECTOR3: Final = _message("geometry_msgs/msg/Vector3", Vector3, "float64 x", "float64 y", "float64 z")
-TWIST: Final = _message("geometry_msgs/msg/Twist", TwistMessage, (VECTOR3, "linear"), (VECTOR3, "angular"))
-TIME: Final = _message("builtin_interfaces/msg/Time", Time, "int32 sec", "uint32 nanosec")
-CLOCK: Final = _message("rosgraph_msgs/msg/Clock", Clock, (TIME, "clock"))
-EMPTY: Final = _service("std_srvs/srv/Empty", (Empty,), (Empty,))
-RULING: Final = _message(
+VECTOR3: Final = message_type("geometry_msgs/msg/Vector3", Vector3, "float64 x", "float64 y", "float64 z")
+TWIST: Final = message_type("geometry_msgs/msg/Twist", TwistMessage, (VECTOR3, "linear"), (VECTOR3, "angular"))
+TIME: Final = message_type("builtin_interfaces/msg/Time", Time, "int32 sec", "uint32 nanosec")
+CLOCK: Final = message_type("rosgraph_msgs/msg/Clock", Clock, (TIME, "clock"))
+EMPTY: Final = service_type("std_srvs/srv/Empty", (Empty,), (Empty,))
+RULING: Final = message_type(
     f"{OWN_PACKAGE}/msg/Ruling",
     RulingMessage,
     "float64 time",
@@ -173,7 +174,7 @@ RULING: Final = _message(
     "string clause",
     "string reason",
 )
-STANDING: Final = _message(
+STANDING: Final = message_type(
     f"{OWN_PACKAGE}/msg/Standing",
     StandingMessage,
     "float64 time",
@@ -194,18 +195,18 @@ class Interfaces:
     """
 
     def __init__(self, package: str = "my_robot_interfaces", turtlesim: str = "turtlesim") -> None:
-        self.turtle: Final = _message(
+        self.turtle: Final = message_type(
             f"{package}/msg/Turtle", messages.Turtle, "string name", "float64 x", "float64 y", "float64 theta"
         )
-        self.turtle_array: Final = _message(
+        self.turtle_array: Final = message_type(
             f"{package}/msg/TurtleArray", messages.TurtleArray, (self.turtle, "turtles[]")
         )
-        self.catch_turtle: Final = _service(
+        self.catch_turtle: Final = service_type(
             f"{package}/srv/CatchTurtle",
             (messages.CatchTurtleRequest, "string name"),
             (messages.CatchTurtleResponse, "bool success"),
         )
-        self.pose: Final = _message(
+        self.pose: Final = message_type(
             f"{turtlesim}/msg/Pose",
             messages.Pose,
             "float32 x",
@@ -214,9 +215,9 @@ class Interfaces:
             "float32 linear_velocity",
             "float32 angular_velocity",
         )
-        self.spawn: Final = _service(
+        self.spawn: Final = service_type(
             f"{turtlesim}/srv/Spawn",
             (SpawnRequest, "float32 x", "float32 y", "float32 theta", "string name"),
             (Name, "string name"),
         )
-        self.kill: Final = _service(f"{turtlesim}/srv/Kill", (Name, "string name"), (Empty,))
+        self.kill: Final = service_type(f"{turtlesim}/srv/Kill", (Name, "string name"), (Empty,))

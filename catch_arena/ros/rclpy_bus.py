@@ -1,12 +1,13 @@
 """The bus by ROS's own library: whatever middleware is set there works, services too."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
 from catch_arena.errors import BusError
 from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
 from catch_arena.ros.interfaces import MessageType, ServiceType
+from catch_arena.ros.parameters import Parameters
 
 
 class RclpyBus:
@@ -81,6 +82,21 @@ class RclpyBus:
     def client(self, service: str, kind: ServiceType) -> "_RclpyClient":
         """Call a service."""
         return _RclpyClient(self._node.create_client(ros_class(kind.name), service), kind)
+
+    def declare(self, parameters: Parameters) -> None:
+        """The node serves them itself, and has others of its own."""
+        messages = import_module("rcl_interfaces.msg")
+        for one in parameters:
+            descriptor = messages.ParameterDescriptor(
+                description=one.description, additional_constraints=one.fixed, read_only=bool(one.fixed)
+            )
+            self._node.declare_parameter(one.name, one.value, descriptor)
+
+        def change(changes: Sequence[Any]) -> Any:
+            reason = parameters.change([(one.name, one.value) for one in changes if one.name in parameters])
+            return messages.SetParametersResult(successful=not reason, reason=reason)
+
+        self._node.add_on_set_parameters_callback(change)
 
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
         """Who publishes on a topic: ROS knows it, but not which of them sent a message."""

@@ -68,7 +68,7 @@ class Track:
 
 
 @dataclass(slots=True)
-class Asked:
+class RecordedRequest:
     """A catch, or a call of catch_turtle: what was asked for, and how things stood when it was."""
 
     time_ms: float
@@ -85,14 +85,14 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A bag's story; times are milliseconds since its first message."""
+    """What was read of a bag; times are milliseconds since its first message."""
 
     hunters: Mapping[str, Track]
     """By name, in the order of seats."""
     targets: Mapping[str, Track]
     """Of the targets whose poses were recorded."""
     lists: Sequence[Listed]
-    asked: Sequence[Asked]
+    asked: Sequence[RecordedRequest]
     """Catches that the lists tell, or the calls of the service where these were recorded."""
     end_ms: float
     left_out: int

@@ -8,7 +8,7 @@ from typing import Final
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.explanation.formatting import metres
-from catch_arena.ros.recording import Asked, Recording
+from catch_arena.ros.recording import RecordedRequest, Recording
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling, Verdict
 
@@ -21,7 +21,7 @@ _LONGEST_NAME: Final = 60
 class JudgedCatch:
     """One request of a recording, and its ruling."""
 
-    asked: Asked
+    asked: RecordedRequest
     hunter: str
     """Who asked, or the nearest, where the recording does not tell."""
     ruling: Ruling
@@ -85,7 +85,7 @@ def summary(judged: Sequence[JudgedCatch]) -> str:
     return line
 
 
-def _seat(names: Sequence[str], one: Asked) -> int:
+def _seat(names: Sequence[str], one: RecordedRequest) -> int:
     """Who asked; the nearest where nobody says."""
     if one.hunter in names:
         return names.index(one.hunter)
@@ -100,6 +100,6 @@ def _is_ghost(recording: Recording, name: str) -> bool:
     return not name or (bool(recording.targets) and name not in recording.targets)
 
 
-def _stays(recording: Recording, one: Asked) -> bool:
+def _stays(recording: Recording, one: RecordedRequest) -> bool:
     track = recording.targets.get(one.name)
     return track is not None and track.begin_ms <= one.time_ms and track.end_ms > one.time_ms + _STAYS_MS

@@ -17,6 +17,7 @@ from websockets.sync.client import ClientConnection, connect
 from catch_arena.errors import BusError
 from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
 from catch_arena.ros.interfaces import MessageType, ServiceType
+from catch_arena.ros.parameters import Parameters
 from catch_arena.text import one_line
 
 _OPEN_S: Final = 5.0
@@ -114,6 +115,9 @@ class RosbridgeBus:
         client = _BridgeClient(service, kind, self._send, self._ids)
         self._handle(("service_response", service), _REQUESTS, client.handle)
         return client
+
+    def declare(self, parameters: Parameters) -> None:
+        """The node is rosbridge's own, and so are its parameters."""
 
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
         """Rosbridge does not tell."""

@@ -12,6 +12,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
 from catch_arena.ros.bus import Bus, Call, Peer, Request, Say
 from catch_arena.ros.interfaces import Interfaces, Name, SpawnRequest
+from catch_arena.ros.parameters import Parameter
 
 TICK_S: Final = 0.016
 _LOW_M, _HIGH_M = 0.5, 10.5
@@ -30,7 +31,8 @@ class Spawner:
         bus: the bus.
         turtles: the hunters' names in turtlesim.
         interfaces: the packages of the types.
-        config: of which the spawn timer (R3.1), the names' prefix and the reach (R5.3) are read.
+        config: of which the names' prefix and the reach (R5.3) are read.
+        spawn_frequency: of the spawn timer (R3.1); a new value counts from the last target on.
         seed: of the places.
         say: takes one line when there is news.
     """
@@ -41,13 +43,14 @@ class Spawner:
         turtles: tuple[str, ...],
         interfaces: Interfaces,
         config: ArenaConfig,
+        spawn_frequency: Parameter,
         *,
         seed: int,
         say: Say,
     ) -> None:
         self._bus, self._turtles, self._interfaces, self._say = bus, turtles, interfaces, say
-        self._config = config
-        self._period = max(1, round(config.spawn_period_ms / 1000.0 / TICK_S))
+        self._config, self._frequency = config, spawn_frequency
+        self._fired = 0
         self._places = Random(seed)
         self._seed = seed
         self._poses: dict[str, Pose] = {}
@@ -84,7 +87,11 @@ class Spawner:
         """16 ms: what was asked meanwhile is judged together (R5.1)."""
         self._ticks += 1
         self._read_spawned()
-        if self._ticks % self._period == 0 and self._spawning is None:
+        if self._frequency.value != self._config.spawn_frequency_hz:
+            self._config = self._config.replace(spawn_frequency_hz=self._frequency.value)
+            self._say(f"{self._frequency.name}: {self._frequency.value:g}")
+        if self._ticks >= self._fired + self._period and self._spawning is None:
+            self._fired = self._ticks
             self._number += 1
             x, y = (self._places.uniform(_LOW_M, _HIGH_M) for _ in range(2))
             theta = self._places.uniform(0.0, math.tau)
@@ -94,6 +101,11 @@ class Spawner:
             self._judge()
         if self._ticks % _SECOND == 0:
             self._tell()
+
+    @property
+    def _period(self) -> int:
+        """In ticks."""
+        return max(1, round(self._config.spawn_period_ms / 1000.0 / TICK_S))
 
     def _hearer_of(self, turtle: str) -> Callable[[Pose, Peer | None], None]:
         def hear(pose: Pose, peer: Peer | None) -> None:

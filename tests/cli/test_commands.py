@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import arena, main
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.entrants import agent_class
+from catch_arena.tournament.entrants import agent_module
 from catch_arena.tournament.isolation.levels import level_line
 
 ROOT = Path(__file__).parents[2]
@@ -205,6 +205,37 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         (["match", "nearest", "idle", *QUICK, "--limit", "step_ms=9", "--trusted"], "--limit must be left out with"),
         (["match", "cmd:true", "idle", *QUICK, "--trusted"], "must not be trusted"),
         (["export", "missing", "-o", "e"], "missing: holds no tournament"),
+        *(
+            (["match", "nearest", "idle", "--scenario", "standard", *words], message)
+            for words, message in (
+                (["--set", "teams=[[0,1],[2]]"], "teams must name each seat from 0 to 3 once, got none for seat 3"),
+                (["--set", "teams=[[0,1],[1,2,3]]"], "each seat from 0 to 3 once, got seat 1 more than once"),
+                (["--set", "teams=[[0,1],[2,4]]"], "teams must name each seat from 0 to 3 once, got 4"),
+                (["--set", "teams=((0,1),(2,3))"], "or a list as [[0, 1], [2, 3]], got '((0,1),(2,3))'"),
+                (["--set", "teams=[[0,1],[2,3]"], "or a list as [[0, 1], [2, 3]], got '[[0,1],[2,3]'"),
+                (["--team-size", "3"], "--team-size must divide the 4 hunters of standard, got 3"),
+                (["--team-size", "0"], "--team-size must divide the 4 hunters of standard, got 0"),
+                (["--set", "prey=1", "--set", "target_budget=10"], "target_budget must be None where there is prey"),
+                (
+                    ["--set", "prey=9"],
+                    "prey must be a whole number from 0 to 8 (initial_targets, which count it), got 9",
+                ),
+                (
+                    ["--set", "prey=33", "--set", "initial_targets=40", "--set", "max_targets=40"],
+                    "prey must be a whole number from 0 to 32, got 33",
+                ),
+                (["--set", "prey_returns_s=None"], "--set prey_returns_s must be a number, a word, true, false, null"),
+            )
+        ),
+        (["match", "nearest", "idle", "-s", "pairs", "--team-size", "2"], "left out in pairs, which has teams, got 2"),
+        (["tournament", "nearest", "idle", "-s", "squads", "--team-size", "4"], "left out in squads, which has teams"),
+        (["compare", "nearest", "idle", "-s", "tag", "--team-size", "2"], "must divide the 3 hunters of tag, got 2"),
+        (["audit", "-s", "herd", "--team-size", "3"], "--team-size must divide the 4 hunters of herd, got 3"),
+        (["watch", "nearest", "-s", "standard", "--team-size", "3"], "must divide the 4 hunters of standard, got 3"),
+        (["match", "nearest", "idle", "-s", "tag"], "at least 4 to play the 3 hunters and the 1 prey of tag, got 2"),
+        (["tournament", "nearest", "idle", "-s", "tag"], "at least 5 to play the 3 hunters and the 1 prey in turn of"),
+        (["match", "nearest", "-s", "pairs"], "agents must be at least 2 to be the teams of pairs, got 1"),
+        (["compare", "nearest", "idle", "-s", "tag"], "the field (--against) must be of 1 or 3 or 4 agents where 5"),
         (["match", "nearest", *QUICK], "agents must be at least 2"),
         (["match", "nearest", "idle", "first", *QUICK], "agents must be 2"),
         (["match", "nearest", "idle", *QUICK, "-o", "file/m.replay"], "file: cannot be written"),
@@ -355,7 +386,7 @@ def test_an_agent_that_was_changed_does_not_continue_a_tournament(catch_arena, t
     (tmp_path / "mine.py").write_text(source)
     assert catch_arena(*words).exit_code == 0
     (tmp_path / "mine.py").write_text(source + "# better\n")
-    agent_class.cache_clear()
+    agent_module.cache_clear()
     assert "the digest of agent mine is" in catch_arena(*words).stderr
 
 

@@ -26,6 +26,11 @@ class Writer:
         self.body += raw + b"\0"
         return self
 
+    def raw(self, value):
+        """Single bytes, which stand anywhere."""
+        self.body += value
+        return self
+
     def whole(self):
         return LITTLE_ENDIAN + bytes(self.body)
 

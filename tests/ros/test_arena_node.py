@@ -324,6 +324,18 @@ def test_many_requests_in_one_step_have_one_answer_each():
     assert [answer.response for answer in answers] == [YES] + 299 * [NO]
 
 
+def test_a_flood_of_requests_before_the_match_is_answered_and_the_first_ones_are_judged():
+    """Nobody waits for an answer for ever."""
+    match = Match(hunter_poses=ONE)
+    name = match.service.spawn(2.1, 2.0)
+    answers = [match.ask(match.a, name) for _ in range(1500)]
+    match.node.wait()
+    assert [answer.response for answer in answers] == 1000 * [None] + 500 * [NO]
+
+    match.tick()
+    assert [answer.response for answer in answers] == [YES] + 1499 * [NO]
+
+
 # the other services
 
 

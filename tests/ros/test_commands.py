@@ -3,11 +3,12 @@
 import os
 import subprocess
 import sys
+from typing import get_args
 
 import pytest
 from typer.testing import CliRunner
 
-from catch_arena.cli import main
+from catch_arena.cli import bus_options, main
 from catch_arena.ros import bus
 from catch_arena.ros.pace import Pace
 
@@ -38,6 +39,22 @@ def run(*arguments):
         (("spawner", "--turtle", "/turtle1"), "--turtle must be letters, digits and underscores, as turtle1"),
         (("spawner", "--spawn-frequency", "nan"), "spawn_frequency_hz must"),
         (("spawner", "--reach", "-1"), "reach_m must"),
+        (("spawner", "--name-prefix", "2nd"), "turtles' names must be letters, digits and underscores"),
+        (("spawner", "--ros-args", "-p", "spawn_frequency:=2"), "spawn_frequency must be a double, as 2.0, got 2"),
+        (("spawner", "--ros-args", "-p", "spawn_frequency:=2.0", "--", "--domain", "300"), "from 0 to 232, got 300"),
+        (("spawner", "--domain", "300", "--ros-args"), "from 0 to 232, got 300"),
+        (
+            ("serve", "--ros-args", "-r", "pose:=x", "--ros-args", "-p", "x:=1"),
+            "-r must be __node:=NAME, got 'pose:=x'",
+        ),
+        (
+            ("serve", "--ros-args", "-p", "catch_closest_turtle_first:=true"),
+            "there is no parameter 'catch_closest_turtle_first': known: spawn_frequency, turtle_name_prefix",
+        ),
+        (
+            ("controller", "patrol", "--ros-args", "-p", "catch_closest_turtle_first:=true"),
+            "there is no parameter 'catch_closest_turtle_first': this node has none",
+        ),
         (("serve", "--speed", "0"), "--speed must be above 0 and at most 100, got 0"),
         (("serve", "--speed", "nan"), "--speed must be above 0 and at most 100, got nan"),
         (
@@ -95,6 +112,12 @@ def test_importing_the_package_loads_nothing_of_it():
     )
     found = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
     assert found.stderr.strip() == "", found.stderr
+
+
+def test_the_options_offer_what_the_bus_has():
+    """They have a copy of its words, since no command loads it that does not need it."""
+    assert get_args(bus_options.BusName) == bus.BACKENDS
+    assert bus_options.BRIDGE_URL == bus.BRIDGE_URL
 
 
 class Wall:

@@ -7,7 +7,7 @@ from uuid import UUID
 import pytest
 from cyclonedds.core import Policy, Qos
 from ros import cdr, wire
-from ros.processes import started
+from ros.processes import own_domain, started
 
 from catch_arena.errors import BusError, ConfigError
 from catch_arena.messages import Turtle, TurtleArray
@@ -18,7 +18,6 @@ from catch_arena.ros.interfaces import TWIST, Interfaces
 from catch_arena.ros.type_hashes import type_hash
 
 TYPES = Interfaces()
-DOMAIN = 81
 
 
 def until(ready, seconds=20.0):
@@ -33,9 +32,16 @@ def until(ready, seconds=20.0):
 
 
 @pytest.fixture(scope="module")
-def echo():
+def domain():
+    """The one in which the other process is."""
+    with own_domain() as own:
+        yield own
+
+
+@pytest.fixture(scope="module")
+def echo(domain):
     """Our process, and the ends of a node that speaks bytes with it."""
-    node = wire.Node(DOMAIN)
+    node = wire.Node(domain)
     ends = SimpleNamespace(
         twist=node.writer("rt/twist", wire.TWIST),
         turtles=node.writer("rt/turtles", wire.turtles()),
@@ -45,7 +51,7 @@ def echo():
         kill=node.server("/kill", wire.KILL),
         keep=node,
     )
-    with started("echo.py", DOMAIN) as process:
+    with started("echo.py", domain) as process:
         until(lambda: all(one.matched() for one in (ends.twist, ends.turtles, ends.out, *ends.catch, *ends.spawn)))
         yield ends
         asked = cdr.Reader(until(ends.kill[0].take)[0])
@@ -117,12 +123,12 @@ def test_a_zero_byte_in_a_name_ends_nobody(echo):
     )
 
 
-def test_what_cannot_be_sent_is_left_out():
+def test_what_cannot_be_sent_is_left_out(domain):
     """With a line; the next is sent."""
     said = []
-    ours = open_bus("cyclonedds", domain=DOMAIN, localhost=True, say=said.append)
+    ours = open_bus("cyclonedds", domain=domain, localhost=True, say=said.append)
     send = ours.publisher("/names", TYPES.turtle_array)
-    reader = wire.Node(DOMAIN).reader("rt/names", wire.turtles())
+    reader = wire.Node(domain).reader("rt/names", wire.turtles())
     until(reader.matched)
     time.sleep(0.1)
     for name in ("a\0b", "c"):
@@ -148,9 +154,9 @@ def test_what_is_no_utf8_is_left_out_and_the_next_is_heard(echo):
     "data",
     [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00\xff\xff\xff\xff", cdr.turtles([("abc", 1.0, 2.0, 3.0)])[:-9]],
 )
-def test_a_truncated_message_never_leaves_its_sender(data):
+def test_a_truncated_message_never_leaves_its_sender(domain, data):
     """The library on the sender's side refuses what is cut off; the reader's does the same with what others send."""
-    node = wire.Node(DOMAIN)
+    node = wire.Node(domain)
     writer = node.writer("rt/turtles", wire.turtles())
     with pytest.raises(AssertionError):
         writer.write(data)
@@ -170,35 +176,35 @@ def test_a_truncated_message_never_leaves_its_sender(data):
         cdr.Writer().number("I", 2**31).text("abc").whole(),
     ],
 )
-def test_bytes_that_are_no_such_message_are_left_out_and_the_next_is_heard(echo, data):
+def test_bytes_that_are_no_such_message_are_left_out_and_the_next_is_heard(echo, domain, data):
     """Cut off, of another type, with lengths that cannot be: as packets that no library has looked at."""
     writer = echo.keep.writer("rt/turtles", wire.turtles())
     until(writer.matched)
     writer.write(cdr.turtles([("first", 1.0, 2.0, 3.0)]))
     assert "'first'" in heard(echo)[0]
-    writer.inject(DOMAIN, 2, data)
+    writer.inject(domain, 2, data)
     time.sleep(0.05)
     for name in ("taken for the one that was injected", "next"):
         writer.write(cdr.turtles([(name, 1.0, 2.0, 3.0)]))
     until(lambda: any("'next'" in one[0] for sent in echo.out.take() for one in cdr.read_turtles(sent)))
 
 
-def test_an_injected_message_arrives_where_it_is_whole(echo):
+def test_an_injected_message_arrives_where_it_is_whole(echo, domain):
     """So that the test above tests something."""
     writer = echo.keep.writer("rt/turtles", wire.turtles())
     until(writer.matched)
     writer.write(cdr.turtles([("first", 1.0, 2.0, 3.0)]))
     assert "'first'" in heard(echo)[0]
-    writer.inject(DOMAIN, 2, cdr.turtles([("injected", 1.0, 2.0, 3.0)]))
+    writer.inject(domain, 2, cdr.turtles([("injected", 1.0, 2.0, 3.0)]))
     assert "'injected'" in heard(echo)[0]
 
 
-def test_a_foreign_type_on_a_topic_is_told_in_one_line():
+def test_a_foreign_type_on_a_topic_is_told_in_one_line(domain):
     """DDS does not bring them together; whoever wonders why is told the names."""
     said = []
-    ours = open_bus("cyclonedds", domain=DOMAIN + 1, localhost=True, say=said.append)
+    ours = open_bus("cyclonedds", domain=domain, localhost=True, say=said.append)
     ours.publisher("/alive_turtles", Interfaces().turtle_array)
-    theirs = wire.Node(DOMAIN + 1)
+    theirs = wire.Node(domain)
     theirs.reader("rt/alive_turtles", wire.turtles("robot_msgs"))
     keep = theirs.reader("rt/alive_turtles", wire.turtles("robot_msgs"))
 
@@ -226,7 +232,7 @@ def watch():
     """A watch that looks at what the test shows it, and what it says."""
     said = []
     made = object.__new__(dds_peers.PeerWatch)
-    made._expected, made._told, made._say = {}, set(), said.append
+    made._expected, made._served, made._told, made._say = {}, {}, set(), said.append
     made.expect("rq/catch_turtleRequest", TYPES.catch_turtle.request)
     made.expect("rt/alive_turtles", TYPES.turtle_array)
     return made, said
@@ -242,7 +248,7 @@ def test_fast_dds_is_told_apart_by_its_ids_and_only_where_services_are_concerned
     ]
     for topic, kind in shown:
         for vendor in (b"\x01\x0f", b"\x01\x10", b"\x01\x0f"):
-            looking._check(endpoint(topic, kind, vendor))
+            looking._check(endpoint(topic, kind, vendor), writes=True)
     (line,) = said
     assert line == (
         "warning: a node with Fast DDS, ROS's default middleware, has to do with /catch_turtle, and its services "
@@ -256,10 +262,12 @@ def test_other_fields_under_the_same_name_are_told_where_a_node_announces_them(w
     looking, said = watch
     name = dds_name(TYPES.turtle_array)
     for announced in (b"", f"typehash={type_hash(TYPES.turtle_array)};".encode()):
-        looking._check(endpoint("rt/alive_turtles", name, b"\x01\x10", announced))
+        looking._check(endpoint("rt/alive_turtles", name, b"\x01\x10", announced), writes=True)
     assert said == []
 
-    looking._check(endpoint("rt/alive_turtles", name, b"\x01\x0f", b"a=b;typehash=RIHS01_" + b"0" * 64 + b";"))
+    looking._check(
+        endpoint("rt/alive_turtles", name, b"\x01\x0f", b"a=b;typehash=RIHS01_" + b"0" * 64 + b";"), writes=True
+    )
     (line,) = said
     assert "other fields in my_robot_interfaces/msg/TurtleArray, on /alive_turtles" in line
 
@@ -290,11 +298,11 @@ def test_what_is_missing_is_one_line_that_says_what_to_install(monkeypatch):
         open_bus()
 
 
-def test_the_first_that_is_installed_is_taken_and_told(monkeypatch):
+def test_the_first_that_is_installed_is_taken_and_told(monkeypatch, domain):
     """That is cyclonedds here."""
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
     said = []
-    found = open_bus(domain=DOMAIN + 2, say=said.append)
+    found = open_bus(domain=domain, say=said.append)
     assert (found.backend, said) == ("cyclonedds", ["bus: cyclonedds"])
     found.publisher("/x", TWIST)
     found.close()

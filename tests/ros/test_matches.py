@@ -9,7 +9,7 @@ from contextlib import ExitStack
 
 from ros import cdr, wire
 from ros.bridge import running_bridge
-from ros.processes import started
+from ros.processes import own_domain, started
 from websockets.sync.client import connect
 
 from catch_arena.replay import Replay
@@ -27,8 +27,9 @@ def test_a_students_controller_plays_a_whole_match_and_catches(tmp_path):
     """It knows the exercise's names, and no package of ours; the match is recorded, and plays again."""
     replay = tmp_path / "match.replay"
     with (
-        started(None, "ros", "serve", "--domain", 91, "--seat", "0=ros:ann", "--record", replay, *ARENA) as arena,
-        started("student.py", 91, "turtle1", "/catch_turtle", 30) as student,
+        own_domain() as domain,
+        started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann", "--record", replay, *ARENA) as arena,
+        started("student.py", domain, "turtle1", "/catch_turtle", 30) as student,
     ):
         out, err, status = finished(arena)
         student.send_signal(signal.SIGTERM)
@@ -48,9 +49,10 @@ def test_two_students_fight_and_an_agent_plays_along():
     """One asks at the service that all share, one at its own; what each was told of is its score."""
     seats = ("--seat", "0=ros:ann", "--seat", "1=ros:bob", "--seat", "2=nearest")
     with ExitStack() as stack:
-        arena = stack.enter_context(started(None, "ros", "serve", "--domain", 92, *seats, *ARENA))
+        domain = stack.enter_context(own_domain())
+        arena = stack.enter_context(started(None, "ros", "serve", "--domain", domain, *seats, *ARENA))
         students = [
-            stack.enter_context(started("student.py", 92, f"hunter_{seat}", service, 30))
+            stack.enter_context(started("student.py", domain, f"hunter_{seat}", service, 30))
             for seat, service in enumerate(("/catch_turtle", "/hunter_1/catch_turtle"))
         ]
         out, err, status = finished(arena)
@@ -66,6 +68,23 @@ def test_two_students_fight_and_an_agent_plays_along():
     assert [scores["ann"], scores["bob"]] == told
     assert sum(told) > 0
     assert scores["nearest"] > 0
+
+
+def test_a_second_arena_in_the_domain_is_told():
+    """Both answer whoever asks, and catches would not be what the scores say: each says so once."""
+    with (
+        own_domain() as domain,
+        started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann") as first,
+        started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann") as second,
+    ):
+        for arena in (first, second):
+            line = next(line for line in arena.stderr if line.startswith("warning: another node serves "))
+            assert line.endswith(
+                " too, so that whoever asks gets two answers: --domain gives each arena a domain of its own\n"
+            )
+            arena.send_signal(signal.SIGINT)
+        for arena in (first, second):
+            assert finished(arena)[1].count("another node") == 0
 
 
 def test_a_student_behind_rosbridge_plays_a_match_and_catches():
@@ -117,9 +136,10 @@ def drive_by_json(socket, arena):
 def test_our_controller_and_our_spawner_do_the_exercise_in_a_turtlesim():
     """The simulator is the tests' own, and speaks bytes. The agent is the original's: the oldest target comes first."""
     with (
-        started("turtlesim.py", 94, 30) as turtlesim,
-        started(None, "ros", "spawner", "--domain", 94, "--spawn-frequency", 2, "--seed", 3) as spawner,
-        started(None, "ros", "controller", "first", "--domain", 94) as controller,
+        own_domain() as domain,
+        started("turtlesim.py", domain, 30) as turtlesim,
+        started(None, "ros", "spawner", "--domain", domain, "--spawn-frequency", 2, "--seed", 3) as spawner,
+        started(None, "ros", "controller", "first", "--domain", domain) as controller,
     ):
         judged = [line for _, line in zip(range(3), granted(spawner), strict=False)]
         for process in (controller, spawner, turtlesim):
@@ -137,10 +157,13 @@ def granted(spawner):
 def test_a_flood_of_twists_and_requests_does_not_stop_the_match():
     """20,000 a second, from one process, while another one plays."""
     with (
-        started(None, "ros", "serve", "--domain", 96, "--seat", "0=ros:ann", "--seat", "1=ros:bob", *ARENA) as arena,
-        started("student.py", 96, "hunter_0", "/hunter_0/catch_turtle", 30) as student,
+        own_domain() as domain,
+        started(
+            None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann", "--seat", "1=ros:bob", *ARENA
+        ) as arena,
+        started("student.py", domain, "hunter_0", "/hunter_0/catch_turtle", 30) as student,
     ):
-        node = wire.Node(96)
+        node = wire.Node(domain)
         twists = node.writer("rt/hunter_1/cmd_vel", wire.TWIST)
         asks, answers = node.client("/hunter_1/catch_turtle", wire.catch_turtle())
         sent = 0

@@ -1,5 +1,6 @@
 """The back-end that goes through ROS's own library, with a stand-in for the part of rclpy that it uses."""
 
+import math
 import sys
 from types import ModuleType, SimpleNamespace
 
@@ -10,6 +11,7 @@ from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, 
 from catch_arena.ros import bus
 from catch_arena.ros.bus import open_bus
 from catch_arena.ros.interfaces import RULING, TWIST, Interfaces, TwistMessage
+from catch_arena.ros.parameters import spawner_parameters
 
 TYPES = Interfaces()
 
@@ -102,6 +104,12 @@ class Node:
 
         return SimpleNamespace(call_async=call_async, service_is_ready=lambda: service in self.context.served)
 
+    def declare_parameter(self, name, value, descriptor):
+        self.context.parameters[name] = value, descriptor
+
+    def add_on_set_parameters_callback(self, callback):
+        self.context.on_set = callback
+
     def get_publishers_info_by_topic(self, topic):
         return [
             SimpleNamespace(node_name=one.name, node_namespace="/") for one in self.context.publishers.get(topic, ())
@@ -114,6 +122,7 @@ class Node:
 class Context:
     def __init__(self):
         self.heard, self.served, self.waiting, self.publishers = {}, {}, [], {}
+        self.parameters = {}
 
     def try_shutdown(self):
         self.shut = True
@@ -148,6 +157,11 @@ def joined(monkeypatch):
     numbers = dict.fromkeys(Pose._fields, float)
     for package, folder, types in (
         ("geometry_msgs", "msg", {"Vector3": vector, "Twist": message(linear=vector, angular=vector)}),
+        (
+            "rcl_interfaces",
+            "msg",
+            {"ParameterDescriptor": SimpleNamespace, "SetParametersResult": SimpleNamespace},
+        ),
         ("turtlesim", "msg", {"Pose": message(**numbers)}),
         ("my_robot_interfaces", "msg", {"Turtle": turtle, "TurtleArray": message(turtles=list)}),
         (
@@ -196,6 +210,30 @@ def test_a_service_is_answered_at_once_or_later(joined):
     asked[0].answer(CatchTurtleResponse(False))
     asked[2].answer(CatchTurtleResponse(False))
     assert [call.response.success for call in calls] == [False, True, False]
+
+
+def test_parameters_are_the_nodes_own(joined):
+    """ROS serves them; what is set is asked of us first, and what the node has besides is none of ours."""
+    parameters = spawner_parameters(0.5, "bob_")
+    joined.declare(parameters)
+    declared = joined._context.parameters
+    assert {name: value for name, (value, _) in declared.items()} == {
+        "spawn_frequency": 0.5,
+        "turtle_name_prefix": "bob_",
+    }
+    assert [descriptor.read_only for _, descriptor in declared.values()] == [False, True]
+
+    def change(*changes):
+        result = joined._context.on_set([SimpleNamespace(name=name, value=value) for name, value in changes])
+        return result.successful, result.reason
+
+    assert change(("use_sim_time", True)) == (True, "")
+    assert change(("use_sim_time", True), ("spawn_frequency", 4.0)) == (True, "")
+    assert parameters["spawn_frequency"].value == 4.0
+    done, reason = change(("spawn_frequency", math.nan))
+    assert not done
+    assert reason.startswith("spawn_frequency: ")
+    assert parameters["spawn_frequency"].value == 4.0
 
 
 def test_a_package_that_is_not_built_is_one_line(joined):

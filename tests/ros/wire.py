@@ -1,5 +1,6 @@
 """A node that speaks bytes: DDS carries them, and whoever uses this makes and reads each of them (ros.cdr)."""
 
+import re
 from contextlib import suppress
 from socket import AF_INET, SOCK_DGRAM, socket
 from struct import pack as struct_pack
@@ -60,6 +61,92 @@ EMPTY = (
     struct("std_srvs::srv::dds_::Empty_Request_", **_HEAD, **_DUMMY),
     struct("std_srvs::srv::dds_::Empty_Response_", **_HEAD, **_DUMMY),
 )
+_GID = "rmw_dds_common::msg::dds_::Gid_"
+GRAPH = (
+    Policy.Reliability.Reliable(duration(seconds=1)),
+    Policy.Durability.TransientLocal,
+    Policy.DataRepresentation(use_cdrv0_representation=True),
+    Policy.WriterDataLifecycle(autodispose=False),
+)
+"""Of the topic on which ROS processes tell which nodes they have."""
+
+
+def participant_entities(size):
+    """With gids of so many bytes: 24 up to Humble, 16 from Iron on."""
+    gid = struct(_GID, data=types.array[types.uint8, size])
+    name = types.bounded_str[256]
+    gids = types.sequence[gid]
+    node = struct(
+        "rmw_dds_common::msg::dds_::NodeEntitiesInfo_",
+        node_namespace=name,
+        node_name=name,
+        reader_gid_seq=gids,
+        writer_gid_seq=gids,
+    )
+    return struct(
+        "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", gid=gid, node_entities_info_seq=types.sequence[node]
+    )
+
+
+def parameter_services():
+    """By their names behind the node's: a request and a response each.
+
+    What is set has bounds here, in which it differs from ROS's own: DDS does not bring two types together of which
+    one has them deep inside. Nodes of ROS announce no such details of their types up to Kilted.
+    """
+
+    def value(*most):
+        return struct(
+            "rcl_interfaces::msg::dds_::ParameterValue_",
+            type=types.uint8,
+            bool_value=bool,
+            integer_value=types.int64,
+            double_value=_D,
+            string_value=str,
+            byte_array_value=types.sequence[types.uint8, *most],
+            bool_array_value=types.sequence[bool, *most],
+            integer_array_value=types.sequence[types.int64, *most],
+            double_array_value=types.sequence[_D, *most],
+            string_array_value=types.sequence[str, *most],
+        )
+
+    parameter = struct("rcl_interfaces::msg::dds_::Parameter_", name=str, value=value(16))
+    floats = struct("rcl_interfaces::msg::dds_::FloatingPointRange_", from_value=_D, to_value=_D, step=_D)
+    integers = struct(
+        "rcl_interfaces::msg::dds_::IntegerRange_", from_value=types.int64, to_value=types.int64, step=types.uint64
+    )
+    descriptor = struct(
+        "rcl_interfaces::msg::dds_::ParameterDescriptor_",
+        name=str,
+        type=types.uint8,
+        description=str,
+        additional_constraints=str,
+        read_only=bool,
+        dynamic_typing=bool,
+        floating_point_range=types.sequence[floats],
+        integer_range=types.sequence[integers],
+    )
+    names, parameters = types.sequence[str], types.sequence[parameter, 16]
+    listed = struct("rcl_interfaces::msg::dds_::ListParametersResult_", names=names, prefixes=names)
+    changed = struct("rcl_interfaces::msg::dds_::SetParametersResult_", successful=bool, reason=str)
+    fields = {
+        "ListParameters": ({"prefixes": names, "depth": types.uint64}, {"result": listed}),
+        "DescribeParameters": ({"names": names}, {"descriptors": types.sequence[descriptor]}),
+        "GetParameters": ({"names": names}, {"values": types.sequence[value()]}),
+        "GetParameterTypes": ({"names": names}, {"types": types.sequence[types.uint8]}),
+        "SetParameters": ({"parameters": parameters}, {"results": types.sequence[changed]}),
+        "SetParametersAtomically": ({"parameters": parameters}, {"result": changed}),
+    }
+    made = {}
+    for word, halves in fields.items():
+        name = re.sub("(?<!^)([A-Z])", r"_\1", word).lower()
+        made[name] = tuple(
+            struct(f"rcl_interfaces::srv::dds_::{word}_{half}_", **_HEAD, **one)
+            for half, one in zip(("Request", "Response"), halves, strict=True)
+        )
+    return made
+
+
 _domains = {}
 
 
@@ -72,9 +159,9 @@ class Node:
                 _domains[domain] = Domain(domain, LOOPBACK)
         self.participant = DomainParticipant(domain)
 
-    def writer(self, topic, kind):
+    def writer(self, topic, kind, qos=QOS):
         """What sends bytes, and `match`es readers."""
-        made = DataWriter(self.participant, Topic(self.participant, topic, kind), qos=QOS)
+        made = DataWriter(self.participant, Topic(self.participant, topic, kind), qos=qos)
 
         def write(data):
             assert ddspy_write(made._ref, data + bytes(-len(data) % 4)) == 0
@@ -96,9 +183,9 @@ class Node:
             keep=made,
         )
 
-    def reader(self, topic, kind):
+    def reader(self, topic, kind, qos=QOS):
         """What takes bytes."""
-        made = DataReader(self.participant, Topic(self.participant, topic, kind), qos=QOS)
+        made = DataReader(self.participant, Topic(self.participant, topic, kind), qos=qos)
 
         def take():
             found = ddspy_take(made._ref, 0b1111111, 100)

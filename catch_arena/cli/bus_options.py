@@ -1,0 +1,92 @@
+"""Which ROS 2 bus, and which packages: the options of all commands that speak to nodes."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+
+import typer
+from typer.core import TyperCommand
+
+from catch_arena.cli.terminal import say
+
+if TYPE_CHECKING:
+    from catch_arena.ros.bus import Bus
+    from catch_arena.ros.interfaces import Interfaces
+
+# these two stand in ros/bus.py too, which no command loads that does not need it
+BusName = Literal["cyclonedds", "rosbridge", "rclpy"]
+BRIDGE_URL: Final = "ws://127.0.0.1:9090"
+
+BusOption = Annotated[
+    BusName | None,
+    typer.Option(
+        "--bus",
+        help="cyclonedds: no ROS is needed here. rosbridge: a rosbridge server runs where ROS is. rclpy: ROS is here.",
+        show_default="the first of them that is installed",
+    ),
+]
+Domain = Annotated[int | None, typer.Option(help="DDS's, from 0 to 232.", show_default="ROS_DOMAIN_ID, or 0")]
+Url = Annotated[str, typer.Option(metavar="URL", help="Where rosbridge's server listens.")]
+Package = Annotated[
+    str,
+    typer.Option(
+        "--interfaces", metavar="PACKAGE", help="Your package with Turtle, TurtleArray and CatchTurtle (docs/ros2.md)."
+    ),
+]
+Turtlesim = Annotated[
+    str, typer.Option(metavar="PACKAGE", help="turtlesim, or turtlesim_msgs from Kilted on: where Pose is.")
+]
+_ROS_ARGS: Final = "--ros-args"
+RosArgs = Annotated[
+    list[str] | None,
+    typer.Option(
+        _ROS_ARGS,
+        metavar="ARGS...",
+        help="As for ros2 run, behind all else: -p NAME:=VALUE, --params-file FILE, -r __node:=NAME (docs/ros2.md).",
+    ),
+]
+"""Only of a NodeCommand."""
+INTERFACES: Final = "my_robot_interfaces"
+TURTLESIM: Final = "turtlesim"
+
+
+def interfaces_of(package: str, turtlesim: str) -> "Interfaces":
+    """The types of --interfaces and --turtlesim.
+
+    Raises:
+        ConfigError: for a name that no package can have.
+    """
+    from catch_arena.ros.bus import checked_package
+    from catch_arena.ros.interfaces import Interfaces
+
+    return Interfaces(checked_package("--interfaces", package), checked_package("--turtlesim", turtlesim))
+
+
+class NodeCommand(TyperCommand):
+    """A command that may be started as a node: all words behind --ros-args are its values, up to a --."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the option's name before each of its words."""
+        behind, words = False, []
+        for word in args:
+            if word == _ROS_ARGS or (behind and word == "--"):
+                behind = word == _ROS_ARGS
+            else:
+                words.append(f"{_ROS_ARGS}={word}" if behind else word)
+        return super().parse_args(ctx, words)
+
+
+@contextmanager
+def joined_bus(backend: BusName | None, node: str, domain: int | None, url: str) -> Iterator["Bus"]:
+    """The bus of --bus, --domain and --url, which is left in the end.
+
+    Raises:
+        BusError: where it cannot be reached.
+    """
+    from catch_arena.ros.bus import open_bus
+
+    joined = open_bus(backend, node=node, domain=domain, url=url, say=lambda line: say(line, err=True))
+    try:
+        yield joined
+    finally:
+        joined.close()
