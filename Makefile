@@ -33,7 +33,7 @@ demo: $(VENV)/ready ## a tournament of seven agents: the report, a video of the 
 test: $(VENV)/ready-dev ## run the tests, but for those of nightly and extras
 	$(BIN)/pytest $(WORKERS) -m '$(USUAL)' tests
 
-quick: $(VENV)/ready-dev ## before each commit: the tests of the rules, the doors, conformance and the docs
+quick: $(VENV)/ready-dev ## before each commit: the tests of the rules, the interfaces, conformance and the docs
 	$(BIN)/pytest $(WORKERS) -m '$(USUAL)' $(QUICK)
 
 extras: $(VENV)/ready-extras ## the tests that need large packages: Ray, moviepy

@@ -1,7 +1,8 @@
 """Plays the suite with every agent that comes with the package, and writes docs/card.md from it: what each is, what it
 reaches, and where it is weak. The results of the references go to catch_arena/suite/references.json.
 
-What was played is kept in --out, and a second run goes on from there: only what has changed is played again.
+What was played is kept in --out, and a second run goes on from there: only what has changed is played again. Where
+agents are named, they are put into the card, and the others stay in it as they are.
 """
 
 from catch_arena import interrupts
@@ -14,6 +15,7 @@ import importlib
 import math
 import os
 import platform
+import re
 import shutil
 import sys
 from collections.abc import Iterator, Sequence
@@ -24,12 +26,12 @@ import numpy as np
 
 from catch_arena.cli.app import MAX_FORFEITS
 from catch_arena.cli.progress import progress_bar
-from catch_arena.errors import CatchArenaError, StoreError
+from catch_arena.errors import CatchArenaError, ConfigError, StoreError
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
 from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
 from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures, measure
-from catch_arena.suite.references import FILE, references_text
+from catch_arena.suite.references import FILE, references, references_text
 from catch_arena.tournament.entrants import Entrant, enter, shipped
 from catch_arena.tournament.execution.executors import usable_cores
 from catch_arena.tournament.statistics.intervals import Estimate
@@ -48,6 +50,10 @@ METHOD: Final = """Measured by `{command}` on {machine}. The protocol has {block
 table says fewer, the numbers are a first look. `?` stands where too few blocks were played to tell. The time of a move
 is that of the clock on the wall, in our own processes, while the machine did other things too."""
 HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first in", "forfeits", "a move")
+TABLE: Final = re.compile(r"(?:^\| \[?`.*\n)+", re.MULTILINE)
+"""The rows of a table, one for each agent."""
+SECTIONS: Final = re.compile(r"^(?=### )", re.MULTILINE)
+"""Where the section of an agent begins."""
 KEY: Final = """
 *Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first less the
 second. *First in*: in how many scenarios it comes first among itself and its opponents, or cannot be told from the
@@ -58,7 +64,7 @@ first.
 def main() -> int:
     """The exit code: 0, or 2 with a line that says why not."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("agents", nargs="*", help="which ones; without any, all that come with the package")
+    parser.add_argument("agents", nargs="*", help="which ones to put into the card; without any, all")
     parser.add_argument("--out", type=Path, default=Path("out/card"), help="the folder for the matches")
     parser.add_argument("--blocks", type=int, default=SUITE.blocks, help="of agents that are no references")
     parser.add_argument("--jobs", type=int, default=usable_cores(), help="processes that play")
@@ -68,8 +74,11 @@ def main() -> int:
         agents = enter(sorted(wanted, key=lambda name: name not in REFERENCES))  # what is needed most comes first
         measured = [play(one, args.out, args.jobs, args.blocks) for one in agents]
         measured.sort(key=lambda one: -one.held_out.mean)
-        write_whole(PAGE, page(measured, args.blocks).encode())
-        write_whole(FILE, references_text(SUITE, measured).encode())
+        text, known = page(measured, args.blocks), {}
+        if args.agents:
+            text, known = merged(PAGE.read_text(encoding="utf-8"), text, args.blocks), references(SUITE)
+        write_whole(PAGE, text.encode())
+        write_whole(FILE, references_text(SUITE, measured, known).encode())
     except CatchArenaError as error:
         print(error, file=sys.stderr)
         return 2
@@ -125,6 +134,36 @@ def page(measured: Sequence[AgentMeasures], most: int) -> str:
             *(line for one in measured for line in section(one)),
         )
     )
+
+
+def merged(card: str, page: str, most: int) -> str:
+    """The card with all agents of another page in it, those with the highest scores first; `most` is that of `play`.
+
+    Raises:
+        ConfigError: for a card of another suite, whose figures cannot be compared with these.
+    """
+    if f"(digest {SUITE.digest})" not in card:
+        raise ConfigError(f"{PAGE} is of another suite than {SUITE.digest}: make the whole card, by `make card`")
+    head, *old = SECTIONS.split(card)
+    sections = {name_in(one): one.rstrip() for one in old}
+    for one in SECTIONS.split(page)[1:]:
+        name = name_in(one)
+        apart = f"- Measured by itself, by `scripts/card.py --blocks {most} {name}` on {machine()}."
+        sections[name] = f"{one.rstrip()}\n{apart}"
+    tables = [
+        {name_in(row): row for row in (*before.splitlines(), *rows.splitlines())}
+        for before, rows in zip(TABLE.findall(head), TABLE.findall(page), strict=True)
+    ]
+    held_out = {name: float(row.split(" | ")[4].split()[0]) for name, row in tables[0].items()}
+    order = sorted(held_out, key=lambda name: -held_out[name])
+    texts = iter("".join(f"{rows[name]}\n" for name in order) for rows in tables)
+    head = TABLE.sub(lambda _: next(texts), head)
+    return head + "\n\n".join(sections[name] for name in order) + "\n"
+
+
+def name_in(text: str) -> str:
+    """The agent whose row or section it is."""
+    return re.match(r"(?:### |\| \[?`)(\w+)", text)[1]  # type: ignore[index]
 
 
 def summary(one: AgentMeasures) -> str:

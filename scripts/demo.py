@@ -62,7 +62,7 @@ def begin(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
 
 
 def wait_for(process: subprocess.Popen[str]) -> None:
-    """
+    """Wait for a command.
 
     Raises:
         SystemExit: with the code of a command that failed.

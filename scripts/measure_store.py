@@ -10,6 +10,7 @@ import resource
 import statistics
 import tempfile
 import time
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -117,12 +118,18 @@ def measure_length(config: ArenaConfig, entrants: tuple[Entrant, ...], folder: P
             spent = cpu_s(lambda form=form, path=path: export(store, form, path))
             written = path.stat().st_size
             print(f"export {form:<9} {1e6 * spent / plan.size:.0f} us and {written / plan.size:.0f} bytes a match")
+        tracemalloc.start()
+        played = list(store.played())
+        held, _ = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        print(f"in memory        {held / len(played):.0f} bytes a match, as the standings hold them")
         print(f"reading it back  {1e6 * cpu_s(lambda: sum(1 for _ in store.played())) / plan.size:.0f} us a match")
 
 
-def measure_plan(config: ArenaConfig, entrants: tuple[Entrant, ...], folder: Path) -> None:
-    """A million matches planned, in a store."""
-    plan = round_robin(len(entrants), 2, MILLION // 12, 0)
+def measure_plan(entrants: tuple[Entrant, ...], folder: Path) -> None:
+    """A million duels planned, in a store."""
+    config = scenario("duel")
+    plan = round_robin(len(entrants), config.hunters, MILLION // 12, 0)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with Store.begin(Tournament(config, entrants, plan.parameters), folder) as store:
         spent = cpu_s(lambda: store.plan(plan.batch(0, ())))
@@ -134,17 +141,18 @@ def measure_plan(config: ArenaConfig, entrants: tuple[Entrant, ...], folder: Pat
 
 
 def main() -> None:
-    """All three."""
+    """All three; the yardstick says how slow the machine is, whose CPU time others may take."""
     args = parse()
     config, entrants = scenario("standard"), enter(AGENTS)
     print(f"{platform.machine()}, Python {platform.python_version()}, {usable_cores()} cores")
+    print(f"a yardstick      ten million additions take {cpu_s(lambda: sum(range(10_000_001))):.2f} s here and now")
     with tempfile.TemporaryDirectory() as name:
         folders = [Path(name) / part for part in ("overhead", "length", "plan")]
         for folder in folders:
             folder.mkdir()
         measure_overhead(config, entrants, folders[0])
         measure_length(config, entrants, folders[1], args)
-        measure_plan(config, entrants, folders[2])
+        measure_plan(entrants, folders[2])
 
 
 if __name__ == "__main__":

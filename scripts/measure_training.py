@@ -49,7 +49,7 @@ def best_us(call: Callable[[], object], rounds: int) -> float:
 
 
 def measure_keeping(rounds: int) -> None:
-    """One arena, by both doors."""
+    """One arena, by both interfaces."""
     env, batch = catch_arena.parallel_env(), catch_arena.VectorArena(num_envs=1)
     env.reset(seed=1)
     batch.reset(seed=1)

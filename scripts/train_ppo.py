@@ -11,10 +11,13 @@ What it writes into --out: `agent.py` and `agent.npz`, which any tournament take
 """
 
 import argparse
+import ast
 import contextlib
 import copy
 import csv
 import dataclasses
+import inspect
+import itertools
 import json
 import os
 import subprocess
@@ -36,6 +39,7 @@ except ModuleNotFoundError:
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import RewardWeights
 from catch_arena.errors import CatchArenaError
+from catch_arena.files import whole_file, write_whole
 from catch_arena.policy import Limits
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.tournament.entrants import create_policy, resolve_spec
@@ -53,7 +57,7 @@ class Settings:
     out: Path = Path("runs/ppo")
     """Where it writes."""
     head: str = "destination"
-    """What the network decides: a destination that a driver of ours goes to, a target's rank, or the velocity."""
+    """What the network decides: "destination", to which a driver of ours goes; "rank", of a target; or "velocity"."""
     scenarios: str = "standard"
     """Where it learns; several with commas are taken in turn."""
     opponents: str = "patrol,contested_by_time,contested"
@@ -97,7 +101,7 @@ class Settings:
     spread: float = 0.3
     """With the head "velocity": the standard deviation of what is tried, at the beginning."""
     snapshot: int = 300_000
-    """Decisions from one past self to the next."""
+    """Decisions from one past self to the next; then the agent and the run are also written down."""
     most_selves: int = 6
     """Past selves that stay in the pool: the strongest."""
     evaluate: int = 1_000_000
@@ -136,10 +140,21 @@ class Settings:
 def settings_of(arguments: list[str]) -> tuple[Settings, bool]:
     """What the command line asks for, and whether to go on."""
     said = argparse.ArgumentParser(description=(__doc__ or "").partition("\n\n")[0])
+    (body,) = [node.body for node in ast.parse(inspect.getsource(Settings)).body if isinstance(node, ast.ClassDef)]
+    meaning = {
+        here.target.id: after.value.value
+        for here, after in itertools.pairwise(body)
+        if isinstance(here, ast.AnnAssign) and isinstance(here.target, ast.Name)
+        if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+    }
     for field in dataclasses.fields(Settings):
         kind: Any = field.type if isinstance(field.type, type) else str
         said.add_argument(
-            f"--{field.name.replace('_', '-')}", type=kind, default=field.default, help=str(field.default)
+            f"--{field.name.replace('_', '-')}",
+            type=kind,
+            default=field.default,
+            metavar={Path: "FOLDER", int: "N", float: "X"}.get(kind, "TEXT"),
+            help=f"{meaning[field.name]} Default: {field.default or 'none'}".replace("%", "%%"),
         )
     said.add_argument("--resume", action="store_true", help="go on with the run in --out")
     given = vars(said.parse_args(arguments))
@@ -550,7 +565,7 @@ def export(network: PointerNetwork, folder: Path, name: str = "agent") -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     network.save(folder / f"{name}.npz")
     path = folder / f"{name}.py"
-    path.write_text(AGENT.format(control=CONTROL_OF[network.head]))
+    write_whole(path, AGENT.format(control=CONTROL_OF[network.head]).encode())
     return path
 
 
@@ -559,10 +574,10 @@ class Evaluation:
 
     def __init__(self, settings: Settings) -> None:
         self.settings, self.folder = settings, settings.out / "evaluation"
-        self.running: tuple[int, subprocess.Popen[bytes]] | None = None
+        self.running: tuple[int, float, subprocess.Popen[bytes]] | None = None
 
-    def begin(self, network: PointerNetwork, decisions: int) -> None:
-        """Let it play now."""
+    def begin(self, network: PointerNetwork, decisions: int, seconds: float) -> None:
+        """Let it play now; it has learned so long."""
         self.end()
         here = self.folder / str(decisions)
         agent = export(network, here, "ppo")
@@ -587,13 +602,13 @@ class Evaluation:
         ]
         with (here / "log.txt").open("wb") as log:
             process = subprocess.Popen(["nice", *command] if os.name == "posix" else command, stdout=log, stderr=log)
-        self.running = decisions, process
+        self.running = decisions, seconds, process
 
     def end(self) -> None:
         """Wait for it, and write down what it found."""
         if self.running is None:
             return
-        decisions, process = self.running
+        decisions, seconds, process = self.running
         self.running = None
         if process.wait():
             log = self.folder / str(decisions) / "log.txt"
@@ -610,7 +625,8 @@ class Evaluation:
             "win_share_low",
             "win_share_high",
         )
-        rows = [{"decisions": decisions} | {name: row[name] for name in columns} for row in results["standings"]]
+        done = {"decisions": decisions, "seconds": round(seconds, 1)}
+        rows = [done | {name: row[name] for name in columns} for row in results["standings"]]
         append(self.settings.out / "curve.csv", rows)
         own = next(row for row in rows if row["agent"] == "ppo")
         share, low, high = (100 * (own[name] or 0) for name in ("win_share", "win_share_low", "win_share_high"))
@@ -623,8 +639,8 @@ class Evaluation:
     def stop(self) -> None:
         """End one that is under way; what it played is lost."""
         if self.running is not None:
-            self.running[1].terminate()
-            self.running[1].wait()
+            self.running[-1].terminate()
+            self.running[-1].wait()
 
 
 # what is written
@@ -654,6 +670,14 @@ def append(path: Path, rows: list[dict[str, Any]]) -> None:
         table.writerows(rows)
 
 
+def drop_after(path: Path, decisions: int) -> None:
+    """Take out of a table what a broken run wrote after its last snapshot: it is made again."""
+    if path.exists():
+        head, *rows = path.read_text().splitlines(keepends=True)
+        kept = [row for row in rows if int(row.partition(",")[0]) <= decisions]
+        write_whole(path, "".join((head, *kept)).encode())
+
+
 def tensorboard(folder: Path) -> Any:
     """A writer for TensorBoard, or None where it is not installed."""
     try:
@@ -675,9 +699,8 @@ def save_state(path: Path, settings: Settings, parts: dict[str, Any], pool: Pool
         "alive": pool.alive.tolist(),
         "random": torch.get_rng_state(),
     }
-    beside = path.with_suffix(".new")
-    torch.save(state, beside)
-    beside.replace(path)
+    with whole_file(path) as file:
+        torch.save(state, file)
 
 
 def load_state(path: Path, settings: Settings, parts: dict[str, Any], pool: Pool) -> int:
@@ -733,6 +756,15 @@ def train(settings: Settings, *, resume: bool) -> None:
     evaluation, board = Evaluation(settings), tensorboard(settings.out)
     each = settings.horizon * arenas[0].batch.num_rows
     begun, first, turn = time.perf_counter(), decisions, 0
+    if resume:
+        for table in ("progress.csv", "curve.csv"):
+            drop_after(settings.out / table, decisions)
+
+    def keep() -> Path:
+        """Write down the run, and the agent that it has made so far."""
+        save_state(settings.out / "state.pt", settings, parts, pool, decisions)
+        return export(actor.exported(settings.head), settings.out)
+
     clock.spent.clear()
     try:
         while decisions < settings.decisions:
@@ -761,19 +793,19 @@ def train(settings: Settings, *, resume: bool) -> None:
                     f"{told['agent_steps_per_s']:,.0f} agent-steps/s, network {told['network_share']:.0%}",
                     flush=True,
                 )
-            if settings.self_play and decisions // settings.snapshot > before // settings.snapshot:
-                pool.grow(actor.exported(settings.head))
+            if decisions // settings.snapshot > before // settings.snapshot:
+                if settings.self_play:
+                    pool.grow(actor.exported(settings.head))
+                keep()
             pool.weigh()
             if settings.evaluate and decisions // settings.evaluate > before // settings.evaluate:
-                evaluation.begin(actor.exported(settings.head), decisions)
-                save_state(settings.out / "state.pt", settings, parts, pool, decisions)
+                evaluation.begin(actor.exported(settings.head), decisions, spent)
     except KeyboardInterrupt:
         evaluation.stop()
         print(f"\nstopped after {decisions:,} decisions; --resume goes on", flush=True)
     else:
         evaluation.end()
-    save_state(settings.out / "state.pt", settings, parts, pool, decisions)
-    path = export(actor.exported(settings.head), settings.out)
+    path = keep()
     print(f"{path}: catch-arena check-agent {path}", flush=True)
 
 

@@ -48,7 +48,7 @@ class Evaluation:
         return self.agent, *named
 
     def require_new(self) -> None:
-        """
+        """Check that no scenario's folder holds matches yet.
 
         Raises:
             StoreError: where matches are kept already.

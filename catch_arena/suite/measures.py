@@ -26,6 +26,8 @@ PROFILE_LEVELS = tuple(level / 20 for level in range(20))
 """Of the performance profile."""
 AGENT = 0
 """The agent's index among the entrants of a suite's matches."""
+DIGITS = 6
+"""Behind the point, of the figures for programs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,19 +183,19 @@ def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Map
         "agent_digest": measures.agent.digest,
         "control": measures.agent.control,
         "iqm": {
-            "training": ends_of(measures.training),
-            "held_out": ends_of(measures.held_out),
-            "gap": ends_of(measures.gap),
+            "training": measures.training.to_dict(DIGITS),
+            "held_out": measures.held_out.to_dict(DIGITS),
+            "gap": measures.gap.to_dict(DIGITS),
         },
         "probability_of_improvement": {
-            name: {part: ends_of(measures.improvement(scores, held_out=held_out)) for part, held_out in parts}
+            name: {part: measures.improvement(scores, held_out=held_out).to_dict(DIGITS) for part, held_out in parts}
             for name, scores in references.items()
         },
         "performance_profile": {
             "levels": list(PROFILE_LEVELS),
             **{
                 part: [
-                    ends_of(one)
+                    one.to_dict(DIGITS)
                     for one in performance_profile(measures.table(held_out=held_out), np.array(PROFILE_LEVELS))
                 ]
                 for part, held_out in parts
@@ -202,9 +204,9 @@ def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Map
         "scenarios": {
             one.name: {
                 "held_out": one.held_out,
-                "score": ends_of(one.score),
+                "score": one.score.to_dict(DIGITS),
                 "score_by_block": list(one.by_block),
-                "win_share": ends_of(one.win_share),
+                "win_share": one.win_share.to_dict(DIGITS),
                 "place": one.place,
                 "of": one.of,
                 "first_group": one.first_group,
@@ -217,10 +219,5 @@ def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Map
     }
 
 
-def ends_of(estimate: Estimate) -> dict[str, float | None]:
-    """An estimate as JSON-ready values; None where too few blocks tell."""
-    return {"mean": _number(estimate.mean), "low": _number(estimate.low), "high": _number(estimate.high)}
-
-
 def _number(value: float) -> float | None:
-    return None if math.isnan(value) else round(value, 6)
+    return None if math.isnan(value) else round(value, DIGITS)

@@ -30,12 +30,17 @@ def references(suite: Suite, path: Path = FILE) -> dict[str, Scores]:
     }
 
 
-def references_text(suite: Suite, measured: Iterable[AgentMeasures]) -> str:
+def references_text(suite: Suite, measured: Iterable[AgentMeasures], known: Mapping[str, Scores] | None = None) -> str:
     """The file, from what agents reached; those that are no references, or played less, are left out. No score is
     rounded: equal ones must stay equal.
+
+    Args:
+        suite: which all of them played.
+        measured: the agents.
+        known: scores of before, which stay in the file where nothing newer is known.
     """
-    scores = {
-        one.agent.name: {of.name: list(of.by_block) for of in one.scenarios}
+    scores = {name: dict(by_scenario) for name, by_scenario in (known or {}).items()} | {
+        one.agent.name: {of.name: of.by_block for of in one.scenarios}
         for one in measured
         if one.agent.name in REFERENCES and one.blocks == suite.blocks
     }

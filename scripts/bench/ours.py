@@ -1,4 +1,4 @@
-"""Catch Arena's own doors: the env of one arena, and the batch in many sizes.
+"""Catch Arena's own interfaces: the env of one arena, and the batch in many sizes.
 
 By public names only: `--against` measures older versions with this file.
 """

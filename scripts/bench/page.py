@@ -104,7 +104,7 @@ def _alone(subjects: Sequence[Subject]) -> str:
         for subject in subjects
     ]
     head = (
-        "door",
+        "interface",
         "arenas",
         "threads",
         "env-steps per CPU-s",

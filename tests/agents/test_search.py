@@ -7,7 +7,7 @@ from catch_arena import SCENARIOS, Limits, VectorArena, View, scenario
 from catch_arena.agents.nearest import Agent as Nearest
 from catch_arena.agents.search import Agent
 from catch_arena.batch_policy import BatchView
-from catch_arena.lookahead import Arena, Scene, Weights, drive_to, look_ahead
+from catch_arena.lookahead import RolloutArena, Scene, Weights, drive_to, look_ahead
 from catch_arena.tournament.match import play
 
 
@@ -47,9 +47,11 @@ def test_it_acts_legally_in_every_scenario_and_for_many_as_for_one(name):
 def test_its_work_is_bounded_by_what_can_be_in_view_and_not_by_time(monkeypatch):
     """The same number of steps of the light arena, of the same sizes at most, whatever is in view."""
     sizes, steps = [], []
-    drive = Arena._drive
+    drive = RolloutArena._drive
     monkeypatch.setattr(
-        Arena, "_drive", lambda self, dx, dy, drives: (sizes.append(self.distance.size), drive(self, dx, dy, drives))
+        RolloutArena,
+        "_drive",
+        lambda self, dx, dy, drives: (sizes.append(self.distance.size), drive(self, dx, dy, drives)),
     )
     for name in ("standard", "crowd", "scarce", "capstone"):
         for views in views_of(name, steps=4, rows=1):
@@ -97,7 +99,7 @@ def test_of_places_to_wait_it_prefers_those_that_give_it_ground():
     outwards = np.hypot(scene.goal_x[0] - 0.5, scene.goal_y[0] - 5.5).argmin()
     inwards = np.hypot(scene.goal_x[0] - 5.5, scene.goal_y[0] - 5.5).argmin()
     assert worth[inwards] > worth[outwards]
-    arena = Arena(scene.toward(slice(1, 2)), Weights())
+    arena = RolloutArena(scene.toward(slice(1, 2)), Weights())
     assert 0.0 < arena.own_ground()[0, 0] < 0.5
 
 
@@ -120,7 +122,7 @@ def test_the_light_arena_plays_much_as_the_engine_does():
         if np.hypot(x - there_x, y - there_y) < 0.5:
             continue
         scene = scene_of([(x, y, heading)], [(there_x, there_y)])
-        light, steps = Arena(scene, Weights()), 0
+        light, steps = RolloutArena(scene, Weights()), 0
         while light.alive[0, 0, 0]:
             light.catch()
             light.move(waits=False)
@@ -149,7 +151,7 @@ def test_team_mates_are_no_rivals_of_it():
     scene = Scene.of(BatchView(seen[:, 0], np.zeros((1, 0), np.int8), Limits.of(config)))
     assert scene.mates.sum() == 2
     mate = int(np.flatnonzero(scene.mates[0])[1])
-    arena = Arena(scene, Weights())
+    arena = RolloutArena(scene, Weights())
     assert arena.worth[0, [0, mate]].tolist() == [1.0, 1.0]
     assert (arena.worth[0] < 0).sum() == 2
 

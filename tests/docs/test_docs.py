@@ -7,6 +7,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -94,6 +95,20 @@ def test_the_readme_begins_with_its_two_commands():
     commands = [line.split("#")[0].strip() for block in blocks("sh") for line in block.splitlines() if line.strip()]
 
     assert commands[:2] == ["make demo", "make test"]
+
+
+def test_the_page_about_the_architecture_lists_every_package_lowest_layer_first():
+    """In the order of the layers that import-linter enforces; `agents` is in none."""
+    linter = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]
+    layers = next(one["layers"] for one in linter["contracts"] if one.get("containers") == ["catch_arena"])
+    height = {name: number for number, layer in enumerate(reversed(layers)) for name in layer.split(" : ")}
+    page = (ROOT / "docs" / "architecture.md").read_text()
+    table = page.partition("## The packages")[2].partition("## ")[0]
+    names = re.findall(r"`(\w+)/?`", "".join(re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)))
+
+    assert sorted(names) == sorted([*height, "agents"])
+    listed = [height[name] for name in names if name in height]
+    assert listed == sorted(listed)
 
 
 def test_the_made_pages_are_up_to_date():

@@ -72,11 +72,11 @@ def test_every_peer_is_measured_or_named_as_skipped(run):
 def test_the_tables_are_complete(run):
     """Every control, batch, number of threads, of hunters and of targets; and every row as wide as its head."""
     page = (run / "page.md").read_text()
-    doors = {tuple(row[:3]) for row in table(page, "One arena, and batches")[1:]}
+    interfaces = {tuple(row[:3]) for row in table(page, "One arena, and batches")[1:]}
 
-    for door in ("target control", "target control, masks read", "velocity control", "full control"):
-        assert (f"Catch Arena, one arena, {door}", "1", "1") in doors
-    assert {("Catch Arena, batch, target control", "33", threads) for threads in "12"} <= doors
+    for interface in ("target control", "target control, masks read", "velocity control", "full control"):
+        assert (f"Catch Arena, one arena, {interface}", "1", "1") in interfaces
+    assert {("Catch Arena, batch, target control", "33", threads) for threads in "12"} <= interfaces
     assert [row[0].split()[0] for row in table(page, "More hunters")[1:]] == ["2", "4", "8", "16", "32", "64"]
     assert [row[0].split()[2] for row in table(page, "More targets")[1:]] == ["4", "8", "16", "32", "64"]
     for heading in ("Beside others", "One arena, and batches", "Reset and memory", "Import and start-up"):

@@ -1,12 +1,17 @@
 """`make card`: the page says what was measured, of all agents that come with the package."""
 
+import json
 import math
 import re
 import runpy
 from pathlib import Path
 
+import pytest
+
+from catch_arena.errors import ConfigError
 from catch_arena.suite.contents import SUITE
 from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures
+from catch_arena.suite.references import references_text
 from catch_arena.tournament.entrants import enter, shipped
 from catch_arena.tournament.statistics.intervals import Estimate
 
@@ -68,8 +73,46 @@ def test_where_few_blocks_were_played_no_interval_is_given():
     assert CARD["figure"](one.training) == "0.60 (?)"
 
 
+def test_an_agent_is_put_into_the_card_and_the_others_stay():
+    idle, patrol = reached("idle", [0.0] * len(SUITE.scenarios)), reached("patrol", [0.3, 0.7], SUITE.blocks)
+    card = CARD["page"]([patrol, idle], 4).replace("0.25 ms", "9.99 ms")  # by another machine
+    merged = CARD["merged"](card, CARD["page"]([reached("first", [0.5] * len(SUITE.scenarios))], 4), 4)
+    assert [one.split("\n")[0] for one in merged.split("### ")[1:]] == ["patrol", "first", "idle"]
+    for table in CARD["TABLE"].findall(merged):
+        assert re.findall(r"^\| \[?`(\w+)`", table, re.MULTILINE) == ["patrol", "first", "idle"]
+    added = re.search(r"^### first\n(.*?)\n\n### ", merged, re.MULTILINE | re.DOTALL)[1]
+    assert "0.25 ms" in added
+    assert "\n- Measured by itself, by `scripts/card.py --blocks 4 first` on " in added
+    others = "".join(line for line in merged.splitlines(keepends=True) if "`first`" not in line)
+    assert others.replace(f"### first\n{added}\n\n", "") == card
+
+
+def test_an_agent_that_is_in_the_card_is_replaced():
+    card = CARD["page"]([reached("patrol", []), reached("idle", [0.0])], 4)
+    better = CARD["page"]([reached("idle", [0.9] * len(SUITE.scenarios))], 4)
+    merged = CARD["merged"](card, better, 4)
+    assert re.findall(r"^### (\w+)$", merged, re.MULTILINE) == ["idle", "patrol"]
+    assert merged.count("[`idle`]") == 1
+    assert CARD["merged"](merged, better, 4) == merged
+
+
+def test_nothing_is_put_into_a_card_of_another_suite():
+    page = CARD["page"]([reached("idle", [])], 4)
+    with pytest.raises(ConfigError, match="is of another suite than"):
+        CARD["merged"](page.replace(SUITE.digest, "0" * 16), page, 4)
+
+
+def test_references_that_are_not_played_anew_stay():
+    known = {"nearest": {"standard": (0.25,)}}
+    told = json.loads(references_text(SUITE, [reached("patrol", [], SUITE.blocks)], known))
+    assert set(told["scores"]) == {"nearest", "patrol"}
+    assert told["scores"]["nearest"] == {"standard": [0.25]}
+
+
 def test_the_card_in_the_docs_is_of_this_suite_and_has_every_shipped_agent():
-    """If this fails: `make card`."""
     page = (ROOT / "docs" / "card.md").read_text()
-    assert SUITE.digest in page
-    assert set(re.findall(r"^### (\w+)$", page, re.MULTILINE)) == set(shipped())
+    assert SUITE.digest in page, "make card"
+    told = set(re.findall(r"^### (\w+)$", page, re.MULTILINE))
+    missing = sorted(set(shipped()) - told)
+    assert not missing, f"python scripts/card.py {' '.join(missing)}"
+    assert told == set(shipped()), "make card"

@@ -4,6 +4,7 @@ import csv
 import importlib.util
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +76,7 @@ def test_a_short_run_leaves_an_agent_that_plays(tmp_path, head, opponents):
     assert "agent.py" in said
     rows = table(out / "curve.csv")
     assert {row["agent"] for row in rows} == {"ppo", "patrol", "contested_by_time", "contested"}
+    assert all(float(row["seconds"]) > 0 for row in rows)
     progress = table(out / "progress.csv")
     assert [int(row["decisions"]) for row in progress] == [128, 256, 384, 512]
     assert all(np.isfinite(float(row["value_error"])) for row in progress)
@@ -103,6 +105,34 @@ def test_the_same_seed_learns_the_same_and_a_run_goes_on_where_it_was(tmp_path):
     (tmp_path / "one" / "state.pt").write_bytes(b"nothing")
     assert "must be what a run has written" in refused(*again, "--resume")
     assert "there is no" in refused("--out", tmp_path / "new", "--opponents", "nearest", *SHORT, "--resume")
+
+
+@pytest.mark.torch
+def test_the_help_says_what_each_setting_means():
+    said = " ".join(run("train_ppo.py", "--help").split())
+    assert "--hold N Steps for which a decision holds. Default: 2" in said
+    assert "--start TEXT An .npz file to begin from. Default: none" in said
+
+
+@pytest.mark.torch
+def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
+    out = tmp_path / "run"
+    more = ["--out", out, "--opponents", "nearest", *SHORT]
+    command = [sys.executable, ROOT / "scripts" / "train_ppo.py", *more, "--decisions", 10**9]
+    with subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT) as process:
+        late = time.monotonic() + 300
+        while not (out / "agent.py").exists() and process.poll() is None and time.monotonic() < late:
+            time.sleep(0.1)
+        process.kill()
+    assert PointerNetwork.load(out / "agent.npz").head == "destination"
+    before = len(table(out / "progress.csv"))
+    progress = out / "progress.csv"
+    _, _, rest = progress.read_text().splitlines()[-1].partition(",")
+    with progress.open("a") as file:  # as if it had been killed long after its last snapshot
+        file.write(f"{128 * (before + 1)},{rest}\n")
+    run("train_ppo.py", *more, "--decisions", 128 * (before + 1), "--resume")
+    made = [int(row["decisions"]) for row in table(progress)]
+    assert made == [128 * (place + 1) for place in range(before + 1)]
 
 
 @pytest.mark.torch

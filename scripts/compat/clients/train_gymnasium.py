@@ -17,7 +17,7 @@ WRAPPERS = {
     "NumpyToTorch": wrappers.NumpyToTorch,
     "RecordEpisodeStatistics": wrappers.RecordEpisodeStatistics,
     "RescaleObservation": lambda env: wrappers.RescaleObservation(env, -1, 1),
-    "ReshapeObservation": lambda env: wrappers.ReshapeObservation(env, (1, 71)),
+    "ReshapeObservation": lambda env: wrappers.ReshapeObservation(env, (1, *env.single_observation_space.shape)),
     "TransformObservation": lambda env: wrappers.TransformObservation(env, lambda seen: seen * 0.5),
     "TransformReward": lambda env: wrappers.TransformReward(env, lambda reward: reward * 2),
     "VectorizeTransformReward": lambda env: wrappers.VectorizeTransformReward(

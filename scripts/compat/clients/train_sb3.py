@@ -41,7 +41,7 @@ assert any((old != new).any() for old, new in zip(before, model.policy.parameter
 
 # the buffer holds what was seen, though the env has moved on
 buffer = model.rollout_buffer
-assert buffer.observations.size == 64 * 16 * 71
+assert buffer.observations.size == 64 * 16 * masked.observation_space.shape[0]
 observations = masked.reset()
 kept = observations.copy()
 actions, _ = model.predict(observations, action_masks=masked.action_masks())

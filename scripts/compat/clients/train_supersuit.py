@@ -46,7 +46,7 @@ WRAPPERS = {
     "observation_lambda_v0": lambda env: supersuit.observation_lambda_v0(env, lambda seen, _space: seen * 0.5),
     "pad_action_space_v0": lambda env: supersuit.pad_action_space_v0(env),
     "pad_observations_v0": lambda env: supersuit.pad_observations_v0(env),
-    "reshape_v0": lambda env: supersuit.reshape_v0(env, (71, 1)),
+    "reshape_v0": lambda env: supersuit.reshape_v0(env, (*env.observation_space("hunter_0").shape, 1)),
     "reward_lambda_v0": lambda env: supersuit.reward_lambda_v0(env, lambda reward: reward - 0.01),
     "scale_actions_v0": lambda env: supersuit.scale_actions_v0(env, 0.5),
     "sticky_actions_v0": lambda env: supersuit.sticky_actions_v0(env, 0.25),
@@ -60,11 +60,11 @@ DRIVEN = {
 failed = {}
 for name, wrap in {**WRAPPERS, **{f"{name} (velocity)": wrap for name, wrap in DRIVEN.items()}}.items():
     control = "velocity" if "velocity" in name else "target"
-    for door, run in ((catch_arena.parallel_env, play), (catch_arena.env, agent_by_agent)):
+    for make, run in ((catch_arena.parallel_env, play), (catch_arena.env, agent_by_agent)):
         try:
-            assert run(wrap(door(max_cycles=12, control=control))) >= 4
+            assert run(wrap(make(max_cycles=12, control=control))) >= 4
         except Exception as error:  # noqa: BLE001 - all that fail are named together
-            failed[f"{name}, {door.__name__}"] = f"{type(error).__name__}: {error}"
+            failed[f"{name}, {make.__name__}"] = f"{type(error).__name__}: {error}"
 for infos in ("full", "mask", "none"):
     assert play(supersuit.black_death_v3(catch_arena.parallel_env("dropout", max_cycles=12, infos=infos))) >= 4
 assert play(supersuit.frame_skip_v0(supersuit.black_death_v3(catch_arena.parallel_env("dropout", max_cycles=12)), 2))
