@@ -21,7 +21,10 @@ def press(code: int, mod: int = 0):
 
 
 class Script:
-    """Gives the window its events: at each look as many as the script says, and at last Escape."""
+    """Gives the window its events: at each look as many as the script says, and at last Escape.
+
+    A function in the script is a pause: there are no events until it says that the script goes on.
+    """
 
     def __init__(self, *looks):
         self._looks = list(looks)
@@ -29,7 +32,11 @@ class Script:
     def get(self):
         if not self._looks:
             return [press(pygame.K_ESCAPE)]
+        if callable(self._looks[0]) and not self._looks[0]():
+            return []
         look = self._looks.pop(0)
+        if callable(look):
+            return []
         return [press(look)] if isinstance(look, int) else list(look)
 
 
@@ -263,10 +270,20 @@ def test_the_match_begins_again_while_an_agent_hangs(session, tmp_path):
     assert result.exit_code == 0, result.output
 
 
-def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path):
+def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path, monkeypatch):
+    """The script waits for it, as it cannot know how many looks fit into the agent's time."""
+    said = []
+    notify = match_window.MatchWindow.notify
+    monkeypatch.setattr(
+        match_window.MatchWindow, "notify", lambda window, text: (said.append(text), notify(window, text))
+    )
+
+    def out() -> bool:
+        return any(text.startswith("hangs is out") for text in said)
+
     (tmp_path / "hangs.py").write_text(HANGS)
     short = ["--limit", "step_ms=100", "--limit", "bank_s=0.1", "--record", "r.replay"]
-    result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], *nothing(400))
+    result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], out, *nothing(150))
     assert result.exit_code == 0, result.output
     assert (
         "  2    0  hangs (hunter_0): FORFEIT_TIMEOUT in step 1: act took longer than step_ms (100 ms)" in result.stdout
