@@ -3,8 +3,8 @@ process behind.
 
 The first one raises KeyboardInterrupt where the command stands; those that follow are ignored. What this unwinds has
 _UNWIND_S. Then a watchdog ends the process, though it may stand in code that swallowed the interrupt, that waits for a
-lock, or that hangs while it tidies up. Before a command begins and after it has ended there is nothing to unwind, and
-the first signal ends the process at once.
+lock, or that hangs while it tidies up. It waits longer only for what `keep` saves. Before a command begins and after it
+has ended there is nothing to unwind, and the first signal ends the process at once.
 
 Nothing is imported here but what Python loads by itself, since a signal before `listen` is a traceback.
 """
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from typing import NoReturn
 
 _UNWIND_S = 1.5
+_KEEP_S = 60.0
+"""How long saving may take, on a machine however busy."""
+_LOOK_S = 0.05
 _END_S = 1.0
 """How long the end itself may take: of what descends from this process, and of the last line."""
 _LONG_S = 3600.0
@@ -40,6 +43,8 @@ class _Command:
         """Whether an interrupt can be raised: not before the command begins, and not once it has ended."""
         self.waits = False
         """Whether an interrupt is the command's normal end."""
+        self.keeps = False
+        """Whether it saves what must not be lost: an interrupt waits."""
         self.more: Callable[[], str] | None = None
         self.end_descendants: Callable[[], None] | None = None
         self._alarm = -1
@@ -74,6 +79,8 @@ class _Command:
             return
         self._take(number)
         os.write(self._alarm, bytes((number,)))  # where it is not written without Python
+        if self.keeps:
+            return
         if not self.unwinds:
             self.end()
         raise KeyboardInterrupt
@@ -81,7 +88,9 @@ class _Command:
     def _watch(self, watched: int) -> None:
         while (number := os.read(watched, 1)[0]) not in _WORDS:
             pass
-        time.sleep(_UNWIND_S)
+        begin_s = time.monotonic()
+        while time.monotonic() < begin_s + (_KEEP_S if self.keeps else _UNWIND_S):
+            time.sleep(_LOOK_S)
         if self._last.locked():  # the main thread is at it
             time.sleep(_END_S)
             os._exit(self.status)
@@ -143,6 +152,18 @@ def wait() -> None:
             time.sleep(_LONG_S)
     except KeyboardInterrupt:
         pass
+
+
+def keep(save: "Callable[[], object]") -> None:
+    """Save what must not be lost: no signal breaks it off, and one that comes meanwhile is raised after it."""
+    had_heard = _command.heard
+    _command.keeps = True
+    try:
+        save()
+    finally:
+        _command.keeps = False
+    if _command.heard != had_heard:
+        raise KeyboardInterrupt
 
 
 def received() -> bool:

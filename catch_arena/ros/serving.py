@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from catch_arena import interrupts
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import ConfigError
 from catch_arena.ros.agents import AgentSeats
@@ -104,12 +105,12 @@ def serve_match(
                 node.tick()
         except KeyboardInterrupt:
             if record is not None:
-                service.replay.save(record)
+                interrupts.keep(lambda: service.replay.save(record))
             raise
         ranks, scores = node.standings()
         for _ in range(_LAST_TICKS):
             pace.wait()
             node.tick()
     if record is not None:
-        service.replay.save(record)
+        interrupts.keep(lambda: service.replay.save(record))
     return Served(tuple(names), ranks, scores, pace)

@@ -116,6 +116,30 @@ def test_what_waits_for_an_interrupt_has_ended_well(tmp_path):
     assert ended(tmp_path, command("interrupts.wait()", "threading.Event().wait()")) == (0, "")
 
 
+SAVES = "interrupts.keep(lambda: (time.sleep(2.5), print('saved', flush=True)))"
+"""Longer than what an interrupt unwinds has."""
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [("try:", f"    {LOOP}", "finally:", f"    {SAVES}"), (SAVES, "print('goes on', flush=True)")],
+    ids=["at_the_end", "under_way"],
+)
+def test_what_must_not_be_lost_is_saved_first(tmp_path, lines):
+    program = started(tmp_path, command(*lines))
+    time.sleep(0.2)
+    program.interrupt((0.05, 0.3, 0.7))
+    end = program.ended()
+    assert (end.status, end.said, end.errors) == (130, "saved\n", LINE)
+
+
+def test_who_hangs_after_it_has_saved_is_ended(tmp_path):
+    program = started(tmp_path, command("try:", f"    {LOOP}", "finally:", f"    {SAVES}", f"    {LOOP}"))
+    program.interrupt()
+    end = program.ended()
+    assert (end.status, end.said, end.errors) == (130, "saved\n", LINE)
+
+
 @pytest.mark.parametrize(("ends", "status"), [("", 0), ("sys.exit(3)", 3), ("return 2", 2), ("1 / 0", 1)])
 def test_without_an_interrupt_it_ends_as_any_program(tmp_path, ends, status):
     program = started(tmp_path, command("import atexit", "atexit.register(print, 'last')", ends))

@@ -45,6 +45,25 @@ def test_a_students_controller_plays_a_whole_match_and_catches(tmp_path):
     assert verify(played) == []
 
 
+def test_a_match_that_is_broken_off_is_recorded_as_far_as_it_was_played(tmp_path):
+    replay = tmp_path / "match.replay"
+    with (
+        own_domain() as domain,
+        started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann", "--record", replay) as arena,
+        started("student.py", domain, "turtle1", "/catch_turtle", 30),
+    ):
+        assert any("its node is there" in line for line in arena.stdout)
+        time.sleep(1.0)
+        for _ in range(2):
+            arena.send_signal(signal.SIGINT)
+            time.sleep(0.05)
+        _, err, status = finished(arena)
+    assert (status, err.splitlines()[-1]) == (130, "catch-arena: interrupted"), err
+    played = Replay.load(replay)
+    assert played.steps > 10
+    assert verify(played) == []
+
+
 def test_two_students_fight_and_an_agent_plays_along():
     """One asks at the service that all share, one at its own; what each was told of is its score."""
     seats = ("--seat", "0=ros:ann", "--seat", "1=ros:bob", "--seat", "2=nearest")
@@ -166,6 +185,7 @@ def test_a_flood_of_twists_and_requests_does_not_stop_the_match():
         node = wire.Node(domain)
         twists = node.writer("rt/hunter_1/cmd_vel", wire.TWIST)
         asks, answers = node.client("/hunter_1/catch_turtle", wire.catch_turtle())
+        assert any("hunter_0: its node is there" in line for line in arena.stdout)  # its rules may have to be compiled
         sent = 0
         begin = time.monotonic()
         while arena.poll() is None and time.monotonic() < begin + 60:
