@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.policy import Limits
 
-Numbers = NDArray[np.float64]
+Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 STEP_S: Final = 0.2
@@ -73,10 +73,10 @@ class Scene(NamedTuple):
     """
 
     limits: Limits
-    x: Numbers
+    x: Floats
     """(N, H) [m]."""
-    y: Numbers
-    heading: Numbers
+    y: Floats
+    heading: Floats
     """(N, H) [rad]."""
     here: Flags
     """(N, H): whether there is such a hunter."""
@@ -84,17 +84,17 @@ class Scene(NamedTuple):
     """(N, H): who stands still races for nothing."""
     mates: Flags
     """(N, H): itself and its team-mates."""
-    target_x: Numbers
+    target_x: Floats
     """(N, K) [m]."""
-    target_y: Numbers
-    target_vx: Numbers
+    target_y: Floats
+    target_vx: Floats
     """(N, K) [m/s]."""
-    target_vy: Numbers
+    target_vy: Floats
     alive: Flags
     """(N, K)."""
-    goal_x: Numbers
+    goal_x: Floats
     """(N, C) [m]."""
-    goal_y: Numbers
+    goal_y: Floats
     open: Flags
     """(N, C): what is there, and is not as good as caught."""
 
@@ -155,14 +155,14 @@ class Scene(NamedTuple):
         return np.concatenate((self.alive & ~caught, self.open[:, self.alive.shape[1] :]), axis=1)
 
 
-def spawn_area(limits: Limits, points: int) -> tuple[Numbers, Numbers]:
+def spawn_area(limits: Limits, points: int) -> tuple[Floats, Floats]:
     """R3.2: a grid of points in it: x and y [m], (points * points,)."""
     step = (limits.side_m - SPAWN_LOW_M - SPAWN_WALL_M) / points
     places = SPAWN_LOW_M + (np.arange(points) + 0.5) * step
     return np.repeat(places, points), np.tile(places, points)
 
 
-def look_ahead(scene: Scene, weights: Weights) -> Numbers:
+def look_ahead(scene: Scene, weights: Weights) -> Floats:
     """What each place to go to is worth: (N, C); -inf for those that are not open."""
     arena, worth = RolloutArena(scene, weights), np.zeros(scene.goal_x.shape)
     looks = {weights.steps * look // LOOKS_AT_GROUND for look in range(1, LOOKS_AT_GROUND + 1)}
@@ -181,11 +181,11 @@ class RolloutArena:
     def __init__(self, scene: Scene, weights: Weights) -> None:
         self.scene, self.weights, self.limits = scene, weights, scene.limits
         count, copies, self.targets = len(scene.x), scene.goal_x.shape[1], scene.alive.shape[1]
-        self.x: Numbers = np.repeat(scene.x[:, None], copies, axis=1)
-        self.y: Numbers = np.repeat(scene.y[:, None], copies, axis=1)
-        self.heading: Numbers = np.repeat(scene.heading[:, None], copies, axis=1)
-        self.target_x: Numbers = np.repeat(scene.target_x[:, None], copies, axis=1)
-        self.target_y: Numbers = np.repeat(scene.target_y[:, None], copies, axis=1)
+        self.x: Floats = np.repeat(scene.x[:, None], copies, axis=1)
+        self.y: Floats = np.repeat(scene.y[:, None], copies, axis=1)
+        self.heading: Floats = np.repeat(scene.heading[:, None], copies, axis=1)
+        self.target_x: Floats = np.repeat(scene.target_x[:, None], copies, axis=1)
+        self.target_y: Floats = np.repeat(scene.target_y[:, None], copies, axis=1)
         self.alive: Flags = np.repeat(scene.alive[:, None], copies, axis=1)
         self.goal_x, self.goal_y = scene.goal_x.copy(), scene.goal_y.copy()
         self.absent = np.where(scene.here, 0.0, np.inf)[:, None, :, None]
@@ -202,19 +202,19 @@ class RolloutArena:
         self.distance = np.sqrt(self.dx * self.dx + self.dy * self.dy)
         self.cosine, self.sine = np.cos(self.heading), np.sin(self.heading)
 
-    def _arrivals_s(self, dx: Numbers, dy: Numbers, way: Numbers) -> Numbers:
+    def _arrivals_s(self, dx: Floats, dy: Floats, way: Floats) -> Floats:
         """The way at full speed, and half of the turn; infinite for who is not there."""
         cosine, sine = self.cosine[..., None], self.sine[..., None]
         turn: Any = np.abs(np.arctan2(cosine * dy - sine * dx, cosine * dx + sine * dy))
-        arrivals: Numbers = way / self.limits.max_speed_mps + 0.5 / self.limits.max_turn_rate_radps * turn + self.absent
+        arrivals: Floats = way / self.limits.max_speed_mps + 0.5 / self.limits.max_turn_rate_radps * turn + self.absent
         return arrivals
 
-    def _races_s(self) -> Numbers:
+    def _races_s(self) -> Floats:
         """When each hunter could reach each target; infinite for who does not race: (N, C, H, K)."""
         way = np.maximum(0.0, self.distance - self.limits.reach_m)
         return self._arrivals_s(self.dx, self.dy, way) + self.idle
 
-    def catch(self) -> Numbers:
+    def catch(self) -> Floats:
         """Whoever is nearest to a target, and within reach, catches it: what that is worth, (N, C)."""
         distance = self.distance + self.absent
         caught = (distance.min(axis=2) < self.limits.reach_m) & self.alive
@@ -223,32 +223,32 @@ class RolloutArena:
         self.alive &= ~caught
         return self._worth_of(distance.argmin(axis=2), caught)
 
-    def still_to_come(self) -> Numbers:
+    def still_to_come(self) -> Floats:
         """What the targets that are left are worth to those who will reach them first: (N, C)."""
         races = self._races_s()
         soon = self.weights.steps * STEP_S + races.min(axis=2)
         return self._worth_of(races.argmin(axis=2), np.exp(-self.weights.discount * soon) * self.alive)
 
-    def _worth_of(self, winners: NDArray[np.intp], counts: Any) -> Numbers:
+    def _worth_of(self, winners: NDArray[np.intp], counts: Any) -> Floats:
         """What targets are worth, (N, C), of which so many go to these hunters, (N, C, K)."""
-        worth: Numbers = (counts * self.worth[self.rows, winners]).sum(axis=2)
+        worth: Floats = (counts * self.worth[self.rows, winners]).sum(axis=2)
         return worth
 
-    def own_ground(self) -> Numbers:
+    def own_ground(self) -> Floats:
         """The share of the spawn area that the hunter, or a team-mate, would reach first: (N, C)."""
         x, y = spawn_area(self.limits, GROUND)
         dx, dy = x - self.x[..., None], y - self.y[..., None]
         arrivals = self._arrivals_s(dx, dy, np.sqrt(dx * dx + dy * dy))
-        share: Numbers = (arrivals.min(axis=2) < (arrivals + self.strangers).min(axis=2)).mean(axis=2)
+        share: Floats = (arrivals.min(axis=2) < (arrivals + self.strangers).min(axis=2)).mean(axis=2)
         return share
 
-    def costs(self) -> Numbers:
+    def costs(self) -> Floats:
         """What each hunter decides by, (N, C, H, K): when it wins a race, or LOST and by how much it loses it; infinite
         for what it does not run at all.
         """
         races = self._races_s()
         late = races - races.min(axis=2, keepdims=True)
-        cost: Numbers = np.where(late > 0.0, LOST + late, races) + np.where(self.alive, 0.0, np.inf)[:, :, None]
+        cost: Floats = np.where(late > 0.0, LOST + late, races) + np.where(self.alive, 0.0, np.inf)[:, :, None]
         cost[:, :, 0][late[:, :, 0] > self.weights.lost_by_s] = np.inf
         return cost
 
@@ -270,7 +270,7 @@ class RolloutArena:
             self._move_targets()
         self._look()
 
-    def _drive(self, dx: Numbers, dy: Numbers, drives: Flags) -> None:
+    def _drive(self, dx: Floats, dy: Floats, drives: Flags) -> None:
         """All hunters, (N, C, H), by as much; as `drive`, but that who is quick enough turns in one step."""
         fastest = self.limits.max_turn_rate_radps
         bearing = np.arctan2(self.cosine * dy - self.sine * dx, self.cosine * dx + self.sine * dy)
@@ -309,15 +309,15 @@ def best_races(scene: Scene, weights: Weights) -> NDArray[np.intp]:
     return choice
 
 
-def value_of(scene: Scene, weights: Weights) -> Numbers:
+def value_of(scene: Scene, weights: Weights) -> Floats:
     """What is expected from where all are now, of the ground and of the targets in view: (N,)."""
     targets = scene.alive.shape[1]
     arena = RolloutArena(scene.toward(slice(targets, targets + 1)), weights._replace(steps=0))
-    worth: Numbers = (weights.ground * arena.own_ground() + arena.still_to_come())[:, 0]
+    worth: Floats = (weights.ground * arena.own_ground() + arena.still_to_come())[:, 0]
     return worth
 
 
-def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Numbers:
+def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Floats:
     """The commands (N, 2) that bring each hunter to the place that it chose: flat out to a target, ahead of it where it
     moves, and at rest where it waits.
     """
@@ -335,7 +335,7 @@ def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Numbers:
     return drive(scene, x, y, waits)
 
 
-def drive(scene: Scene, x: Numbers, y: Numbers, waits: Flags) -> Numbers:
+def drive(scene: Scene, x: Floats, y: Floats, waits: Flags) -> Floats:
     """The commands (N, 2) that bring each hunter to a point [m], and to rest there where it waits."""
     limits = scene.limits
     dx, dy = x - scene.x[:, 0], y - scene.y[:, 0]
@@ -353,7 +353,7 @@ def drive(scene: Scene, x: Numbers, y: Numbers, waits: Flags) -> Numbers:
     return commands
 
 
-def on_the_circle(scene: Scene) -> tuple[Numbers, Numbers]:
+def on_the_circle(scene: Scene) -> tuple[Floats, Floats]:
     """A place further on, on a circle about the arena's middle, to see most of it in turn: x and y [m], (N,) each."""
     middle = scene.limits.side_m / 2
     angle = np.arctan2(scene.y[:, 0] - middle, scene.x[:, 0] - middle) + FURTHER_RAD

@@ -589,10 +589,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             infos.make = lambda: self._infos(agents, cut, outputs, active, team_scores, prey)
         elif self._infos_wanted == "mask":
             infos = {agent: {} for agent in agents}
-            told = self._masks_in(outputs)
+            masks = self._masks_in(outputs)
             for agent, seat in self._seats.items():
                 if agent in infos and self._controls[seat] != "velocity":
-                    infos[agent]["action_mask"] = told[seat]
+                    infos[agent]["action_mask"] = masks[seat]
         else:
             infos = {agent: {} for agent in agents}
         observations: dict[str, Any] = {agent: outputs[seen[agent]] for agent in agents}
@@ -651,11 +651,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if prey is not None:
             parts = outputs[self._prey_parts].view(np.float64)[: len(prey) * (1 + len(PREY_PART_NAMES))]
             earned = parts.reshape(len(prey), -1).tolist()
-            for agent, told, share in zip(self._prey, prey.tolist(), earned, strict=True):
-                catcher = told[state.CAUGHT_BY // state.LANES]
+            for agent, rows, share in zip(self._prey, prey.tolist(), earned, strict=True):
+                catcher = rows[state.CAUGHT_BY // state.LANES]
                 if agent in agents:
                     infos[agent] = {
-                        "active": told[state.PREY_SLOT // state.LANES] != state.NO_TARGET,
+                        "active": rows[state.PREY_SLOT // state.LANES] != state.NO_TARGET,
                         "caught_by": None if catcher < 0 else int(catcher),
                         "reward_parts": dict(zip(PREY_PART_NAMES, share[1:], strict=True)),
                     }

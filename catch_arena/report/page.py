@@ -152,8 +152,8 @@ def _forfeits(data: ReportData) -> list[dict[str, Any]]:
                 continue
             detail = one.result.details[party] if one.result.details else None
             entrant = data.tournament.entrants[one.match.seating[party]]
-            name, told = entrant.name, detail.reason if detail else ""
-            reason = without_folders(told.replace(entrant.spec, entrant.source))
+            name, reason = entrant.name, detail.reason if detail else ""
+            reason = without_folders(reason.replace(entrant.spec, entrant.source))
             where = f"match {one.match.id}, {data.parties.called(party)}"
             first = {"where": where, "step": detail.step if detail else None, "times": 0}
             way = found.setdefault((name, code, reason), {"name": name, "code": code, "reason": reason} | first)

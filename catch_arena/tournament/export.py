@@ -83,7 +83,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
     for played, versions in store.records():
         match, result = played.match, played.result
         players = [entrants[index] for index in match.seating]
-        told: list[int | None] = [*match.agent_seeds] or [None] * len(players)
+        agent_seeds: list[int | None] = [*match.agent_seeds] or [None] * len(players)
         record = {
             "match": match.id,
             "block": match.block,
@@ -91,7 +91,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
             "sides": sides,
             "agents": [entrant.name for entrant in players],
             "agent_digests": [entrant.digest for entrant in players],
-            "agent_seeds": told,  # None: it followed from `seed`
+            "agent_seeds": agent_seeds,  # None: it followed from `seed`
             **{name: getattr(result, name) for name in _RESULTS},
             **({"seats": parties.seats, "catches": result.catches} if with_teams else {}),
             "replay_digest": played.replay,

@@ -197,8 +197,8 @@ def play(
                 env.withdraw(agents[one])
                 players.drop(one)
 
-    told = agent_seeds or [agent_seed(seed, seat) for seat in seats]
-    forfeit(players.reset(told, [player_limits(env.config, seat) for seat in seats]), {})
+    seeds = agent_seeds or [agent_seed(seed, seat) for seat in seats]
+    forfeit(players.reset(seeds, [player_limits(env.config, seat) for seat in seats]), {})
     if watch is not None:
         watch(env)
     while env.agents and step != most_steps:

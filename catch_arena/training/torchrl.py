@@ -70,12 +70,12 @@ class TorchRLEnv(EnvBase):  # type: ignore[misc]  # torchrl need not be there
     def _step(self, tensordict: TensorDictBase) -> TensorDictBase:
         actions = tensordict[GROUP, "action"].detach().numpy()
         step = self.batch.step(actions.reshape(self.batch.num_rows, *actions.shape[2:]))
-        told = self._tensors(step.observations, step.masks)
-        told[GROUP, "reward"] = self._grouped(step.rewards[:, None])
+        result = self._tensors(step.observations, step.masks)
+        result[GROUP, "reward"] = self._grouped(step.rewards[:, None])
         ends = {"terminated": step.terminations, "truncated": step.truncations}
         for name, rows in {**ends, "done": step.terminations | step.truncations}.items():
-            told[name] = torch.from_numpy(rows[:: self.batch.learners, None].copy())
-        return told
+            result[name] = torch.from_numpy(rows[:: self.batch.learners, None].copy())
+        return result
 
     def _set_seed(self, seed: int | None) -> None:
         self._seed = seed

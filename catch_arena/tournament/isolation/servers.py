@@ -123,9 +123,11 @@ def start_in_namespaces(channel: int, errors: int, spec: str, limits: AgentLimit
     words = bubblewrap_words(visible_files(spec, limits.entrants, limits.hidden), limits.file_mib << 20)
     program = [PROGRAM, "--args", f"{_OPTIONS}", "--info-fd", f"{_INFO}", "--", sys.executable, "-c", _MAIN, *sys.path]
     options = os.memfd_create("options")
-    told, tells = os.pipe()
+    info_read, info_write = os.pipe()
     null = os.open(os.devnull, os.O_RDWR)
-    ends = [fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _FIRST_FREE) for file in (channel, null, errors, options, tells)]
+    ends = [
+        fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _FIRST_FREE) for file in (channel, null, errors, options, info_write)
+    ]
     try:
         os.write(options, b"".join(os.fsencode(word) + b"\0" for word in words))
         os.lseek(options, 0, os.SEEK_SET)
@@ -138,13 +140,13 @@ def start_in_namespaces(channel: int, errors: int, spec: str, limits: AgentLimit
             setsigdef=[signal.SIGCHLD, signal.SIGTERM],
         )
     except OSError:
-        os.close(told)
+        os.close(info_read)
         raise
     finally:
-        for file in (options, tells, null, *ends):
+        for file in (options, info_write, null, *ends):
             os.close(file)
-    with os.fdopen(told, "rb") as said:
-        return Server(pid, limits, _first_process(said))
+    with os.fdopen(info_read, "rb") as info:
+        return Server(pid, limits, _first_process(info))
 
 
 def _first_process(info: BinaryIO) -> int | None:

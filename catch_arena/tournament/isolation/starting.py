@@ -132,10 +132,10 @@ def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
     return [found[seat] for seat in range(len(found))]
 
 
-def _seeds_in_seats(parties: Parties, told: Sequence[int]) -> list[int]:
+def _seeds_by_seat(parties: Parties, agent_seeds: Sequence[int]) -> list[int]:
     """What each seat is told as its seed: the first of a team what its party is, the others what follows from that."""
     found: dict[int, int] = {}
-    for seed, seats in zip(told, parties.seats, strict=True):
+    for seed, seats in zip(agent_seeds, parties.seats, strict=True):
         for number, seat in enumerate(seats):
             found[seat] = agent_seed(seed, number) if number else seed
     return [found[seat] for seat in range(len(found))]
@@ -168,13 +168,13 @@ def play_together(
     """
     parties = Parties.of(config)
     names = parties.to_seats([entrant.name for entrant in entrants])
-    told = _seeds_in_seats(parties, agent_seeds) if agent_seeds else ()
+    seeds = _seeds_by_seat(parties, agent_seeds) if agent_seeds else ()
     seated, absent = in_seats(config, entrants), parties.mapped_to_seats(excluded)
     pauses = iter(_PAUSES_S[1:])
     while True:
         try:
             with start_players(seated, sandbox, absent) as players:
-                return play(config, seed, players, names, agent_seeds=told, **options)
+                return play(config, seed, players, names, agent_seeds=seeds, **options)
         except Stalled:
             pause = next(pauses, None)
             if pause is None:
@@ -214,12 +214,12 @@ def play_apart(
     """
     parties = Parties.of(config)
     names = parties.to_seats([entrant.name for entrant in entrants])
-    told = _seeds_in_seats(parties, agent_seeds) if agent_seeds else ()
+    seeds = _seeds_by_seat(parties, agent_seeds) if agent_seeds else ()
     seated, absent = in_seats(config, entrants), parties.mapped_to_seats(excluded)
 
     def attempt(apart: Apart) -> MatchResult:
         with start_players(seated, sandbox, absent, apart) as players:
-            return play(config, seed, players, names, agent_seeds=told, **options)
+            return play(config, seed, players, names, agent_seeds=seeds, **options)
 
     return _attempt_apart(attempt, on_turn, disks)
 

@@ -253,7 +253,7 @@ def _block(
     """
     block = number * groups + index
     order = sorted(group, key=lambda player: secret.seed("seating", block, player))
-    seed, told = secret.seed("match", block), {player: secret.seed("agent", block, player) for player in group}
+    agent_seeds = {player: secret.seed("agent", block, player) for player in group}
     rotations = [(*order[turn:], *order[:turn]) for turn in range(len(order))]
     seatings = rotations if parties is None else list(parties.seatings(order))
     digits = max(2, len(str(len(seatings) - 1)))  # ids sort as the plan does
@@ -261,9 +261,9 @@ def _block(
         Match(
             id=f"r{number + 1:05d}-g{index + 1:06d}-s{turn:0{digits}d}",
             block=block,
-            seed=seed,
+            seed=secret.seed("match", block),
             seating=seating,
-            agent_seeds=tuple(told[player] for player in seating),
+            agent_seeds=tuple(agent_seeds[player] for player in seating),
         )
         for turn, seating in enumerate(seatings)
     )
