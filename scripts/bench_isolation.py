@@ -15,10 +15,11 @@ from typing import get_args
 from catch_arena import agents, scenario
 from catch_arena.descendants import family
 from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits, Level
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import inspector, start_players
-from catch_arena.tournament.match import play
+from catch_arena.tournament.isolation.starting import start_players
+from catch_arena.tournament.match_loop import play
 
 AGENTS = ("nearest", "contested", "contested_by_time", "patrol")
 

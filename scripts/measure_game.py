@@ -18,7 +18,7 @@ from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.tables import standings_tables
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.starting import play_entrants
+from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin

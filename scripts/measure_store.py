@@ -132,7 +132,7 @@ def measure_plan(entrants: tuple[Entrant, ...], folder: Path) -> None:
     plan = round_robin(len(entrants), config.hunters, MILLION // 12, 0)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with Store.begin(Tournament(config, entrants, plan.parameters), folder) as store:
-        spent = cpu_s(lambda: store.plan(plan.batch(0, ())))
+        spent = cpu_s(lambda: store.plan(plan.stage(0, ())))
         first = cpu_s(lambda: next(store.waiting()))
     grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
     size = (folder / STORE).stat().st_size

@@ -24,7 +24,7 @@ from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant
-    from catch_arena.tournament.first_looks import FirstLooks
+    from catch_arena.tournament.inspection_journal import InspectionJournal
 
 _EXIT_ERROR = 2
 _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
@@ -280,7 +280,7 @@ def say_level(limits: AgentLimits | None) -> None:
 
 
 def enter_agents(
-    specs: Sequence[str], limits: AgentLimits | None, looks: "FirstLooks | None" = None, *, prey: bool = False
+    specs: Sequence[str], limits: AgentLimits | None, journal: "InspectionJournal | None" = None, *, prey: bool = False
 ) -> "tuple[Entrant, ...]":
     """The agents that these specs stand for, looked at where they will play. Warns on stderr of those that cannot play,
     and of what this system cannot limit.
@@ -288,22 +288,23 @@ def enter_agents(
     Args:
         specs: as on the command line.
         limits: those of isolated agents, None where all are trusted.
-        looks: what is known of earlier looks, where one may have ended the command.
+        journal: of earlier inspections, where one may have ended the command.
         prey: whether they play prey too.
 
     Raises:
         AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
     """
     from catch_arena.tournament.entrants import enter, is_shipped
+    from catch_arena.tournament.isolation.inspecting import inspector
     from catch_arena.tournament.isolation.processes import missing_protections
-    from catch_arena.tournament.isolation.starting import inspector, sandbox_for
+    from catch_arena.tournament.isolation.starting import sandbox_for
 
     with sandbox_for(limits) as sandbox:
         look = inspector(sandbox)
-        if looks is None or sandbox is None:
+        if journal is None or sandbox is None:
             entrants = enter(specs, look)
         else:
-            entrants = enter(specs, lambda spec: look(spec) if is_shipped(spec) else looks.inspect(spec, look))
+            entrants = enter(specs, lambda spec: look(spec) if is_shipped(spec) else journal.inspect(spec, look))
     say_level(limits)
     for entrant in entrants:
         if entrant.fault is not None:

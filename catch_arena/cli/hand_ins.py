@@ -160,7 +160,8 @@ def _grade_agent(
     """Play the tests, and say and collect what each gave: the agent's name and digest."""
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import grade_agent
-    from catch_arena.tournament.isolation.starting import inspector, sandbox_for
+    from catch_arena.tournament.isolation.inspecting import inspector
+    from catch_arena.tournament.isolation.starting import sandbox_for
 
     with sandbox_for(allowed) as sandbox:
         look = inspector(sandbox)

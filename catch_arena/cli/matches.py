@@ -112,20 +112,20 @@ def tournament(
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.first_looks import FirstLooks
+    from catch_arena.tournament.inspection_journal import InspectionJournal
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
     from catch_arena.tournament.plans.until_separated import UntilSeparated
     from catch_arena.tournament.standings_files import SUMMARY, TABLES, write_standings
     from catch_arena.tournament.statistics.standings import standings_of_sides
-    from catch_arena.tournament.store import STORE, Store, Tournament
+    from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
     config = arena(scenario, settings, team_size)
     parties = Parties.of(config)
     given = None if seed is None else secret_of(seed)
     allowed = limits_or_trust(limits, isolation, agents, out, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
-    entrants = enter_agents(agents, allowed, FirstLooks(out), prey=config.prey > 0)
+    entrants = enter_agents(agents, allowed, InspectionJournal(out), prey=config.prey > 0)
     require_enough(len(entrants), config, scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
     plan = _plan(entrants, parties, form, rounds, secret, until_separated, max_matches)
@@ -141,8 +141,7 @@ def tournament(
             raise OutputError(
                 f"{out / REPLAYS}: holds replays already: give --force to replace them, or another folder"
             )
-    terms: dict[str, int | float] = {"recorded": record, "trusted": trusted, "max_forfeits": max_forfeits}
-    terms |= {} if allowed is None else allowed.numbers()
+    terms = terms_of(allowed, max_forfeits, recorded=record)
     about = Tournament(config, entrants, plan.parameters, terms, secret)
     most = "at most " if isinstance(plan, UntilSeparated) else ""
 
@@ -277,7 +276,8 @@ def match(
     An agent for each hunter, or for each team where there are teams, and then one for each prey.
     """
     from catch_arena.seeding import arena_seed
-    from catch_arena.tournament.isolation.starting import play_entrants, sandbox_for
+    from catch_arena.tournament.isolation.playing import play_entrants
+    from catch_arena.tournament.isolation.starting import sandbox_for
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 

@@ -77,7 +77,7 @@ def suite(
     from catch_arena.suite.references import references
     from catch_arena.tournament.entrants import is_shipped
     from catch_arena.tournament.execution.executors import require_jobs
-    from catch_arena.tournament.first_looks import FirstLooks
+    from catch_arena.tournament.inspection_journal import InspectionJournal
     from catch_arena.tournament.isolation.starting import sandbox_for
 
     out = out or Path("out/suite-quick" if quick else "out/suite")
@@ -86,7 +86,7 @@ def suite(
     allowed = limits_or_trust(limits, isolation, agents, out, json, trusted=trusted)
     if json is not None:
         output_file(json, force=force)
-    entered = enter_agents(agents, allowed, FirstLooks(out))
+    entered = enter_agents(agents, allowed, InspectionJournal(out))
     opponents = enter_opponents(SUITE)
     blocks = QUICK_BLOCKS if quick else SUITE.blocks
     evaluations = [

@@ -17,8 +17,8 @@ from catch_arena.render.shapes import Shape
 from catch_arena.render.viewport import Viewport
 from catch_arena.render.window import Screen
 from catch_arena.replay import Replay
-from catch_arena.tournament.match import ranks_of_sides
 from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.world import World
 
 SPEEDS: Final = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -41,7 +41,7 @@ class RestartRequested(Exception):  # noqa: N818
 
 
 class MatchWindow:
-    """A match on the screen, at its own pace: give it to `tournament.match.play` as `watch`.
+    """A match on the screen, at its own pace: give it to `tournament.match_loop.play` as `watch`.
 
     Between two steps it draws the way from the one to the other, and meanwhile the person steers the next. Its calls
     raise QuitRequested and RestartRequested.

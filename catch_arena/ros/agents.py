@@ -12,8 +12,8 @@ from catch_arena.policy import Limits
 from catch_arena.ros.bus import Say
 from catch_arena.service import ArenaService
 from catch_arena.text import one_line
-from catch_arena.tournament.match import agent_seed
 from catch_arena.tournament.players import Answer, Players
+from catch_arena.tournament.secret import agent_seed
 
 ASK_EVERY_MS: Final = 100
 """R1.3's usual control period: agents play as in any other match."""

@@ -26,7 +26,7 @@ from catch_arena.ros.interfaces import (
 from catch_arena.ros.rulings import ruling_message
 from catch_arena.ros.seats import RosSeat, seat_of
 from catch_arena.service import ArenaService, response
-from catch_arena.tournament.match import ranks_of
+from catch_arena.tournament.ranks import ranks_of
 from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 

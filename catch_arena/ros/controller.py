@@ -20,8 +20,8 @@ from catch_arena.policy import Limits
 from catch_arena.ros.bus import Bus, Call, Peer, Say
 from catch_arena.ros.interfaces import TWIST, Interfaces, TwistMessage
 from catch_arena.ros.parameters import Parameter
-from catch_arena.tournament.match import agent_seed
 from catch_arena.tournament.players import Players
+from catch_arena.tournament.secret import agent_seed
 from catch_arena.world import World
 
 PERIOD_S: Final = 0.1

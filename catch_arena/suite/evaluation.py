@@ -17,7 +17,7 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.plans.schedule import FixedPlan
-from catch_arena.tournament.store import STORE, Store, Tournament
+from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +110,7 @@ class Evaluation:
             return
         with local_executor(self._worker(waiting[0]), jobs) as ready:
             for one in waiting:
-                ready.turn_to(self._worker(one))
+                ready.use_worker(self._worker(one))
                 with self._begun(one) as store:
                     folder = self._folder(one)
                     play_plan(
@@ -136,8 +136,7 @@ class Evaluation:
         Raises:
             StoreError: for one of another agent, or on other terms.
         """
-        terms: dict[str, int | float] = {"recorded": False, "trusted": self.limits is None}
-        terms |= {"max_forfeits": self.max_forfeits} | ({} if self.limits is None else self.limits.numbers())
+        terms = terms_of(self.limits, self.max_forfeits, recorded=False)
         parameters, secret = self._plan(scenario).parameters, self.suite.secret(scenario)
         facts = Tournament(scenario.config, self.entrants(scenario), parameters, terms, secret)
         return Store.begin(facts, prepare_folder(self._folder(scenario)), resume=True)

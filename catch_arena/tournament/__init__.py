@@ -1,17 +1,19 @@
 """Tournaments: agents play each other in every seat, and are rated by what came of it.
 
 What is in which folder:
-- plans: which matches are played, in which batches.
+- plans: which matches are played, in which stages.
 - isolation: agents in processes of their own, with limits.
 - execution: a plan is played, in this process or in many.
 - statistics: what the results say about the agents, and how sure that is.
 
 And in which file, from one match up:
-- entrants: who plays. parties: who plays as one, a team or one prey. players, match: one match, and its result.
+- entrants: who plays. parties: who plays as one, a team or one prey. players, match, match_loop, ranks: one
+  match, how it is played, and its result.
 - secret: the tournament's secret, and all seeds that follow from it.
 - store: what was planned and played. stored_values: what a stored value may be.
 - agent_logs, export, standings_files: what is written beside it.
-- first_looks, suspicions: who is looked at, and who is under suspicion of harm: written before an agent runs.
+- inspection_journal, crash_journal: who is inspected, and who plays: written before an agent runs, so that who did harm
+  is known when the tournament was killed.
 - agent_check, grading: one agent. comparison: two. audit, invariance: whether the arena is fair.
 
 Nothing here draws, prints or reads options: the command line does (cli/).

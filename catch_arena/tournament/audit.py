@@ -16,8 +16,9 @@ from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.invariance import Step, lots, names_matter, order_matters, with_labels
+from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.starting import inspector, sandbox_for
+from catch_arena.tournament.isolation.starting import sandbox_for
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
@@ -176,7 +177,7 @@ def audit(
     twin_matches = tuple(round_robin(parties.group, parties.group, twin_blocks, secret.part("audit twins"), prey))
     total = len(seat_matches) + len(twin_matches)
 
-    def outcomes(entrants: Sequence[Entrant], plan: Sequence[Match], before: int) -> dict[Side, Outcomes]:
+    def played_by(entrants: Sequence[Entrant], plan: Sequence[Match], before: int) -> dict[Side, Outcomes]:
         def show(done: int, _: int) -> None:
             if progress is not None:
                 progress(before + done, total)
@@ -187,7 +188,7 @@ def audit(
             raise AgentError(f"{agent}: must be able to play, for an audit: {forfeit}")
         return {side: Outcomes.of(len(entrants), on_side(played, parties, side)) for side in parties.sides}
 
-    identical, paired = outcomes(alike, seat_matches, 0), outcomes(twins, twin_matches, len(seat_matches))
+    identical, paired = played_by(alike, seat_matches, 0), played_by(twins, twin_matches, len(seat_matches))
     exact, drawn = permuted_steps(config, secret.seed("audit steps"))
     twin_checks = {side: twins_differ(found, len(twin_matches), side) for side, found in paired.items()}
     seat_checks = [

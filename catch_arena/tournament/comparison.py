@@ -23,7 +23,7 @@ from catch_arena.tournament.statistics.sprt import Decision, Sprt
 
 _A, _B, _FIELD = range(3)
 """Indices among the entrants: the two that are compared, and the first of their field."""
-_FIRST_BATCH: Final = 16
+_FIRST_STAGE: Final = 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class ComparisonDesign:
                 found.append(replace(match, id=f"{match.id}-{'ab'[turn]}", seating=tuple(seating)))
         return tuple(found)
 
-    def outcome(self, block: Sequence[PlayedMatch]) -> float:
+    def share_of_a(self, block: Sequence[PlayedMatch]) -> float:
         """The share that A got of B in a block: in each comparison of two ranks a better one counts 1, an equal one
         one half. With prey all ranks of a side in the block are compared: in a match the two may be on different sides.
         """
@@ -120,24 +120,24 @@ class _UntilDecided:
         plan = round_robin(design.seats, design.seats, max_blocks, secret.part("compare"), design.parties)
         self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks}
         self.size = plan.size * (2 if design.in_turn else 1)
-        self.outcomes: list[float] = []
+        self.shares: list[float] = []
         self.matches = 0
         """In the blocks that the test needed."""
         self._design, self._test, self._progress = design, test, progress
         self._blocks = map(design.block, plan.blocks())
-        self._seen, self._next_size = 0, _FIRST_BATCH
+        self._seen, self._next_size = 0, _FIRST_STAGE
 
-    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """The next batch, once the last one has been given to the test in the order of the plan."""
+    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
+        """The next stage, once the last one has been given to the test in the order of the plan."""
         for _, block in groupby(islice(played, self._seen, None), key=lambda one: one.match.block):
             matches = list(block)
             self._seen += len(matches)
             if self._test.decision is None:
-                self.outcomes.append(self._design.outcome(matches))
-                self._test.add(self.outcomes[-1])
+                self.shares.append(self._design.share_of_a(matches))
+                self._test.add(self.shares[-1])
                 self.matches += len(matches)
         if number and self._progress is not None:
-            self._progress(len(self.outcomes), self._test)
+            self._progress(len(self.shares), self._test)
         if self._test.decision is not None:
             return ()
         size = self._next_size
@@ -170,7 +170,7 @@ def compare(
         jobs: how many processes play.
         limits: those of isolated agents, None where all are trusted.
         max_forfeits: as of `runner.play_plan`.
-        progress: called with (blocks, test) after each batch.
+        progress: called with (blocks, test) after each stage.
 
     Raises:
         ConfigError: for no blocks, and a field that does not fit the scenario's seats.
@@ -188,6 +188,6 @@ def compare(
         for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
             if code is not None:
                 forfeits.setdefault(entrants[index].name, Counter())[code] += 1
-    column = np.array(plan.outcomes)[:, None]
+    column = np.array(plan.shares)[:, None]
     (share,) = shares(column, np.ones_like(column))
-    return Comparison(test.decision, len(plan.outcomes), plan.matches, share, test.log_likelihood_ratio, forfeits)
+    return Comparison(test.decision, len(plan.shares), plan.matches, share, test.log_likelihood_ratio, forfeits)

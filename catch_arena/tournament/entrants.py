@@ -130,7 +130,7 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
 
     Args:
         specs: shipped names, `package.module:Class`, paths of .py files with a class `Agent`, or `cmd:` and a command.
-        inspect: looks at an agent, in this process or (`isolation.starting.inspector`) in one of its own.
+        inspect: looks at an agent, in this process or (`isolation.inspecting.inspector`) in one of its own.
 
     Raises:
         AgentError: one line, that names the spec and what is wrong with it.

@@ -19,8 +19,8 @@ from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
 from catch_arena.text import printable, printable_lines
 from catch_arena.tournament.entrants import NOT_INSTALLED, Entrant
+from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import play_entrants
 from catch_arena.tournament.match import Forfeit, Match, MatchResult
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret

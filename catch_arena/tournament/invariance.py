@@ -10,7 +10,7 @@ from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import play
+from catch_arena.tournament.match_loop import play
 from catch_arena.verdicts import Ruling, Verdict
 
 _TARGETS: Final = 2

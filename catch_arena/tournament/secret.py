@@ -100,3 +100,8 @@ class Secret:
 def _hash(key: bytes, size: int, purpose: str, numbers: tuple[int, ...]) -> bytes:
     message = b"".join(number.to_bytes(8, "little") for number in numbers)
     return hashlib.blake2b(message, digest_size=size, key=key, person=purpose.encode()).digest()
+
+
+def agent_seed(seed: int, seat: int) -> int:
+    """What an agent is told as its seed, in [0, 2^63), in a match that is of no plan and has its seed from people."""
+    return Secret.of(seed).seed("agent", 0, seat)

@@ -22,6 +22,7 @@ from catch_arena.files import LEAST_FREE, is_full, room
 from catch_arena.text import one_line
 from catch_arena.tournament import stored_values
 from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
@@ -62,7 +63,7 @@ CREATE TABLE culprit (
     PRIMARY KEY (block, entrant)
 ) STRICT;
 """
-"""The last four are suspicions.py's."""
+"""The last four are crash_journal.py's."""
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
 """One for each part of a result, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
@@ -96,6 +97,18 @@ class Tournament:
             "seed": None if self.secret is None else self.secret.text,
             "terms": dict(self.terms),
         }
+
+
+def terms_of(limits: AgentLimits | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
+    """A tournament's `terms`.
+
+    Args:
+        limits: those of isolated agents, None where all are trusted.
+        max_forfeits: see `execution.forfeit_streaks`.
+        recorded: whether there are replays.
+    """
+    numbers = {} if limits is None else limits.numbers()
+    return {"recorded": recorded, "trusted": limits is None, "max_forfeits": max_forfeits} | numbers
 
 
 class Store:

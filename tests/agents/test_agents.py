@@ -23,7 +23,7 @@ from catch_arena.agents.tour import PATIENCE_S, best_tour, leg_s, taken_s
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.policy import Limits, Policy, View
 from catch_arena.tournament.entrants import enter, shipped
-from catch_arena.tournament.match import play
+from catch_arena.tournament.match_loop import play
 
 DRIVING = (
     *("assignment", "intercept", "patrol", "pid", "pure_pursuit", "search", "spoiler", "tour", "triage", "voronoi"),

@@ -8,7 +8,7 @@ from catch_arena.agents.nearest import Agent as Nearest
 from catch_arena.agents.search import Agent
 from catch_arena.batch_policy import BatchView
 from catch_arena.lookahead import RolloutArena, Scene, Weights, drive_to, look_ahead
-from catch_arena.tournament.match import play
+from catch_arena.tournament.match_loop import play
 
 
 def made():

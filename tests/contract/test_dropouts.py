@@ -98,7 +98,7 @@ def test_dropouts_pass_pettingzoos_tests(dropouts):
 def test_r1_7_a_match_of_dropouts_has_no_forfeits():
     """Score and rank stay; who has left is not asked any more."""
     from catch_arena.agents.nearest import Agent
-    from catch_arena.tournament.match import play
+    from catch_arena.tournament.match_loop import play
 
     config = catch_arena.scenario("standard", dropout_rate=RATE, max_cycles=60)
     for seed in range(4):

@@ -7,8 +7,9 @@ from random import Random
 from catch_arena.config import ArenaConfig
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch, ranks_of
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import Store, Tournament
 
@@ -47,7 +48,7 @@ def tournament(
     plan = round_robin(len(names), config.hunters, rounds, secret)
     folder.mkdir(parents=True, exist_ok=True)
     with Store.begin(Tournament(config, entrants, plan.parameters, terms or {}, secret), folder, resume=True) as store:
-        store.plan(plan.batch(0, ()))
+        store.plan(plan.stage(0, ()))
         played = []
         for number, match in enumerate(plan):
             if most is not None and number >= most:

@@ -19,7 +19,8 @@ from catch_arena.ros.ros_args import take_ros_args
 from catch_arena.ros.spawner import Spawner
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.starting import inspector, start_players
+from catch_arena.tournament.isolation.inspecting import inspector
+from catch_arena.tournament.isolation.starting import start_players
 
 FREQUENCY, PREFIX, CLOSEST = "spawn_frequency", "turtle_name_prefix", "catch_closest_turtle_first"
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from catch_arena.suite.contents import SUITE
 from catch_arena.suite.evaluation import Evaluation, enter_opponents
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.starting import play_entrants
+from catch_arena.tournament.isolation.playing import play_entrants
 
 FILE = Path(__file__).parents[1] / "data" / "suite_v1.json"
 STEPS = 150

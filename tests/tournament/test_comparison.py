@@ -46,9 +46,9 @@ def test_a_blocks_outcome_by_hand():
         ]
 
     together = block(((0, 1, 2), (1, 2, 3)), ((2, 0, 1), (1, 2, 2)), ((1, 2, 0), (1, 2, 3)))
-    assert ComparisonDesign(3, 1).outcome(together) == (1 + 0.5 + 0) / 3
+    assert ComparisonDesign(3, 1).share_of_a(together) == (1 + 0.5 + 0) / 3
     in_turn = block(((0, 2, 3), (1, 2, 3)), ((1, 2, 3), (2, 1, 3)), ((2, 0, 3), (1, 2, 3)), ((2, 1, 3), (1, 2, 3)))
-    assert ComparisonDesign(3, 2).outcome(in_turn) == (1 + 0.5) / 2
+    assert ComparisonDesign(3, 2).share_of_a(in_turn) == (1 + 0.5) / 2
 
 
 def test_the_decision_does_not_depend_on_the_number_of_processes():

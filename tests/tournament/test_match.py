@@ -7,7 +7,8 @@ import pytest
 from catch_arena import Replay, scenario
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match import play, ranks_of
+from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.ranks import ranks_of
 
 SHORT = scenario("duel", time_limit_s=10)
 

@@ -10,12 +10,15 @@ from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView
 from catch_arena.tournament.entrants import create_policy, enter
 from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import inspector, play_entrants
-from catch_arena.tournament.match import blocks_of, play, prey_ranks_of
+from catch_arena.tournament.match import blocks_of
+from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, require_enough, round_robin
+from catch_arena.tournament.ranks import prey_ranks_of
 from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.standings import standings_of_sides
 

@@ -30,9 +30,9 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import SerialExecutor
 from catch_arena.tournament.execution.runner import REPLAYS, play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.match import agent_seed, blocks_of
+from catch_arena.tournament.match import blocks_of
 from catch_arena.tournament.plans.schedule import FORMATS, Plan, plan_of, round_robin
-from catch_arena.tournament.secret import Purpose, Secret
+from catch_arena.tournament.secret import Purpose, Secret, agent_seed
 from catch_arena.tournament.store import STORE, Store, Tournament
 
 PAGE = (Path(__file__).parents[2] / "docs" / "tournaments.md").read_text()
@@ -85,7 +85,7 @@ def test_the_page_lists_every_purpose_and_its_example_is_right():
 @pytest.mark.parametrize("form", FORMATS)
 def test_a_plan_has_the_seeds_of_its_blocks(form):
     secret = Secret.of(9)
-    blocks = list(plan_of(form, 6, 3, 2, secret).batch(0, ()))
+    blocks = list(plan_of(form, 6, 3, 2, secret).stage(0, ()))
     for number, block in enumerate(blocks):
         for match in block:
             assert match.block == number
@@ -130,7 +130,7 @@ def test_neither_a_secret_nor_a_match_shows_its_seeds_where_it_is_printed():
 
 def told_to_agents(plan: Plan) -> Iterator[tuple[int, int]]:
     """An agent's seed, and the seed of the match that it is told in."""
-    for block in plan.batch(0, ()):
+    for block in plan.stage(0, ()):
         for match in block:
             for seed in match.agent_seeds:
                 yield seed, match.seed

@@ -31,14 +31,14 @@ def played():
 @pytest.fixture
 def store(tmp_path):
     with Store.begin(FACTS, tmp_path) as store:
-        store.plan(PLAN.batch(0, ()))
+        store.plan(PLAN.stage(0, ()))
         yield store
 
 
 def begun(folder):
     """A tournament that got as far as its plan."""
     with Store.begin(FACTS, folder) as store:
-        store.plan(PLAN.batch(0, ()))
+        store.plan(PLAN.stage(0, ()))
 
 
 def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, played):
@@ -87,7 +87,7 @@ def test_keeping_a_match_again_changes_nothing_and_must_say_the_same(store, play
 
 
 def test_planning_again_changes_nothing_and_must_say_the_same(store):
-    assert store.plan(PLAN.batch(0, ())) == store.count_planned() == 12
+    assert store.plan(PLAN.stage(0, ())) == store.count_planned() == 12
     with pytest.raises(
         StoreError, match=r"match r00001-g000001-s00 must be .* got Match.*, with another seed"
     ) as raised:
@@ -142,9 +142,9 @@ def test_it_keeps_its_secret_from_others_and_until_the_end(store, tmp_path, play
     store.end()
     with Store.read(tmp_path) as again:
         assert again.ended
-    store.plan(PLAN.batch(0, ()))
+    store.plan(PLAN.stage(0, ()))
     assert store.ended
-    store.plan(round_robin(3, 2, 3, seed=4).batch(0, ()))
+    store.plan(round_robin(3, 2, 3, seed=4).stage(0, ()))
     assert not store.ended
 
 
@@ -230,7 +230,7 @@ def test_its_size_is_what_a_plan_says(tmp_path):
     plan = round_robin(4, 4, 500, seed=0)
     (first, *_) = run(config, entrants, list(plan)[:1])
     with Store.begin(Tournament(config, entrants, plan.parameters), tmp_path) as store:
-        store.plan(plan.batch(0, ()))
+        store.plan(plan.stage(0, ()))
         for block in plan.blocks():
             store.keep(PlayedMatch(match, first.result) for match in block)
     assert (tmp_path / STORE).stat().st_size / plan.size == pytest.approx(store_bytes(4), rel=1 / 4)

@@ -23,10 +23,12 @@ from catch_arena.cli import main
 from catch_arena.report import write_report
 from catch_arena.tournament.agent_logs import AgentLogs
 from catch_arena.tournament.entrants import Inspection, enter
+from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import inspector, start_players
-from catch_arena.tournament.match import Match, PlayedMatch, play
+from catch_arena.tournament.isolation.starting import start_players
+from catch_arena.tournament.match import Match, PlayedMatch
+from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.store import STORE, Store, Tournament
 

@@ -1,6 +1,6 @@
 """Blocks played side by side, and kept in the order of the plan: the results are those of one block after the other.
 
-A block that comes to nothing is put on trial: it is played by itself when those ahead of it have been kept.
+A block that comes to nothing is put in quarantine: it is played by itself when those ahead of it have been kept.
 
 A block may be begun before those ahead of it have ended, on the guess that nobody in them will be excluded. Where
 somebody was, it is played again without that entrant.
@@ -15,7 +15,7 @@ from typing import Final
 from catch_arena.errors import NoContest, OutputError, StoreError, WorkerLost
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
-from catch_arena.tournament.execution.trials import Trials
+from catch_arena.tournament.execution.quarantine import Quarantine
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch
 from catch_arena.tournament.match import Block
 
@@ -37,7 +37,7 @@ class _QueuedBlock:
     """None while it is played."""
     lost: int = 0
     """How often it came to nothing."""
-    on_trial: bool = False
+    in_quarantine: bool = False
     """Whether it will be played by itself, with its agents apart."""
 
 
@@ -45,14 +45,14 @@ def play_blocks(
     blocks: Iterable[Block],
     executor: Executor,
     streaks: ForfeitStreaks,
-    trials: Trials,
+    quarantine: Quarantine,
     keep: Callable[[list[RecordedMatch]], None],
 ) -> None:
     """Play these blocks, a few ahead of the workers: they are not held in memory all at once.
 
     `keep` is called with the matches of each block, in the order of the plan. It raises what `runner.play_plan` does.
     """
-    _BlockQueue(executor, streaks, trials, keep).play(blocks)
+    _BlockQueue(executor, streaks, quarantine, keep).play(blocks)
 
 
 class _BlockQueue:
@@ -62,12 +62,12 @@ class _BlockQueue:
         self,
         executor: Executor,
         streaks: ForfeitStreaks,
-        trials: Trials,
+        quarantine: Quarantine,
         keep: Callable[[list[RecordedMatch]], None],
     ) -> None:
         self._executor = executor
         self._streaks = streaks
-        self._trials = trials
+        self._quarantine = quarantine
         self._keep = keep
         self._queue: deque[_QueuedBlock] = deque()
 
@@ -86,30 +86,30 @@ class _BlockQueue:
                 for one in running:  # in order: the first failure is raised
                     if one.future in done:
                         self._take(one)
-            elif self._queue[0].on_trial:  # nothing else is played: who does harm now is found
+            elif self._queue[0].in_quarantine:  # nothing else is played: who does harm now is found
                 one = self._queue[0]
                 one.excluded = self._streaks.excluded_from(one.block)
-                one.matches = self._trials.play(one.block, one.excluded)
+                one.matches = self._quarantine.play(one.block, one.excluded)
             while self._queue and (matches := self._queue[0].matches) is not None:
                 self._keep_first(matches)
 
     def _running(self) -> list[_QueuedBlock]:
-        return [one for one in self._queue if one.matches is None and not one.on_trial]
+        return [one for one in self._queue if one.matches is None and not one.in_quarantine]
 
     def _has_room(self, block: Block) -> bool:
-        """Whether a block should be begun now; none is while a trial is due."""
+        """Whether a block should be begun now; none is while a quarantine is due."""
         return (
-            not any(one.on_trial for one in self._queue)
-            and len(self._running()) < self._executor.lookahead
-            and len(self._queue) < self._executor.lookahead + _MOST_HELD
+            not any(one.in_quarantine for one in self._queue)
+            and len(self._running()) < self._executor.max_pending
+            and len(self._queue) < self._executor.max_pending + _MOST_HELD
             and self._streaks.may_begin(block, [one.block for one in self._queue])
         )
 
     def _begin(self, one: _QueuedBlock, *, fresh: bool = False) -> None:
         one.matches, one.excluded = None, self._streaks.excluded_from(one.block)
-        one.on_trial = fresh and self._trials.is_due(one.block, one.excluded)
-        if not one.on_trial:
-            self._trials.note_begun(one.block, one.excluded)
+        one.in_quarantine = fresh and self._quarantine.is_due(one.block, one.excluded)
+        if not one.in_quarantine:
+            self._quarantine.note_begun(one.block, one.excluded)
             one.future = self._executor.submit(one.block, one.excluded)
 
     def _take(self, one: _QueuedBlock) -> None:
@@ -118,10 +118,10 @@ class _BlockQueue:
             one.matches = self._executor.result(one.future)
         except NoContest as error:
             one.lost += 1
-            if self._trials.has_suspects(one.block, one.excluded) and (
-                one.lost > self._executor.patience or not isinstance(error, WorkerLost)
+            if self._quarantine.has_suspects(one.block, one.excluded) and (
+                one.lost > self._executor.tolerated_losses or not isinstance(error, WorkerLost)
             ):
-                one.on_trial = True
+                one.in_quarantine = True
             elif not isinstance(error, WorkerLost):
                 raise
             elif one.lost == _MOST_TRIES:
@@ -136,16 +136,16 @@ class _BlockQueue:
         try:
             self._keep(matches)
         except (OutputError, StoreError):
-            suspected = [one for one in self._running() if self._trials.has_suspects(one.block, one.excluded)]
+            suspected = [one for one in self._running() if self._quarantine.has_suspects(one.block, one.excluded)]
             if not suspected:
                 raise
             # an agent that is playing may have filled the disk: there is room again when it has ended
             wait([one.future for one in self._running()])
-            self._executor.rest()
+            self._executor.stop_agents()
             for one in suspected:
-                one.on_trial = True
+                one.in_quarantine = True
             self._keep(matches)
-        self._trials.note_kept(self._queue.popleft().block)
+        self._quarantine.note_kept(self._queue.popleft().block)
         if self._streaks.add(played for played, _ in matches):
             for one in self._queue:
                 if one.excluded != self._streaks.excluded_from(one.block):

@@ -75,7 +75,7 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost:
     Raises:
         NoContest: where that block cannot be played.
     """
-    block = next(iter(plan.batch(0, ())))
+    block = next(iter(plan.stage(0, ())))
     seconds, sizes = 0.0, []
     forfeits: dict[str, str] = {}
     try:

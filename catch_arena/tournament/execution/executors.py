@@ -26,11 +26,11 @@ class Executor(Protocol):
         """How each match is played."""
 
     @property
-    def lookahead(self) -> int:
+    def max_pending(self) -> int:
         """How many blocks it takes before the first must be waited for: enough that no worker is ever idle."""
 
     @property
-    def patience(self) -> int:
+    def tolerated_losses(self) -> int:
         """How many workers may be lost with a block before agents are suspected: where machines may be lost."""
 
     def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
@@ -43,7 +43,7 @@ class Executor(Protocol):
             WorkerLost: where it should be played again.
         """
 
-    def rest(self) -> None:
+    def stop_agents(self) -> None:
         """End all that agents run on this machine; nothing of what was begun is waited for. More may be begun then."""
 
     def process(self) -> AbstractContextManager[WorkerProcess]:
@@ -59,13 +59,13 @@ class Executor(Protocol):
 class SerialExecutor:
     """One block after the other, in this process."""
 
-    lookahead = 1
-    patience = 0
+    max_pending = 1
+    tolerated_losses = 0
 
     def __init__(self, worker: Worker) -> None:
         self.worker = worker
 
-    def turn_to(self, worker: Worker) -> None:
+    def use_worker(self, worker: Worker) -> None:
         """From here on play as this worker does."""
         self.worker = worker
 
@@ -79,7 +79,7 @@ class SerialExecutor:
         """What came of it."""
         return future.result()
 
-    def rest(self) -> None:
+    def stop_agents(self) -> None:
         """End the agents that wait for their next match."""
         self.worker.close()
 
@@ -93,17 +93,17 @@ class SerialExecutor:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.rest()
+        self.stop_agents()
 
 
 class ProcessExecutor:
     """Several processes on this machine; a thread here waits for each."""
 
-    patience = 0
+    tolerated_losses = 0
 
     def __init__(self, worker: Worker, jobs: int) -> None:
         require_jobs(jobs)
-        self.lookahead = 4 * jobs
+        self.max_pending = 4 * jobs
         self.worker = worker
         Engine(worker.config)  # compiled once here, and read from the cache there
         self._threads = ThreadPoolExecutor(jobs, "catch-arena-worker")
@@ -114,14 +114,14 @@ class ProcessExecutor:
         self._before: set[int] = set()
         self._context = ExitStack()
 
-    def turn_to(self, worker: Worker) -> None:
+    def use_worker(self, worker: Worker) -> None:
         """From here on play as this worker does, in the processes that there are: starting them takes seconds. Nothing
         must be under way, and its limits must be those of the one before.
         """
         self.worker = worker
         Engine(worker.config)
         for process in self._take_idle():
-            process.turn_to(worker)
+            process.use_worker(worker)
             self._idle.put(process)
 
     def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
@@ -132,7 +132,7 @@ class ProcessExecutor:
         """What came of it."""
         return future.result()
 
-    def rest(self) -> None:
+    def stop_agents(self) -> None:
         """End the agents that wait for their next match, and what others have left that killed the process above them.
 
         Processes that still play are ended: what they play is waited for by nobody.
@@ -141,7 +141,7 @@ class ProcessExecutor:
         end([process.pid for process in self._processes or () if process not in idle and process.lives])
         for process in idle:
             with suppress(WorkerLost):
-                process.rest()
+                process.stop_agents()
                 self._idle.put(process)
         if self.worker.limits is not None:
             living = [process.pid for process in idle if process.lives]

@@ -16,7 +16,7 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import fresh_process, require_jobs
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
 from catch_arena.tournament.execution.worker_process import WorkerProcess
-from catch_arena.tournament.isolation.starting import inspector
+from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.store import versions
 
@@ -33,7 +33,7 @@ class RayExecutor:
         ConfigError: where Ray is missing or does not answer.
     """
 
-    patience = 2
+    tolerated_losses = 2
 
     def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
         require_jobs(jobs)
@@ -61,7 +61,7 @@ class RayExecutor:
             with suppress(ValueError):  # Ray has put a handler of its own there, unless this is not the main thread
                 signal.signal(signal.SIGTERM, before)
         self._ray = ray
-        self.lookahead = 4 * int(ray.cluster_resources().get("CPU", 1))
+        self.max_pending = 4 * int(ray.cluster_resources().get("CPU", 1))
         self.worker = worker
         self._sent = ray.put(worker)
         self._versions = tuple(versions().items())
@@ -84,7 +84,7 @@ class RayExecutor:
             raise answer
         return answer
 
-    def rest(self) -> None:
+    def stop_agents(self) -> None:
         """Ray's workers wait; a cluster's are on other machines."""
 
     def process(self) -> AbstractContextManager[WorkerProcess]:
@@ -116,8 +116,8 @@ def require_same(worker: Worker, expected: tuple[tuple[str, str], ...]) -> None:
     """Require the agents and versions of the machine that began; asked once in each of Ray's processes.
 
     Raises:
-        AgentError: where this machine has not the agents that were entered, or other versions.
-        ConfigError: where this machine has not the agents that were entered, or other versions.
+        AgentError: where an agent's file is not here, or is another one.
+        ConfigError: where a package here has another version.
     """
     here = versions()
     for name, wanted in expected:

@@ -8,18 +8,18 @@ from typing import Final
 from catch_arena.config import ArenaConfig
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_logs import AgentLogs
+from catch_arena.tournament.crash_journal import CrashJournal
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import play_blocks
 from catch_arena.tournament.execution.executors import Executor, local_executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
-from catch_arena.tournament.execution.trials import Trials
+from catch_arena.tournament.execution.quarantine import Quarantine
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan, listed
 from catch_arena.tournament.store import Store, Tournament
-from catch_arena.tournament.suspicions import Suspicions
 
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
@@ -78,9 +78,9 @@ def play_plan(
     folder: Path | None = None,
     on_results: Callable[[Sequence[PlayedMatch]], None] | None = None,
 ) -> None:
-    """Play what is not in the store yet, batch by batch, until the plan has no further.
+    """Play what is not in the store yet, stage by stage, until the plan has no further.
 
-    A batch is written to the store before it is played, and each block when it and those before it have ended. Whatever
+    A stage is written to the store before it is played, and each block when it and those before it have ended. Whatever
     breaks it off, the same call goes on where it was, and no process is left behind.
 
     Args:
@@ -101,7 +101,7 @@ def play_plan(
     tournament = store.tournament
     logs = None if folder is None else AgentLogs(folder / LOGS, tournament.entrants, Parties.of(tournament.config))
     streaks = ForfeitStreaks(max_forfeits)
-    trials = Trials(executor, Suspicions(store))
+    quarantine = Quarantine(executor, CrashJournal(store))
 
     def keep(recorded: Sequence[RecordedMatch]) -> None:
         for one, replay in recorded:  # files first, so that what is kept has them
@@ -121,12 +121,12 @@ def play_plan(
         on_results(list(store.played()))
     planned = 0
     for number in count():
-        batch = store.plan(plan.batch(number, store.played(planned)))
-        if not batch:
+        stage = store.plan(plan.stage(number, store.played(planned)))
+        if not stage:
             store.end()
             return
-        planned += batch
-        play_blocks(store.waiting(), executor, streaks, trials, keep)
+        planned += stage
+        play_blocks(store.waiting(), executor, streaks, quarantine, keep)
 
 
 def _remove_replays(store: Store, folder: Path) -> None:

@@ -10,11 +10,13 @@ from types import MappingProxyType
 from typing import Final
 
 from catch_arena.config import ArenaConfig
+from catch_arena.errors import NoContest
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.apart import Sabotage
 from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.playing import play_apart, play_together
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import is_suspect, play_apart, play_together
+from catch_arena.tournament.isolation.starting import is_suspect
 from catch_arena.tournament.match import Block, Match, MatchResult, PlayedMatch, players_of
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Fault
@@ -25,6 +27,19 @@ Excluded = Mapping[int, Fault]
 """Entrants that are not started, by index, and why."""
 RecordedMatch = tuple[PlayedMatch, bytes]
 """A match that was played, and the content of its replay's file: empty where none was asked for."""
+
+
+class EntrantSabotage(NoContest):
+    """An entrant has harmed others, or what holds the match: `Sabotage`, where seats change from match to match.
+
+    Args:
+        entrant: its index.
+        what: it did.
+    """
+
+    def __init__(self, entrant: int, what: str) -> None:
+        super().__init__(entrant, what)
+        self.entrant, self.what = entrant, what
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +88,7 @@ class Worker:
             disks: as of `play_apart`.
 
         Raises:
-            Sabotage: for an entrant that did harm, by its index.
+            EntrantSabotage: for one that did harm.
             NoContest: for a match that could not be held, time and again.
         """
         played = []
@@ -84,7 +99,7 @@ class Worker:
             try:
                 played.append(self._recorded(match, excluded, partial(play_apart, on_turn=by_seat, disks=disks)))
             except Sabotage as found:
-                raise Sabotage(seating[found.who], found.what) from None
+                raise EntrantSabotage(seating[found.seat], found.what) from None
         return played
 
     def close(self) -> None:
@@ -99,7 +114,7 @@ class Worker:
             match.seed,
             [self.entrants[index] for index in match.seating],
             self.sandbox,
-            excluded={party: excluded[index] for party, index in enumerate(match.seating) if index in excluded},
+            excluded_parties={party: excluded[index] for party, index in enumerate(match.seating) if index in excluded},
             agent_seeds=match.agent_seeds,
             title=f"match {match.id}",
             record=replay,

@@ -73,7 +73,7 @@ class WorkerProcess:
         """Whether it has not ended yet."""
         return self._process.poll() is None
 
-    def turn_to(self, worker: Worker) -> None:
+    def use_worker(self, worker: Worker) -> None:
         """From here on it plays as this worker does, whose limits are those of the one before. It must be idle."""
         with suppress(OSError):  # as above
             self._channel.send(worker)
@@ -94,7 +94,7 @@ class WorkerProcess:
         """The same, as of `Worker.play_apart`: no agent runs before `on_turn` has returned."""
         return self._answer(_TrialRequest(matches, excluded, disks), on_turn)
 
-    def rest(self) -> None:
+    def stop_agents(self) -> None:
         """End the agents that wait there for their next match.
 
         Raises:

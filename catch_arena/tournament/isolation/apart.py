@@ -6,10 +6,14 @@ once leave only suspects. It is slower, and the results are the same.
 """
 
 import shutil
+import tempfile
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import MappingProxyType
+from typing import Final, NamedTuple, TypeVar
 
 from catch_arena.errors import NoContest, Stalled
 from catch_arena.files import is_full
@@ -18,21 +22,34 @@ from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation.freezer import Freezer
 from catch_arena.tournament.isolation.isolated_players import IsolatedPlayers
 from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.newcomers import no_newcomers_left
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.players import Answer, Fault, Observation
+
+PAUSES_S: Final = (0.0, 1.0, 5.0)
+"""How long we wait before a match is begun again that we failed to hold, and how often it is begun."""
+
+_Result = TypeVar("_Result")
+
+
+class Apart(NamedTuple):
+    """How isolated agents are kept apart from each other: the arguments of ApartPlayers."""
+
+    on_turn: Callable[[int], None]
+    disks: Mapping[str, Path]
 
 
 class Sabotage(NoContest):
     """An agent has harmed others, or what holds the match: without it the match may be played again.
 
     Args:
-        who: its seat, or its index among the entrants.
+        seat: its own.
         what: it did.
     """
 
-    def __init__(self, who: int, what: str) -> None:
-        super().__init__(who, what)
-        self.who, self.what = who, what
+    def __init__(self, seat: int, what: str) -> None:
+        super().__init__(seat, what)
+        self.seat, self.what = seat, what
 
 
 class _Seat:
@@ -171,8 +188,8 @@ class ApartPlayers:
         if failed is not None:
             raise failed
         for disk in self._disks:
-            if (who := disk.end_turn(seat)) is not None:
-                raise Sabotage(who, f"{disk.name} was filled while no other agent ran")
+            if (writer := disk.end_turn(seat)) is not None:
+                raise Sabotage(writer, f"{disk.name} was filled while no other agent ran")
 
     def _harm(self, ran: int | None) -> str:
         """What was done to those who stand still, in words, as of the seat that ran."""
@@ -184,3 +201,50 @@ class ApartPlayers:
                 whose = f"its {what}" if seat == ran else f"the {what} of {one.name}"
                 return f"{whose} was ended, or made to run,"
         return ""
+
+
+@contextmanager
+def players_apart(entrants: Mapping[int, Entrant], limits: AgentLimits, apart: Apart) -> Iterator[ApartPlayers]:
+    """Isolated agents by seat, for one match, of whom one at a time thinks."""
+    players = ApartPlayers(entrants, limits, apart.on_turn, apart.disks)
+    try:
+        yield players
+    finally:
+        players.close()
+
+
+def attempt_apart(
+    attempt: Callable[[Apart], _Result],
+    on_turn: Callable[[int], None] | None = None,
+    disks: Mapping[str, Path] = MappingProxyType({}),
+) -> _Result:
+    """What comes of an attempt with agents apart, which is repeated where we failed ourselves.
+
+    An agent in whose turn we stand still each time has done that; no process that it started runs on.
+    """
+    stalls: Counter[int] = Counter()
+    failed, runs = 0, -1
+
+    def begin_turn(seat: int) -> None:
+        nonlocal runs
+        runs = seat
+        if on_turn is not None:
+            on_turn(seat)
+
+    apart = Apart(begin_turn, {"the disk of the agents' folders": Path(tempfile.gettempdir()), **disks})
+    while True:
+        try:
+            with no_newcomers_left():
+                return attempt(apart)
+        except Sabotage:
+            raise
+        except Stalled as error:
+            stalls[runs] += 1
+            if stalls[runs] == len(PAUSES_S):
+                raise Sabotage(runs, f"{error}, each time, while no other agent ran") from None
+            time.sleep(PAUSES_S[stalls[runs]])
+        except NoContest:
+            failed += 1
+            if failed == len(PAUSES_S):
+                raise
+            time.sleep(PAUSES_S[failed])

@@ -5,7 +5,8 @@ import math
 import os
 import select
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, Final, NamedTuple, get_args
 
 from catch_arena.config import Control, require_choice
@@ -219,3 +220,23 @@ def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
 
 def _control_in(greeting: _Reply) -> Any:
     return greeting.said.get("control", "target")
+
+
+@contextmanager
+def players_together(entrants: Mapping[int, Entrant], sandbox: Sandbox) -> Iterator[IsolatedPlayers]:
+    """Isolated agents by seat, for one match, who all think at once.
+
+    Raises:
+        NoContest: where one of several may have been harmed by another.
+    """
+    players = IsolatedPlayers(sandbox, entrants)
+    try:
+        yield players
+    except BaseException:
+        players.close()
+        sandbox.close()  # whatever was under way, the next match starts anew
+        raise
+    players.close()
+    sandbox.clear()
+    if players.doubts and len(entrants) > 1:
+        raise NoContest(f"{players.doubts[0]}; another agent may have done that")

@@ -27,7 +27,7 @@ _MANY_MATCHES: Final = 20_000
 
 
 class Plan(Protocol):
-    """What is played, in batches: the blocks of one batch do not depend on each other's results."""
+    """What is played, in stages: the blocks of one stage do not depend on each other's results."""
 
     @property
     def parameters(self) -> Mapping[str, str | int | float]:
@@ -37,18 +37,18 @@ class Plan(Protocol):
     def size(self) -> int:
         """How many matches it has; the most that it may have, where it depends on their results."""
 
-    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """The blocks of a batch, from 0 up; none after the last one.
+    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
+        """The blocks of a stage, from 0 up; none after the last one.
 
         Args:
-            number: which batch, from 0.
-            played: all matches of the batches before.
+            number: which stage, from 0.
+            played: all matches of the stages before.
         """
 
 
 @dataclass(frozen=True, slots=True)
 class FixedPlan:
-    """A plan of one batch, whose blocks are made anew whenever they are walked: none is held."""
+    """A plan of one stage, whose blocks are made anew whenever they are walked: none is held."""
 
     parameters: Mapping[str, str | int]
     size: int
@@ -60,7 +60,7 @@ class FixedPlan:
     def __iter__(self) -> Iterator[Match]:
         return (match for block in self.blocks() for match in block)
 
-    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
+    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
         """All of it."""
         del played
         return () if number else self.blocks()
@@ -68,7 +68,7 @@ class FixedPlan:
 
 @dataclass(frozen=True, slots=True)
 class Swiss:
-    """Rounds that are paired by the ranking so far; each is a batch."""
+    """Rounds that are paired by the ranking so far; each is a stage."""
 
     entrants: int
     seats: int
@@ -90,7 +90,7 @@ class Swiss:
         """The same, whatever the results."""
         return self.rounds * (self.entrants // self.seats) * _block_size(self.seats, self.parties)
 
-    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
+    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
         """One round."""
         if number >= self.rounds:
             return

@@ -17,7 +17,7 @@ BUDGET: Final = 10_000
 
 
 class UntilSeparated:
-    """Whole rounds of a format; after each batch the standings are looked at.
+    """Whole rounds of a format; after each stage the standings are looked at.
 
     The budget is none of the plan's parameters: it may be raised when a tournament is resumed.
 
@@ -54,7 +54,7 @@ class UntilSeparated:
         self.last: Separation | None = None
         """What the last look showed."""
 
-    def batch(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
+    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
         """The rounds until the next look."""
         del number
         matches = list(played)

@@ -10,8 +10,9 @@ from dataclasses import replace
 from itertools import groupby
 
 from catch_arena.policy import Side
-from catch_arena.tournament.match import PlayedMatch, ranks_of_sides
+from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.ranks import ranks_of_sides
 
 
 def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side) -> Sequence[PlayedMatch]:

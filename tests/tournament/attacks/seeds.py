@@ -9,11 +9,11 @@ from tournament.attacks.kit import FACTS, ancestors, tell
 
 def works_out_the_matchs_seed_from_its_own(own):
     """With the tournament's own functions, for all seeds that people like to type."""
-    from catch_arena.tournament.match import agent_seed
     from catch_arena.tournament.plans.schedule import plan_of
+    from catch_arena.tournament.secret import agent_seed
 
     for seed in range(100):
-        for match in next(iter(plan_of("round-robin", 2, 2, 1, seed).batch(0, ()))):
+        for match in next(iter(plan_of("round-robin", 2, 2, 1, seed).stage(0, ()))):
             told = getattr(match, "agent_seeds", ()) or [agent_seed(match.seed, one) for one in match.seating]
             if own.seed in told:
                 tell(f"the seed {match.seed}")

@@ -17,9 +17,10 @@ from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import play_plan, run
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.match import MatchResult, MoveTimes, PlayedMatch, blocks_of, ranks_of
+from catch_arena.tournament.match import MatchResult, MoveTimes, PlayedMatch, blocks_of
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
 from catch_arena.tournament.players import Fault
+from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.store import Store, Tournament
 
 SEATS = 3
@@ -49,10 +50,15 @@ class Field:
 class Shuffled:
     """Ends its blocks in any order, loses some, and may be broken off; `wait` stands for the one of `block_queue`."""
 
-    patience = 0
+    tolerated_losses = 0
 
-    def __init__(self, field, lookahead, seed, breaks_after=None):
-        self.field, self.lookahead, self.random, self.breaks_after = field, lookahead, random.Random(seed), breaks_after
+    def __init__(self, field, max_pending, seed, breaks_after=None):
+        self.field, self.max_pending, self.random, self.breaks_after = (
+            field,
+            max_pending,
+            random.Random(seed),
+            breaks_after,
+        )
         self.begun = {}
         self.lost = Counter()
         self.played = 0
@@ -86,7 +92,7 @@ def one_after_the_other(field, plan, most):
     """The records as the rule says it, read word by word: all blocks in order, all streaks counted anew each time."""
     played = []
     for number in range(1000):
-        blocks = list(plan.batch(number, iter(played)))
+        blocks = list(plan.stage(number, iter(played)))
         if not blocks:
             return played
         for block in blocks:
@@ -105,12 +111,12 @@ def has_streak(played, place, most):
     temper=st.lists(st.sampled_from([0.0, 0.02, 0.5, 0.8, 0.95, 1.0]), min_size=4, max_size=6),
     form=st.sampled_from(["round-robin", "balanced", "gauntlet", "swiss"]),
     most=st.sampled_from([0, 1, 2, 5, 10]),
-    lookahead=st.sampled_from([1, 2, 7, 28]),
+    max_pending=st.sampled_from([1, 2, 7, 28]),
     seed=st.integers(0, 2**32),
     data=st.data(),
 )
 def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_after_the_other(
-    temper, form, most, lookahead, seed, data
+    temper, form, most, max_pending, seed, data
 ):
     field = Field(temper, seed)
     plan = plan_of(form, len(temper), SEATS, 2, seed)
@@ -119,7 +125,7 @@ def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_
     with Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store, monkeypatch.context() as patch:
         for life in range(100):
             breaks_after = data.draw(st.integers(0, 40)) if life < 3 else None
-            executor = Shuffled(field, lookahead, seed + life, breaks_after)
+            executor = Shuffled(field, max_pending, seed + life, breaks_after)
             patch.setattr(block_queue, "wait", executor.wait)
             before = list(store.played())
             assert before == expected[: len(before)]
@@ -132,7 +138,7 @@ def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_
 
 
 def test_what_was_begun_too_early_is_played_again():
-    """Else the trial above would prove little. A match in three is forfeited, so that three in a row come late."""
+    """Else the test above would prove little. A match in three is forfeited, so that three in a row come late."""
     field = Field([0.0, 0.0, 0.3, 0.3], 4)
     plan = round_robin(4, SEATS, 10, seed=3)
     again = 0

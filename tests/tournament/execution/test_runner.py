@@ -100,7 +100,7 @@ class Growing:
     def __init__(self):
         self.asked = []
 
-    def batch(self, number, played):
+    def stage(self, number, played):
         matches = list(played)
         self.asked.append(len(matches))
         won = all(one.result.ranks[one.match.seating.index(0)] == 1 for one in matches)

@@ -11,10 +11,11 @@ from isolation_levels import LEVELS
 from catch_arena import Replay, scenario
 from catch_arena.descendants import family
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import inspector, start_players
-from catch_arena.tournament.match import play
+from catch_arena.tournament.isolation.starting import start_players
+from catch_arena.tournament.match_loop import play
 
 BAD = Path(__file__).parent / "bad"
 SHORT = scenario("duel", time_limit_s=4)
@@ -23,7 +24,7 @@ PATIENT = AgentLimits(init_s=60, step_ms=60_000)
 IMPATIENT = {
     "hangs": AgentLimits(init_s=60, step_ms=1000, bank_s=0.5),
     "hangs_at_import": AgentLimits(init_s=1),
-    "never_reads.sh": AgentLimits(init_s=1),
+    "never_reads.sh": AgentLimits(init_s=2),
 }
 
 NAPS = """
@@ -71,7 +72,7 @@ def played(sandbox, name, *others, record=None):
             5,
             r"act took longer than step_ms \(1000 ms\) and what was left of bank_s \(0.5 s\)",
         ),
-        ("never_reads.sh", "FORFEIT_INIT", 0, r"reset took longer than what was left of init_s \(1 s\)"),
+        ("never_reads.sh", "FORFEIT_INIT", 0, r"reset took longer than what was left of init_s \(2 s\)"),
         ("hangs_at_import", "FORFEIT_INIT", 0, r"init took longer than init_s \(1 s\)"),
         (
             "speaks_garbage",

@@ -5,10 +5,11 @@ from isolation_levels import LEVELS, NAMESPACES
 
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import inspector, start_players
-from catch_arena.tournament.match import play
+from catch_arena.tournament.isolation.starting import start_players
+from catch_arena.tournament.match_loop import play
 
 SHORT = scenario("duel", time_limit_s=1)
 FREE = {"init_s": 60, "step_ms": 60_000}

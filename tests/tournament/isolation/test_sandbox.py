@@ -21,12 +21,14 @@ from catch_arena.errors import AgentError, ConfigError, NoContest
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import enter, shipped
 from catch_arena.tournament.isolation import protocol
+from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.pipes import Log
+from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.processes import missing_protections
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import inspector, play_entrants, start_players
-from catch_arena.tournament.match import play
+from catch_arena.tournament.isolation.starting import start_players
+from catch_arena.tournament.match_loop import play
 
 HERE = Path(__file__).parent
 SHORT = scenario("duel", time_limit_s=10)
@@ -234,8 +236,10 @@ def test_nothing_outlives_a_tournament_that_is_killed(level, tmp_path):
     code = (
         "from catch_arena import scenario\n"
         "from catch_arena.tournament.entrants import enter\n"
-        "from catch_arena.tournament.isolation.starting import inspector, play_entrants, start_players\n"
-        "from catch_arena.tournament.match import play\n"
+        "from catch_arena.tournament.isolation.inspecting import inspector\n"
+        "from catch_arena.tournament.isolation.playing import play_entrants\n"
+        "from catch_arena.tournament.isolation.starting import start_players\n"
+        "from catch_arena.tournament.match_loop import play\n"
         "from catch_arena.tournament.isolation.limits import AgentLimits\n"
         "from catch_arena.tournament.isolation.sandbox import Sandbox\n"
         f"sandbox = Sandbox(AgentLimits(level={level!r}))\n"
@@ -348,7 +352,7 @@ def test_a_match_that_could_not_be_held_is_played_again_one_agent_at_a_time(sand
 
 
 def test_where_harm_is_done_while_no_agent_runs_none_is_blamed(sandbox, monkeypatch):
-    monkeypatch.setattr("catch_arena.tournament.isolation.starting._PAUSES_S", (0.0, 0.0, 0.0))
+    monkeypatch.setattr("catch_arena.tournament.isolation.apart.PAUSES_S", (0.0, 0.0, 0.0))
     entrants = enter([alone("nearest"), alone("contested")], inspector(sandbox))
     before = family(os.getpid())
 

@@ -37,7 +37,7 @@ def plans(draw):
 @settings(deadline=None, max_examples=80)
 @given(plans())
 def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan):
-    blocks = list(plan.batch(0, ()))
+    blocks = list(plan.stage(0, ()))
     assert [block[0].block for block in blocks] == list(range(len(blocks)))
     assert len({block[0].seed for block in blocks}) == len(blocks)
     for block in blocks:
@@ -49,8 +49,8 @@ def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan)
     assert ids == sorted(set(ids))
     if plan.parameters["format"] != "swiss":
         assert len(ids) == plan.size
-        assert list(plan.batch(0, ())) == blocks
-        assert not list(plan.batch(1, ()))
+        assert list(plan.stage(0, ())) == blocks
+        assert not list(plan.stage(1, ()))
 
 
 @given(SIZES, st.integers(0, 2**64 - 1))
@@ -147,7 +147,7 @@ def test_who_has_played_most_sits_out_where_a_swiss_does_not_come_out_even():
 def test_a_list_of_matches_is_a_plan_that_is_known_by_its_matches():
     matches = [Match("a", 0, 7, (0, 1)), Match("b", 0, 7, (1, 0)), Match("c", 1, 8, (0, 1))]
     plan = listed(matches)
-    assert list(plan.batch(0, ())) == blocks_of(matches)
+    assert list(plan.stage(0, ())) == blocks_of(matches)
     assert plan.parameters == listed(matches).parameters != listed(matches[:2]).parameters
 
 

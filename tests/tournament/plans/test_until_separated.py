@@ -40,14 +40,14 @@ def test_it_ends_when_the_budget_is_spent_and_says_who_is_not_apart():
 
 def test_each_batch_reaches_the_next_look():
     """A round has three blocks."""
-    plays, played, batches = plan(EQUAL, 600), [], []
+    plays, played, stages = plan(EQUAL, 600), [], []
     everything = run(SHORT, EQUAL, round_robin(3, 2, 20, 1))
-    while blocks := len(list(plays.batch(len(batches), played))):
-        batches.append(blocks)
-        played = everything[: 2 * sum(batches)]
+    while blocks := len(list(plays.stage(len(stages), played))):
+        stages.append(blocks)
+        played = everything[: 2 * sum(stages)]
         if len(played) == len(everything):
             break
-    looks = [sum(batches[: number + 1]) for number in range(len(batches))]
+    looks = [sum(stages[: number + 1]) for number in range(len(stages))]
     assert looks[0] == 9
     for before, look in pairwise(looks[:-1]):
         assert next_look(before) <= look < next_look(before) + 3
@@ -56,7 +56,7 @@ def test_each_batch_reaches_the_next_look():
 def test_a_larger_budget_begins_with_the_same_matches_and_has_the_same_parameters():
     few, many = plan(EQUAL, 30), plan(EQUAL, 60)
     assert few.parameters == many.parameters
-    assert list(few.batch(0, ())) == list(many.batch(0, ()))[: len(list(few.batch(0, ())))]
+    assert list(few.stage(0, ())) == list(many.stage(0, ()))[: len(list(few.stage(0, ())))]
 
 
 def test_what_cannot_be_is_refused():

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Match, MatchResult, PlayedMatch, ranks_of
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
+from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.statistics.head_to_head import head_to_head
 
 FOUR = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in "abcd"]

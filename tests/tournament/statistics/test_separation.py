@@ -10,8 +10,9 @@ import pytest
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Match, MatchResult, PlayedMatch, ranks_of
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
 from catch_arena.tournament.plans.schedule import balanced
+from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups, holm, level_of_look, next_look, p_values, separation

@@ -9,7 +9,9 @@ import pytest
 
 from catch_arena import scenario
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.match import Match, MatchResult, PlayedMatch, play, ranks_of
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
+from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.standings_files import summary_text, table_text
 from catch_arena.tournament.statistics.standings import standings

@@ -13,7 +13,7 @@ _BROKEN_OFF: Final = "INSERT OR IGNORE INTO broken_off VALUES (?, ?)"
 _BOOT: Final = Path("/proc/sys/kernel/random/boot_id")
 
 
-class Suspicions:
+class CrashJournal:
     """What is known of the agents of a tournament's blocks.
 
     Raises:
@@ -29,7 +29,7 @@ class Suspicions:
             """The blocks that were played when the tournament ended, and did not end themselves."""
             turn = db.execute("SELECT block, entrant, boot FROM turn").fetchone()
         if turn is not None and turn[2] == self._boot:
-            self.convict(turn[0], turn[1], "the tournament was killed while no other agent ran")
+            self.record_culprit(turn[0], turn[1], "the tournament was killed while no other agent ran")
         elif turn is not None:  # the machine went down, perhaps by its doing
             self.break_off()
 
@@ -56,9 +56,9 @@ class Suspicions:
             db.execute("DELETE FROM turn")
             again = [turn for turn in turns if not db.execute(_BROKEN_OFF, turn).rowcount]
         for block, entrant in again:
-            self.convict(block, entrant, "the tournament ended while no other agent ran, twice")
+            self.record_culprit(block, entrant, "the tournament ended while no other agent ran, twice")
 
-    def convict(self, block: int, entrant: int, what: str) -> None:
+    def record_culprit(self, block: int, entrant: int, what: str) -> None:
         """It did harm: it plays in no match of that block."""
         with self.store.transaction() as db:
             db.execute("INSERT OR IGNORE INTO culprit VALUES (?, ?, ?)", (block, entrant, what))

@@ -16,8 +16,8 @@ _KILLED: Final = 2
 _INTERRUPTED: Final = 1
 
 
-class FirstLooks:
-    """The looks at a tournament's agents, this time and before.
+class InspectionJournal:
+    """How often each of a tournament's agents was inspected, this time and before, without an end.
 
     Args:
         folder: the tournament's, which is made when it is needed.

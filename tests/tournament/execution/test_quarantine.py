@@ -1,4 +1,4 @@
-"""Which blocks get a trial, and when; and what a tournament's store remembers of whom it suspects."""
+"""Which blocks are put in quarantine, and when; and what a tournament's store remembers of whom it suspects."""
 
 from concurrent.futures import Future
 
@@ -6,7 +6,8 @@ import pytest
 
 from catch_arena import scenario
 from catch_arena.errors import NoContest, StoreError, WorkerLost
-from catch_arena.tournament import suspicions
+from catch_arena.tournament import crash_journal
+from catch_arena.tournament.crash_journal import CrashJournal
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.block_queue import play_blocks
@@ -14,7 +15,6 @@ from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.match import MatchResult, PlayedMatch, blocks_of
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.store import Store, Tournament
-from catch_arena.tournament.suspicions import Suspicions
 
 CONFIG = scenario("duel")
 ENTRANTS = tuple(Entrant(name, f"{name}.py", "target", "") for name in "abc")
@@ -28,10 +28,10 @@ def outcome(block, code=None):
 
 
 class Hall:
-    """An executor, and the trials, that note what is asked of them; `fails` says what comes of a block at first."""
+    """An executor, and the quarantine, that note what is asked of them; `fails` says what comes of a block at first."""
 
-    def __init__(self, fails, patience=0):
-        self.fails, self.patience, self.lookahead = fails, patience, 4
+    def __init__(self, fails, tolerated_losses=0):
+        self.fails, self.tolerated_losses, self.max_pending = fails, tolerated_losses, 4
         self.did, self.under_way = [], set()
 
     def submit(self, block, excluded):
@@ -54,7 +54,7 @@ class Hall:
     def result(self, future):
         return future.result()
 
-    def rest(self):
+    def stop_agents(self):
         self.did.append("rest")
 
     def has_suspects(self, block, excluded):
@@ -71,7 +71,7 @@ class Hall:
     def play(self, block, excluded):
         del excluded
         assert not self.under_way
-        self.did.append(("trial", block[0].block))
+        self.did.append(("quarantine", block[0].block))
         return outcome(block, "FORFEIT_SABOTAGE")
 
 
@@ -85,21 +85,23 @@ def played(hall, monkeypatch, keep=None):
 def test_a_block_that_fails_is_tried_when_nothing_else_is_played_and_kept_in_its_place(monkeypatch):
     hall = Hall({(1, 1): NoContest("it failed")})
     assert played(hall, monkeypatch) == list(range(len(BLOCKS)))
-    assert [one for one in hall.did if one[0] == "trial"] == [("trial", 1)]
+    assert [one for one in hall.did if one[0] == "quarantine"] == [("quarantine", 1)]
     assert hall.did.count(("play", 1)) == 1
 
 
 def test_a_block_that_was_under_way_when_the_tournament_ended_is_tried_at_once(monkeypatch):
     hall = Hall({(0, "due"): True})
     assert played(hall, monkeypatch) == list(range(len(BLOCKS)))
-    assert hall.did[0] == ("trial", 0)
+    assert hall.did[0] == ("quarantine", 0)
     assert ("play", 0) not in hall.did
 
 
 def test_where_machines_may_be_lost_a_block_is_played_again_before_anybody_is_suspected(monkeypatch):
-    hall = Hall({(0, 1): WorkerLost("lost"), (0, 2): WorkerLost("lost"), (0, 3): WorkerLost("lost")}, patience=2)
+    hall = Hall(
+        {(0, 1): WorkerLost("lost"), (0, 2): WorkerLost("lost"), (0, 3): WorkerLost("lost")}, tolerated_losses=2
+    )
     played(hall, monkeypatch)
-    assert [one for one in hall.did if one[1] == 0] == [("play", 0)] * 3 + [("trial", 0)]
+    assert [one for one in hall.did if one[1] == 0] == [("play", 0)] * 3 + [("quarantine", 0)]
 
 
 def test_a_block_without_suspects_gets_no_trial(monkeypatch):
@@ -112,7 +114,7 @@ def test_a_block_without_suspects_gets_no_trial(monkeypatch):
 
 
 def test_what_cannot_be_written_while_agents_play_is_written_when_they_have_ended(monkeypatch):
-    """They may have filled the disk; so those blocks get trials, and their results are not taken."""
+    """They may have filled the disk; so those blocks go into quarantine, and their results are not taken."""
     hall, kept, refused = Hall({}), [], []
 
     def keep(matches):
@@ -128,7 +130,7 @@ def test_what_cannot_be_written_while_agents_play_is_written_when_they_have_ende
     played(hall, monkeypatch, keep)
     assert refused
     assert kept == list(range(len(BLOCKS)))
-    tried = [one[1] for one in hall.did if one[0] == "trial"]
+    tried = [one[1] for one in hall.did if one[0] == "quarantine"]
     assert tried
     assert all(0 in BLOCKS[number][0].seating for number in tried)
 
@@ -147,40 +149,40 @@ def store(tmp_path):
 
 
 def test_what_was_under_way_is_known_the_next_time_until_it_is_kept(store):
-    first = Suspicions(store)
+    first = CrashJournal(store)
     assert first.begun == set()
     for block in (0, 1, 0):
         first.begin(block)
     first.end(1)
-    assert Suspicions(store).begun == {0}
+    assert CrashJournal(store).begun == {0}
 
 
 def test_whoever_had_its_turn_when_the_tournament_was_killed_has_done_that(store):
-    first = Suspicions(store)
+    first = CrashJournal(store)
     first.begin_turn(4, 0)
     first.begin_turn(4, 2)
-    found = Suspicions(store).culprits(4)
+    found = CrashJournal(store).culprits(4)
     assert found == {2: "the tournament was killed while no other agent ran"}
-    assert Suspicions(store).culprits(4) == found
-    assert Suspicions(store).culprits(3) == {}
+    assert CrashJournal(store).culprits(4) == found
+    assert CrashJournal(store).culprits(3) == {}
 
 
 def test_a_turn_that_ended_in_order_leaves_nothing(store):
-    first = Suspicions(store)
+    first = CrashJournal(store)
     first.begin_turn(4, 2)
     first.end_turns()
-    assert Suspicions(store).culprits(4) == {}
+    assert CrashJournal(store).culprits(4) == {}
 
 
 @pytest.mark.parametrize("how", ["interrupted", "started anew"])
 def test_what_may_be_a_persons_wish_counts_the_second_time(store, tmp_path, monkeypatch, how):
     for number in range(2):
-        assert Suspicions(store).culprits(4) == {}
-        one = Suspicions(store)
+        assert CrashJournal(store).culprits(4) == {}
+        one = CrashJournal(store)
         one.begin_turn(4, 2)
         if how == "interrupted":
             one.break_off()
         else:
             (tmp_path / "boot").write_text(str(number))
-            monkeypatch.setattr(suspicions, "_BOOT", tmp_path / "boot")
-    assert Suspicions(store).culprits(4) == {2: "the tournament ended while no other agent ran, twice"}
+            monkeypatch.setattr(crash_journal, "_BOOT", tmp_path / "boot")
+    assert CrashJournal(store).culprits(4) == {2: "the tournament ended while no other agent ran, twice"}

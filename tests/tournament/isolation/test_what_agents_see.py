@@ -12,10 +12,11 @@ from isolation_levels import COMPILERS, LEVELS, NAMESPACES, RUNTIMES
 
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import inspector, start_players
-from catch_arena.tournament.match import play
+from catch_arena.tournament.isolation.starting import start_players
+from catch_arena.tournament.match_loop import play
 
 HERE = Path(__file__).parent
 SHORT = scenario("duel", time_limit_s=1)

@@ -1,0 +1,240 @@
+"""One match, played from the first observation to the last."""
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Final
+
+from catch_arena.config import ArenaConfig, Control
+from catch_arena.envs.parallel import CatchArenaEnv
+from catch_arena.errors import ActionError, ConfigError
+from catch_arena.policy import Policy, PreyPolicy, player_limits
+from catch_arena.text import one_line, printable_lines
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.players import Fault, Observation, Players, TrustedPlayers
+from catch_arena.tournament.ranks import ranks_of_sides
+from catch_arena.tournament.secret import agent_seed
+from catch_arena.verdicts import Verdict
+
+_HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full": {"cmd_vel": (0.0, 0.0), "catch": 0}}
+"""What is played for a seat that gives no action."""
+_Infos = dict[str, dict[str, Any]]
+"""By agent."""
+
+
+def play(
+    config: ArenaConfig,
+    seed: int,
+    players: Players | Sequence[Policy | PreyPolicy],
+    names: Sequence[str],
+    *,
+    agent_seeds: Sequence[int] = (),
+    title: str = "",
+    record: Path | BytesIO | None = None,
+    watch: Callable[[CatchArenaEnv], None] | None = None,
+    on_forfeit: Callable[[int, Forfeit], None] | None = None,
+    most_steps: int | None = None,
+) -> MatchResult:
+    """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6), and so do the others of its team
+    (R11.1); the others play on.
+
+    Seats count the hunters first, and then the prey.
+
+    Args:
+        config: whose `control` gives way to what the players ask for.
+        seed: the arena's, a whole number in [0, 2^64).
+        players: fresh for this match (policies are trusted, and play in this process), by seat.
+        names: the agents' names by seat.
+        agent_seeds: what each is told as its own, by seat; where there are none they follow from `seed`.
+        title: of the replay.
+        record: where its replay is written, a file or a buffer; None records nothing.
+        watch: called after the reset and after every step.
+        on_forfeit: called with (seat, how) for each seat of a party that fails.
+        most_steps: after how many steps it is broken off; None plays to the end.
+
+    Raises:
+        OutputError: for a replay that cannot be written.
+        NoContest: where isolated players could not be held.
+    """
+    if isinstance(players, Sequence):
+        players = TrustedPlayers(dict(enumerate(players)))
+    parties = Parties.of(config)
+    seats = range(len(parties.by_seat))
+    if not len(players.controls) == len(names) == len(seats):
+        each = "one for each hunter and each prey" if config.prey else "one for each hunter"
+        raise ConfigError(f"players must be {len(seats)}, {each}, got {len(players.controls)}")
+    control = tuple(players.controls[seat] for seat in range(config.hunters))
+    env = CatchArenaEnv(config.replace(control=control, mask_in_observation=False))
+    if record is not None:
+        env.record(names, title)
+    observations, infos = env.reset(seed=seed)
+    match = _RunningMatch(env, players, parties, on_forfeit)
+    seeds = agent_seeds or [agent_seed(seed, seat) for seat in seats]
+    match.forfeit(players.reset(seeds, [player_limits(env.config, seat) for seat in seats]), {})
+    if watch is not None:
+        watch(env)
+    while env.agents and match.step != most_steps:
+        observations, infos = match.play_step(observations, infos)
+        if watch is not None:
+            watch(env)
+    result = match.result()
+    if record is not None:
+        env.replay().save(record)
+    return result
+
+
+class _RunningMatch:
+    """A match while it is played: who still plays in it, who has failed, and what has been counted."""
+
+    def __init__(
+        self,
+        env: CatchArenaEnv,
+        players: Players,
+        parties: Parties,
+        on_forfeit: Callable[[int, Forfeit], None] | None,
+    ) -> None:
+        seats = len(parties.by_seat)
+        self.step = 0
+        self._env, self._players, self._parties, self._on_forfeit = env, players, parties, on_forfeit
+        self._agents = env.possible_agents
+        self._playing = dict(enumerate(self._agents))
+        self._actions: dict[str, Any] = {}
+        self._forfeits: list[Forfeit | None] = [None] * len(parties)
+        self._verdicts: list[Counter[str]] = [Counter() for _ in parties.seats]
+        self._verdicts_of = dict(zip(self._agents, parties.to_seats(self._verdicts), strict=True))
+        self._contests_won: Counter[int] = Counter()
+        self._moves, self._total_s, self._longest_s = [0] * seats, [0.0] * seats, [0.0] * seats
+
+    def forfeit(self, faults: Mapping[int, Fault], shown: Mapping[int, Observation]) -> None:
+        """Withdraw the parties of the seats that failed in this step; `shown`, what each seat was shown in it."""
+        for seat, fault in sorted(faults.items()):
+            party = self._parties.by_seat[seat]
+            if self._forfeits[party] is not None:  # a team-mate has failed in the same step
+                continue
+            forfeit = Forfeit(fault.code, self.step, one_line(fault.reason), shown.get(seat), seat)
+            self._forfeits[party] = forfeit
+            for mate in self._parties.seats[party]:
+                if mate not in self._playing:  # it has dropped out
+                    continue
+                if self._on_forfeit is not None:
+                    self._on_forfeit(mate, forfeit)
+                self._actions[self._agents[mate]] = self._hold(mate)  # R1.6: the env asks for one more action of it
+                del self._playing[mate]
+                self._env.withdraw(self._agents[mate])
+                self._players.drop(mate)
+
+    def play_step(self, observations: dict[str, Any], infos: _Infos) -> tuple[dict[str, Any], _Infos]:
+        """Ask all who still play for their actions, and step the env.
+
+        Returns:
+            the observations and infos after it.
+        """
+        self.step += 1
+        made = dict(infos)  # they are made when they are first read, and an ordinary dict is read faster
+        shown = {seat: _observation(observations[agent], made[agent]) for seat, agent in self._playing.items()}
+        faults = self._ask(shown)
+        if faults:
+            self.forfeit(faults, shown)
+        try:
+            observations, _, _, _, infos = self._env.step(self._actions)
+        except ActionError:
+            self.forfeit(_illegal(self._env, self._actions), shown)
+            observations, _, _, _, infos = self._env.step(self._actions)
+        self._actions.clear()
+        self._count(infos)
+        if 0 < len(self._env.agents) < len(self._playing):  # R1.7, R12.3: some dropped out, or prey is out for good
+            for seat in [seat for seat, agent in self._playing.items() if agent not in self._env.agents]:
+                del self._playing[seat]
+                self._players.drop(seat)
+        return observations, infos
+
+    def result(self) -> MatchResult:
+        """What came of it."""
+        world = self._env.world()
+        catches = [*(hunter.score for hunter in world.hunters), *(prey.times_caught for prey in world.prey)]
+        parties, forfeits = self._parties.seats, self._forfeits
+        scores = [sum(catches[seat] for seat in party) for party in parties]
+        lasted = [None if one is None else one.step for one in forfeits]
+        logs = {self._agents[seat]: printable_lines(log) for seat, log in sorted(self._players.logs().items())}
+        return MatchResult(
+            scores=tuple(scores),
+            ranks=ranks_of_sides(scores, lasted, self._parties.hunting),
+            verdicts=tuple(dict(sorted(counts.items())) for counts in self._verdicts),
+            contests_won=tuple(sum(self._contests_won[seat] for seat in party) for party in parties),
+            steps=self.step,
+            digest=self._env.digest().hex(),
+            forfeits=tuple(None if one is None else one.code for one in forfeits),
+            thinking=tuple(
+                MoveTimes(
+                    sum(self._moves[seat] for seat in party),
+                    sum(self._total_s[seat] for seat in party),
+                    max(self._longest_s[seat] for seat in party),
+                )
+                for party in parties
+            ),
+            details=tuple(forfeits),
+            logs=tuple(_log([self._agents[seat] for seat in party], logs) for party in parties),
+            catches=tuple(catches) if len(parties) < len(catches) else (),
+        )
+
+    def _hold(self, seat: int) -> Any:
+        controls = self._env.config.controls
+        return _HOLD[controls[seat] if seat < len(controls) else "velocity"]
+
+    def _ask(self, shown: Mapping[int, Observation]) -> dict[int, Fault]:
+        """Take the actions of those who are shown something.
+
+        Returns:
+            who gave none, by seat, and why.
+        """
+        faults: dict[int, Fault] = {}
+        for seat, (action, seconds, fault) in self._players.act(shown).items():
+            self._moves[seat] += 1
+            self._total_s[seat] += seconds
+            if seconds > self._longest_s[seat]:  # noqa: PLR1730 - max() takes twice as long
+                self._longest_s[seat] = seconds
+            if fault is None:
+                self._actions[self._agents[seat]] = action
+            else:
+                faults[seat] = fault
+        return faults
+
+    def _count(self, infos: _Infos) -> None:
+        """The verdicts of a step, and its contests: one is won once, however many lose it."""
+        winners = set()
+        for agent, info in infos.items():
+            verdict = info.get("verdict")
+            if verdict is not None:
+                self._verdicts_of[agent][verdict.name] += 1
+                if verdict is Verdict.LOST_CONTEST:
+                    winners.add(info["winner"])
+        self._contests_won.update(winners)
+
+
+def _log(agents: Sequence[str], logs: Mapping[str, str]) -> str:
+    """What a party's instances have printed; of several, each under its name."""
+    if len(agents) == 1:
+        return logs.get(agents[0], "")
+    return "\n".join(f"{agent}:\n{logs[agent].rstrip()}" for agent in agents if logs.get(agent))
+
+
+def _observation(vector: Any, info: dict[str, Any]) -> Observation:
+    mask = info.get("action_mask")
+    if isinstance(mask, dict):  # full control: the mask of "catch"
+        mask = mask["catch"]
+    # plain numbers: a scripted agent reads them one by one, which is slow on arrays
+    return vector.tolist(), [] if mask is None else mask.tolist()
+
+
+def _illegal(env: CatchArenaEnv, actions: dict[str, Any]) -> dict[int, Fault]:
+    """The seats whose actions the env refuses."""
+    faults = {}
+    for seat, agent in enumerate(env.possible_agents):
+        try:
+            if agent in actions:
+                env.check_action(agent, actions[agent])
+        except ActionError as refused:
+            faults[seat] = Fault("FORFEIT_ILLEGAL", str(refused).removeprefix(f"{agent}: "))
+    return faults
