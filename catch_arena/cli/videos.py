@@ -32,6 +32,12 @@ VideoSize = Annotated[
     typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"),
 ]
 Fps = Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")]
+ViewOf = Annotated[
+    str | None,
+    typer.Option(
+        "--view-of", metavar="HUNTER", help="Show what this hunter sees, by its seat or name.", show_default="nobody's"
+    ),
+]
 
 
 @main.command()
@@ -48,12 +54,7 @@ def render(
         float | None, typer.Option("--to", metavar="SECONDS", help="Where to end.", show_default="the match's end")
     ] = None,
     speed: Speed = 1.0,
-    view_of: Annotated[
-        str | None,
-        typer.Option(
-            metavar="HUNTER", help="Show what this hunter sees, by its seat or name.", show_default="nobody's"
-        ),
-    ] = None,
+    view_of: ViewOf = None,
 ) -> None:
     """Turn a recorded match, or a part of it, into a video."""
     from catch_arena.cli.progress import progress_bar
@@ -183,6 +184,7 @@ def sheet(
             metavar="WIDTHxHEIGHT", help="Of the whole sheet.", show_default="as the pictures need, up to 1600x1320"
         ),
     ] = None,
+    view_of: ViewOf = None,
 ) -> None:
     """Put pictures of a match side by side, with their times."""
     from catch_arena.cli.progress import progress_bar
@@ -207,7 +209,7 @@ def sheet(
     if not instants:
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
     with progress_bar("drawing") as show:
-        picture = contact_sheet(recorded, instants, size=frame_size, progress=show)
+        picture = contact_sheet(recorded, instants, size=frame_size, view_of=view_of, progress=show)
     write_whole(output, picture)
     pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
     say(f"sheet: {output} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")

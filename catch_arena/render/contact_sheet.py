@@ -15,7 +15,7 @@ from catch_arena.render.shapes import Label, Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.text import printable, text_width
 from catch_arena.render.timing import Snapshots
-from catch_arena.render.video import duration_ms, rendered_frames
+from catch_arena.render.video import checked_view, duration_ms, rendered_frames
 from catch_arena.replay import Replay
 
 SIZE: Final = (1600, 1320)
@@ -53,6 +53,7 @@ def contact_sheet(
     instants: Sequence[tuple[float, str]],
     *,
     size: tuple[int, int] | None = None,
+    view_of: int | str | None = None,
     progress: Progress | None = None,
 ) -> bytes:
     """A PNG picture of these instants [ms], in order, each with its time and a word about it.
@@ -61,10 +62,12 @@ def contact_sheet(
         replay: the recorded match.
         instants: when, in milliseconds of the match.
         size: (width, height) from 320 x 320 to 3840 x 2160, or None for as large as the pictures need within SIZE.
+        view_of: as of `render.video.render_replay`.
         progress: called with (pictures drawn, in all).
 
     Raises:
-        ConfigError: for a size that no frame has, or that is too small for so many pictures.
+        ConfigError: for a size that no frame has, or that is too small for so many pictures; for a hunter that has no
+            view to show.
         ReplayError: where the match does not play as recorded.
     """
     width, height = checked_size(SIZE if size is None else size)
@@ -83,6 +86,8 @@ def contact_sheet(
     sheet.draw(_heading(hud.Rect(0, 0, width, head), info, replay.seed))
     lines = round(_LINES * grid.side)
     renderer = MatchRenderer(info, (grid.side, grid.side + grid.extra - lines), "arena", sprites=sprites)
+    if view_of is not None:
+        renderer.view_of = checked_view(replay, view_of)
     pictures = rendered_frames(replay, renderer, Snapshots(tuple(time_ms for time_ms, _ in instants)))
     cells = grid.cells(len(instants), area)
     for done, (cell, (time_ms, word), pixels) in enumerate(zip(cells, instants, pictures, strict=True), start=1):

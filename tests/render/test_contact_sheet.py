@@ -46,6 +46,21 @@ def test_without_a_size_it_is_as_large_as_its_pictures_need(match):
     assert sheet.shape[1] > 1.5 * sheet.shape[0]
 
 
+def test_a_hunters_view_lies_over_each_picture(play):
+    foggy = play(time_limit_s=1.0, view_radius_m=2.0)
+    plain, seen = (
+        picture(contact_sheet(foggy, even_instants(foggy, 3), size=(900, 400), view_of=who)) for who in (None, 1)
+    )
+    differs = (plain != seen).any(axis=2)
+    thirds = np.array_split(differs, 3, axis=1)
+    assert all(third.mean() > 0.02 for third in thirds)
+
+
+def test_where_hunters_see_everything_there_is_no_view_to_show(match):
+    with pytest.raises(ConfigError, match="do not see everything"):
+        contact_sheet(match, even_instants(match, 1), view_of=0)
+
+
 def test_pictures_that_would_be_too_small_are_refused(match):
     with pytest.raises(ConfigError, match="72 pixels"):
         contact_sheet(match, even_instants(match, 100), size=(320, 320))
