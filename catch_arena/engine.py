@@ -368,8 +368,11 @@ class Engine:
 
     def team_scores(self) -> NDArray[np.float64]:
         """R11.1: the sums of the scores of each team's hunters: (B, teams)."""
-        scores = self._views.hunters[:, :, row_of(state.SCORE)].transpose(0, 2, 1).reshape(-1, self.config.hunters)
-        return np.stack([scores[: self.num_arenas, seats].sum(axis=1) for seats in self.config.team_seats], axis=1)
+        by_seat = self._views.hunters[:, :, row_of(state.SCORE)]
+        scores = np.zeros((self.num_arenas, len(self.config.team_seats)))
+        for seat, team in enumerate(self.config.team_by_seat):
+            scores[:, team] += by_seat[:, seat].reshape(-1)[: self.num_arenas]
+        return scores
 
     def active(self) -> NDArray[np.bool_]:
         """R1.6, R1.7: which hunters take part: (B, H)."""

@@ -121,6 +121,7 @@ def count_team_catches(block: Block, s: Settings, width: Width, teams: NDArray[n
 def share_rewards(
     block: Block,
     s: Settings,
+    width: Width,
     lanes: int,
     teams: NDArray[np.int64],
     team_rows: Block,
@@ -132,33 +133,40 @@ def share_rewards(
     Args:
         block: the block.
         s: the settings.
+        width: how many lanes a group has.
         lanes: how many lanes are arenas.
         teams: see `memory.Sections`.
-        team_rows: see `workspace.Scratch`; what each seat has earned is there.
+        team_rows: see `workspace.Scratch`; what each seat has earned is there, and what it gets is written over it.
         rewards: the result, or none.
         parts: the result in its first column, or none.
     """
-    own = s.hunters * LANES
-    for lane in range(lanes):
-        for first in range(s.hunters):
-            if teams[first] != first:
-                continue
-            members, total = 1.0, team_rows[own + first * LANES + lane]
+    earned = team_rows[s.hunters * LANES :]
+    for first in range(s.hunters):
+        if teams[first] != first:
+            continue
+        members = 0.0
+        for seat in range(first, s.hunters):
+            members += 1.0 if teams[seat] == first else 0.0
+        for begin in range(0, span(width), len(width)):
+            lane = group(begin, width)
+            total = earned[first * LANES + lane]
             for seat in range(first + 1, s.hunters):
                 if teams[seat] == first:
-                    members += 1.0
-                    total += team_rows[own + seat * LANES + lane]
+                    total = total + earned[seat * LANES + lane]
             mean = total / members
             for seat in range(first, s.hunters):
                 if teams[seat] == first:
                     me = seat_of(block, seat)
-                    shared = (1.0 - s.team_share) * team_rows[own + seat * LANES + lane] + s.team_share * mean
-                    shared = shared if me[WITHDRAWN + lane] == 0.0 else 0.0
-                    me[REWARD_SUM + lane] += shared
-                    if len(parts) > 0:
-                        parts[lane, seat, 0] = shared
-                    else:
-                        rewards[lane, seat] = np.float32(shared)
+                    shared = (1.0 - s.team_share) * earned[seat * LANES + lane] + s.team_share * mean
+                    shared = select(me[WITHDRAWN + lane] == 0.0, shared, 0.0)
+                    me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + shared
+                    earned[seat * LANES + lane] = shared
+    for seat in range(s.hunters):
+        for lane in range(lanes):
+            if len(parts) > 0:
+                parts[lane, seat, 0] = earned[seat * LANES + lane]
+            else:
+                rewards[lane, seat] = np.float32(earned[seat * LANES + lane])
 
 
 @phase
@@ -265,7 +273,7 @@ def reward_teams(
     count_team_catches(block, s, width, teams, scratch.team_rows)
     reward_hunters(block, s, width, lanes, teams, True, scratch, rewards, parts)
     if s.team_share > 0.0:
-        share_rewards(block, s, lanes, teams, scratch.team_rows, rewards, parts)
+        share_rewards(block, s, width, lanes, teams, scratch.team_rows, rewards, parts)
 
 
 @inlined

@@ -16,6 +16,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
+from catch_arena.block_views import row_of
 from catch_arena.config import ArenaConfig, Control, require_choice
 from catch_arena.core import state
 from catch_arena.core.prey import PREY_PART_NAMES
@@ -53,6 +54,7 @@ _UNCHANGING: Final = frozenset(
 ) | {"_seats", "_seen"}
 """What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
 _NO_COMMAND: Final = (0.0, 0.0)
+_SCORE, _WITHDRAWN = row_of(state.SCORE), row_of(state.WITHDRAWN)
 _NO_ANSWER: Final[dict[str, Any]] = dict.fromkeys(("verdict", "reason", "target", "distance_um", "winner"))
 
 
@@ -315,8 +317,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if len(agents) < len(self.possible_agents):
             rewards = {agent: rewards[agent] for agent in agents}
         if self._dropouts_leave:
-            active = engine.active()[0].tolist()
-            self._leaving.update(agent for agent, seat in self._seats.items() if not active[seat])
+            withdrawn = engine.hunter_rows(0)[:, _WITHDRAWN].tolist()
+            self._leaving.update(agent for agent, seat in self._seats.items() if withdrawn[seat])
         if self._prey_leaves:
             in_play = engine.prey_active()[0].tolist()
             self._leaving.update(agent for agent, index in self._prey.items() if not in_play[index])
@@ -583,10 +585,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         infos: dict[str, dict[str, Any]]
         if self._infos_wanted == "full":
             infos = LazyInfos(dict.fromkeys(agents))
-            active = self._engine.active()[0].tolist() if self._dropouts_stay else None
-            team_scores = self._engine.team_scores()[0].tolist() if self.config.teams is not None else None
+            withdrawn = self._engine.hunter_rows(0)[:, _WITHDRAWN].tolist() if self._dropouts_stay else None
+            scores = self._engine.hunter_rows(0)[:, _SCORE].tolist() if self.config.teams is not None else None
             prey = self._engine.prey_rows(0).copy() if self._prey else None
-            infos.make = lambda: self._infos(agents, cut, outputs, active, team_scores, prey)
+            infos.make = lambda: self._infos(agents, cut, outputs, withdrawn, scores, prey)
         elif self._infos_wanted == "mask":
             infos = {agent: {} for agent in agents}
             masks = self._masks_in(outputs)
@@ -612,12 +614,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         agents: Sequence[str],
         cut: Sequence[str],
         outputs: NDArray[np.float32],
-        active: Sequence[bool] | None,
-        team_scores: Sequence[float] | None,
+        withdrawn: Sequence[float] | None,
+        scores: Sequence[float] | None,
         prey: NDArray[np.float64] | None,
     ) -> dict[str, dict[str, Any]]:
-        """The infos of a step by agent, from what the engine put out; where that is told, `active` by seat, the scores
-        by team, and `prey` as of `Engine.prey_rows`.
+        """The infos of a step by agent, from what the engine put out; where that is told, who is `withdrawn` and
+        the `scores` by seat, and `prey` as of `Engine.prey_rows`.
         """
         infos: dict[str, dict[str, Any]] = {}
         masks = self._masks_in(outputs)
@@ -626,6 +628,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             outputs[self._evidence].view(np.float64)[: hunters * len(state.EVIDENCE)].reshape(hunters, -1).tolist()
         )
         shares = outputs[self._parts].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
+        team_scores = [sum(scores[seat] for seat in seats) for seats in self.config.team_seats] if scores else []
         for agent in agents:
             if agent in self._prey:
                 continue
@@ -633,9 +636,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             number, verdict, distance, winner = answers[seat]
             infos[agent] = info = _NO_ANSWER.copy()
             info["reward_parts"] = _named_parts(*shares[seat][1:])
-            if active is not None:
-                info["active"] = active[seat]
-            if team_scores is not None:
+            if withdrawn is not None:
+                info["active"] = not withdrawn[seat]
+            if team_scores:
                 info["team_score"] = int(team_scores[self._team_by_seat[seat]])
             if self._controls[seat] == "target":
                 info["action_mask"] = masks[seat]
@@ -652,10 +655,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             parts = outputs[self._prey_parts].view(np.float64)[: len(prey) * (1 + len(PREY_PART_NAMES))]
             earned = parts.reshape(len(prey), -1).tolist()
             for agent, rows, share in zip(self._prey, prey.tolist(), earned, strict=True):
-                catcher = rows[state.CAUGHT_BY // state.LANES]
+                catcher = rows[row_of(state.CAUGHT_BY)]
                 if agent in agents:
                     infos[agent] = {
-                        "active": rows[state.PREY_SLOT // state.LANES] != state.NO_TARGET,
+                        "active": rows[row_of(state.PREY_SLOT)] != state.NO_TARGET,
                         "caught_by": None if catcher < 0 else int(catcher),
                         "reward_parts": dict(zip(PREY_PART_NAMES, share[1:], strict=True)),
                     }
