@@ -92,7 +92,7 @@ def encode_bundle(replay: Replay) -> bytes:
             }
             for seat, name in enumerate(names)
         ],
-        "teams": [{"name": side.name, "color": css(side.color), "seats": side.seats} for side in info.sides]
+        "teams": [{"name": team.name, "color": css(team.color), "seats": team.seats} for team in info.contenders]
         if info.has_teams
         else None,
         "prey": [{"name": name, "targets": numbers_of} for name, numbers_of in zip(prey_names, lives, strict=True)],

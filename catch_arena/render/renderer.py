@@ -62,7 +62,7 @@ class MatchRenderer:
         """The seat whose view is shown (R7.5), where hunters do not see everything."""
         self._seed = seed
         self._by_lot = info.config.policy == "first_come"
-        self._plan = hud.arrange(size, layout, len(info.names), len(info.sides) if info.has_teams else 0)
+        self._plan = hud.arrange(size, layout, len(info.names), len(info.contenders) if info.has_teams else 0)
         if sprites is None:  # renderers of the same match or size share theirs
             sprites = SpriteCache()
         self._frame = Canvas.blank(*size, hud.PANEL, sprites)
@@ -82,9 +82,9 @@ class MatchRenderer:
 
     @property
     def leader(self) -> int | None:
-        """The side that alone has the most catches, in the step that was entered last."""
-        side, _ = timeline.lead(self._scores)
-        return side if side >= 0 else None
+        """The contender that alone has the most catches, in the step that was entered last."""
+        contender, _ = timeline.lead(self._scores)
+        return contender if contender >= 0 else None
 
     def reset(self, time_ms: float = 0.0) -> None:
         """A new match: no trails, no annotations."""
@@ -122,7 +122,7 @@ class MatchRenderer:
             target.number: self.info.prey(target.prey) for target in after.targets if target.prey is not None
         }
         self._standings_animation.record(began_ms, self._standings)
-        catchers = [self.info.side_by_seat[one.seat] for one in annotations if one.kind == "catch"]
+        catchers = [self.info.contender_by_seat[one.seat] for one in annotations if one.kind == "catch"]
         self._timeline.record(began_ms, catchers, self._scores)
 
     def draw(self, time_ms: float, poses: Poses) -> Pixels:
