@@ -36,7 +36,7 @@ from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.core_settings import limits_by_seat, settings_of
 from catch_arena.errors import ConfigError
-from catch_arena.layout import hunters_seen_by_prey, prey_seen_by_prey, prey_width, width
+from catch_arena.layout import hunters_seen_by_prey, observation_size, prey_observation_size, prey_seen_by_prey
 from catch_arena.placing import place, place_batch
 from catch_arena.seeding import checked_seed
 from catch_arena.threads import Threads
@@ -95,9 +95,9 @@ class Engine:
         self.threads = Threads(max(1, min(num_threads, self._shares)))
         with_infos = num_arenas if infos_wanted else 0
         kept = num_arenas if auto_reset else 0
-        seen_by_prey = prey_width(config)
+        seen_by_prey = prey_observation_size(config)
         team_play = config.teams is not None
-        columns = max(hunters * width(config), prey * seen_by_prey)
+        columns = max(hunters * observation_size(config), prey * seen_by_prey)
         scratch = scratch_shapes(hunters, prey, num_rows, columns, team_play=team_play)
         memory, sections = lay_out(
             Sections(
@@ -121,14 +121,14 @@ class Engine:
                 blocks=zeros(num_blocks, num_rows * LANES),
                 parts=zeros(with_infos, hunters, 1 + len(PART_NAMES)),
                 evidence=zeros(with_infos, hunters, len(state.EVIDENCE)),
-                observations=zeros(num_arenas, hunters, width(config), dtype=np.float32),
+                observations=zeros(num_arenas, hunters, observation_size(config), dtype=np.float32),
                 masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
                 prey_parts=zeros(with_infos, prey, 1 + len(PREY_PART_NAMES)),
                 prey_observations=zeros(num_arenas, prey, seen_by_prey, dtype=np.float32),
                 ends=zeros(num_arenas, dtype=np.int8),
                 rewards=zeros(num_arenas - with_infos, hunters, dtype=np.float32),
                 prey_rewards=zeros(num_arenas - with_infos, prey, dtype=np.float32),
-                last_observations=zeros(kept, hunters, width(config), dtype=np.float32),
+                last_observations=zeros(kept, hunters, observation_size(config), dtype=np.float32),
                 last_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
                 records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
                 prey_last_observations=zeros(kept, prey, seen_by_prey, dtype=np.float32),
