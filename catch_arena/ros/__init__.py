@@ -20,5 +20,6 @@ Nodes of others, tried:
 
 Bags:
 - bag_files: rosbag2's files. bag_export: a replay becomes a bag. bag_import: a bag is read.
-- recording, recording_rulings: what a bag tells of turtlesim, and what the arbiter would have answered. film: a video.
+- bag_contents, bag_rulings: what a bag tells of turtlesim, and what the arbiter would have answered. bag_video: a video
+  of it.
 """
