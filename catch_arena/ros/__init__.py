@@ -12,7 +12,7 @@ The arena, and nodes of our own:
 - arena_node: the arena there. serving: one match of it. seats: the hunters that nodes drive. agents: those that play in
   the other seats. rulings: what the arbiter answered, as a message.
 - controller, spawner: the exercise's two nodes for turtlesim, with an agent and with our arbiter.
-- pace: even steps by the clock on the wall.
+- rate: even steps by the wall clock.
 
 Nodes of others, tried:
 - node_under_test: a node that serves catch_turtle, and the arena about it.

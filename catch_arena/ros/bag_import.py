@@ -64,7 +64,7 @@ class _BagListener:
 
     # each of these takes one message, or raises ValueError for what it cannot be
 
-    def hear_pose(self, name: str, time_ms: float, message: Any) -> None:
+    def on_pose(self, name: str, time_ms: float, message: Any) -> None:
         """Of a turtle."""
         pose = Pose(*(float(getattr(message, part)) for part in Pose._fields))
         low, high = -_OUTSIDE_M, TURTLESIM_SIDE_M + _OUTSIDE_M
@@ -77,7 +77,7 @@ class _BagListener:
                 raise ValueError("time goes backwards")
         track.placed.append(Placed(time_ms, pose))
 
-    def hear_list(self, time_ms: float, message: Any) -> None:
+    def on_list(self, time_ms: float, message: Any) -> None:
         """Of who is alive. Who was in the last one and is no longer has left."""
         if len(message.turtles) > _MOST_TURTLES:
             raise ValueError("a list is too long")
@@ -95,7 +95,7 @@ class _BagListener:
         self.alive = {turtle.name: (_within(turtle.x), _within(turtle.y)) for turtle in turtles}
         self.lists.append(Listed(time_ms, TurtleArray(turtles)))
 
-    def hear_call(self, hunter: str | None, topic: str, time_ms: float, message: Any) -> None:
+    def on_call(self, hunter: str | None, topic: str, time_ms: float, message: Any) -> None:
         """A request, or its response; both ends may tell of each."""
         info = message.info
         key = topic, bytes(info.client_gid), int(info.sequence_number)
@@ -128,20 +128,20 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
     heard = _BagListener()
     unreadable: dict[str, str] = {}
     with _opened(path) as bag:
-        ears = _ears(path, heard, bag.connections)
-        if not ears:
+        handlers = _handlers(path, heard, bag.connections)
+        if not handlers:
             raise ReplayError(f"{path}: has no poses of turtlesim: record with ros2 bag record -a")
         first: int | None = None
-        wanted = [one for one in bag.connections if one.topic in ears]
+        wanted = [one for one in bag.connections if one.topic in handlers]
         total = sum(one.msgcount for one in wanted)
         for done, (connection, time_ns, data) in enumerate(bag.messages(wanted), start=1):
             first = time_ns if first is None else first
             time_ms = (time_ns - first) / 1e6
             if not 0.0 <= time_ms <= LONGEST_MS:
                 raise ReplayError(f"{path}: must last 24 hours at most, and its time must not go backwards")
-            decode, hear = ears[connection.topic]
+            decode, handle = handlers[connection.topic]
             try:
-                hear(time_ms, decode(data))
+                handle(time_ms, decode(data))
                 heard.end_ms = time_ms
             except Exception as error:  # noqa: BLE001 - a stranger's bytes, read by a stranger's definitions
                 heard.left_out += 1
@@ -229,13 +229,13 @@ def _opened(path: Path) -> Iterator[Reader]:
         raise ReplayError(f"{path}: is no bag, or a damaged one: {one_line(reason(error))}") from error
 
 
-_Ear = tuple[Callable[[bytes], Any], Callable[[float, Any], None]]
+_Handler = tuple[Callable[[bytes], Any], Callable[[float, Any], None]]
 """How a topic's messages are read, and what is done with them."""
 
 
-def _ears(path: Path, heard: _BagListener, connections: "list[Connection]") -> dict[str, _Ear]:
+def _handlers(path: Path, heard: _BagListener, connections: "list[Connection]") -> dict[str, _Handler]:
     """By topic: those that tell of the game."""
-    found: dict[str, _Ear] = {}
+    found: dict[str, _Handler] = {}
     plain = Interfaces()
     lists = {one.topic for one in connections if one.msgtype.endswith("/msg/TurtleArray")}
     poses = 0
@@ -243,23 +243,23 @@ def _ears(path: Path, heard: _BagListener, connections: "list[Connection]") -> d
         package, _, kind = one.msgtype.rpartition("/")
         if kind == "Pose" and package in {"turtlesim/msg", "turtlesim_msgs/msg"} and one.topic.endswith("/pose"):
             name = one.topic.strip("/").removesuffix("/pose")
-            found[one.topic] = _decoder(plain.pose), _pose_ear(heard, name)
+            found[one.topic] = _decoder(plain.pose), _pose_handler(heard, name)
             poses += 1
         elif one.topic in lists and (one.topic.endswith(f"/{_ALIVE}") or len(lists) == 1):
-            found[one.topic] = _lists_decoder(path, one), heard.hear_list
+            found[one.topic] = _lists_decoder(path, one), heard.on_list
         elif kind == "CatchTurtle_Event" and one.topic.endswith(TOPIC):
             hunter = one.topic.strip("/").removesuffix(TOPIC).rpartition("/")[0] or None
             types = Interfaces(package.removesuffix("/srv")) if package.count("/") == 1 else plain
-            found[one.topic] = _decoder(event_of(types.catch_turtle)), _call_ear(heard, hunter, one.topic)
+            found[one.topic] = _decoder(event_of(types.catch_turtle)), _call_handler(heard, hunter, one.topic)
     return found if poses else {}
 
 
-def _pose_ear(heard: _BagListener, name: str) -> Callable[[float, Any], None]:
-    return lambda time_ms, message: heard.hear_pose(name, time_ms, message)
+def _pose_handler(heard: _BagListener, name: str) -> Callable[[float, Any], None]:
+    return lambda time_ms, message: heard.on_pose(name, time_ms, message)
 
 
-def _call_ear(heard: _BagListener, hunter: str | None, topic: str) -> Callable[[float, Any], None]:
-    return lambda time_ms, message: heard.hear_call(hunter, topic, time_ms, message)
+def _call_handler(heard: _BagListener, hunter: str | None, topic: str) -> Callable[[float, Any], None]:
+    return lambda time_ms, message: heard.on_call(hunter, topic, time_ms, message)
 
 
 def _decoder(kind: MessageType) -> Callable[[bytes], Any]:

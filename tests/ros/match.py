@@ -39,7 +39,7 @@ class Match:
             self.agents,
             TYPES,
             clock=clock,
-            say=self.said.append,
+            log=self.said.append,
         )
         self.node.begin(1)
 
