@@ -220,10 +220,11 @@ def spawner(
 
     With several turtles each asks its own service, as in /turtle2/catch_turtle.
     """
+    from catch_arena.core.physics import DT
     from catch_arena.ros.parameters import NAME_PREFIX, SPAWN_FREQUENCY, spawner_parameters
     from catch_arena.ros.rate import Rate
     from catch_arena.ros.ros_args import take_ros_args
-    from catch_arena.ros.spawner import TICK_S, Spawner
+    from catch_arena.ros.spawner import Spawner
     from catch_arena.seeding import arena_seed
 
     turtles = tuple(checked_turtle(name) for name in turtle or ("turtle1",))
@@ -237,7 +238,7 @@ def spawner(
     with joined_bus(bus, called, domain, url) as joined:
         node = Spawner(joined, turtles, types, config, frequency, seed=arena_seed(seed), log=say)
         joined.declare(parameters)
-        rate = Rate(TICK_S)
+        rate = Rate(DT)
         if not node.ready:
             say("waiting for turtlesim: /spawn and /kill")
         while not node.ready:

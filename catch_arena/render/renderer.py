@@ -7,19 +7,20 @@ from typing import Final, get_args
 import numpy as np
 
 from catch_arena.config import ArenaConfig
+from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.render import hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.event_feed import EventFeed, feed_shapes
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import TICK_MS, Poses, StepMotion, poses_of, step_motion
+from catch_arena.render.motion import Poses, StepMotion, poses_of, step_motion
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
 from catch_arena.render.team_scores import team_scores_shapes
-from catch_arena.render.viewport import Pose, Viewport
+from catch_arena.render.viewport import Pose2D, Viewport
 from catch_arena.world import World
 
 SMALLEST: Final = 320
@@ -172,7 +173,7 @@ class MatchRenderer:
                 self._ground.trail(self.info.color(seat), start, end)
         self._poses = poses
 
-    def _trail_of_target(self, number: int, start: Pose, end: Pose) -> None:
+    def _trail_of_target(self, number: int, start: Pose2D, end: Pose2D) -> None:
         """Prey leaves a trail as hunters do."""
         if number in self._players:
             self._ground.trail(self.info.color(self._players[number]), start, end)
@@ -290,7 +291,7 @@ class ArenaPainter:
 
     def _led_to(self, last: World, world: World) -> bool:
         """Nobody can have driven further."""
-        furthest = max(self._renderer.info.config.max_speeds) * (world.time_ms - last.time_ms + 16) / 1000.0 + 1e-6
+        furthest = max(self._renderer.info.config.max_speeds) * (world.time_ms - last.time_ms + TICK_MS) / 1000.0 + 1e-6
         return all(
             abs(now.x - then.x) <= furthest and abs(now.y - then.y) <= furthest
             for then, now in zip(last.hunters, world.hunters, strict=True)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ActionError, BusError, EpisodeError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse
 from catch_arena.ros.agents import AgentSeats
@@ -30,8 +31,6 @@ from catch_arena.tournament.match import ranks_of
 from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 
-TICK_MS: Final = 16
-"""The arena's control period on a bus: turtlesim's own tick (R1.2), 62.5 a second."""
 _SECOND: Final = 1000 // TICK_MS
 """In ticks: what listeners may have missed is told again."""
 _OFTEN: Final = 6
@@ -55,7 +54,7 @@ class ArenaNode:
 
     Args:
         bus: the bus.
-        service: the arena, before its reset; its control period is TICK_MS.
+        service: the arena, before its reset; its control period is TICK_MS, turtlesim's own tick (R1.2): 62.5 a second.
         driven: the seats that nodes drive.
         names: the players', by seat.
         agents: those in the other seats, where there are any.

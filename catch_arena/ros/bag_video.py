@@ -6,11 +6,11 @@ from math import ceil
 from pathlib import Path
 
 from catch_arena.config import TURTLESIM_SIDE_M
+from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import Pose
 from catch_arena.render import hud
 from catch_arena.render.encoders import Progress, format_of
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import TICK_MS
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import RenderReport, frame_rate, frame_size, frames_of, pace_of, write_video

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from catch_arena.core.physics import DT
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
 from catch_arena.ros.bus import Bus, Log, Peer, Request
@@ -14,7 +15,6 @@ TURTLE: Final = "turtle1"
 ANSWER_S: Final = 2.0
 """So long a node may take to answer."""
 _ALIVE: Final = "/alive_turtles"
-_TICK_S: Final = 0.016
 _THERE_S: Final = 10.0
 """So long a node may take to appear, or to list a target."""
 _LOOK_S: Final = 0.5
@@ -88,7 +88,7 @@ class NodeUnderTest:
         while not self.listed:
             if time.monotonic() > end:
                 raise BusError(f"the node lists no target on {_ALIVE} for {_THERE_S:g} s: does it call /spawn?")
-            self._publish_for(_TICK_S)
+            self._publish_for(DT)
 
     def ask(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
         """Stand there among these targets for a while, and ask for one: the answer, None without one in time."""
@@ -98,7 +98,7 @@ class NodeUnderTest:
         call = self._client.call(CatchTurtleRequest(name))
         end = time.monotonic() + ANSWER_S
         while call.response is None and time.monotonic() < end:
-            self._publish_for(_TICK_S)
+            self._publish_for(DT)
         return None if call.response is None else bool(call.response.success)
 
     def ask_nothing(self, seconds: float) -> None:
@@ -112,7 +112,7 @@ class NodeUnderTest:
             self._pose(self._position[0])
             if self._alive is not None:
                 self._alive(self._position[1])
-            self._spin(min(now + _TICK_S, end) - now)
+            self._spin(min(now + DT, end) - now)
 
     def _spin(self, seconds: float) -> None:
         end = time.monotonic() + seconds

@@ -4,12 +4,11 @@ import math
 from collections.abc import Callable
 from typing import Final
 
+from catch_arena.core.physics import WATCHDOG_MS
 from catch_arena.messages import Twist
 from catch_arena.ros.bus import Log, Peer
 from catch_arena.ros.interfaces import TwistMessage
 
-WATCHDOG_MS: Final = 1000
-"""R2.4: what a Twist holds at most."""
 STANDING_STILL: Final = Twist(0.0, 0.0)
 _FASTEST: Final = 1e9
 """Far beyond every limit of R2.5, which comes later; numbers so large are finite, and no more than that."""

@@ -8,9 +8,10 @@ from typing import Final
 
 from catch_arena import interrupts
 from catch_arena.config import ArenaConfig, Control
+from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
 from catch_arena.ros.agents import AgentSeats
-from catch_arena.ros.arena_node import TICK_MS, ArenaNode
+from catch_arena.ros.arena_node import ArenaNode
 from catch_arena.ros.bus import Bus, Log
 from catch_arena.ros.interfaces import Interfaces
 from catch_arena.ros.rate import Rate

@@ -9,15 +9,15 @@ from typing import Any, Final
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
+from catch_arena.core.physics import DT, TICK_MS
 from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
 from catch_arena.ros.bus import Bus, Call, Log, Peer, Request
 from catch_arena.ros.interfaces import Interfaces, Name, SpawnRequest
 from catch_arena.ros.parameters import Parameter
 
-TICK_S: Final = 0.016
 _LOW_M, _HIGH_M = 0.5, 10.5
 """R3.2: where targets appear."""
-_SECOND: Final = 62
+_SECOND: Final = 1000 // TICK_MS
 """In ticks."""
 _ANSWER_TICKS: Final = 125
 """After so many a call that was not answered is given up."""
@@ -105,7 +105,7 @@ class Spawner:
     @property
     def _period(self) -> int:
         """In ticks."""
-        return max(1, round(self._config.spawn_period_ms / 1000.0 / TICK_S))
+        return max(1, round(self._config.spawn_period_ms / 1000.0 / DT))
 
     def _pose_callback(self, turtle: str) -> Callable[[Pose, Peer | None], None]:
         def callback(pose: Pose, peer: Peer | None) -> None:
