@@ -212,7 +212,7 @@ def test_copies_are_the_callers_own_with_prey():
 @pytest.mark.rule("R12.5")
 def test_r12_5_withdrawn_prey_ranks_last_in_the_figures_of_an_episode():
     """However rarely it was caught; among itself by score."""
-    engine, source = Engine(HUNT, 3, infos_wanted=False, auto_reset=True), np.random.default_rng(2)
+    engine, source = Engine(HUNT, 3, with_infos=False, auto_reset=True), np.random.default_rng(2)
     engine.reset([1, 2, 3])
     for index in (0, 2):
         engine.withdraw_prey(1, index)
