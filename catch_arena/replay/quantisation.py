@@ -1,8 +1,8 @@
 """Quantised states: the numbers of A.8 in whole millionths, and their short form in files.
 
-A digest tells that two states differ; the quantised states tell in what. Messages for users call one the *witness* of
-its digest. In a file the numbers of what moves stand as what is left after R2.2's motion has been taken off, which is
-almost nothing, and those of a target that stands still stand once.
+A digest tells that two states differ; the quantised states tell in what. In a file the numbers of what moves stand as
+what is left after R2.2's motion has been taken off, which is almost nothing, and those of a target that stands still
+stand once.
 """
 
 from collections.abc import Sequence
@@ -207,7 +207,7 @@ def unpack_states(
 
 def _bounded(numbers: Matrix) -> Matrix:
     if numbers.size and not -_LARGEST <= numbers.min() <= numbers.max() <= _LARGEST:
-        raise ReplayError("is damaged: its witness holds a number beyond 2^53")
+        raise ReplayError("is damaged: a quantised state holds a number beyond 2^53")
     return numbers
 
 
@@ -370,14 +370,14 @@ def _require_alive_together(spans: Matrix, size: int, most: int) -> None:
     """
     begin, length = spans[:, 0], spans[:, 1]
     if np.any((begin < 0) | (begin >= size)):
-        raise ReplayError("is damaged: its witness has a target outside the match")
+        raise ReplayError("is damaged: its quantised states have a target outside the match")
     changes = np.zeros(size + 1, dtype=np.int64)
     if not np.any((length < 1) | (begin + length > size)):
         np.add.at(changes, begin, 1)
         np.add.at(changes, begin + length, -1)
         if np.cumsum(changes).max() <= most:
             return
-    raise ReplayError("is damaged: its witness has targets that cannot be alive together")
+    raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
 
 
 def _with_targets(fixed: Matrix, targets: Matrix, at: NDArray[np.int64], prey: Matrix) -> list[QuantisedState]:
@@ -389,7 +389,7 @@ def _with_targets(fixed: Matrix, targets: Matrix, at: NDArray[np.int64], prey: M
     order = np.lexsort((targets[:, _NUMBER], at))
     targets, at = targets[order], at[order]
     if np.any((np.diff(at) == 0) & (np.diff(targets[:, _NUMBER]) == 0)):
-        raise ReplayError("is damaged: its witness has targets that cannot be alive together")
+        raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
     ends = np.searchsorted(at, np.arange(1, len(fixed)))
     alive = np.split(targets, ends)
     return [np.concatenate((row, tail.reshape(-1), last)) for row, tail, last in zip(fixed, alive, prey, strict=True)]
