@@ -36,7 +36,7 @@ from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.core_settings import limits_by_seat, settings_of
 from catch_arena.errors import ConfigError
-from catch_arena.layout import hunters_seen_by_prey, prey_seen_by_prey, prey_width, width
+from catch_arena.layout import hunters_seen_by_prey, observation_size, prey_observation_size, prey_seen_by_prey
 from catch_arena.placing import place, place_batch
 from catch_arena.seeding import checked_seed
 from catch_arena.threads import Threads
@@ -63,7 +63,7 @@ class Engine:
     Args:
         config: the arena's settings.
         num_arenas: B, from 1 up.
-        infos_wanted: whether R6.2's parts are kept beside their sum.
+        with_infos: whether what infos are made of is kept: R6.2's parts, and the evidence of rulings.
         auto_reset: whether the next episode begins at once where one has ended.
         num_threads: how many may play.
         any_control: whether `controls` may differ by arena.
@@ -76,7 +76,7 @@ class Engine:
         config: ArenaConfig,
         num_arenas: int = 1,
         *,
-        infos_wanted: bool = True,
+        with_infos: bool = True,
         auto_reset: bool = False,
         num_threads: int = 1,
         any_control: bool = False,
@@ -85,7 +85,7 @@ class Engine:
         compile_once("one arena" if one else "a batch", partial(_play_smallest, 1 if one else 2))
         self.config = config
         self.num_arenas = num_arenas
-        self.infos_wanted = infos_wanted
+        self.with_infos = with_infos
         self.auto_reset = auto_reset
         hunters, seen = config.hunters, config.targets_seen
         slot, prey = slot_rows(config.targets_move), config.prey
@@ -93,16 +93,16 @@ class Engine:
         num_blocks, num_rows = -(-num_arenas // LANES), prey_begin + prey * state.PREY_ROWS
         self._shares = num_blocks * LANES * hunters // _HUNTERS_A_PART
         self.threads = Threads(max(1, min(num_threads, self._shares)))
-        with_infos = num_arenas if infos_wanted else 0
+        rows_with_infos = num_arenas if with_infos else 0
         kept = num_arenas if auto_reset else 0
-        seen_by_prey = prey_width(config)
+        seen_by_prey = prey_observation_size(config)
         team_play = config.teams is not None
-        columns = max(hunters * width(config), prey * seen_by_prey)
+        columns = max(hunters * observation_size(config), prey * seen_by_prey)
         scratch = scratch_shapes(hunters, prey, num_rows, columns, team_play=team_play)
         memory, sections = lay_out(
             Sections(
                 settings=np.array(
-                    settings_of(config, progress_wanted=infos_wanted, any_control=any_control), dtype=np.float64
+                    settings_of(config, progress_wanted=with_infos, any_control=any_control), dtype=np.float64
                 ),
                 start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
                 controls=np.tile(
@@ -119,16 +119,16 @@ class Engine:
                 else _NO_NETWORK,
                 prey_network=_network(prey, min(prey, prey_seen_by_prey(config) + 1)) if prey else _NO_NETWORK,
                 blocks=zeros(num_blocks, num_rows * LANES),
-                parts=zeros(with_infos, hunters, 1 + len(PART_NAMES)),
-                evidence=zeros(with_infos, hunters, len(state.EVIDENCE)),
-                observations=zeros(num_arenas, hunters, width(config), dtype=np.float32),
+                parts=zeros(rows_with_infos, hunters, 1 + len(PART_NAMES)),
+                evidence=zeros(rows_with_infos, hunters, len(state.EVIDENCE)),
+                observations=zeros(num_arenas, hunters, observation_size(config), dtype=np.float32),
                 masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
-                prey_parts=zeros(with_infos, prey, 1 + len(PREY_PART_NAMES)),
+                prey_parts=zeros(rows_with_infos, prey, 1 + len(PREY_PART_NAMES)),
                 prey_observations=zeros(num_arenas, prey, seen_by_prey, dtype=np.float32),
                 ends=zeros(num_arenas, dtype=np.int8),
-                rewards=zeros(num_arenas - with_infos, hunters, dtype=np.float32),
-                prey_rewards=zeros(num_arenas - with_infos, prey, dtype=np.float32),
-                last_observations=zeros(kept, hunters, width(config), dtype=np.float32),
+                rewards=zeros(num_arenas - rows_with_infos, hunters, dtype=np.float32),
+                prey_rewards=zeros(num_arenas - rows_with_infos, prey, dtype=np.float32),
+                last_observations=zeros(kept, hunters, observation_size(config), dtype=np.float32),
                 last_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
                 records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
                 prey_last_observations=zeros(kept, prey, seen_by_prey, dtype=np.float32),
@@ -136,12 +136,12 @@ class Engine:
                 **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
             )
         )
-        self._look_at(memory, sections)
+        self._bind_sections(memory, sections)
         spare = num_arenas - (num_blocks - 1) * LANES
         # in lanes that are no arenas nobody does anything
         self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
 
-    def _look_at(self, memory: Bytes, sections: Sections) -> None:
+    def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Give the parts of the memory their names."""
         self._memory = memory
         self.blocks = sections.blocks
@@ -154,11 +154,11 @@ class Engine:
         """R7.1: (B, H, D)."""
         self.masks = sections.masks
         """R7.2: (B, H, K + 1)."""
-        self.rewards: NDArray[Any] = sections.parts[:, :, 0] if self.infos_wanted else sections.rewards
+        self.rewards: NDArray[Any] = sections.parts[:, :, 0] if self.with_infos else sections.rewards
         """R6.2: (B, H), float64 with the parts and float32 without."""
         self.parts = sections.parts[:, :, 1:]
         """R6.2: the parts of the last reward, unweighted, in the order of `rewards.PART_NAMES`: (B, H, 7), or (0, H, 7)
-        where they are not wanted.
+        without infos.
         """
         self.ends = sections.ends
         """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
@@ -170,11 +170,11 @@ class Engine:
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
         self.prey_observations = sections.prey_observations
         """R12.4: (B, P, E)."""
-        self.prey_rewards: NDArray[Any] = sections.prey_parts[:, :, 0] if self.infos_wanted else sections.prey_rewards
+        self.prey_rewards: NDArray[Any] = sections.prey_parts[:, :, 0] if self.with_infos else sections.prey_rewards
         """R12.5: (B, P), as `rewards`."""
         self.prey_parts = sections.prey_parts[:, :, 1:]
         """R12.5: the parts of the last reward, unweighted, in the order of `prey.PREY_PART_NAMES`: (B, P, 3), or
-        (0, P, 3) where they are not wanted.
+        (0, P, 3) without infos.
         """
         self.prey_last_observations = sections.prey_last_observations
         """With auto_reset as `last_observations`: (B, P, E)."""
@@ -214,7 +214,7 @@ class Engine:
         self.rewards[chosen] = 0.0
         self.ends[chosen] = 0
         self.prey_rewards[chosen] = 0.0
-        if self.infos_wanted:
+        if self.with_infos:
             self.parts[chosen] = 0.0
             self.prey_parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
@@ -476,10 +476,10 @@ class Engine:
         """An engine of its own in the same state."""
         twin = object.__new__(Engine)
         twin.config, twin.num_arenas = self.config, self.num_arenas
-        twin.infos_wanted, twin.auto_reset = self.infos_wanted, self.auto_reset
+        twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
         twin._shares, twin.threads = self._shares, Threads(self.threads.size)
         memory = copy_of(self._memory)
-        twin._look_at(memory, sections_of(memory))
+        twin._bind_sections(memory, sections_of(memory))
         return twin
 
     def __deepcopy__(self, memo: object) -> "Engine":
@@ -487,9 +487,7 @@ class Engine:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled by what it is made from: its arrays share their memory, which a plain pickle would part."""
-        make = partial(
-            Engine, infos_wanted=self.infos_wanted, auto_reset=self.auto_reset, num_threads=self.threads.size
-        )
+        make = partial(Engine, with_infos=self.with_infos, auto_reset=self.auto_reset, num_threads=self.threads.size)
         return make, (self.config, self.num_arenas), self._memory
 
     def __setstate__(self, state: Bytes) -> None:

@@ -133,7 +133,7 @@ def rival_columns(config: ArenaConfig) -> tuple[str, ...]:
     return RIVAL_COLUMNS if config.teams is None else TEAM_RIVAL_COLUMNS
 
 
-def width(config: ArenaConfig) -> int:
+def observation_size(config: ArenaConfig) -> int:
     """D, the length of a hunter's observation."""
     targets = len(target_columns(config)) * config.targets_seen
     return len(SELF_COLUMNS) + targets + len(rival_columns(config)) * config.hunters_seen
@@ -149,7 +149,7 @@ def prey_seen_by_prey(config: ArenaConfig) -> int:
     return max(0, min(config.prey - 1, MOST_SEEN_BY_PREY))
 
 
-def prey_width(config: ArenaConfig) -> int:
+def prey_observation_size(config: ArenaConfig) -> int:
     """The length of prey's observation."""
     return len(PREY_SELF_COLUMNS) + len(BODY_COLUMNS) * (hunters_seen_by_prey(config) + prey_seen_by_prey(config))
 

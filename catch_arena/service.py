@@ -226,11 +226,11 @@ class ArenaService:
         slots = {target.name: slot for slot, target in enumerate(before.targets)}
         seats = [self._seat(hunter) for hunter, _ in requests]
         names = [request.name for _, request in requests]
-        wanted = self._wanted(before, goals) if requests else []  # else the engine finds them itself
-        table = np.zeros((len(seats) + len(wanted), REQUEST_COLUMNS), dtype=np.int64)
-        table[:, REQUEST_SEAT] = seats + [seat for seat, _ in wanted]
+        hosted = self._hosted_requests(before, goals) if requests else []  # else the engine finds them itself
+        table = np.zeros((len(seats) + len(hosted), REQUEST_COLUMNS), dtype=np.int64)
+        table[:, REQUEST_SEAT] = seats + [seat for seat, _ in hosted]
         table[:, REQUEST_TARGET] = [
-            target_asked_for(name, slots, self._appeared) for name in (*names, *(name for _, name in wanted))
+            target_asked_for(name, slots, self._appeared) for name in (*names, *(name for _, name in hosted))
         ]
         choices = self._choices(table[: len(seats)], names, goals)
         commands = self._commands(cmd_vel or {})
@@ -241,7 +241,7 @@ class ArenaService:
         self._publish_changes(before)
         return rulings_of(table[: len(seats)], names, before.step)
 
-    def _wanted(self, world: World, goals: Mapping[str, str]) -> list[tuple[int, str]]:
+    def _hosted_requests(self, world: World, goals: Mapping[str, str]) -> list[tuple[int, str]]:
         """R4.1, R4.4: what the controllers of hunters request that are not under full control: (seat, name)."""
         found = []
         for seat, (control, hunter) in enumerate(zip(self._config.controls, world.hunters, strict=True)):

@@ -92,7 +92,7 @@ def tell(process: subprocess.Popen[str], what: str) -> None:
 
 
 def demo(out: Path) -> dict[str, Path]:
-    """Play, film and report; what there is to see."""
+    """Play, make videos and the report; what there is to see."""
     started: list[subprocess.Popen[str]] = []
 
     def run(*words: object, quietly: bool = False) -> subprocess.Popen[str]:

@@ -23,7 +23,6 @@ from catch_arena.tournament.statistics.separation import groups, least_separated
 from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
 
 Array = NDArray[np.float64]
-Random = np.random.Generator
 
 BLOCK_LUCK = 0.15
 """How much an agent's rate of catches differs from one block's targets to another's (standard deviation of its log)."""
@@ -52,7 +51,7 @@ class World:
     agents: int
     points: Array
     """(agents,): the true ratings, their mean 0."""
-    play: Callable[[Random, NDArray[np.int64], NDArray[np.int64]], NDArray[np.int64]]
+    play: Callable[[np.random.Generator, NDArray[np.int64], NDArray[np.int64]], NDArray[np.int64]]
     """The scores (matches, seats), given the seating and the blocks."""
     score: Array | None = None
     """(agents,): the true mean scores, where they do not depend on the opponents."""
@@ -62,8 +61,8 @@ def plackett_luce(agents: int, spread: float) -> World:
     """No ties: the order of log strength plus Gumbel noise, drawn for each match (Yellott 1977)."""
     strengths = np.linspace(-spread, spread, agents)
 
-    def play(random: Random, seating: NDArray[np.int64], _: NDArray[np.int64]) -> NDArray[np.int64]:
-        performance = strengths[seating] + random.gumbel(size=seating.shape)
+    def play(rng: np.random.Generator, seating: NDArray[np.int64], _: NDArray[np.int64]) -> NDArray[np.int64]:
+        performance = strengths[seating] + rng.gumbel(size=seating.shape)
         return performance.argsort(axis=1).argsort(axis=1)
 
     return World(f"Plackett-Luce, {2 * spread * ELO:.0f} points from first to last", agents, strengths * ELO, play)
@@ -73,10 +72,10 @@ def davidson(agents: int, spread: float, tie: float) -> World:
     """Duels with ties, by Davidson's own probabilities."""
     strengths = np.linspace(-spread, spread, agents)
 
-    def play(random: Random, seating: NDArray[np.int64], _: NDArray[np.int64]) -> NDArray[np.int64]:
+    def play(rng: np.random.Generator, seating: NDArray[np.int64], _: NDArray[np.int64]) -> NDArray[np.int64]:
         half = (strengths[seating[:, 0]] - strengths[seating[:, 1]]) / 2.0
         above, below = np.exp(half), np.exp(-half)
-        draw = random.random(len(seating)) * (above + below + tie)
+        draw = rng.random(len(seating)) * (above + below + tie)
         return np.stack((draw < above, (draw >= above) & (draw < above + below)), axis=1).astype(np.int64)
 
     return World(
@@ -91,9 +90,9 @@ def catches(agents: int, low: float, high: float) -> World:
     """
     rates = np.geomspace(low, high, agents)
 
-    def play(random: Random, seating: NDArray[np.int64], block: NDArray[np.int64]) -> NDArray[np.int64]:
-        luck = np.exp(BLOCK_LUCK * random.normal(size=(int(block.max()) + 1, agents)))
-        return random.poisson((rates * luck)[block[:, None], seating])
+    def play(rng: np.random.Generator, seating: NDArray[np.int64], block: NDArray[np.int64]) -> NDArray[np.int64]:
+        luck = np.exp(BLOCK_LUCK * rng.normal(size=(int(block.max()) + 1, agents)))
+        return rng.poisson((rates * luck)[block[:, None], seating])
 
     nodes, weights = np.polynomial.hermite_e.hermegauss(40)
     counts = np.arange(int(6 * high) + 20)
@@ -115,10 +114,10 @@ def catches(agents: int, low: float, high: float) -> World:
     )
 
 
-def simulated(world: World, design: Design, random: Random) -> Outcomes:
+def simulated(world: World, design: Design, rng: np.random.Generator) -> Outcomes:
     """One tournament."""
     seating, block = design.seating()
-    scores = world.play(random, seating, block)
+    scores = world.play(rng, seating, block)
     ranks = 1 + (scores[:, None, :] > scores[:, :, None]).sum(axis=2)
     return Outcomes(world.agents, block, seating, scores, ranks)
 
@@ -132,10 +131,10 @@ def held(estimates: list[Estimate], truth: Array) -> list[bool]:
     ]
 
 
-def held_by_percentiles(ratings: Ratings, truth: Array, random: Random) -> list[bool]:
+def held_by_percentiles(ratings: Ratings, truth: Array, rng: np.random.Generator) -> list[bool]:
     """The same for the plain percentile bootstrap, which is not what we use."""
     blocks = len(ratings.influence)
-    moved = random.multinomial(blocks, np.full(blocks, 1 / blocks), 1000) @ ratings.influence
+    moved = rng.multinomial(blocks, np.full(blocks, 1 / blocks), 1000) @ ratings.influence
     low, high = ratings.points + np.quantile(moved, (0.025, 0.975), axis=0)
     return ((low <= truth) & (truth <= high)).tolist()
 
@@ -152,10 +151,10 @@ class Coverage:
 
 def coverage(world: World, design: Design, tournaments: int, seed: int) -> Coverage:
     """Many tournaments."""
-    random, again = np.random.default_rng(seed), np.random.default_rng(seed + 1)
+    rng, again = np.random.default_rng(seed), np.random.default_rng(seed + 1)
     found = Coverage()
     for _ in range(tournaments):
-        outcomes = simulated(world, design, random)
+        outcomes = simulated(world, design, rng)
         ratings = rate(outcomes)
         estimates = ratings.estimates()
         found.ratings += held(estimates, world.points)
@@ -168,21 +167,21 @@ def coverage(world: World, design: Design, tournaments: int, seed: int) -> Cover
 
 def equals_told_apart(design: Design, tournaments: int, seed: int) -> float:
     """How often any two of equal agents have no group in common."""
-    random, world = np.random.default_rng(seed), catches(design.agents, 14.0, 14.0)
+    rng, world = np.random.default_rng(seed), catches(design.agents, 14.0, 14.0)
     apart = 0
     for _ in range(tournaments):
-        ratings = rate(simulated(world, design, random))
+        ratings = rate(simulated(world, design, rng))
         apart += len({group for both in groups(ratings, ratings.points.argsort()[::-1].tolist()) for group in both}) > 1
     return apart / tournaments
 
 
 def called_clear(world: World, seats: int, most_blocks: int, tournaments: int, seed: int) -> tuple[float, float]:
     """How often the order is called clear at some look, and how often it is so called and wrong."""
-    random = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     per_round = math.comb(world.agents, seats)
     clear = wrong = 0
     for _ in range(tournaments):
-        whole = simulated(world, Design(world.agents, seats, most_blocks // per_round), random)
+        whole = simulated(world, Design(world.agents, seats, most_blocks // per_round), rng)
         blocks = next_look(0)
         while blocks <= whole.blocks:
             now = whole.block < blocks
@@ -204,15 +203,15 @@ def sprt_answers(points: float, points1: float, matches: int, trials: int, seed:
 
     A block is so many duels of agents `points` apart; a tenth of them tie, and half of a block's luck is common to it.
     """
-    random = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     share, tie = share_of_elo(points), 0.1
     accepted = {"H0": 0, "H1": 0}
     blocks = 0
     for _ in range(trials):
         test = Sprt(share_of_elo(0.0), share_of_elo(points1))
         while (answer := test.decision) is None:
-            common = random.random()
-            draws = np.where(random.random(matches) < 0.5, common, random.random(matches))
+            common = rng.random()
+            draws = np.where(rng.random(matches) < 0.5, common, rng.random(matches))
             won = (draws < share - tie / 2.0) + 0.5 * ((draws >= share - tie / 2.0) & (draws < share + tie / 2.0))
             test.add(float(won.mean()))
             blocks += 1
@@ -222,12 +221,12 @@ def sprt_answers(points: float, points1: float, matches: int, trials: int, seed:
 
 def seconds_for_many() -> float:
     """CPU time of the fit and the intervals for 10,000 matches of 4 among 30 agents."""
-    random = np.random.default_rng(0)
+    rng = np.random.default_rng(0)
     world = catches(30, 12.0, 22.0)
-    groups = np.array([random.choice(30, 4, replace=False) for _ in range(2500)])
+    groups = np.array([rng.choice(30, 4, replace=False) for _ in range(2500)])
     seating = np.stack([np.roll(groups, turn, axis=1) for turn in range(4)], axis=1).reshape(-1, 4)
     block = np.repeat(np.arange(2500), 4)
-    scores = world.play(random, seating, block)
+    scores = world.play(rng, seating, block)
     ranks = 1 + (scores[:, None, :] > scores[:, :, None]).sum(axis=2)
     begin = time.process_time()
     rate(Outcomes(30, block, seating, scores, ranks)).estimates()

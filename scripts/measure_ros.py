@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from random import uniform
 from statistics import median, quantiles
 
+from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray
 from catch_arena.ros.bus import Bus, Call, open_bus
 from catch_arena.ros.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
@@ -27,7 +28,6 @@ DOMAIN = 77
 TYPES = Interfaces()
 JUST_NOT_ONE = "1.000001"
 """The wall's clock, and the arena's is told on /clock, in which a gap shows that a message was lost."""
-TICK_MS = 16
 
 
 @dataclass(frozen=True, slots=True)

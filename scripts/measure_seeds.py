@@ -20,6 +20,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from catch_arena import scenario
+from catch_arena.core.physics import TICK_MS
 from catch_arena.core.spawner import spawn_pose
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.policy import Limits, SeenTarget, View
@@ -30,7 +31,6 @@ HIGH: Final = 10.5
 GOLDEN: Final = 0x9E3779B97F4A7C15
 PLACE: Final = 2
 WORD: Final = 2**64
-TICK_MS: Final = 16
 TURN: Final = 0.7371
 """How it turns in the corner, as a part of what it can: no round number, so that roundings differ."""
 SLACK: Final = 1e-13

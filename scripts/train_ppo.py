@@ -275,9 +275,9 @@ class Arenas:
         self.results: list[tuple[np.ndarray, ...]] = []
         self.spread_out(np.random.default_rng(seed), config.max_steps)
 
-    def spread_out(self, random: np.random.Generator, steps: int) -> None:
+    def spread_out(self, rng: np.random.Generator, steps: int) -> None:
         """Let the arenas be at different times of their matches, so that all of a match is learned from at once."""
-        lead = random.integers(0, steps, self.batch.num_envs)
+        lead = rng.integers(0, steps, self.batch.num_envs)
         for moment in range(0, steps, self.settings.hold):
             seen = self.look()
             self.play(seen, seen.preferred, None)

@@ -85,7 +85,7 @@ def joined_bus(backend: BusName | None, node: str, domain: int | None, url: str)
     """
     from catch_arena.ros.bus import open_bus
 
-    joined = open_bus(backend, node=node, domain=domain, url=url, say=lambda line: say(line, err=True))
+    joined = open_bus(backend, node=node, domain=domain, url=url, log=lambda line: say(line, err=True))
     try:
         yield joined
     finally:

@@ -135,11 +135,11 @@ def serve(
             wait=wait,
             record=record,
             title=scenario or "standard",
-            say=say,
+            log=say,
         )
     shown = [with_seat(name, number) for number, name in enumerate(served.names)]
     print_ranking(served.ranks, served.scores, shown, (None,) * len(names))
-    late = served.pace
+    late = served.rate
     say(f"{late.late} of {late.ticks} ticks were late by more than 5 ms, the worst by {late.latest_s * 1e3:.0f} ms")
     if record is not None:
         say(f"replay: {record}")
@@ -168,8 +168,8 @@ def controller(
     nearest and first are the exercise's catch_closest_turtle_first, true and false: a parameter then.
     """
     from catch_arena.ros.controller import PERIOD_S, Controller
-    from catch_arena.ros.pace import Pace
     from catch_arena.ros.parameters import CLOSEST_FIRST, controller_parameters
+    from catch_arena.ros.rate import Rate
     from catch_arena.ros.ros_args import take_ros_args
     from catch_arena.tournament.isolation.starting import sandbox_for, start_players
 
@@ -186,12 +186,12 @@ def controller(
         start_players(entrants, sandbox) as players,
         joined_bus(bus, called, domain, url) as joined,
     ):
-        node = Controller(joined, players, config, checked_turtle(turtle), types, closest_first, say=say)
+        node = Controller(joined, players, config, checked_turtle(turtle), types, closest_first, log=say)
         joined.declare(parameters)
-        pace = Pace(PERIOD_S)
+        rate = Rate(PERIOD_S)
         try:
             while True:
-                pace.wait()
+                rate.sleep()
                 joined.spin()
                 node.tick()
         finally:
@@ -220,10 +220,11 @@ def spawner(
 
     With several turtles each asks its own service, as in /turtle2/catch_turtle.
     """
-    from catch_arena.ros.pace import Pace
+    from catch_arena.core.physics import DT
     from catch_arena.ros.parameters import NAME_PREFIX, SPAWN_FREQUENCY, spawner_parameters
+    from catch_arena.ros.rate import Rate
     from catch_arena.ros.ros_args import take_ros_args
-    from catch_arena.ros.spawner import TICK_S, Spawner
+    from catch_arena.ros.spawner import Spawner
     from catch_arena.seeding import arena_seed
 
     turtles = tuple(checked_turtle(name) for name in turtle or ("turtle1",))
@@ -235,17 +236,17 @@ def spawner(
     )
     types = interfaces_of(interfaces, turtlesim)
     with joined_bus(bus, called, domain, url) as joined:
-        node = Spawner(joined, turtles, types, config, frequency, seed=arena_seed(seed), say=say)
+        node = Spawner(joined, turtles, types, config, frequency, seed=arena_seed(seed), log=say)
         joined.declare(parameters)
-        pace = Pace(TICK_S)
+        rate = Rate(DT)
         if not node.ready:
             say("waiting for turtlesim: /spawn and /kill")
         while not node.ready:
-            pace.wait()
+            rate.sleep()
             joined.spin()
         node.begin()
         while True:
-            pace.wait()
+            rate.sleep()
             joined.spin()
             node.tick()
 

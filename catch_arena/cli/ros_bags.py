@@ -1,4 +1,4 @@
-"""`catch-arena ros bag` and `ros import`: matches as recordings of rosbag2, and such recordings as films."""
+"""`catch-arena ros bag` and `ros import`: matches as bags of rosbag2, and bags as videos."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -55,23 +55,23 @@ def import_(
         typer.Option(
             "--output",
             "-o",
-            help="The film, which ends in .mp4, .webm, .gif or .webp.",
+            help="The video, which ends in .mp4, .webm, .gif or .webp.",
             show_default="an MP4 file beside the bag",
         ),
     ] = None,
     force: Force = False,
-    listing: Annotated[bool, typer.Option("--list", help="Say what was ruled, and make no film.")] = False,
+    listing: Annotated[bool, typer.Option("--list", help="Say what was ruled, and make no video.")] = False,
     reach: Annotated[float, typer.Option(metavar="M", help="The reach to judge by, in metres.")] = 0.3,
     size: VideoSize = None,
     fps: Fps = None,
     layout: LayoutOption = "broadcast",
     speed: Speed = 1.0,
 ) -> None:
-    """Film a recording of turtlesim, and say of each catch in it what our arbiter would have ruled."""
+    """Make a video of a recording of turtlesim, and say how our arbiter would have judged each catch."""
     _require_rosbags()
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.ros.bag_import import read_recording
-    from catch_arena.ros.recording_rulings import judge_recording, summary
+    from catch_arena.ros.bag_import import read_bag
+    from catch_arena.ros.bag_rulings import judge_bag, summary
 
     whole = bag.resolve()
     target = whole.with_suffix(".mp4") if output is None else output
@@ -81,20 +81,20 @@ def import_(
         format_of(target)
         output_file(output_path(target), force=force)
     with progress_bar("reading", late=True) as show:
-        recording = read_recording(bag, show)
-    judged = judge_recording(recording, reach)
+        contents = read_bag(bag, show)
+    judged = judge_bag(contents, reach)
     for one in judged:
         say(str(one))
     say(summary(judged))
-    if recording.left_out:
-        say(f"left out: {recording.left_out} messages that cannot be", err=True)
+    if contents.left_out:
+        say(f"left out: {contents.left_out} messages that are damaged or have impossible values", err=True)
     if listing:
         return
-    from catch_arena.ros.film import film_recording
+    from catch_arena.ros.bag_video import render_bag
 
     with progress_bar("rendering") as show:
-        report = film_recording(
-            recording,
+        report = render_bag(
+            contents,
             judged,
             target,
             reach_m=reach,

@@ -136,7 +136,7 @@ def highlights(
     size: VideoSize = None,
     fps: Fps = None,
 ) -> None:
-    """Find the moments of a folder's matches that are worth seeing, and film them.
+    """Find the moments of a folder's matches that are worth seeing, and make a video of them.
 
     Close contests, catches of prey, changes of lead, streaks, close finishes, and upsets; the best comes last.
     """

@@ -23,10 +23,11 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.vectors import Width, any_of, floor, group, select
 
-DT: Final = 0.016
-"""R1.2: what one tick integrates [s]."""
-TICK_MS: Final = 16.0
-WATCHDOG_MS: Final = 1000.0
+TICK_MS: Final = 16
+"""R1.2: from one tick to the next."""
+DT: Final = TICK_MS / 1000
+"""What one tick integrates [s]."""
+WATCHDOG_MS: Final = 1000
 """R2.4: a velocity command older than this is dropped."""
 
 

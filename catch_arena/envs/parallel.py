@@ -138,7 +138,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             import catch_arena.render.optional_imports  # noqa: F401 - where they are missing, it is said now
         self.config = config
         self.render_mode = render_mode
-        self._infos_wanted = infos
+        self._infos_level = infos
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1000 / config.control_period_ms))}
         self.possible_agents = [*config.hunter_names, *config.prey_names]
         self.agents: list[str] = []
@@ -151,7 +151,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine = Engine(config)
         self._choices = np.zeros((1, config.hunters), dtype=np.int64)
         self._commands = np.zeros((1, len(self.possible_agents), 2), dtype=np.float32)
-        self._look_at_the_engine()
+        self._bind_engine_buffers()
         self._controls = config.controls
         self._ranks = config.targets_seen
         self._all_target_control = set(config.controls) == {"target"} and not config.prey
@@ -169,7 +169,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._painter: Any = None
         self._window: Any = None
 
-    def _look_at_the_engine(self) -> None:
+    def _bind_engine_buffers(self) -> None:
         """Note where in the engine's `outputs` each thing lies, in numbers of float32, and what it is handed."""
         engine, hunters = self._engine, self.config.hunters
         self._hunter_commands = self._commands[:, :hunters]
@@ -202,7 +202,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             name: value if name in _UNCHANGING else copy.deepcopy(value, memo) for name, value in state.items()
         }
         twin._observation_spaces = {}  # made anew when they are asked for: nobody draws from them
-        twin._look_at_the_engine()
+        twin._bind_engine_buffers()
         return twin
 
     def __getstate__(self) -> dict[str, Any]:
@@ -212,7 +212,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def __setstate__(self, state: dict[str, Any]) -> None:
         """What was copied or unpickled looks at its own engine."""
         self.__dict__.update(state)
-        self._look_at_the_engine()
+        self._bind_engine_buffers()
 
     def __str__(self) -> str:
         return str(self.metadata["name"])
@@ -583,13 +583,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Observations and infos of these agents, from one copy of what the engine tells; `cut` are truncated."""
         outputs, seen = self._engine.outputs.copy(), self._seen
         infos: dict[str, dict[str, Any]]
-        if self._infos_wanted == "full":
+        if self._infos_level == "full":
             infos = LazyInfos(dict.fromkeys(agents))
             withdrawn = self._engine.hunter_rows(0)[:, _WITHDRAWN].tolist() if self._dropouts_stay else None
             scores = self._engine.hunter_rows(0)[:, _SCORE].tolist() if self.config.teams is not None else None
             prey = self._engine.prey_rows(0).copy() if self._prey else None
             infos.make = lambda: self._infos(agents, cut, outputs, withdrawn, scores, prey)
-        elif self._infos_wanted == "mask":
+        elif self._infos_level == "mask":
             infos = {agent: {} for agent in agents}
             masks = self._masks_in(outputs)
             for agent, seat in self._seats.items():

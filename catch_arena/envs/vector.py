@@ -124,7 +124,7 @@ class VectorArena:
             self._engine = Engine(
                 self.config,
                 num_envs,
-                infos_wanted=False,
+                with_infos=False,
                 auto_reset=auto_reset,
                 num_threads=num_threads,
                 any_control=any_control,
@@ -295,7 +295,7 @@ class VectorArena:
         young = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < passed_s + 0.0005)  # to the millisecond
         _require("targets", "of ages from 0 to the time that has passed", targets, young | np.isnan(targets[:, :, 0]))
         self._engine.place_batch(chosen, hunters, targets, played)
-        self._look_at_the_ends()
+        self._update_ends()
         return self._begun_with()
 
     def _require_bodies(self, name: str, bodies: NDArray[np.float64], slowest: Any, fastest: Any) -> None:
@@ -336,7 +336,7 @@ class VectorArena:
             )
         else:
             engine.step(*self._checked_actions("actions", actions))
-        self._look_at_the_ends()
+        self._update_ends()
         return self._handed_out(
             (
                 self._by_side(engine.observations, engine.prey_observations),
@@ -365,7 +365,7 @@ class VectorArena:
             raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {_named(given)}")
         self._engine.controls[chosen] = given
 
-    def _look_at_the_ends(self) -> None:
+    def _update_ends(self) -> None:
         ends = self._engine.ends
         np.equal(ends, _TERMINATED, out=self._terminations)
         np.equal(ends, _TRUNCATED, out=self._truncations)
@@ -471,7 +471,7 @@ class VectorArena:
         """
         self._engine.restore(self._memory_of(saved, self.num_envs))
         self._begun = True
-        self._look_at_the_ends()
+        self._update_ends()
         return self._begun_with()
 
     def save_row(self, arena: int) -> SavedState:
@@ -489,7 +489,7 @@ class VectorArena:
         """
         arena = self._row(arena)
         self._engine.restore_row(arena, self._memory_of(saved, None))
-        self._look_at_the_ends()
+        self._update_ends()
         return self._begun_with()
 
     @cached_property

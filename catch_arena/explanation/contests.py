@@ -21,20 +21,20 @@ def contests_of(replay: Replay, world: World) -> list[Contest]:
     for ruling in world.rulings:
         if ruling.verdict in _CONTESTED:
             by_target.setdefault(ruling.target, []).append(ruling)
-    return [_contest(replay, world, str(target), asked) for target, asked in by_target.items() if len(asked) > 1]
+    return [_contest(replay, world, str(target), rulings) for target, rulings in by_target.items() if len(rulings) > 1]
 
 
-def _contest(replay: Replay, world: World, target: str, asked: Sequence[Ruling]) -> Contest:
-    asked = sorted(asked, key=lambda ruling: (-ruling.verdict, ruling.distance_um or 0, ruling.hunter))
-    nearest = asked[0].distance_um
-    tied = [ruling.hunter for ruling in asked if ruling.distance_um == nearest]
+def _contest(replay: Replay, world: World, target: str, rulings: Sequence[Ruling]) -> Contest:
+    rulings = sorted(rulings, key=lambda ruling: (-ruling.verdict, ruling.distance_um or 0, ruling.hunter))
+    nearest = rulings[0].distance_um
+    tied = [ruling.hunter for ruling in rulings if ruling.distance_um == nearest]
     lots: dict[int, int] = {}
     seed, step = np.uint64(replay.seed), world.step - 1
     if replay.config.policy == "capstone":
         clause = "R9.1"
     elif replay.config.policy == "first_come":
         clause = "R5.9"
-        lots = {ruling.hunter: int(_service_lot(seed, step, ruling.hunter)) for ruling in asked}
+        lots = {ruling.hunter: int(_service_lot(seed, step, ruling.hunter)) for ruling in rulings}
     elif len(tied) > 1:
         clause = "R5.5"
         number = int(target.removeprefix(replay.config.name_prefix))
@@ -48,9 +48,9 @@ def _contest(replay: Replay, world: World, target: str, asked: Sequence[Ruling])
             ruling.verdict,
             ruling.distance_um,
             lots.get(ruling.hunter),
-            ruling.verdict is Verdict.LOST_CONTEST and team[ruling.hunter] == team[asked[0].hunter],
+            ruling.verdict is Verdict.LOST_CONTEST and team[ruling.hunter] == team[rulings[0].hunter],
         )
-        for ruling in asked
+        for ruling in rulings
     )
     return Contest(world.step, world.time_ms - replay.config.control_period_ms, target, clause, claims)
 

@@ -42,23 +42,23 @@ class Catch(NamedTuple):
     judged_ms: int
     """When it was judged: the step's beginning (R1.4)."""
     seat: int
-    side: int
+    contender: int
     scores: tuple[int, ...]
-    """By side."""
+    """By contender."""
 
 
 @dataclass(frozen=True, slots=True)
 class MatchEvents:
-    """What a match's highlights are found by. A side is a team, or where there are none a hunter."""
+    """What a match's highlights are found by. A contender is a team, or where there are none a hunter."""
 
     hunters: tuple[str, ...]
     """By seat, each once."""
     prey: tuple[str, ...]
     """By index."""
     names: tuple[str, ...]
-    """By side, each once."""
+    """By contender, each once."""
     entrants: tuple[str, ...]
-    """By side, as they are called in other matches too."""
+    """By contender, as they are called in other matches too."""
     duration_ms: int
     reach_um: int
     catches: tuple[Catch, ...]
@@ -176,7 +176,7 @@ def win_rates(known: Mapping[str, WinRecord], events: MatchEvents) -> dict[str, 
 
 
 def _shares(events: MatchEvents) -> list[float]:
-    """By side, its part of the win."""
+    """By contender, its part of the win."""
     most = max(events.scores)
     return [(score == most) / events.scores.count(most) for score in events.scores]
 
@@ -236,7 +236,7 @@ def _leads(events: MatchEvents) -> Iterable[Highlight]:
     """The later somebody else takes the lead, the better: the square of the part of the match that has passed."""
     for since_ms, catch, old in _changes(events):
         scores = catch.scores
-        what = f"{events.names[catch.side]} takes the lead, {scores[catch.side]} : {_second(scores)}"
+        what = f"{events.names[catch.contender]} takes the lead, {scores[catch.contender]} : {_second(scores)}"
         why = f"{events.names[old]}, who was in front from {seconds(since_ms)} on, has {scores[old]} (R6.1)"
         yield _around("lead", catch.judged_ms, (catch.judged_ms / events.duration_ms) ** 2, what, why)
 
@@ -247,17 +247,17 @@ def _changes(events: MatchEvents) -> Iterable[tuple[int, Catch, int]]:
     since_ms = 0
     for _, step in groupby(events.catches, key=lambda catch: catch.judged_ms):
         catch = _leading(tuple(step))
-        if catch is None or catch.side == leader:
+        if catch is None or catch.contender == leader:
             continue
         if leader is not None:
             yield since_ms, catch, leader
-        leader, since_ms = catch.side, catch.judged_ms
+        leader, since_ms = catch.contender, catch.judged_ms
 
 
 def _leading(step: Sequence[Catch]) -> Catch | None:
     """The catch of a step by which somebody leads alone after it."""
     scores = step[-1].scores
-    return next((one for one in step if scores[one.side] > _second(scores, one.side)), None)
+    return next((one for one in step if scores[one.contender] > _second(scores, one.contender)), None)
 
 
 def _streaks(events: MatchEvents) -> Iterable[Highlight]:
@@ -281,14 +281,14 @@ def _finish(events: MatchEvents) -> Iterable[Highlight]:
     scores = sorted(events.scores, reverse=True)
     if len(scores) == 1 or scores[0] == 0 or scores[0] - scores[1] > CLOSE_CATCHES:
         return
-    first, second = sorted(range(len(scores)), key=lambda side: (-events.scores[side], side))[:2]
+    first, second = sorted(range(len(scores)), key=lambda contender: (-events.scores[contender], contender))[:2]
     names = f"{events.names[first]} {scores[0]}, {events.names[second]} {scores[1]}"
     what = f"{names} at the end"
     why = (
         "They share the first rank (R6.1)" if scores[0] == scores[1] else f"{_catches(scores)} decides the match (R6.1)"
     )
     start_ms = max(0, events.duration_ms - LAST_MS)
-    late = [one.judged_ms for one in events.catches if one.judged_ms >= start_ms and one.side in (first, second)]
+    late = [one.judged_ms for one in events.catches if one.judged_ms >= start_ms and one.contender in (first, second)]
     decisive_ms = late[-1] if late else max(start_ms, events.duration_ms - 1000)
     score = (1.0 - (scores[0] - scores[1]) / scores[0]) ** 2
     yield Highlight("finish", start_ms, decisive_ms, events.duration_ms + _AFTER_MS, score, what, why)
@@ -299,7 +299,7 @@ def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highligh
     winner = events.scores.index(max(events.scores))
     if events.scores.count(events.scores[winner]) > 1 or not all(name in rates for name in events.entrants):
         return
-    favourite = max(range(len(events.names)), key=lambda side: rates[events.entrants[side]])
+    favourite = max(range(len(events.names)), key=lambda contender: rates[events.entrants[contender]])
     mine, theirs = rates[events.entrants[winner]], rates[events.entrants[favourite]]
     if theirs <= mine:
         return
@@ -314,10 +314,10 @@ def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highligh
     yield _around("upset", taken[0].judged_ms, theirs - mine, what, why)
 
 
-def _leads_from(events: MatchEvents, catch: Catch, side: int) -> bool:
-    """From this catch to the end that side leads alone."""
+def _leads_from(events: MatchEvents, catch: Catch, contender: int) -> bool:
+    """From this catch to the end this contender leads alone."""
     later = (one.scores for one in events.catches if one.judged_ms >= catch.judged_ms)
-    return all(scores[side] > _second(scores, side) for scores in later)
+    return all(scores[contender] > _second(scores, contender) for scores in later)
 
 
 def _around(kind: Kind, decisive_ms: int, score: float, what: str, why: str) -> Highlight:
@@ -325,11 +325,11 @@ def _around(kind: Kind, decisive_ms: int, score: float, what: str, why: str) -> 
     return Highlight(kind, start_ms, decisive_ms, decisive_ms + _AFTER_MS, max(0.0, score), what, why)
 
 
-def _second(scores: Sequence[int], side: int | None = None) -> int:
-    """The best score but one; or the best of all but that side's, -1 for one alone."""
-    if side is None:
-        side = scores.index(max(scores))
-    return max((score for other, score in enumerate(scores) if other != side), default=-1)
+def _second(scores: Sequence[int], contender: int | None = None) -> int:
+    """The best score but one; or the best of all but that contender's, -1 for one alone."""
+    if contender is None:
+        contender = scores.index(max(scores))
+    return max((score for other, score in enumerate(scores) if other != contender), default=-1)
 
 
 def _catches(scores: Sequence[int]) -> str:

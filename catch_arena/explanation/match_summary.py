@@ -37,7 +37,7 @@ _NO_CONTEST: Final = "No contest: in no step could two hunters have caught the s
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """The contests and refusals of a match, and a summary of each hunter that was asked about."""
+    """The contests and refusals of a match, and a summary of each hunter that it is about."""
 
     title: str
     policy: str
@@ -56,9 +56,9 @@ class Explanation:
     teams: tuple[TeamSummary, ...]
     """() where the scenario has no teams."""
     captures: tuple[Capture, ...]
-    """Of prey, by the hunters that were asked about."""
+    """Of prey, by the hunters that it is about."""
     prey: tuple[PreySummary, ...]
-    """By index; none where one hunter alone was asked about."""
+    """By index; none where it is about one hunter alone."""
 
     def lines(self) -> list[str]:
         """The match in words: a paragraph for each contest and each run of refusals in their order, then one for each

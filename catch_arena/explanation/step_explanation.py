@@ -3,7 +3,7 @@
 import math
 from dataclasses import asdict, dataclass
 from itertools import islice
-from typing import Any
+from typing import Any, Final
 
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError
@@ -22,6 +22,9 @@ from catch_arena.replay import Replay
 from catch_arena.verdicts import REASONS, Ruling
 from catch_arena.world import World
 
+_JSON_KEYS: Final = {"hunters": "asked", "prey_by_target": "played"}
+"""Fields that have other names in JSON."""
+
 
 @dataclass(frozen=True, slots=True)
 class StepExplanation:
@@ -33,12 +36,12 @@ class StepExplanation:
     end_ms: int
     names: tuple[str, ...]
     """What the hunters are called, by seat."""
-    asked: tuple[HunterAction, ...]
-    """A line for each hunter that was asked about."""
+    hunters: tuple[HunterAction, ...]
+    """Of each hunter that the explanation is about; in JSON `asked`."""
     prey: tuple[PreyAction, ...]
-    """By index; none where one hunter alone was asked about."""
-    played: dict[str, str]
-    """For each target that prey plays: what this is called."""
+    """By index; none where the explanation is about one hunter alone."""
+    prey_by_target: dict[str, str]
+    """For each target that prey plays: what this is called; in JSON `played`."""
     distances_um: dict[str, tuple[int, ...]]
     """For each target that these named or requested: every hunter's distance, by seat (R5.3)."""
     out_of_sight: dict[str, tuple[int, ...]]
@@ -56,11 +59,13 @@ class StepExplanation:
             f"Step {self.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
             *(
                 action_sentences(one, self.names, self.reaches_um[one.seat], self.view_radius_m, self.view_angle_deg)
-                for one in self.asked
+                for one in self.hunters
             ),
             *(prey_action_sentences(one, self.names) for one in self.prey),
             *(
-                distances_sentence(target, distances_um, self.names, self.out_of_sight[target], self.played.get(target))
+                distances_sentence(
+                    target, distances_um, self.names, self.out_of_sight[target], self.prey_by_target.get(target)
+                )
                 for target, distances_um in self.distances_um.items()
             ),
             *(contest_sentence(contest, self.names) for contest in self.contests),
@@ -68,7 +73,7 @@ class StepExplanation:
 
     def to_dict(self) -> dict[str, Any]:
         """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits."""
-        return {name: json_ready(value) for name, value in asdict(self).items()}
+        return {_JSON_KEYS.get(name, name): json_ready(value) for name, value in asdict(self).items()}
 
 
 def step_at(replay: Replay, at_s: float) -> int:
@@ -108,17 +113,17 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     before, after = islice(replay.worlds(), step - 1, step + 1)
     seen_targets = SeenTargets(replay.config)
     rulings = {ruling.hunter: ruling for ruling in after.rulings}
-    asked = tuple(_asked(replay, seen_targets, (before, after), seat, rulings.get(seat)) for seat in chosen)
-    named = {name for one in asked for name in (one.chosen, one.target) if name is not None}
+    hunters = tuple(_hunter_action(replay, seen_targets, (before, after), seat, rulings.get(seat)) for seat in chosen)
+    named = {name for one in hunters for name in (one.chosen, one.target) if name is not None}
     unseen = [{one.target for one in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
     return StepExplanation(
         step=step,
         begin_ms=before.time_ms,
         end_ms=after.time_ms,
         names=labels(replay.hunter_names),
-        asked=asked,
+        hunters=hunters,
         prey=_prey_actions(replay, before, after) if hunter is None else (),
-        played={
+        prey_by_target={
             one.target: name
             for one, name in zip(before.prey, prey_labels(replay), strict=True)
             if one.target is not None
@@ -155,7 +160,7 @@ def _prey_actions(replay: Replay, before: World, after: World) -> tuple[PreyActi
     )
 
 
-def _asked(
+def _hunter_action(
     replay: Replay, seen_targets: SeenTargets, worlds: tuple[World, World], seat: int, ruling: Ruling | None
 ) -> HunterAction:
     before, after = worlds

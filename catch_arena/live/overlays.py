@@ -71,7 +71,7 @@ def result_overlay(
     Args:
         area: (width, height).
         info: who plays.
-        ranking: hunters or the first ones of teams, each with its side's catches, and then prey; each with its rank.
+        ranking: hunters or the first ones of teams, each with its team's catches, and then prey; each with its rank.
         below: a line below them.
     """
     width, height = area
@@ -138,10 +138,10 @@ def _verdict(info: MatchInfo, ranking: Sequence[tuple[int, hud.AgentScore]]) -> 
     first = [one for rank, one in ranking if rank == 1 and not one.hunted]
     if len(first) > 1:
         return f"{len(first)} share the first rank"
-    side = info.sides[info.side_by_seat[first[0].agent]]
-    if _YOU in (info.names[seat] for seat in side.seats):
-        return "You win" if len(side.seats) == 1 else "Your team wins"
-    return f"{side.name} wins"
+    contender = info.contenders[info.contender_by_seat[first[0].agent]]
+    if _YOU in (info.names[seat] for seat in contender.seats):
+        return "You win" if len(contender.seats) == 1 else "Your team wins"
+    return f"{contender.name} wins"
 
 
 def _key_width(name: str, size: int) -> float:

@@ -22,6 +22,7 @@ from catch_arena.explanation.seats import labels
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Color
+from catch_arena.render.viewport import Pose2D
 from catch_arena.replay import Replay
 from catch_arena.world import World
 
@@ -30,7 +31,8 @@ GRID: Final = 1 << 13
 TURN: Final = 1 << 10
 """Parts of a full turn."""
 
-Poses = list[tuple[float, float, float]]
+Track = list[Pose2D]
+"""One body, state after state."""
 
 
 def bundle_text(replay: Replay) -> str:
@@ -55,9 +57,9 @@ def encode_bundle(replay: Replay) -> bytes:
     """
     info = MatchInfo.of_replay(replay)
     names, prey_names = labels(replay.hunter_names), labels(replay.prey_names, "prey")
-    hunters: list[Poses] = [[] for _ in names]
+    hunters: list[Track] = [[] for _ in names]
     lives: list[list[int]] = [[] for _ in prey_names]
-    targets: dict[int, tuple[int, Poses]] = {}
+    targets: dict[int, tuple[int, Track]] = {}
     rulings: list[list[Any]] = []
     contests: list[dict[str, Any]] = []
     numbers: dict[object, int] = {}
@@ -92,7 +94,7 @@ def encode_bundle(replay: Replay) -> bytes:
             }
             for seat, name in enumerate(names)
         ],
-        "teams": [{"name": side.name, "color": css(side.color), "seats": side.seats} for side in info.sides]
+        "teams": [{"name": team.name, "color": css(team.color), "seats": team.seats} for team in info.contenders]
         if info.has_teams
         else None,
         "prey": [{"name": name, "targets": numbers_of} for name, numbers_of in zip(prey_names, lives, strict=True)],
@@ -126,7 +128,7 @@ def _contest(contest: Contest, names: tuple[str, ...]) -> dict[str, Any]:
     }
 
 
-def _follow(state: int, world: World, targets: dict[int, tuple[int, Poses]], numbers: dict[object, int]) -> None:
+def _follow(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:
     """Note where the targets are."""
     for target in world.targets:
         numbers[target.name] = target.number
@@ -134,7 +136,7 @@ def _follow(state: int, world: World, targets: dict[int, tuple[int, Poses]], num
         poses.append((target.x, target.y, target.theta))
 
 
-def _tracks(bodies: Iterable[Poses], side_m: float) -> bytes:
+def _tracks(bodies: Iterable[Track], side_m: float) -> bytes:
     parts: list[NDArray[np.int16]] = []
     for poses in bodies:
         x, y, theta = np.array(poses).T

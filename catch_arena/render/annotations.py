@@ -12,7 +12,7 @@ import numpy as np
 from catch_arena.explanation.formatting import short_length
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Color, Label, Ring, Shape, Stroke, mix
-from catch_arena.render.viewport import GROUND, Pose, Viewport
+from catch_arena.render.viewport import GROUND, Pose2D, Viewport
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
@@ -143,7 +143,7 @@ def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> li
 
 
 def annotation_shapes(
-    viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose], annotations: Sequence[Annotation], time_ms: float
+    viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose2D], annotations: Sequence[Annotation], time_ms: float
 ) -> list[Shape]:
     """The rings of catches, the lines of contests, every agent's number, and the words; `poses` are by agent."""
     shapes: list[Shape] = []
@@ -185,7 +185,7 @@ def _catch_ring(viewport: Viewport, annotation: Annotation, part: float) -> Ring
 
 
 def _line_to_target(
-    viewport: Viewport, annotation: Annotation, color: Color, pose: Pose, much: float, part: float
+    viewport: Viewport, annotation: Annotation, color: Color, pose: Pose2D, much: float, part: float
 ) -> Stroke:
     """From somebody who was near to the target; it thins out, since strokes are opaque."""
     width = max(0.8, 0.08 * viewport.hunter_length * much)
@@ -235,7 +235,7 @@ class _TextBox(NamedTuple):
 def _text_shapes(
     viewport: Viewport,
     info: MatchInfo,
-    poses: Mapping[int, Pose],
+    poses: Mapping[int, Pose2D],
     annotations: Sequence[Annotation],
     time_ms: float,
     numbers: Sequence[Label],

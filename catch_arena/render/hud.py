@@ -261,21 +261,21 @@ def team_chip_shapes(
     small, middle = font_size(0.8 * size, 10), area.top + area.height / 2.0
     digits = max(2, *(len(str(score)) for score in scores))
     wide = (0.66 * digits + 0.6) * size
-    names = [0.3 * size + text_width(printable(side.name), small, 600) for side in info.sides]
+    names = [0.3 * size + text_width(printable(contender.name), small, 600) for contender in info.contenders]
     room = area.width - 0.5 * size
     if sum(names) + len(names) * (wide + 0.9 * size) > room:
         names = [0.0] * len(names)
     shapes: list[Shape] = []
     x = area.left + 0.5 * size
-    for side, score, name in zip(info.sides, scores, names, strict=True):
+    for contender, score, name in zip(info.contenders, scores, names, strict=True):
         if x + wide > area.left + room:
             break
         shapes += [
-            Box(x, middle - 0.62 * size, wide, 1.24 * size, side.color, 0.3 * size),
-            Label(x + wide / 2.0, middle, str(score), size, readable_on(side.color), 800, "center"),
+            Box(x, middle - 0.62 * size, wide, 1.24 * size, contender.color, 0.3 * size),
+            Label(x + wide / 2.0, middle, str(score), size, readable_on(contender.color), 800, "center"),
         ]
         if name:
-            shapes.append(Label(x + wide + 0.3 * size, middle, side.name, small, legible(side.color), 600))
+            shapes.append(Label(x + wide + 0.3 * size, middle, contender.name, small, legible(contender.color), 600))
         x += wide + name + 0.9 * size
     for one in standings:
         step = chip_width(info, size) + (0.9 + 0.66 * len(str(one.score))) * size

@@ -1,4 +1,4 @@
-"""Who plays in a match that is shown: what each agent is called, its colour and its ring, and who is on whose side."""
+"""Who plays in a match that is shown: names, colours and rings of the agents, and who is ranked against whom."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ _MEMBER_SHADES: Final = ((INK, 0.0), (INK, 0.15), (WHITE, 0.2), (INK, 0.28))
 
 
 @dataclass(frozen=True, slots=True)
-class Side:
+class Contender:
     """Who is ranked against others: a team, or where there are none a hunter."""
 
     name: str
@@ -54,12 +54,12 @@ class MatchInfo:
     title: str
     duration_ms: int
     """Of the match: the length of the timeline."""
-    sides: tuple[Side, ...]
+    contenders: tuple[Contender, ...]
     colors: tuple[Color, ...]
     """By agent."""
     rings: tuple[int, ...]
     """By seat: of how many pieces a hunter's circle is. Agents that sit in several seats are told apart by it."""
-    side_by_seat: tuple[int, ...]
+    contender_by_seat: tuple[int, ...]
 
     @classmethod
     def of(
@@ -77,7 +77,7 @@ class MatchInfo:
             called,
             title,
             config.time_limit_ms if duration_ms is None else duration_ms,
-            _sides(config, hunters),
+            _contenders(config, hunters),
             (*_hunter_colors(config), *(TARGET,) * config.prey),
             tuple(hunters[:seat].count(name) + 1 for seat, name in enumerate(hunters)),
             config.team_by_seat,
@@ -104,9 +104,9 @@ class MatchInfo:
         return str(agent) if agent < hunters else f"P{agent - hunters}"
 
     def called(self, agent: int) -> str:
-        """A hunter's side, or prey, as it is called."""
+        """What an agent is called: prey by its own name, a hunter by its contender's."""
         hunts = agent < self.config.hunters
-        return self.sides[self.side_by_seat[agent]].name if hunts else self.names[agent]
+        return self.contenders[self.contender_by_seat[agent]].name if hunts else self.names[agent]
 
     def prey(self, name: str) -> int:
         """The agent that PettingZoo calls `prey_{index}`."""
@@ -143,13 +143,15 @@ def _color_name(number: int) -> str:
     return shade + _COLOR_NAMES[number % len(HUNTER_COLORS)]
 
 
-def _sides(config: ArenaConfig, names: Sequence[str]) -> tuple[Side, ...]:
+def _contenders(config: ArenaConfig, names: Sequence[str]) -> tuple[Contender, ...]:
     """A team is called as its only agent is; by its colour where it has several, or another team has the same."""
     if config.teams is None:
-        return tuple(Side(name, _color(seat), (seat,)) for seat, name in enumerate(names))
+        return tuple(Contender(name, _color(seat), (seat,)) for seat, name in enumerate(names))
     agents = [{names[seat] for seat in seats} for seats in config.teams]
     alone = [len(team) == 1 and agents.count(team) == 1 for team in agents]
     return tuple(
-        Side(next(iter(agents[team])) if alone[team] else _color_name(_in_team_order(team)), _team_color(team), seats)
+        Contender(
+            next(iter(agents[team])) if alone[team] else _color_name(_in_team_order(team)), _team_color(team), seats
+        )
         for team, seats in enumerate(config.teams)
     )

@@ -181,21 +181,21 @@ class _Cell:
             return
         if pixels is None:
             winner = self._renderer.leader
-            self._end("a tie" if winner is None else f"{self._info.sides[winner].name} wins", winner)
+            self._end("a tie" if winner is None else f"{self._info.contenders[winner].name} wins", winner)
             return
         self._picture.pixels[:] = pixels
         if self._renderer.leader != self._leader:
             self._leader = self._renderer.leader
             self._write(self._leader)
 
-    def _end(self, text: str, side: int | None) -> None:
+    def _end(self, text: str, contender: int | None) -> None:
         """The last picture, darker, and the result on it."""
         self._running = False
         arena = self._picture.part(self._renderer.arena)
         height, width = arena.pixels.shape[:2]
         arena.pixels[:] = cv2.convertScaleAbs(arena.pixels, alpha=0.45)
         size = hud.font_size(0.085 * width, 11)
-        color = hud.BRIGHT if side is None else hud.legible(self._info.sides[side].color)
+        color = hud.BRIGHT if contender is None else hud.legible(self._info.contenders[contender].color)
         middle = (0.5 * width, 0.5 * height)
         arena.draw([Label(*middle, text, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * width)])
 
@@ -208,8 +208,8 @@ class _Cell:
             Label(area.left + 2, middle, self._name, size, hud.DIM, 500, max_width=0.52 * area.width)
         ]
         if leader is not None:
-            side, right = self._info.sides[leader], area.left + area.width - 2
-            color = hud.legible(side.color)
-            shapes.append(Label(right, middle, side.name, size, color, 700, "right", max_width=0.44 * area.width))
+            contender, right = self._info.contenders[leader], area.left + area.width - 2
+            color = hud.legible(contender.color)
+            shapes.append(Label(right, middle, contender.name, size, color, 700, "right", max_width=0.44 * area.width))
         self._frame.clear(area, hud.PANEL)
         self._frame.draw(shapes)

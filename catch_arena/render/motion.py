@@ -6,14 +6,11 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from catch_arena.core.math import sincos
-from catch_arena.core.physics import DT, next_pose, turned
+from catch_arena.core.physics import DT, TICK_MS, WATCHDOG_MS, next_pose, turned
 from catch_arena.render.timing import FrameTiming
-from catch_arena.render.viewport import Pose
+from catch_arena.render.viewport import Pose2D
 from catch_arena.world import HunterState, TargetState, World
 
-TICK_MS: Final = 16
-WATCHDOG_MS: Final = 1000
-"""R2.4: ticks later than this after the command do not move."""
 _AGREES_M: Final = 1e-6
 _MOST_TICKS: Final = 625
 """Of a step, in which targets are followed: ten seconds."""
@@ -22,9 +19,9 @@ _MOST_TICKS: Final = 625
 class Poses(NamedTuple):
     """Where everybody is at one instant."""
 
-    hunters: tuple[Pose, ...]
+    hunters: tuple[Pose2D, ...]
     """By seat."""
-    targets: Mapping[int, Pose]
+    targets: Mapping[int, Pose2D]
     """By number: those that are not caught in this step."""
 
 
@@ -79,7 +76,7 @@ def poses_of(world: World) -> Poses:
     )
 
 
-def interpolate(start: Pose, end: Pose, part: float) -> Pose:
+def interpolate(start: Pose2D, end: Pose2D, part: float) -> Pose2D:
     """The pose that far along the straight way, turning the shorter way round."""
     if start is end:  # as targets mostly are that stand still
         return start
@@ -118,13 +115,13 @@ def step_motion(before: World, after: World) -> StepMotion:
     )
 
 
-def _still(target: TargetState, ticks: int) -> list[Pose]:
+def _still(target: TargetState, ticks: int) -> list[Pose2D]:
     return [(target.x, target.y, target.theta)] * (ticks + 1)
 
 
 def _body_ticks(
     start: HunterState | TargetState, end: HunterState | TargetState, ticks: int, side_m: float
-) -> list[Pose]:
+) -> list[Pose2D]:
     x, y = start.x, start.y
     poses = [(x, y, start.theta)]
     stride, turn = end.linear_velocity * DT, end.angular_velocity * DT

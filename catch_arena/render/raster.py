@@ -11,7 +11,7 @@ from catch_arena.render import scene, shapes
 from catch_arena.render.hud import Rect
 from catch_arena.render.optional_imports import cv2, pygame
 from catch_arena.render.sprites import SpriteCache
-from catch_arena.render.viewport import OUTSIDE, Pose, Viewport
+from catch_arena.render.viewport import OUTSIDE, Pose2D, Viewport
 
 Pixels = NDArray[np.uint8]
 
@@ -178,13 +178,13 @@ class Ground:
         self._floor.pixels[:] = self._clean
         self._time_ms = time_ms
 
-    def trail(self, seat_color: shapes.Color, start: Pose, end: Pose) -> None:
+    def trail(self, seat_color: shapes.Color, start: Pose2D, end: Pose2D) -> None:
         """A hunter went that way."""
         fresh, trace = scene.trail_shapes(self.viewport, seat_color, start, end)
         self._trace.draw((trace,))
         self._floor.draw((fresh,))
 
-    def target_trail(self, start: Pose, end: Pose) -> None:
+    def target_trail(self, start: Pose2D, end: Pose2D) -> None:
         """A target went that way."""
         self._floor.draw((scene.target_trail_shape(self.viewport, start, end),))
 

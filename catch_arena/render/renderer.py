@@ -7,19 +7,20 @@ from typing import Final, get_args
 import numpy as np
 
 from catch_arena.config import ArenaConfig
+from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.render import hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.event_feed import EventFeed, feed_shapes
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import TICK_MS, Poses, StepMotion, poses_of, step_motion
+from catch_arena.render.motion import Poses, StepMotion, poses_of, step_motion
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
 from catch_arena.render.team_scores import team_scores_shapes
-from catch_arena.render.viewport import Pose, Viewport
+from catch_arena.render.viewport import Pose2D, Viewport
 from catch_arena.world import World
 
 SMALLEST: Final = 320
@@ -62,7 +63,7 @@ class MatchRenderer:
         """The seat whose view is shown (R7.5), where hunters do not see everything."""
         self._seed = seed
         self._by_lot = info.config.policy == "first_come"
-        self._plan = hud.arrange(size, layout, len(info.names), len(info.sides) if info.has_teams else 0)
+        self._plan = hud.arrange(size, layout, len(info.names), len(info.contenders) if info.has_teams else 0)
         if sprites is None:  # renderers of the same match or size share theirs
             sprites = SpriteCache()
         self._frame = Canvas.blank(*size, hud.PANEL, sprites)
@@ -82,9 +83,9 @@ class MatchRenderer:
 
     @property
     def leader(self) -> int | None:
-        """The side that alone has the most catches, in the step that was entered last."""
-        side, _ = timeline.lead(self._scores)
-        return side if side >= 0 else None
+        """The contender that alone has the most catches, in the step that was entered last."""
+        contender, _ = timeline.lead(self._scores)
+        return contender if contender >= 0 else None
 
     def reset(self, time_ms: float = 0.0) -> None:
         """A new match: no trails, no annotations."""
@@ -122,7 +123,7 @@ class MatchRenderer:
             target.number: self.info.prey(target.prey) for target in after.targets if target.prey is not None
         }
         self._standings_animation.record(began_ms, self._standings)
-        catchers = [self.info.side_by_seat[one.seat] for one in annotations if one.kind == "catch"]
+        catchers = [self.info.contender_by_seat[one.seat] for one in annotations if one.kind == "catch"]
         self._timeline.record(began_ms, catchers, self._scores)
 
     def draw(self, time_ms: float, poses: Poses) -> Pixels:
@@ -172,7 +173,7 @@ class MatchRenderer:
                 self._ground.trail(self.info.color(seat), start, end)
         self._poses = poses
 
-    def _trail_of_target(self, number: int, start: Pose, end: Pose) -> None:
+    def _trail_of_target(self, number: int, start: Pose2D, end: Pose2D) -> None:
         """Prey leaves a trail as hunters do."""
         if number in self._players:
             self._ground.trail(self.info.color(self._players[number]), start, end)
@@ -290,7 +291,7 @@ class ArenaPainter:
 
     def _led_to(self, last: World, world: World) -> bool:
         """Nobody can have driven further."""
-        furthest = max(self._renderer.info.config.max_speeds) * (world.time_ms - last.time_ms + 16) / 1000.0 + 1e-6
+        furthest = max(self._renderer.info.config.max_speeds) * (world.time_ms - last.time_ms + TICK_MS) / 1000.0 + 1e-6
         return all(
             abs(now.x - then.x) <= furthest and abs(now.y - then.y) <= furthest
             for then, now in zip(last.hunters, world.hunters, strict=True)

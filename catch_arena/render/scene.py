@@ -12,7 +12,7 @@ from catch_arena.render.annotations import Annotation, annotation_shapes
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.motion import Poses
 from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
-from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, Pose, Viewport
+from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, Pose2D, Viewport
 from catch_arena.world import HunterState, TargetState
 
 WALL: Final[Color] = (112, 127, 255)
@@ -44,14 +44,14 @@ def ground_shapes(viewport: Viewport) -> list[Shape]:
     return shapes
 
 
-def trail_shapes(viewport: Viewport, seat_color: Color, start: Pose, end: Pose) -> tuple[Stroke, Stroke]:
+def trail_shapes(viewport: Viewport, seat_color: Color, start: Pose2D, end: Pose2D) -> tuple[Stroke, Stroke]:
     """A piece of a hunter's way: in its colour, which fades, and in the trace's, which stays longer."""
     points = (*viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]))
     width = viewport.trail_width
     return Stroke(*points, width, seat_color), Stroke(*points, width, TRACE)
 
 
-def target_trail_shape(viewport: Viewport, start: Pose, end: Pose) -> Stroke:
+def target_trail_shape(viewport: Viewport, start: Pose2D, end: Pose2D) -> Stroke:
     """A piece of a target's way, which fades and leaves no trace: there are too many of them."""
     return Stroke(
         *viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]), viewport.target_trail_width, TARGET_TRAIL
@@ -91,7 +91,7 @@ def arena_shapes(
     return shapes + annotation_shapes(viewport, info, places, annotations, time_ms)
 
 
-def _view(viewport: Viewport, info: MatchInfo, pose: Pose, color: Color) -> Sector:
+def _view(viewport: Viewport, info: MatchInfo, pose: Pose2D, color: Color) -> Sector:
     """R7.5: what lies within a hunter's radius and cone; what is within its reach too lies in its circle."""
     config, side = info.config, viewport.side_m
     farthest = math.hypot(side, side)
@@ -108,12 +108,12 @@ def _view(viewport: Viewport, info: MatchInfo, pose: Pose, color: Color) -> Sect
     )
 
 
-def _target(viewport: Viewport, target: TargetState, pose: Pose, time_ms: float) -> list[Shape]:
+def _target(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float) -> list[Shape]:
     body = Turtle(*viewport.to_pixels(*pose[:2]), pose[2], viewport.target_length, TARGET, contrast=0.6)
     return [*_announcement(viewport, target, pose, time_ms), body]
 
 
-def _prey(viewport: Viewport, target: TargetState, pose: Pose, time_ms: float, *, faded: bool) -> list[Shape]:
+def _prey(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float, *, faded: bool) -> list[Shape]:
     """A target that somebody plays: larger and darker than the others, and in a ring that reaches for nothing."""
     x, y = viewport.to_pixels(*pose[:2])
     length = viewport.prey_length
@@ -123,7 +123,7 @@ def _prey(viewport: Viewport, target: TargetState, pose: Pose, time_ms: float, *
     return [*shapes, Turtle(x, y, pose[2], length, TARGET, faded=faded)]
 
 
-def _announcement(viewport: Viewport, target: TargetState, pose: Pose, time_ms: float) -> list[Shape]:
+def _announcement(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float) -> list[Shape]:
     """The ring about a target that has just appeared."""
     x, y = viewport.to_pixels(*pose[:2])
     age = time_ms - target.spawned_ms
@@ -134,7 +134,7 @@ def _announcement(viewport: Viewport, target: TargetState, pose: Pose, time_ms: 
 
 
 def _hunter(
-    viewport: Viewport, hunter: HunterState, pose: Pose, color: Color, reach: float, pieces: int
+    viewport: Viewport, hunter: HunterState, pose: Pose2D, color: Color, reach: float, pieces: int
 ) -> list[Shape]:
     x, y = viewport.to_pixels(pose[0], pose[1])
     length = viewport.hunter_length

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final, Literal
 
 from catch_arena.render.hud import BRIGHT, CARD, DIM, TRACK, Rect, font_size, legible
-from catch_arena.render.match_info import MatchInfo, Side
+from catch_arena.render.match_info import Contender, MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width, truncated
 from catch_arena.render.timeline import lead
@@ -24,17 +24,17 @@ def team_scores_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], unit:
     shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
     thick = max(_LEAST_BAR, 0.07 * area.height)
     bar = area.top + area.height - pad - thick
-    shapes += _share_shapes((left, bar, width, thick), info.sides, scores)
-    rows = 1 if len(info.sides) <= _MOST_IN_A_ROW else 2
-    columns = -(-len(info.sides) // rows)
+    shapes += _share_shapes((left, bar, width, thick), info.contenders, scores)
+    rows = 1 if len(info.contenders) <= _MOST_IN_A_ROW else 2
+    columns = -(-len(info.contenders) // rows)
     high = (bar - 0.5 * pad - area.top - 0.6 * pad) / rows
-    for place, (side, score) in enumerate(zip(info.sides, scores, strict=True)):
+    for place, (contender, score) in enumerate(zip(info.contenders, scores, strict=True)):
         row, column = divmod(place, columns)
         box = left + column * width / columns, area.top + 0.6 * pad + row * high, width / columns, high
-        shapes += _team(box, side, score, last=len(info.sides) == 2 and column == 1)
-    if len(info.sides) == 2:
+        shapes += _team(box, contender, score, last=len(info.contenders) == 2 and column == 1)
+    if len(info.contenders) == 2:
         room = width - 2.0 * text_width(str(max(scores)), _score_size(high), 800)
-        shapes += _between(area, info.sides, scores, room - pad)
+        shapes += _between(area, info.contenders, scores, room - pad)
     return shapes
 
 
@@ -42,23 +42,23 @@ def _score_size(height: float) -> int:
     return font_size(0.62 * height, 14)
 
 
-def _team(area: tuple[float, float, float, float], side: Side, score: int, *, last: bool) -> list[Shape]:
+def _team(area: tuple[float, float, float, float], contender: Contender, score: int, *, last: bool) -> list[Shape]:
     """A team's name over its score; the last one's of two at the right."""
     left, top, width, height = area
     small, big = font_size(0.2 * height, 9), _score_size(height)
     x = left + width if last else left
     align: Literal["left", "right"] = "right" if last else "left"
-    name = side.name.upper()
+    name = contender.name.upper()
     if 0.48 * height < 0.4 * (small + big):  # no room for both
         big = min(big, font_size(height, 9), max(7, int(1.3 * width / len(str(score)))))
-        return [Label(x, top + 0.5 * height, str(score), big, legible(side.color), 800, align)]
+        return [Label(x, top + 0.5 * height, str(score), big, legible(contender.color), 800, align)]
     return [
-        Label(x, top + 0.2 * height, name, small, legible(side.color), 700, align, max_width=0.94 * width),
+        Label(x, top + 0.2 * height, name, small, legible(contender.color), 700, align, max_width=0.94 * width),
         Label(x, top + 0.68 * height, str(score), big, BRIGHT, 800, align, max_width=0.94 * width),
     ]
 
 
-def _between(area: Rect, sides: Sequence[Side], scores: Sequence[int], room: float) -> list[Shape]:
+def _between(area: Rect, contenders: Sequence[Contender], scores: Sequence[int], room: float) -> list[Shape]:
     """What is counted, and who leads by how much, where there is so much room."""
     middle, small, size = (
         area.left + area.width / 2.0,
@@ -72,21 +72,23 @@ def _between(area: Rect, sides: Sequence[Side], scores: Sequence[int], room: flo
     if leader >= 0:
         said = f" +{by}"
         name_room = room - text_width(said, size, 700)
-        text = truncated(sides[leader].name, size, 700, name_room) + said if name_room > 2 * size else said.strip()
-        color = legible(sides[leader].color)
+        text = truncated(contenders[leader].name, size, 700, name_room) + said if name_room > 2 * size else said.strip()
+        color = legible(contenders[leader].color)
         shapes.append(Label(middle, area.top + 0.58 * area.height, text, size, color, 700, "center"))
     return shapes
 
 
-def _share_shapes(area: tuple[float, float, float, float], sides: Sequence[Side], scores: Sequence[int]) -> list[Shape]:
+def _share_shapes(
+    area: tuple[float, float, float, float], contenders: Sequence[Contender], scores: Sequence[int]
+) -> list[Shape]:
     left, top, width, height = area
     if not sum(scores):
         return [Box(left, top, width, height, TRACK, height / 2)]
     shapes: list[Shape] = []
     gap = 0.3 * height
-    for side, score in zip(sides, scores, strict=True):
+    for contender, score in zip(contenders, scores, strict=True):
         long = width * score / sum(scores)
         if long > gap:
-            shapes.append(Box(left, top, long - gap, height, legible(side.color), min(height, long - gap) / 2))
+            shapes.append(Box(left, top, long - gap, height, legible(contender.color), min(height, long - gap) / 2))
         left += long
     return shapes

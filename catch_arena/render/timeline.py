@@ -23,17 +23,17 @@ _BRIGHT_LINES: Final = 8
 
 @dataclass(slots=True)
 class Timeline:
-    """Who caught when, and every side's score: two values for each of COLUMNS parts of the match.
+    """Who caught when, and every contender's score: two values for each of COLUMNS parts of the match.
 
-    A side is a team, or where there are none a hunter.
+    A contender is a team, or where there are none a hunter.
     """
 
     duration_ms: int
     catches: int = 0
     catchers: list[frozenset[int]] = field(default_factory=lambda: [frozenset()] * COLUMNS)
-    """The sides that caught in each part."""
+    """The contenders that caught in each part."""
     scores: list[tuple[int, ...]] = field(default_factory=list)
-    """By side, at the end of each part that has begun."""
+    """By contender, at the end of each part that has begun."""
     last_change: int = 0
     """The part in which somebody caught last."""
 
@@ -42,7 +42,7 @@ class Timeline:
         return min(COLUMNS - 1, max(0, int(time_ms * COLUMNS / max(1, self.duration_ms))))
 
     def record(self, time_ms: float, catchers: Sequence[int], scores: Sequence[int]) -> None:
-        """Advance to an instant at which there were catches of these sides, and these are the scores."""
+        """Advance to an instant at which there were catches of these contenders, and these are the scores."""
         column = self.column(time_ms)
         while len(self.scores) <= column:  # nothing happened in between
             self.scores.append(self.scores[-1] if self.scores else (0,) * len(scores))
@@ -53,7 +53,7 @@ class Timeline:
 
 
 def lead(scores: Sequence[int]) -> tuple[int, int]:
-    """The leader's side and how far behind the next is; (-1, 0) where they are level. One alone leads by its score."""
+    """Who leads, and how far behind the next is; (-1, 0) where they are level. One alone leads by its score."""
     best = max(scores, default=0)
     if list(scores).count(best) != 1 or best == 0:
         return -1, 0
@@ -89,7 +89,7 @@ class _Chart(NamedTuple):
         return self.left + self.width * min(1.0, time_ms / max(1, timeline.duration_ms))
 
 
-def _chart(area: Rect, sides: int, unit: float) -> _Chart:
+def _chart(area: Rect, contenders: int, unit: float) -> _Chart:
     text, small = font_size(14 * unit, 10), font_size(12 * unit, 9)
     pad = 16 * unit
     axis = 2.6 * small
@@ -97,7 +97,7 @@ def _chart(area: Rect, sides: int, unit: float) -> _Chart:
     foot = area.top + area.height - max(0.85 * small, min(0.08 * area.height, 18 * unit))
     lane_top = head + 0.95 * text
     base = foot - 1.15 * small
-    lanes = sides if (base - lane_top) / 2.0 >= 1.25 * small * sides else 1
+    lanes = contenders if (base - lane_top) / 2.0 >= 1.25 * small * contenders else 1
     pitch = min(18.0 * unit, 0.5 * (base - lane_top) / lanes)
     lane = max(4.0, min(11.0 * unit, 0.7 * pitch))
     top = lane_top + (lanes - 1) * pitch + lane + max(4.0, 0.05 * area.height)
@@ -131,11 +131,11 @@ def _scale(chart: _Chart, timeline: Timeline, alone: bool) -> _Scale:
 
 
 def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
-    """What has been: catches as ticks in their sides' colours; below, how far each side was ahead of the average.
+    """What has been: catches as ticks in their colours; below, how far each contender was ahead of the average.
 
     The topmost line is the leader's, and the area under it, down to the second, is the lead.
     """
-    chart = _chart(area, len(info.sides), unit)
+    chart = _chart(area, len(info.contenders), unit)
     shapes: list[Shape] = [Box(*area, CARD, 12 * unit), *_title(area, chart, info, timeline, unit)]
     step = chart.width / COLUMNS
     for row in range(chart.lanes):
@@ -143,14 +143,14 @@ def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float
         shapes.append(Box(chart.left, row_top, chart.width, chart.lane, TRACK, chart.lane / 2))
         if chart.lanes > 1:
             position = (chart.left - 0.5 * chart.small, row_top + chart.lane / 2)
-            color = legible(info.sides[row].color)
+            color = legible(info.contenders[row].color)
             shapes.append(Label(*position, _lane_name(info, row), chart.small, color, 700, "right"))
     tick = max(step, min(3.0 * unit, 3.0), 1.5)
-    for part, sides in enumerate(timeline.catchers):
-        for side in sorted(sides):
-            row_top = chart.lane_top + (side * chart.pitch if chart.lanes > 1 else 0.0)
+    for part, catchers in enumerate(timeline.catchers):
+        for contender in sorted(catchers):
+            row_top = chart.lane_top + (contender * chart.pitch if chart.lanes > 1 else 0.0)
             x = chart.left + (part + 0.5) * step - tick / 2
-            shapes.append(Box(x, row_top, tick, chart.lane, legible(info.sides[side].color)))
+            shapes.append(Box(x, row_top, tick, chart.lane, legible(info.contenders[contender].color)))
     if chart.base - chart.top >= 8:
         shapes += _score_lines(chart, info, timeline, unit)
     for at_s in tick_seconds(timeline.duration_ms / 1000.0, chart.width / (5.2 * chart.small)):
@@ -159,16 +159,16 @@ def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float
     return shapes
 
 
-def _lane_name(info: MatchInfo, side: int) -> str:
+def _lane_name(info: MatchInfo, contender: int) -> str:
     """A hunter's number; a team's colour tells it."""
-    return "" if info.has_teams else str(side)
+    return "" if info.has_teams else str(contender)
 
 
 def _title(area: Rect, chart: _Chart, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
     left, right = area.left + 16 * unit, chart.left + chart.width
     many = "1 catch" if timeline.catches == 1 else f"{timeline.catches} catches"
     leader, by = lead(timeline.scores[-1]) if timeline.scores else (-1, 0)
-    alone = len(info.sides) == 1
+    alone = len(info.contenders) == 1
     title = "Catches" if alone else "Catches and lead"
     room = right - left - text_width(many, chart.text, 500) - chart.text
     shapes: list[Shape] = [
@@ -181,9 +181,9 @@ def _title(area: Rect, chart: _Chart, info: MatchInfo, timeline: Timeline, unit:
         said = f"  +{by}"
         name_room = room - text_width(said, chart.text, 700)
         if name_room > 3 * chart.text:
-            name = info.sides[leader].name
+            name = info.contenders[leader].name
             width = text_width(truncated(name, chart.text, 700, name_room), chart.text, 700)
-            color = legible(info.sides[leader].color)
+            color = legible(info.contenders[leader].color)
             shapes += [
                 Label(left, chart.head, name, chart.text, color, 700, max_width=name_room),
                 Label(left + width, chart.head, said, chart.text, color, 700),
@@ -192,7 +192,7 @@ def _title(area: Rect, chart: _Chart, info: MatchInfo, timeline: Timeline, unit:
 
 
 def _score_lines(chart: _Chart, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
-    scale = _scale(chart, timeline, len(info.sides) == 1)
+    scale = _scale(chart, timeline, len(info.contenders) == 1)
     shapes: list[Shape] = [_zero_line(chart, scale)]
     if not timeline.scores:
         return shapes
@@ -201,11 +201,11 @@ def _score_lines(chart: _Chart, info: MatchInfo, timeline: Timeline, unit: float
     heights = [[scale.y(value) for value in over_average(timeline.scores[column])] for column in changes]
     for start, end in pairwise(changes):
         shapes += _lead_area(info, timeline.scores[start], scale, chart.left + start * step, chart.left + end * step)
-    for side, color, thick in _line_styles(info, timeline.scores[-1], unit):
-        points = [(chart.left, heights[0][side])]
+    for contender, color, thick in _line_styles(info, timeline.scores[-1], unit):
+        points = [(chart.left, heights[0][contender])]
         for start, column in zip(changes[1:], heights[1:], strict=True):
             x = chart.left + start * step
-            points += [(x, points[-1][1]), (x, column[side])]
+            points += [(x, points[-1][1]), (x, column[contender])]
         shapes.append(Path(tuple(points), thick, color))
     return shapes
 
@@ -216,7 +216,7 @@ def _lead_area(info: MatchInfo, scores: Sequence[int], scale: _Scale, left: floa
     if leader < 0 or right <= left:
         return []
     top = scale.y(over_average(scores)[leader])
-    return [Box(left, top, right - left, by * scale.pixels, mix(legible(info.sides[leader].color), CARD, 0.7))]
+    return [Box(left, top, right - left, by * scale.pixels, mix(legible(info.contenders[leader].color), CARD, 0.7))]
 
 
 def _zero_line(chart: _Chart, scale: _Scale) -> Stroke:
@@ -224,35 +224,35 @@ def _zero_line(chart: _Chart, scale: _Scale) -> Stroke:
 
 
 def _line_styles(info: MatchInfo, scores: Sequence[int], unit: float) -> list[tuple[int, Color, float]]:
-    """The lines from the lowest to the topmost: side, colour, width."""
-    order = sorted(range(len(scores)), key=lambda side: (scores[side], -side))
+    """The lines from the lowest to the topmost: contender, colour, width."""
+    order = sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))
     faint = order[: max(0, len(order) - _BRIGHT_LINES)]
     return [
-        (side, mix(legible(info.sides[side].color), CARD, 0.65), max(1.0, 1.2 * unit))
-        if side in faint
-        else (side, legible(info.sides[side].color), max(1.0, 2.2 * unit))
-        for side in order
+        (contender, mix(legible(info.contenders[contender].color), CARD, 0.65), max(1.0, 1.2 * unit))
+        if contender in faint
+        else (contender, legible(info.contenders[contender].color), max(1.0, 2.2 * unit))
+        for contender in order
     ]
 
 
 def present_shapes(area: Rect, info: MatchInfo, timeline: Timeline, time_ms: float, unit: float) -> list[Shape]:
     """What is now: the lines reach to the present, which is a line across, and end in dots."""
-    chart = _chart(area, len(info.sides), unit)
+    chart = _chart(area, len(info.contenders), unit)
     x = chart.x(time_ms, timeline)
     shapes: list[Shape] = []
     if chart.base - chart.top >= 8 and timeline.scores:
-        scale = _scale(chart, timeline, len(info.sides) == 1)
+        scale = _scale(chart, timeline, len(info.contenders) == 1)
         start = chart.left + timeline.last_change * chart.width / COLUMNS
         values = over_average(timeline.scores[-1])
         shapes += _lead_area(info, timeline.scores[-1], scale, start, x)
         lines = _line_styles(info, timeline.scores[-1], unit)
-        for side, color, thick in lines:
-            y = scale.y(values[side])
+        for contender, color, thick in lines:
+            y = scale.y(values[contender])
             shapes.append(Stroke(min(start, x), y, x, y, thick, color))
         shapes.append(Stroke(x, chart.lane_top - 2.0, x, chart.base, max(1.0, 1.6 * unit), WHITE))
         dot = max(3.0, 7.0 * unit)
-        for side, color, _ in lines[-_BRIGHT_LINES:]:
-            shapes.append(Box(x - dot / 2, scale.y(values[side]) - dot / 2, dot, dot, color, dot / 2))
+        for contender, color, _ in lines[-_BRIGHT_LINES:]:
+            shapes.append(Box(x - dot / 2, scale.y(values[contender]) - dot / 2, dot, dot, color, dot / 2))
         return shapes
     return [Stroke(x, chart.lane_top - 2.0, x, chart.base, max(1.0, 1.6 * unit), WHITE)]
 

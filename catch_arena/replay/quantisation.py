@@ -1,8 +1,8 @@
 """Quantised states: the numbers of A.8 in whole millionths, and their short form in files.
 
-A digest tells that two states differ; the quantised states tell in what. Messages for users call one the *witness* of
-its digest. In a file the numbers of what moves stand as what is left after R2.2's motion has been taken off, which is
-almost nothing, and those of a target that stands still stand once.
+A digest tells that two states differ; the quantised states tell in what. In a file the numbers of what moves stand as
+what is left after R2.2's motion has been taken off, which is almost nothing, and those of a target that stands still
+stand once.
 """
 
 from collections.abc import Sequence
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig
 from catch_arena.core.jit import entry
 from catch_arena.core.math import sincos
+from catch_arena.core.physics import DT, TICK_MS, WATCHDOG_MS
 from catch_arena.errors import ReplayError
 from catch_arena.replay.codec import Reader, pack_columns
 
@@ -55,7 +56,7 @@ _MOTION: Final = (1, 2, 3, 5, 6, 7)
 """A moving target's numbers that change."""
 
 _LARGEST: Final = 2**53
-_MOST_TICKS: Final = 62  # R2.4: after a second the velocities are zero
+_MOST_TICKS: Final = WATCHDOG_MS // TICK_MS  # R2.4: after it the velocities are zero
 
 
 def target_numbers(config: ArenaConfig) -> dict[str, str]:
@@ -206,13 +207,13 @@ def unpack_states(
 
 def _bounded(numbers: Matrix) -> Matrix:
     if numbers.size and not -_LARGEST <= numbers.min() <= numbers.max() <= _LARGEST:
-        raise ReplayError("is damaged: its witness holds a number beyond 2^53")
+        raise ReplayError("is damaged: a quantised state holds a number beyond 2^53")
     return numbers
 
 
 def _ticks(times_ms: NDArray[np.int64]) -> NDArray[np.int64]:
     """R1.2: the ticks that led to each state, no more than move a hunter; none to the first."""
-    return np.clip(np.diff(times_ms // 16, prepend=times_ms[:1] // 16), 0, _MOST_TICKS)
+    return np.clip(np.diff(times_ms // TICK_MS, prepend=times_ms[:1] // TICK_MS), 0, _MOST_TICKS)
 
 
 def _states_of(spans: Matrix) -> NDArray[np.int64]:
@@ -288,7 +289,7 @@ def _with_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
 
 def _turned(numbers: Matrix, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
     """R2.2: how far a body's turn rate has turned it on its way to each state."""
-    return (16 * numbers[:, TURN_RATE] * ticks + 500) // 1000
+    return (TICK_MS * numbers[:, TURN_RATE] * ticks + 500) // 1000
 
 
 def _travelled(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
@@ -313,8 +314,8 @@ def _travel(
     """R2.2 in millionths, on the core's own sine and cosine: every machine must take off what another one put on."""
     for step in range(len(ticks)):
         angle = theta[step] / 1000000.0
-        turn = turn_rate[step] / 1000000.0 * 0.016
-        stride = speed[step] * 0.016
+        turn = turn_rate[step] / 1000000.0 * DT
+        stride = speed[step] * DT
         for _ in range(ticks[step]):
             angle = angle + turn
             sine, cosine = sincos(angle)
@@ -369,14 +370,14 @@ def _require_alive_together(spans: Matrix, size: int, most: int) -> None:
     """
     begin, length = spans[:, 0], spans[:, 1]
     if np.any((begin < 0) | (begin >= size)):
-        raise ReplayError("is damaged: its witness has a target outside the match")
+        raise ReplayError("is damaged: its quantised states have a target outside the match")
     changes = np.zeros(size + 1, dtype=np.int64)
     if not np.any((length < 1) | (begin + length > size)):
         np.add.at(changes, begin, 1)
         np.add.at(changes, begin + length, -1)
         if np.cumsum(changes).max() <= most:
             return
-    raise ReplayError("is damaged: its witness has targets that cannot be alive together")
+    raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
 
 
 def _with_targets(fixed: Matrix, targets: Matrix, at: NDArray[np.int64], prey: Matrix) -> list[QuantisedState]:
@@ -388,7 +389,7 @@ def _with_targets(fixed: Matrix, targets: Matrix, at: NDArray[np.int64], prey: M
     order = np.lexsort((targets[:, _NUMBER], at))
     targets, at = targets[order], at[order]
     if np.any((np.diff(at) == 0) & (np.diff(targets[:, _NUMBER]) == 0)):
-        raise ReplayError("is damaged: its witness has targets that cannot be alive together")
+        raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
     ends = np.searchsorted(at, np.arange(1, len(fixed)))
     alive = np.split(targets, ends)
     return [np.concatenate((row, tail.reshape(-1), last)) for row, tail, last in zip(fixed, alive, prey, strict=True)]

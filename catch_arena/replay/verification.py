@@ -14,7 +14,7 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
 
     A state follows from the one before. So where the digests differ from some step to the end, the match itself
     differs: an action, a setting or a rule is another one. A step whose digest differs although all later ones agree
-    was altered in the file, and so were a state's numbers (its witness) where the digest agrees.
+    was altered in the file, and so was a quantised state where the digest agrees.
 
     With prey a match can differ for some steps alone: where prey was does not matter any more when it has been caught
     and returned. Then the numbers differ as well as the digests.
@@ -58,7 +58,7 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
         found.append(f"{_altered('digest', digests)}: the match plays on as recorded")
     if numbers:
         difference = on_one_line(differences(numbers[0], there))
-        found.append(f"{_altered('witness', numbers)}: the digest agrees, but {difference}")
+        found.append(f"{_altered('quantised state', numbers)}: the digest agrees, but {difference}")
     for first, replayed, until in parted:
         found.append(f"{state_name(first)} is the first that differs; from {state_name(until)} on it plays as recorded")
         found += first_lines(first, differences(first, replayed))

@@ -12,7 +12,7 @@ The arena, and nodes of our own:
 - arena_node: the arena there. serving: one match of it. seats: the hunters that nodes drive. agents: those that play in
   the other seats. rulings: what the arbiter answered, as a message.
 - controller, spawner: the exercise's two nodes for turtlesim, with an agent and with our arbiter.
-- pace: even steps by the clock on the wall.
+- rate: even steps by the wall clock.
 
 Nodes of others, tried:
 - node_under_test: a node that serves catch_turtle, and the arena about it.
@@ -20,5 +20,6 @@ Nodes of others, tried:
 
 Bags:
 - bag_files: rosbag2's files. bag_export: a replay becomes a bag. bag_import: a bag is read.
-- recording, recording_rulings: what a bag tells of turtlesim, and what the arbiter would have answered. film: a video.
+- bag_contents, bag_rulings: what a bag tells of turtlesim, and what the arbiter would have answered. bag_video: a video
+  of it.
 """

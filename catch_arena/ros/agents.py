@@ -9,7 +9,7 @@ from catch_arena.envs.spaces import checked_choice, checked_command, checked_ful
 from catch_arena.errors import ActionError
 from catch_arena.messages import CatchTurtleRequest, Twist
 from catch_arena.policy import Limits
-from catch_arena.ros.bus import Say
+from catch_arena.ros.bus import Log
 from catch_arena.service import ArenaService
 from catch_arena.text import one_line
 from catch_arena.tournament.players import Answer, Players
@@ -33,11 +33,11 @@ class AgentSeats:
     Args:
         service: the arena.
         players: the agents, by seat.
-        say: takes one line when one of them forfeits.
+        log: takes one line when one of them forfeits.
     """
 
-    def __init__(self, service: ArenaService, players: Players, say: Say) -> None:
-        self._service, self._players, self._say = service, players, say
+    def __init__(self, service: ArenaService, players: Players, log: Log) -> None:
+        self._service, self._players, self._log = service, players, log
         self._hunters = {seat: service.config.hunter_names[seat] for seat in sorted(players.controls)}
         self._asking = ThreadPoolExecutor(1, "agents")
         self._answers: Future[dict[int, Answer]] | None = None
@@ -115,4 +115,4 @@ class AgentSeats:
         self._cmd_vel.pop(hunter, None)
         self._goals.pop(hunter, None)
         self._service.withdraw(hunter)
-        self._say(f"{hunter} is out: {one_line(why)}")
+        self._log(f"{hunter} is out: {one_line(why)}")

@@ -4,10 +4,11 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ActionError, BusError, EpisodeError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse
 from catch_arena.ros.agents import AgentSeats
-from catch_arena.ros.bus import Bus, Request, Say
+from catch_arena.ros.bus import Bus, Log, Request
 from catch_arena.ros.interfaces import (
     CLOCK,
     EMPTY,
@@ -30,8 +31,6 @@ from catch_arena.tournament.ranks import ranks_of
 from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 
-TICK_MS: Final = 16
-"""The arena's control period on a bus: turtlesim's own tick (R1.2), 62.5 a second."""
 _SECOND: Final = 1000 // TICK_MS
 """In ticks: what listeners may have missed is told again."""
 _OFTEN: Final = 6
@@ -55,13 +54,13 @@ class ArenaNode:
 
     Args:
         bus: the bus.
-        service: the arena, before its reset; its control period is TICK_MS.
+        service: the arena, before its reset; its control period is TICK_MS, turtlesim's own tick (R1.2): 62.5 a second.
         driven: the seats that nodes drive.
         names: the players', by seat.
         agents: those in the other seats, where there are any.
         interfaces: the packages of the types.
         clock: whether /clock tells the arena's time.
-        say: takes one line when there is news.
+        log: takes one line when there is news.
     """
 
     def __init__(
@@ -74,14 +73,14 @@ class ArenaNode:
         interfaces: Interfaces,
         *,
         clock: bool,
-        say: Say,
+        log: Log,
     ) -> None:
-        self._bus, self._service, self._agents, self._say = bus, service, agents, say
+        self._bus, self._service, self._agents, self._log = bus, service, agents, log
         hunters = service.config.hunter_names
         self._names = names
-        self.seats = [RosSeat(hunters[seat], say) for seat in sorted(driven)]
-        self._asked: list[_PendingRequest] = []
-        self._told: set[str] = set()
+        self.seats = [RosSeat(hunters[seat], log) for seat in sorted(driven)]
+        self._pending: list[_PendingRequest] = []
+        self._warned: set[str] = set()
         self._ticks = 0
         self._scores: tuple[int, ...] = ()
         self._topics = {seat.hunter: [f"/{seat.hunter}/cmd_vel"] for seat in self.seats}
@@ -92,18 +91,18 @@ class ArenaNode:
             poses[only.hunter].append("/turtle1/pose")
         self._poses = [[bus.publisher(topic, interfaces.pose) for topic in poses[hunter]] for hunter in hunters]
         self._alive = bus.publisher("/alive_turtles", interfaces.turtle_array)
-        self._rulings = self._own("/rulings", RULING)
-        self._standings = self._own("/standings", STANDING)
+        self._rulings = self._optional_publisher("/rulings", RULING)
+        self._standings = self._optional_publisher("/standings", STANDING)
         self._clock = bus.publisher("/clock", CLOCK) if clock else None
         for seat in self.seats:
             for topic in self._topics[seat.hunter]:
-                bus.subscribe(topic, TWIST, seat.hear)
-            bus.serve(f"/{seat.hunter}/catch_turtle", interfaces.catch_turtle, self._asker_of(seat))
-        bus.serve("/catch_turtle", interfaces.catch_turtle, self._ask)
-        bus.serve("/spawn", interfaces.spawn, self._spawn)
-        bus.serve("/kill", interfaces.kill, self._kill)
+                bus.subscribe(topic, TWIST, seat.on_twist)
+            bus.serve(f"/{seat.hunter}/catch_turtle", interfaces.catch_turtle, self._catch_turtle_callback(seat))
+        bus.serve("/catch_turtle", interfaces.catch_turtle, self._on_catch_turtle)
+        bus.serve("/spawn", interfaces.spawn, self._on_spawn)
+        bus.serve("/kill", interfaces.kill, self._on_kill)
         bus.serve("/clear", EMPTY, lambda request: request.answer(Empty()))  # there is no drawing
-        bus.serve("/reset", EMPTY, self._reset)
+        bus.serve("/reset", EMPTY, self._on_reset)
         service.subscribe(self._alive)
 
     def begin(self, seed: int | None) -> None:
@@ -128,10 +127,10 @@ class ArenaNode:
     def wait(self) -> None:
         """One tick in which the clock stands: nodes hear where all is, and get to know each other."""
         self._bus.spin()
-        self._asked, flood = self._asked[:_MOST_WAITING], self._asked[_MOST_WAITING:]
+        self._pending, flood = self._pending[:_MOST_WAITING], self._pending[_MOST_WAITING:]
         for one in flood:
             one.request.answer(_NOT_JUDGED)
-        self._tell(self._service.world)
+        self._publish_state(self._service.world)
 
     def tick(self) -> None:
         """R1.4: one step. R8.4: what came since the step before is judged in this one."""
@@ -139,7 +138,7 @@ class ArenaNode:
         before = self._service.world
         commands = {seat.hunter: seat.command(before.time_ms, before.time_ms + TICK_MS) for seat in self.seats}
         goals: dict[str, str] = {}
-        asked, self._asked = self._asked, []
+        asked, self._pending = self._pending, []
         requests = [(one.hunter, CatchTurtleRequest(one.request.message.name)) for one in asked]
         if self._agents is not None and not self.over:
             theirs = self._agents.act(before.time_ms)
@@ -149,15 +148,15 @@ class ArenaNode:
         rulings = self._service.step(commands, requests, goals)
         for one, ruling in zip(asked, rulings, strict=False):
             one.request.answer(response(ruling))
-            if ruling.verdict is Verdict.OUT_OF_REACH and one.hunter not in self._told:
-                self._told.add(one.hunter)
-                self._say(f"{ruling}; --set reach_m=0.5 is the reach that many solutions of the exercise have in mind")
+            if ruling.verdict is Verdict.OUT_OF_REACH and one.hunter not in self._warned:
+                self._warned.add(one.hunter)
+                self._log(f"{ruling}; --set reach_m=0.5 is the reach that many solutions of the exercise have in mind")
         world = self._service.world
         asking = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
         for ruling in (*rulings, *hosted):
             self._rulings(ruling_message(ruling, before.time_ms, self._service.config.hunter_names))
-        self._tell(world)
+        self._publish_state(world)
 
     def standings(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """R6.1: ranks and scores, by seat; agents that have failed come last."""
@@ -165,17 +164,17 @@ class ArenaNode:
         failed = self._agents.forfeits if self._agents is not None else {}
         return ranks_of(scores, [failed.get(seat) for seat in range(len(scores))]), scores
 
-    # telling
+    # publishing
 
-    def _own(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
+    def _optional_publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """A topic with a type of ours, which a ROS on the other side may not have."""
         try:
             return self._bus.publisher(topic, kind)
         except BusError as error:
-            self._say(f"warning: {topic} is not published: {error}")
+            self._log(f"warning: {topic} is not published: {error}")
             return lambda _: None
 
-    def _tell(self, world: World) -> None:
+    def _publish_state(self, world: World) -> None:
         """Poses, and what has changed; and now and then what has not, for those that came late."""
         for hunter, publishers in zip(world.hunters, self._poses, strict=True):
             for publish in publishers:
@@ -211,28 +210,28 @@ class ArenaNode:
         known = [peers for peers in found if peers is not None]
         return frozenset().union(*known) if known else None
 
-    # answering
+    # services
 
-    def _asker_of(self, seat: RosSeat) -> Any:
-        def ask(request: Request) -> None:
+    def _catch_turtle_callback(self, seat: RosSeat) -> Any:
+        def callback(request: Request) -> None:
             rivals = [other for other in self.seats if other is not seat and other.driver == request.peer is not None]
             if rivals and seat.driver != request.peer:
-                self._tell_once(f"the node that drives {rivals[0].hunter} asks for {seat.hunter}: it is not heard")
+                self._warn_once(f"the node that drives {rivals[0].hunter} asks for {seat.hunter}: it is not heard")
                 request.answer(_NOT_JUDGED)
             else:
-                self._asked.append(_PendingRequest(seat.hunter, request))
+                self._pending.append(_PendingRequest(seat.hunter, request))
 
-        return ask
+        return callback
 
-    def _ask(self, request: Request) -> None:
+    def _on_catch_turtle(self, request: Request) -> None:
         """The service that all share."""
-        seat = seat_of(request.peer, self.seats, self._tell_once)
+        seat = seat_of(request.peer, self.seats, self._warn_once)
         if seat is None:
             request.answer(_NOT_JUDGED)
         else:
-            self._asked.append(_PendingRequest(seat.hunter, request))
+            self._pending.append(_PendingRequest(seat.hunter, request))
 
-    def _spawn(self, request: Request) -> None:
+    def _on_spawn(self, request: Request) -> None:
         """R8.1: a target of the arena's own next name; out of bounds turtlesim puts it at the wall, and so do we."""
         asked: SpawnRequest = request.message
         side = self._service.world.side_m
@@ -240,27 +239,27 @@ class ArenaNode:
             x, y = (min(max(place, 0.0), side) for place in (asked.x, asked.y))
             name = self._service.spawn(x, y, asked.theta)
         except (ActionError, EpisodeError) as error:
-            self._tell_once(f"/spawn: {error}")
+            self._warn_once(f"/spawn: {error}")
             name = ""
         if name and asked.name not in {"", name}:
-            self._tell_once(f"/spawn: the arena gives its targets names of its own: {name} for {asked.name[:40]}")
+            self._warn_once(f"/spawn: the arena gives its targets names of its own: {name} for {asked.name[:40]}")
         request.answer(Name(name))
 
-    def _kill(self, request: Request) -> None:
+    def _on_kill(self, request: Request) -> None:
         try:
             self._service.kill(request.message.name)
         except EpisodeError as error:
-            self._tell_once(f"/kill: {error}")
+            self._warn_once(f"/kill: {error}")
         request.answer(Empty())
 
-    def _reset(self, request: Request) -> None:
+    def _on_reset(self, request: Request) -> None:
         if self._service.is_recorded:
-            self._tell_once("/reset: a recorded match goes on to its end")
+            self._warn_once("/reset: a recorded match goes on to its end")
         else:
             self.begin(None)
         request.answer(Empty())
 
-    def _tell_once(self, line: str) -> None:
-        if line not in self._told:
-            self._told.add(line)
-            self._say(f"warning: {line}")
+    def _warn_once(self, line: str) -> None:
+        if line not in self._warned:
+            self._warned.add(line)
+            self._log(f"warning: {line}")

@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
+from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.render.motion import TICK_MS, StepMotion, step_motion
+from catch_arena.render.motion import StepMotion, step_motion
 from catch_arena.replay import Replay
 from catch_arena.ros.bag_files import Storage, TimedMessage, whole_bag
 from catch_arena.ros.interfaces import RULING, Interfaces, MessageType, Time

@@ -15,9 +15,9 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.errors import ReplayError, reason
 from catch_arena.messages import Pose, Turtle, TurtleArray
+from catch_arena.ros.bag_contents import BagContents, Listed, Place, Placed, RecordedRequest, Track
 from catch_arena.ros.bag_files import register
 from catch_arena.ros.interfaces import Interfaces, MessageType
-from catch_arena.ros.recording import Listed, Place, Placed, RecordedRequest, Recording, Track
 from catch_arena.ros.service_events import (
     REQUEST_RECEIVED,
     REQUEST_SENT,
@@ -41,7 +41,7 @@ _MOST_TURTLES: Final = 10_000
 
 
 @dataclass(slots=True)
-class _BagContent:
+class _BagListener:
     """What has been read so far."""
 
     tracks: dict[str, Track] = field(default_factory=dict)
@@ -64,7 +64,7 @@ class _BagContent:
 
     # each of these takes one message, or raises ValueError for what it cannot be
 
-    def hear_pose(self, name: str, time_ms: float, message: Any) -> None:
+    def on_pose(self, name: str, time_ms: float, message: Any) -> None:
         """Of a turtle."""
         pose = Pose(*(float(getattr(message, part)) for part in Pose._fields))
         low, high = -_OUTSIDE_M, TURTLESIM_SIDE_M + _OUTSIDE_M
@@ -77,7 +77,7 @@ class _BagContent:
                 raise ValueError("time goes backwards")
         track.placed.append(Placed(time_ms, pose))
 
-    def hear_list(self, time_ms: float, message: Any) -> None:
+    def on_list(self, time_ms: float, message: Any) -> None:
         """Of who is alive. Who was in the last one and is no longer has left."""
         if len(message.turtles) > _MOST_TURTLES:
             raise ValueError("a list is too long")
@@ -95,7 +95,7 @@ class _BagContent:
         self.alive = {turtle.name: (_within(turtle.x), _within(turtle.y)) for turtle in turtles}
         self.lists.append(Listed(time_ms, TurtleArray(turtles)))
 
-    def hear_call(self, hunter: str | None, topic: str, time_ms: float, message: Any) -> None:
+    def on_call(self, hunter: str | None, topic: str, time_ms: float, message: Any) -> None:
         """A request, or its response; both ends may tell of each."""
         info = message.info
         key = topic, bytes(info.client_gid), int(info.sequence_number)
@@ -115,7 +115,7 @@ class _BagContent:
             self.called[key].success = bool(message.response[0].success)
 
 
-def read_recording(path: Path, progress: Callable[[int, int], None] | None = None) -> Recording:
+def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> BagContents:
     """What a bag tells.
 
     Args:
@@ -125,81 +125,79 @@ def read_recording(path: Path, progress: Callable[[int, int], None] | None = Non
     Raises:
         ReplayError: for what is no such bag, or has no hunter in it; one line.
     """
-    content = _BagContent()
+    heard = _BagListener()
     unreadable: dict[str, str] = {}
     with _opened(path) as bag:
-        ears = _ears(path, content, bag.connections)
-        if not ears:
+        handlers = _handlers(path, heard, bag.connections)
+        if not handlers:
             raise ReplayError(f"{path}: has no poses of turtlesim: record with ros2 bag record -a")
         first: int | None = None
-        wanted = [one for one in bag.connections if one.topic in ears]
+        wanted = [one for one in bag.connections if one.topic in handlers]
         total = sum(one.msgcount for one in wanted)
         for done, (connection, time_ns, data) in enumerate(bag.messages(wanted), start=1):
             first = time_ns if first is None else first
             time_ms = (time_ns - first) / 1e6
             if not 0.0 <= time_ms <= LONGEST_MS:
                 raise ReplayError(f"{path}: must last 24 hours at most, and its time must not go backwards")
-            decode, hear = ears[connection.topic]
+            decode, handle = handlers[connection.topic]
             try:
-                hear(time_ms, decode(data))
-                content.end_ms = time_ms
+                handle(time_ms, decode(data))
+                heard.end_ms = time_ms
             except Exception as error:  # noqa: BLE001 - a stranger's bytes, read by a stranger's definitions
-                content.left_out += 1
+                heard.left_out += 1
                 unreadable.setdefault(connection.topic, reason(error))
             if progress is not None:
                 progress(done, total)
-    return _recording(path, content, unreadable)
+    return _contents(path, heard, unreadable)
 
 
-def _recording(path: Path, content: _BagContent, unreadable: Mapping[str, str]) -> Recording:
+def _contents(path: Path, heard: _BagListener, unreadable: Mapping[str, str]) -> BagContents:
     for topic, why in unreadable.items():
-        if topic.endswith(_ALIVE) and not content.lists:
+        if topic.endswith(_ALIVE) and not heard.lists:
             raise ReplayError(
                 f"{path}: {topic}: none of its messages can be read as TurtleArray with string name, float64 x, y, "
                 f"theta: {one_line(why)}"
             )
-    if not content.tracks:
+    if not heard.tracks:
         why = f": {one_line(next(iter(unreadable.values())))}" if unreadable else ""
         raise ReplayError(f"{path}: holds no pose that can be read{why}")
-    hunters = _hunters(content)
+    hunters = _hunters(heard)
     if not hunters:
         raise ReplayError(f"{path}: holds poses of targets alone: record /turtle1/pose too")
-    targets = {name: track for name, track in content.tracks.items() if name not in hunters and name in content.listed}
-    asked = list(content.called.values()) if content.called else content.left
-    if not content.lists:
-        targets = {name: track for name, track in content.tracks.items() if _named(name) != _named(next(iter(hunters)))}
-        asked = asked or _silenced(content, hunters, targets)
+    targets = {name: track for name, track in heard.tracks.items() if name not in hunters and name in heard.listed}
+    asked = list(heard.called.values()) if heard.called else heard.left
+    if not heard.lists:
+        targets = {name: track for name, track in heard.tracks.items() if _named(name) != _named(next(iter(hunters)))}
+        asked = asked or _silenced(heard, hunters, targets)
     for one in asked:
         one.hunters = {name: one.hunters.get(name, hunters[name].placed[0].pose[:2]) for name in hunters}
-    return Recording(
-        hunters, targets, content.lists, sorted(asked, key=lambda one: one.time_ms), content.end_ms, content.left_out
+    return BagContents(
+        hunters, targets, heard.lists, sorted(asked, key=lambda one: one.time_ms), heard.end_ms, heard.left_out
     )
 
 
-def _hunters(content: _BagContent) -> dict[str, Track]:
+def _hunters(heard: _BagListener) -> dict[str, Track]:
     """Who never was a target. Where the arena's own hunters are, turtle1 is another name of one of them; where no list
     was recorded nobody knows more than names.
     """
-    free = [name for name in content.tracks if name not in content.listed]
+    free = [name for name in heard.tracks if name not in heard.listed]
     own = sorted((name for name in free if _OWN_HUNTER.fullmatch(name)), key=lambda name: int(name[7:]))
     if own:
         free = own
-    elif not content.lists:
+    elif not heard.lists:
         free = [name for name in free if name == "turtle1"]
-    return {name: content.tracks[name] for name in free}
+    return {name: heard.tracks[name] for name in free}
 
 
 def _named(name: str) -> str:
     return "hunter" if name == "turtle1" or _OWN_HUNTER.fullmatch(name) else name
 
 
-def _silenced(
-    content: _BagContent, hunters: Mapping[str, Track], targets: Mapping[str, Track]
-) -> list[RecordedRequest]:
-    """Where no list was recorded: the targets whose poses end before the recording does."""
+def _silenced(heard: _BagListener, hunters: Mapping[str, Track], targets: Mapping[str, Track]) -> list[RecordedRequest]:
+    """Where no list was recorded: the targets whose poses end before the bag does."""
     found = []
     for name, track in targets.items():
-        if track.end_ms < content.end_ms - _GONE_MS:
+        if track.end_ms < heard.end_ms - _GONE_MS:
             time_ms = track.end_ms
             alive = {
                 other: one.last(time_ms)[:2] for other, one in targets.items() if one.begin_ms <= time_ms <= one.end_ms
@@ -231,13 +229,13 @@ def _opened(path: Path) -> Iterator[Reader]:
         raise ReplayError(f"{path}: is no bag, or a damaged one: {one_line(reason(error))}") from error
 
 
-_Ear = tuple[Callable[[bytes], Any], Callable[[float, Any], None]]
+_Handler = tuple[Callable[[bytes], Any], Callable[[float, Any], None]]
 """How a topic's messages are read, and what is done with them."""
 
 
-def _ears(path: Path, content: _BagContent, connections: "list[Connection]") -> dict[str, _Ear]:
+def _handlers(path: Path, heard: _BagListener, connections: "list[Connection]") -> dict[str, _Handler]:
     """By topic: those that tell of the game."""
-    found: dict[str, _Ear] = {}
+    found: dict[str, _Handler] = {}
     plain = Interfaces()
     lists = {one.topic for one in connections if one.msgtype.endswith("/msg/TurtleArray")}
     poses = 0
@@ -245,23 +243,23 @@ def _ears(path: Path, content: _BagContent, connections: "list[Connection]") -> 
         package, _, kind = one.msgtype.rpartition("/")
         if kind == "Pose" and package in {"turtlesim/msg", "turtlesim_msgs/msg"} and one.topic.endswith("/pose"):
             name = one.topic.strip("/").removesuffix("/pose")
-            found[one.topic] = _decoder(plain.pose), _pose_ear(content, name)
+            found[one.topic] = _decoder(plain.pose), _pose_handler(heard, name)
             poses += 1
         elif one.topic in lists and (one.topic.endswith(f"/{_ALIVE}") or len(lists) == 1):
-            found[one.topic] = _lists_decoder(path, one), content.hear_list
+            found[one.topic] = _lists_decoder(path, one), heard.on_list
         elif kind == "CatchTurtle_Event" and one.topic.endswith(TOPIC):
             hunter = one.topic.strip("/").removesuffix(TOPIC).rpartition("/")[0] or None
             types = Interfaces(package.removesuffix("/srv")) if package.count("/") == 1 else plain
-            found[one.topic] = _decoder(event_of(types.catch_turtle)), _call_ear(content, hunter, one.topic)
+            found[one.topic] = _decoder(event_of(types.catch_turtle)), _call_handler(heard, hunter, one.topic)
     return found if poses else {}
 
 
-def _pose_ear(content: _BagContent, name: str) -> Callable[[float, Any], None]:
-    return lambda time_ms, message: content.hear_pose(name, time_ms, message)
+def _pose_handler(heard: _BagListener, name: str) -> Callable[[float, Any], None]:
+    return lambda time_ms, message: heard.on_pose(name, time_ms, message)
 
 
-def _call_ear(content: _BagContent, hunter: str | None, topic: str) -> Callable[[float, Any], None]:
-    return lambda time_ms, message: content.hear_call(hunter, topic, time_ms, message)
+def _call_handler(heard: _BagListener, hunter: str | None, topic: str) -> Callable[[float, Any], None]:
+    return lambda time_ms, message: heard.on_call(hunter, topic, time_ms, message)
 
 
 def _decoder(kind: MessageType) -> Callable[[bytes], Any]:

@@ -26,7 +26,7 @@ _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Peer = str
 """Who sent something: the same for all that comes from one process."""
-Say = Callable[[str], object]
+Log = Callable[[str], object]
 """Takes one line for people."""
 OnMessage = Callable[[Any, Peer | None], object]
 """Is called with a message, and with who sent it, as far as the middleware tells."""
@@ -106,7 +106,7 @@ def open_bus(
     domain: int | None = None,
     localhost: bool | None = None,
     url: str = BRIDGE_URL,
-    say: Say = print,
+    log: Log = print,
 ) -> Bus:
     """Join a ROS 2 bus.
 
@@ -117,7 +117,7 @@ def open_bus(
         localhost: whether cyclonedds keeps to this machine; None is as ROS_LOCALHOST_ONLY and
             ROS_AUTOMATIC_DISCOVERY_RANGE say.
         url: rosbridge's server.
-        say: takes one line whenever there is something that people should know.
+        log: takes one line whenever there is something that people should know.
 
     Raises:
         ConfigError: for a domain that cannot be.
@@ -128,20 +128,20 @@ def open_bus(
         backend = next((one for one in BACKENDS if _is_installed(one)), None)
         if backend is None:
             raise BusError(f"a ROS 2 bus needs cyclonedds, websockets or rclpy: {_INSTALL}")
-        say(f"bus: {backend}")
+        log(f"bus: {backend}")
     elif not _is_installed(backend):
         raise BusError(_missing(backend))
     if backend == "cyclonedds":
         from catch_arena.ros.dds_bus import DdsBus
 
-        return DdsBus(node, number, localhost=_localhost_only() if localhost is None else localhost, say=say)
+        return DdsBus(node, number, localhost=_localhost_only() if localhost is None else localhost, log=log)
     if backend == "rosbridge":
         from catch_arena.ros.rosbridge_bus import RosbridgeBus
 
-        return RosbridgeBus(url, say=say)
+        return RosbridgeBus(url, log=log)
     from catch_arena.ros.rclpy_bus import RclpyBus
 
-    return RclpyBus(node, number, say=say)
+    return RclpyBus(node, number, log=log)
 
 
 def checked_package(option: str, name: str) -> str:

@@ -17,7 +17,7 @@ from catch_arena.errors import ActionError, AgentError
 from catch_arena.layout import columns
 from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
 from catch_arena.policy import Limits
-from catch_arena.ros.bus import Bus, Call, Peer, Say
+from catch_arena.ros.bus import Bus, Call, Log, Peer
 from catch_arena.ros.interfaces import TWIST, Interfaces, TwistMessage
 from catch_arena.ros.parameters import Parameter
 from catch_arena.tournament.players import Players
@@ -53,7 +53,7 @@ class Controller:
         turtle: its name.
         interfaces: the packages of the types.
         closest_first: which of two agents drives, from one control period to the next; None where there is one.
-        say: takes one line when there is news.
+        log: takes one line when there is news.
     """
 
     def __init__(
@@ -65,26 +65,26 @@ class Controller:
         interfaces: Interfaces,
         closest_first: Parameter | None = None,
         *,
-        say: Say,
+        log: Log,
     ) -> None:
         config = config.replace(**_ALONE, control=players.controls[0], observed_targets=64)
         self._engine = Engine(config)
         self._ages = [place for place, column in enumerate(columns(config)) if column.name.endswith(".age")]
         """Where an observation has the targets' ages, by rank."""
         self._players, self._closest_first = players, closest_first
-        self._turtle, self._say = turtle, say
+        self._turtle, self._log = turtle, log
         self._pose: Pose | None = None
         self._heard_s = -_SILENT_S
         self._turtles = TurtleArray(())
         self._calls: dict[str, tuple[Call, float]] = {}
         self._known: dict[str, float] = {}
-        self._told = False
+        self._warned = False
         self.caught = 0
         """How often /catch_turtle said yes."""
         self._cmd_vel: Callable[[TwistMessage], None] = bus.publisher(f"/{turtle}/cmd_vel", TWIST)
         self._client = bus.client("/catch_turtle", interfaces.catch_turtle)
-        bus.subscribe(f"/{turtle}/pose", interfaces.pose, self._hear_pose)
-        bus.subscribe("/alive_turtles", interfaces.turtle_array, self._hear_turtles)
+        bus.subscribe(f"/{turtle}/pose", interfaces.pose, self._on_pose)
+        bus.subscribe("/alive_turtles", interfaces.turtle_array, self._on_turtles)
         self._engine.reset([0])
         limits = replace(Limits.of(config), control_period_ms=config.control_period_ms)
         seats = range(len(players.controls))
@@ -102,7 +102,7 @@ class Controller:
             return
         if time.monotonic() > self._heard_s + _SILENT_S:
             self._pose = None
-            self._say(f"{self._turtle} is silent: no pose for {_SILENT_S:g} s")
+            self._log(f"{self._turtle} is silent: no pose for {_SILENT_S:g} s")
             return
         world, names = self._put(self._pose)
         self._decide(world, names)
@@ -111,20 +111,20 @@ class Controller:
         self._cmd_vel(TwistMessage.of(hunter.linear_velocity, hunter.angular_velocity))
         for ruling in after.rulings:
             if ruling.success:  # within reach: now ask those who know
-                self._ask(names[[target.name for target in world.targets].index(str(ruling.target))])
+                self._request_catch(names[[target.name for target in world.targets].index(str(ruling.target))])
 
     def stop(self) -> None:
         """The turtle stands still."""
         self._cmd_vel(TwistMessage.of(0.0, 0.0))
 
-    def _hear_pose(self, pose: Pose, peer: Peer | None) -> None:
+    def _on_pose(self, pose: Pose, peer: Peer | None) -> None:
         del peer
         if all(map(math.isfinite, pose)):
             if self._pose is None:
-                self._say(f"{self._turtle} is there")
+                self._log(f"{self._turtle} is there")
             self._pose, self._heard_s = pose, time.monotonic()
 
-    def _hear_turtles(self, turtles: TurtleArray, peer: Peer | None) -> None:
+    def _on_turtles(self, turtles: TurtleArray, peer: Peer | None) -> None:
         del peer
         self._turtles = turtles
 
@@ -136,9 +136,9 @@ class Controller:
             for turtle in self._turtles.turtles
             if -side <= turtle.x <= 2 * side and -side <= turtle.y <= 2 * side  # of garbage nothing can be made
         ][:most]
-        if len(there) < min(len(self._turtles.turtles), most) and not self._told:
-            self._told = True
-            self._say("warning: /alive_turtles has targets far outside: is your Turtle.msg of float32? (docs/ros2.md)")
+        if len(there) < min(len(self._turtles.turtles), most) and not self._warned:
+            self._warned = True
+            self._log("warning: /alive_turtles has targets far outside: is your Turtle.msg of float32? (docs/ros2.md)")
         self._engine.place(0, [(pose.x, pose.y, pose.theta)], [(turtle.x, turtle.y) for turtle in there])
         return self._engine.world(), [turtle.name for turtle in there]
 
@@ -177,7 +177,7 @@ class Controller:
         if self._engine.ends[0]:
             self._engine.reset([0])
 
-    def _ask(self, name: str) -> None:
+    def _request_catch(self, name: str) -> None:
         now = time.monotonic()
         asked = self._calls.get(name)
         if (asked is None or now > asked[1] + _ANSWER_S) and self._client.ready:
@@ -189,6 +189,6 @@ class Controller:
                 del self._calls[name]
                 if call.response.success:
                     self.caught += 1
-                    self._say(f"caught {name}: {self.caught}")
+                    self._log(f"caught {name}: {self.caught}")
                     rest = tuple(turtle for turtle in self._turtles.turtles if turtle.name != name)
                     self._turtles = TurtleArray(rest)  # the list without it may be late

@@ -25,7 +25,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
-from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
+from catch_arena.ros.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.dds_graph import Graph
 from catch_arena.ros.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
 from catch_arena.ros.dds_types import from_sample, idl_struct, ros_name, to_sample
@@ -55,13 +55,13 @@ class DdsBus:
         node: what the node is called.
         domain: from 0 to 232.
         localhost: whether it keeps to this machine; else the network is used as CYCLONEDDS_URI says, or as by default.
-        say: takes one line whenever there is something that people should know.
+        log: takes one line whenever there is something that people should know.
 
     Raises:
         BusError: where there is no network interface to use.
     """
 
-    def __init__(self, node: str, domain: int, *, localhost: bool, say: Say) -> None:
+    def __init__(self, node: str, domain: int, *, localhost: bool, log: Log) -> None:
         try:
             if localhost and domain not in _domains:
                 with suppress(DDSException):  # this process is in it already
@@ -73,7 +73,7 @@ class DdsBus:
                 f"DDS domain {domain} cannot be joined ({_code(error)}): is there a network interface? "
                 "ROS_LOCALHOST_ONLY=1 keeps to this machine"
             ) from None
-        self._node, self._say = node, say
+        self._node, self._log = node, log
         self._waiting = WaitSet(self._participant)
         self._readers: list[_Reader] = []
         self._topics: dict[str, _Reader] = {}
@@ -81,7 +81,7 @@ class DdsBus:
         self._unsent: set[str] = set()
         self._ids = count(1)
         self._graph = Graph(self._participant, node)
-        self._watch = PeerWatch(self._participant, say, self._graph.hear_of)
+        self._watch = PeerWatch(self._participant, log, self._graph.hear_of)
 
     @property
     def backend(self) -> Backend:
@@ -138,7 +138,7 @@ class DdsBus:
         if timeout_s > 0.0:
             self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._late else timeout_s))
         for reader in self._readers:
-            reader.take(self._say)
+            reader.take(self._log)
         if self._late:
             self._late = [reply for reply in self._late if not reply.send()]
         self._watch.look()
@@ -177,7 +177,7 @@ class DdsBus:
             topic = ros_name(writer.topic.name)
             if topic not in self._unsent:
                 self._unsent.add(topic)
-                self._say(f"warning: a message on {topic} cannot be sent ({_code(error)})")
+                self._log(f"warning: a message on {topic} cannot be sent ({_code(error)})")
 
     def _next_id(self) -> str:
         """What tells which reader and which writer belong to one end of a service."""
@@ -226,17 +226,17 @@ class _Reader:
         self.at_once = depth
         """So many samples are taken in one spin."""
         self._peers: dict[int, Peer | None] = {}
-        self._told = False
+        self._warned = False
 
-    def take(self, say: Say) -> None:
+    def take(self, log: Log) -> None:
         """What lies there, one after the other: what cannot be read must not take others with it."""
         for _ in range(self.at_once):
             try:
                 samples = self.reader.take(1)
             except Exception as error:  # noqa: BLE001 - what strangers send may fail anywhere in the decoder
-                if not self._told:
-                    self._told = True
-                    say(f"warning: a message on {ros_name(self._topic)} cannot be read: {type(error).__name__}")
+                if not self._warned:
+                    self._warned = True
+                    log(f"warning: a message on {ros_name(self._topic)} cannot be read: {type(error).__name__}")
                 continue
             if not samples:
                 return

@@ -11,7 +11,7 @@ from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, B
 from cyclonedds.core import Policy
 from cyclonedds.domain import DomainParticipant
 
-from catch_arena.ros.bus import Say
+from catch_arena.ros.bus import Log
 from catch_arena.ros.dds_types import dds_name
 from catch_arena.ros.interfaces import MessageType
 from catch_arena.ros.type_hashes import type_hash
@@ -32,20 +32,20 @@ class PeerWatch:
 
     Args:
         participant: of this process.
-        say: takes one line for each that something would go wrong with.
+        log: takes one line for each that something would go wrong with.
         on_writer: takes each writer of another process that appears.
     """
 
-    def __init__(self, participant: DomainParticipant, say: Say, on_writer: Callable[[Any], object]) -> None:
+    def __init__(self, participant: DomainParticipant, log: Log, on_writer: Callable[[Any], object]) -> None:
         self._appeared = [
             (BuiltinDataReader(participant, BuiltinTopicDcpsPublication), True),
             (BuiltinDataReader(participant, BuiltinTopicDcpsSubscription), False),
         ]
         self._own = participant.guid
-        self._say, self._on_writer = say, on_writer
+        self._log, self._on_writer = log, on_writer
         self._expected: dict[str, MessageType] = {}
         self._served: dict[str, str] = {}
-        self._told: set[tuple[str, str]] = set()
+        self._warned: set[tuple[str, str]] = set()
         self._next = 0.0
 
     def expect(self, topic: str, kind: MessageType) -> None:
@@ -76,7 +76,7 @@ class PeerWatch:
     def _check(self, endpoint: Any, *, writes: bool) -> None:
         topic, kind = endpoint.topic_name, self._expected.get(endpoint.topic_name)
         if writes and topic in self._served:
-            self._tell(
+            self._warn_once(
                 topic,
                 f"another node serves {self._served[topic]} too, so that whoever asks gets two answers: "
                 "--domain gives each arena a domain of its own",
@@ -85,24 +85,24 @@ class PeerWatch:
         if kind is None:
             return
         if endpoint.type_name != dds_name(kind):
-            self._tell(
+            self._warn_once(
                 topic,
                 f"{_ros_type(endpoint.type_name)} is what another node has on {topic[2:]}, where we have {kind.name}: "
                 "they do not hear each other; --interfaces and --turtlesim name the packages",
             )
         elif topic.startswith("rq") and is_fast_dds(endpoint.participant_key):
-            self._tell(topic, FAST_DDS.format(what=f"has to do with {topic[2:].removesuffix('Request')}"))
+            self._warn_once(topic, FAST_DDS.format(what=f"has to do with {topic[2:].removesuffix('Request')}"))
         elif topic.startswith("rt") and (announced := announced_hash(endpoint)) not in {None, _own_hash(kind)}:
-            self._tell(
+            self._warn_once(
                 topic,
                 f"another node has other fields in {kind.name}, on {topic[2:]}, so that numbers arrive as garbage: "
                 f"ours are «{'; '.join(kind.definition.splitlines())}» ({announced})",
             )
 
-    def _tell(self, topic: str, line: str) -> None:
-        if (topic, line) not in self._told:
-            self._told.add((topic, line))
-            self._say(f"warning: {line}")
+    def _warn_once(self, topic: str, line: str) -> None:
+        if (topic, line) not in self._warned:
+            self._warned.add((topic, line))
+            self._log(f"warning: {line}")
 
 
 def is_fast_dds(participant: UUID) -> bool:

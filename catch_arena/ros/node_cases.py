@@ -111,8 +111,8 @@ class _Run:
         given = case.arguments()
         for name in given["caught"]:  # it is, now
             alone = given | {"targets": {name: case.hunters[0]}, "requests": [(0, name)], "caught": []}
-            self._ask(alone, _granted(name), settle_s)
-        self._ask(given, case.expected[0], settle_s)
+            self._send_request(alone, _granted(name), settle_s)
+        self._send_request(given, case.expected[0], settle_s)
 
     def _sent(self, name: str) -> str:
         """A name that stands for it in this play; what matters in it stays: its ending, and a length at the limit."""
@@ -121,7 +121,7 @@ class _Run:
         head = f"{self._id}{self._plays}_"
         return head + name[len(head) if len(name) > _LONG else 0 :] if name else name
 
-    def _ask(self, arguments: Mapping[str, Any], expected: ExpectedRuling, settle_s: float) -> None:
+    def _send_request(self, arguments: Mapping[str, Any], expected: ExpectedRuling, settle_s: float) -> None:
         name = str(expected.target)
         targets = {self._sent(one): place for one, place in arguments["targets"].items()}
         success = self._node.ask(arguments["hunters"][0], targets, self._sent(name), settle_s)
@@ -165,7 +165,7 @@ class _RunWithItsList(_Run):
             caught[name], place = next(iter(listed.items()))
             hunter = _float32(place)
             alone = given | {"hunters": [hunter], "targets": listed, "requests": [(0, caught[name])], "caught": []}
-            self._ask(alone, _granted(caught[name]), settle_s)
+            self._send_request(alone, _granted(caught[name]), settle_s)
         (expected,) = case.expected
         asked = str(expected.target)
         end = time.monotonic() + _FITS_S
@@ -183,7 +183,7 @@ class _RunWithItsList(_Run):
                         "caught": [one for one in caught.values() if one not in listed],
                     }
                     if arbitrate(**arguments)[0].verdict is expected.verdict:
-                        return self._ask(arguments, replace(expected, target=name), settle_s)
+                        return self._send_request(arguments, replace(expected, target=name), settle_s)
             self._node.ask_nothing(settle_s)
         raise BusError(f"for {_FITS_S:g} s no target that the node lists was where {case.id} could be asked")
 

@@ -4,9 +4,10 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from catch_arena.core.physics import DT
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
-from catch_arena.ros.bus import Bus, Peer, Request, Say
+from catch_arena.ros.bus import Bus, Log, Peer, Request
 from catch_arena.ros.interfaces import Empty, Interfaces, Name
 
 TURTLE: Final = "turtle1"
@@ -14,7 +15,6 @@ TURTLE: Final = "turtle1"
 ANSWER_S: Final = 2.0
 """So long a node may take to answer."""
 _ALIVE: Final = "/alive_turtles"
-_TICK_S: Final = 0.016
 _THERE_S: Final = 10.0
 """So long a node may take to appear, or to list a target."""
 _LOOK_S: Final = 0.5
@@ -34,19 +34,19 @@ class NodeUnderTest:
         bus: the bus.
         service: its name, as in /catch_turtle.
         interfaces: the packages of the types.
-        say: takes one line when there is news.
+        log: takes one line when there is news.
     """
 
-    def __init__(self, bus: Bus, service: str, interfaces: Interfaces, say: Say) -> None:
-        self._bus, self._service, self._interfaces, self._say = bus, service, interfaces, say
+    def __init__(self, bus: Bus, service: str, interfaces: Interfaces, log: Log) -> None:
+        self._bus, self._service, self._interfaces, self._log = bus, service, interfaces, log
         self._pose = bus.publisher(f"/{TURTLE}/pose", interfaces.pose)
-        bus.subscribe(_ALIVE, interfaces.turtle_array, self._hear_list)
+        bus.subscribe(_ALIVE, interfaces.turtle_array, self._on_list)
         bus.serve("/kill", interfaces.kill, lambda request: request.answer(Empty()))
-        bus.serve("/spawn", interfaces.spawn, self._spawn)
+        bus.serve("/spawn", interfaces.spawn, self._on_spawn)
         self._client = bus.client(service, interfaces.catch_turtle)
         self._spawned = 1
         self._heard: TurtleArray | None = None
-        self._said = Pose(0.0, 0.0, 0.0, 0.0, 0.0), TurtleArray(())
+        self._position = Pose(0.0, 0.0, 0.0, 0.0, 0.0), TurtleArray(())
         self._met = False
         self._alive: Callable[[TurtleArray], None] | None = None
         self.keeps_the_list = False
@@ -73,7 +73,7 @@ class NodeUnderTest:
         self._spin(_LOOK_S if self._bus.publishers_of(_ALIVE) is not None else _LISTEN_S)
         self.keeps_the_list = bool(self._bus.publishers_of(_ALIVE)) or self._heard is not None
         if self.keeps_the_list:
-            self._say(f"the node publishes {_ALIVE} itself: it is asked for its own targets, one after the other")
+            self._log(f"the node publishes {_ALIVE} itself: it is asked for its own targets, one after the other")
         else:
             self._alive = self._bus.publisher(_ALIVE, self._interfaces.turtle_array)
         self._met = True
@@ -88,43 +88,43 @@ class NodeUnderTest:
         while not self.listed:
             if time.monotonic() > end:
                 raise BusError(f"the node lists no target on {_ALIVE} for {_THERE_S:g} s: does it call /spawn?")
-            self._tell(_TICK_S)
+            self._publish_for(DT)
 
     def ask(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
         """Stand there among these targets for a while, and ask for one: the answer, None without one in time."""
         turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
-        self._said = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
-        self._tell(settle_s)
+        self._position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
+        self._publish_for(settle_s)
         call = self._client.call(CatchTurtleRequest(name))
         end = time.monotonic() + ANSWER_S
         while call.response is None and time.monotonic() < end:
-            self._tell(_TICK_S)
+            self._publish_for(DT)
         return None if call.response is None else bool(call.response.success)
 
     def ask_nothing(self, seconds: float) -> None:
         """Stand there so long."""
-        self._tell(seconds)
+        self._publish_for(seconds)
 
-    def _tell(self, seconds: float) -> None:
+    def _publish_for(self, seconds: float) -> None:
         """The pose, and the list where it is ours, tick by tick, as turtlesim tells them."""
         end = time.monotonic() + seconds
         while (now := time.monotonic()) < end:
-            self._pose(self._said[0])
+            self._pose(self._position[0])
             if self._alive is not None:
-                self._alive(self._said[1])
-            self._spin(min(now + _TICK_S, end) - now)
+                self._alive(self._position[1])
+            self._spin(min(now + DT, end) - now)
 
     def _spin(self, seconds: float) -> None:
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0.0:
             self._bus.spin(left)
 
-    def _hear_list(self, message: TurtleArray, peer: Peer | None) -> None:
+    def _on_list(self, message: TurtleArray, peer: Peer | None) -> None:
         del peer
         if not self._met or self.keeps_the_list:
             self._heard = message
 
-    def _spawn(self, request: Request) -> None:
+    def _on_spawn(self, request: Request) -> None:
         """As turtlesim: every name is free here."""
         self._spawned += 1
         request.answer(Name(request.message.name or f"turtle{self._spawned}"))

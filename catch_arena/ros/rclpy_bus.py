@@ -5,7 +5,7 @@ from importlib import import_module
 from typing import Any
 
 from catch_arena.errors import BusError
-from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
+from catch_arena.ros.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.interfaces import MessageType, ServiceType
 from catch_arena.ros.parameters import Parameters
 
@@ -16,13 +16,13 @@ class RclpyBus:
     Args:
         node: its name.
         domain: from 0 to 232.
-        say: takes one line whenever there is something that people should know.
+        log: takes one line whenever there is something that people should know.
 
     Raises:
         BusError: where rclpy cannot begin.
     """
 
-    def __init__(self, node: str, domain: int, *, say: Say) -> None:
+    def __init__(self, node: str, domain: int, *, log: Log) -> None:
         try:
             rclpy = import_module("rclpy")
             executors = import_module("rclpy.executors")
@@ -34,7 +34,7 @@ class RclpyBus:
         self._node = rclpy.create_node(node, context=self._context)
         self._executor = executors.SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
-        self._say = say
+        self._log = log
         self._heard = 0
         self._owed = 0
         self._spinning = False

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.errors import BusError, ConfigError
-from catch_arena.ros.bus import Say
+from catch_arena.ros.bus import Log
 from catch_arena.ros.parameters import Parameters
 from catch_arena.text import in_short, one_line
 
@@ -21,14 +21,14 @@ _ANY_NODE: Final = ("/**", "/*")
 """How files call all nodes."""
 
 
-def take_ros_args(words: Sequence[str], node: str, parameters: Parameters, say: Say) -> str:
+def take_ros_args(words: Sequence[str], node: str, parameters: Parameters, log: Log) -> str:
     """Give parameters the values that they are to begin with; of several the last one counts.
 
     Args:
         words: those behind --ros-args.
         node: what the node is called if nothing else is said.
         parameters: its own.
-        say: takes one line about what is left out.
+        log: takes one line about what is left out.
 
     Returns:
         what the node is called.
@@ -45,7 +45,7 @@ def take_ros_args(words: Sequence[str], node: str, parameters: Parameters, say: 
         if kind == _PARAMETER:
             parameters.begin_with(*_assignment(text, node))
         elif kind == _FILE:
-            _take_file(Path(text), node, parameters, say)
+            _take_file(Path(text), node, parameters, log)
     return node
 
 
@@ -83,7 +83,7 @@ def _assignment(text: str, node: str) -> tuple[str, Any]:
     return name, _load(value, f"--ros-args -p {name}")
 
 
-def _take_file(file: Path, node: str, parameters: Parameters, say: Say) -> None:
+def _take_file(file: Path, node: str, parameters: Parameters, log: Log) -> None:
     try:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -99,7 +99,7 @@ def _take_file(file: Path, node: str, parameters: Parameters, say: Say) -> None:
             if name in parameters:
                 parameters.begin_with(name, value)
             else:  # a file may be another node's too, or `ros2 param dump` of one that has more
-                say(f"warning: {file}: {key} has {in_short(name)}, which is no parameter of {node}: it is left out")
+                log(f"warning: {file}: {key} has {in_short(name)}, which is no parameter of {node}: it is left out")
 
 
 def _mapping(value: object, where: str) -> Mapping[Any, Any]:

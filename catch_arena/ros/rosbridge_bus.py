@@ -15,7 +15,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
-from catch_arena.ros.bus import DEPTH, Backend, Call, OnMessage, Peer, Request, Say
+from catch_arena.ros.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.interfaces import MessageType, ServiceType
 from catch_arena.ros.parameters import Parameters
 from catch_arena.text import one_line
@@ -39,14 +39,14 @@ class RosbridgeBus:
 
     Args:
         url: the server's.
-        say: takes one line whenever there is something that people should know.
+        log: takes one line whenever there is something that people should know.
 
     Raises:
         BusError: where no server answers.
     """
 
-    def __init__(self, url: str, *, say: Say) -> None:
-        self._url, self._say = url, say
+    def __init__(self, url: str, *, log: Log) -> None:
+        self._url, self._log = url, log
         self._come = threading.Condition()
         self._inboxes: dict[tuple[str, str], deque[dict[str, Any]]] = {}
         self._handlers: dict[tuple[str, str], Callable[[dict[str, Any]], None]] = {}
@@ -135,14 +135,14 @@ class RosbridgeBus:
             notes = list(self._notes)
             self._notes.clear()
         for note in notes:
-            self._say(note)
+            self._log(note)
         for key, frame in taken:
             try:
                 self._handlers[key](frame)
             except ValueError as error:
                 if key[1] not in self._unreadable:
                     self._unreadable.add(key[1])
-                    self._say(f"warning: a message on {key[1]} cannot be read: {error}")
+                    self._log(f"warning: a message on {key[1]} cannot be read: {error}")
 
     def close(self) -> None:
         """Leave the bus."""

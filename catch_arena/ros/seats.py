@@ -4,12 +4,11 @@ import math
 from collections.abc import Callable
 from typing import Final
 
+from catch_arena.core.physics import WATCHDOG_MS
 from catch_arena.messages import Twist
-from catch_arena.ros.bus import Peer, Say
+from catch_arena.ros.bus import Log, Peer
 from catch_arena.ros.interfaces import TwistMessage
 
-WATCHDOG_MS: Final = 1000
-"""R2.4: what a Twist holds at most."""
 STANDING_STILL: Final = Twist(0.0, 0.0)
 _FASTEST: Final = 1e9
 """Far beyond every limit of R2.5, which comes later; numbers so large are finite, and no more than that."""
@@ -20,36 +19,36 @@ class RosSeat:
 
     Args:
         hunter: its name.
-        say: takes one line when the seat's state changes.
+        log: takes one line when the seat's state changes.
     """
 
-    def __init__(self, hunter: str, say: Say) -> None:
+    def __init__(self, hunter: str, log: Log) -> None:
         self.hunter = hunter
         self.driver: Peer | None = None
         """Who drives it, where the middleware tells."""
         self.driven = False
         """Whether somebody does."""
-        self._say = say
+        self._log = log
         self._twist = STANDING_STILL
         self._fresh = False
         self._given_ms = -WATCHDOG_MS
-        self._told: set[str] = set()
+        self._logged: set[str] = set()
 
-    def hear(self, message: TwistMessage, peer: Peer | None) -> None:
+    def on_twist(self, message: TwistMessage, peer: Peer | None) -> None:
         """A Twist; the last one before a step counts."""
         if self.driven and peer != self.driver:
-            self._tell_once(
+            self._log_once(
                 "two",
                 f"warning: {self.hunter}: a second node drives it; it is not heard while the first one sends",
             )
             return
         speed, turn_rate = message.linear.x, message.angular.z
         if not (math.isfinite(speed) and math.isfinite(turn_rate)):
-            self._tell_once("finite", f"warning: {self.hunter}: a Twist that is not finite is left out")
+            self._log_once("finite", f"warning: {self.hunter}: a Twist that is not finite is left out")
             return
         if not self.driven:
-            self._say(f"{self.hunter}: its node {'is back' if 'gone' in self._told else 'is there'}")
-            self._told.discard("two")
+            self._log(f"{self.hunter}: its node {'is back' if 'gone' in self._logged else 'is there'}")
+            self._logged.discard("two")
         self.driver, self.driven = peer, True
         self._twist = Twist(*(min(max(value, -_FASTEST), _FASTEST) for value in (speed, turn_rate)))
         self._fresh = True
@@ -82,32 +81,32 @@ class RosSeat:
 
     def _leave(self, how: str) -> None:
         self.driven, self.driver = False, None
-        self._told.add("gone")
+        self._logged.add("gone")
         self.stop()
-        self._say(f"{self.hunter}: its node {how}; the hunter stands still until one drives it again")
+        self._log(f"{self.hunter}: its node {how}; the hunter stands still until one drives it again")
 
-    def _tell_once(self, what: str, line: str) -> None:
-        if what not in self._told:
-            self._told.add(what)
-            self._say(line)
+    def _log_once(self, what: str, line: str) -> None:
+        if what not in self._logged:
+            self._logged.add(what)
+            self._log(line)
 
 
-def seat_of(peer: Peer | None, seats: list[RosSeat], tell: Callable[[str], object]) -> RosSeat | None:
+def seat_of(peer: Peer | None, seats: list[RosSeat], warn: Callable[[str], object]) -> RosSeat | None:
     """Whose request it is that came to the service which all share: that of the hunter that its sender drives.
 
     Args:
         peer: who asks, where the middleware tells.
         seats: those that nodes drive.
-        tell: takes one line that says why it is nobody's.
+        warn: takes one line that says why it is nobody's.
     """
     if len(seats) == 1:
         return seats[0]
     if peer is None:
-        tell("this bus does not tell who asks at /catch_turtle: ask at /hunter_0/catch_turtle and its like")
+        warn("this bus does not tell who asks at /catch_turtle: ask at /hunter_0/catch_turtle and its like")
         return None
     driven = [seat for seat in seats if seat.driver == peer]
     if len(driven) == 1:
         return driven[0]
     which = "several hunters" if driven else "no hunter"
-    tell(f"a node that drives {which} asks at /catch_turtle: /hunter_0/catch_turtle and its like say who asks")
+    warn(f"a node that drives {which} asks at /catch_turtle: /hunter_0/catch_turtle and its like say who asks")
     return None

@@ -8,12 +8,13 @@ from typing import Final
 
 from catch_arena import interrupts
 from catch_arena.config import ArenaConfig, Control
+from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
 from catch_arena.ros.agents import AgentSeats
-from catch_arena.ros.arena_node import TICK_MS, ArenaNode
-from catch_arena.ros.bus import Bus, Say
+from catch_arena.ros.arena_node import ArenaNode
+from catch_arena.ros.bus import Bus, Log
 from catch_arena.ros.interfaces import Interfaces
-from catch_arena.ros.pace import Pace
+from catch_arena.ros.rate import Rate
 from catch_arena.service import ArenaService
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits
@@ -32,7 +33,7 @@ class Served:
     names: tuple[str, ...]
     ranks: tuple[int, ...]
     scores: tuple[int, ...]
-    pace: Pace
+    rate: Rate
 
 
 def serve_match(
@@ -49,7 +50,7 @@ def serve_match(
     wait: bool = True,
     record: Path | None = None,
     title: str = "",
-    say: Say = print,
+    log: Log = print,
 ) -> Served:
     """Play one match with the nodes on a bus, and with agents in some seats.
 
@@ -66,7 +67,7 @@ def serve_match(
         wait: whether the match begins when all seats are taken.
         record: where its replay goes.
         title: of the replay.
-        say: takes one line when there is news.
+        log: takes one line when there is news.
 
     Raises:
         ConfigError: for a speed, or a match to be recorded, that cannot be.
@@ -86,22 +87,22 @@ def serve_match(
         players = None
         if agents:
             sandbox = stack.enter_context(sandbox_for(limits))
-            players = AgentSeats(service, stack.enter_context(start_players(agents, sandbox)), say)
+            players = AgentSeats(service, stack.enter_context(start_players(agents, sandbox)), log)
             stack.callback(players.close)
         driven = [seat for seat in range(config.hunters) if seat not in agents]
-        node = ArenaNode(bus, service, driven, names, players, interfaces, clock=speed != 1.0, say=say)
+        node = ArenaNode(bus, service, driven, names, players, interfaces, clock=speed != 1.0, log=log)
         node.begin(seed)
-        pace = Pace(TICK_MS / 1000.0 / speed)
+        rate = Rate(TICK_MS / 1000.0 / speed)
         if wait and node.missing:
-            say(f"waiting for {' and '.join(f'/{seat.hunter}/cmd_vel' for seat in node.missing)}")
+            log(f"waiting for {' and '.join(f'/{seat.hunter}/cmd_vel' for seat in node.missing)}")
             while node.missing:
-                pace.wait()
+                rate.sleep()
                 node.wait()
-            say("all seats are taken: the match begins")
-            pace = Pace(pace.period_s)
+            log("all seats are taken: the match begins")
+            rate = Rate(rate.period_s)
         try:
             while not node.over:
-                pace.wait()
+                rate.sleep()
                 node.tick()
         except KeyboardInterrupt:
             if record is not None:
@@ -109,8 +110,8 @@ def serve_match(
             raise
         ranks, scores = node.standings()
         for _ in range(_LAST_TICKS):
-            pace.wait()
+            rate.sleep()
             node.tick()
     if record is not None:
         interrupts.keep(lambda: service.replay.save(record))
-    return Served(tuple(names), ranks, scores, pace)
+    return Served(tuple(names), ranks, scores, rate)

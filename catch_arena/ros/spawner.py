@@ -9,15 +9,15 @@ from typing import Any, Final
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
+from catch_arena.core.physics import DT, TICK_MS
 from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.bus import Bus, Call, Peer, Request, Say
+from catch_arena.ros.bus import Bus, Call, Log, Peer, Request
 from catch_arena.ros.interfaces import Interfaces, Name, SpawnRequest
 from catch_arena.ros.parameters import Parameter
 
-TICK_S: Final = 0.016
 _LOW_M, _HIGH_M = 0.5, 10.5
 """R3.2: where targets appear."""
-_SECOND: Final = 62
+_SECOND: Final = 1000 // TICK_MS
 """In ticks."""
 _ANSWER_TICKS: Final = 125
 """After so many a call that was not answered is given up."""
@@ -34,7 +34,7 @@ class Spawner:
         config: of which the names' prefix and the reach (R5.3) are read.
         spawn_frequency: of the spawn timer (R3.1); a new value counts from the last target on.
         seed: of the places.
-        say: takes one line when there is news.
+        log: takes one line when there is news.
     """
 
     def __init__(
@@ -46,9 +46,9 @@ class Spawner:
         spawn_frequency: Parameter,
         *,
         seed: int,
-        say: Say,
+        log: Log,
     ) -> None:
-        self._bus, self._turtles, self._interfaces, self._say = bus, turtles, interfaces, say
+        self._bus, self._turtles, self._interfaces, self._log = bus, turtles, interfaces, log
         self._config, self._frequency = config, spawn_frequency
         self._fired = 0
         self._places = Random(seed)
@@ -56,7 +56,7 @@ class Spawner:
         self._poses: dict[str, Pose] = {}
         self._alive: dict[str, Turtle] = {}
         self._caught: set[str] = set()
-        self._asked: list[tuple[int, Request]] = []
+        self._pending: list[tuple[int, Request]] = []
         self._number = self._ticks = 0
         self._spawning: tuple[Call, SpawnRequest, int] | None = None
         self.scores = [0] * len(turtles)
@@ -65,7 +65,7 @@ class Spawner:
         self._referee = bus.client("/catch_turtle", interfaces.catch_turtle)
         self._publish: Callable[[Any], None] | None = None
         for turtle in turtles:
-            bus.subscribe(f"/{turtle}/pose", interfaces.pose, self._hearer_of(turtle))
+            bus.subscribe(f"/{turtle}/pose", interfaces.pose, self._pose_callback(turtle))
 
     @property
     def ready(self) -> bool:
@@ -75,13 +75,13 @@ class Spawner:
     def begin(self) -> None:
         """Referee, unless somebody does."""
         if self._bus.backend != "rosbridge" and self._referee.ready:  # rosbridge does not tell
-            self._say("/catch_turtle is answered already: this node spawns, and no more")
+            self._log("/catch_turtle is answered already: this node spawns, and no more")
             return
         self._publish = self._bus.publisher("/alive_turtles", self._interfaces.turtle_array)
         for seat, turtle in enumerate(self._turtles):
-            self._bus.serve(f"/{turtle}/catch_turtle", self._interfaces.catch_turtle, self._asker_of(seat))
+            self._bus.serve(f"/{turtle}/catch_turtle", self._interfaces.catch_turtle, self._catch_turtle_callback(seat))
         if len(self._turtles) == 1:
-            self._bus.serve("/catch_turtle", self._interfaces.catch_turtle, self._asker_of(0))
+            self._bus.serve("/catch_turtle", self._interfaces.catch_turtle, self._catch_turtle_callback(0))
 
     def tick(self) -> None:
         """16 ms: what was asked meanwhile is judged together (R5.1)."""
@@ -89,7 +89,7 @@ class Spawner:
         self._read_spawned()
         if self._frequency.value != self._config.spawn_frequency_hz:
             self._config = self._config.replace(spawn_frequency_hz=self._frequency.value)
-            self._say(f"{self._frequency.name}: {self._frequency.value:g}")
+            self._log(f"{self._frequency.name}: {self._frequency.value:g}")
         if self._ticks >= self._fired + self._period and self._spawning is None:
             self._fired = self._ticks
             self._number += 1
@@ -97,26 +97,26 @@ class Spawner:
             theta = self._places.uniform(0.0, math.tau)
             asked = SpawnRequest(x, y, theta, self._config.target_name(self._number))
             self._spawning = self._spawn.call(asked), asked, self._ticks
-        if self._asked:
+        if self._pending:
             self._judge()
         if self._ticks % _SECOND == 0:
-            self._tell()
+            self._publish_alive()
 
     @property
     def _period(self) -> int:
         """In ticks."""
-        return max(1, round(self._config.spawn_period_ms / 1000.0 / TICK_S))
+        return max(1, round(self._config.spawn_period_ms / 1000.0 / DT))
 
-    def _hearer_of(self, turtle: str) -> Callable[[Pose, Peer | None], None]:
-        def hear(pose: Pose, peer: Peer | None) -> None:
+    def _pose_callback(self, turtle: str) -> Callable[[Pose, Peer | None], None]:
+        def callback(pose: Pose, peer: Peer | None) -> None:
             del peer
             if all(map(math.isfinite, pose)):
                 self._poses[turtle] = pose
 
-        return hear
+        return callback
 
-    def _asker_of(self, seat: int) -> Callable[[Request], None]:
-        return lambda request: self._asked.append((seat, request))
+    def _catch_turtle_callback(self, seat: int) -> Callable[[Request], None]:
+        return lambda request: self._pending.append((seat, request))
 
     def _read_spawned(self) -> None:
         if self._spawning is None:
@@ -127,13 +127,13 @@ class Spawner:
             name = call.response.name
             if name:  # "" says that nothing was spawned: the name was taken
                 self._alive[name] = Turtle(name, asked.x, asked.y, asked.theta)
-                self._tell()
+                self._publish_alive()
         elif self._ticks > since + _ANSWER_TICKS:
             self._spawning = None
-            self._say("warning: /spawn does not answer")
+            self._log("warning: /spawn does not answer")
 
     def _judge(self) -> None:
-        asked, self._asked = self._asked, []
+        asked, self._pending = self._pending, []
         seen = [seat for seat, turtle in enumerate(self._turtles) if turtle in self._poses]
         hunters = [self._poses[self._turtles[seat]] for seat in seen]
         known = [(seat, request) for seat, request in asked if seat in seen]
@@ -151,15 +151,15 @@ class Spawner:
                 request.answer(_NOBODY)
         for (seat, request), ruling in zip(known, rulings, strict=True):
             request.answer(CatchTurtleResponse(ruling.success))
-            self._say(str(ruling).replace(f"hunter_{ruling.hunter}", self._turtles[seat], 1))
+            self._log(str(ruling).replace(f"hunter_{ruling.hunter}", self._turtles[seat], 1))
             if ruling.success:
                 name = request.message.name
                 del self._alive[name]
                 self._caught.add(name)
                 self.scores[seat] += 1
                 self._kill.call(Name(name))
-                self._tell()
+                self._publish_alive()
 
-    def _tell(self) -> None:
+    def _publish_alive(self) -> None:
         if self._publish is not None:
             self._publish(TurtleArray(tuple(self._alive.values())))

@@ -119,7 +119,7 @@ class LearnerBatch:
         self._rotation = np.arange(self.num_envs) - 1
         self._seats = np.tile(np.arange(self.learners), (self.num_envs, 1))
         self._rows = np.arange(self.num_envs)[:, None]
-        self._random = np.random.default_rng(0)
+        self._rng = np.random.default_rng(0)
         self._seen: NDArray[np.float32] | None = None
         self._masks: NDArray[np.int8] = np.ones((*shape, 0), np.int8)
 
@@ -146,10 +146,10 @@ class LearnerBatch:
         """
         if arenas is None and (seed is not None or self._seen is None):
             seed = fresh_seed() if seed is None else checked_seed(seed)
-            self._random = np.random.default_rng(seed)
+            self._rng = np.random.default_rng(seed)
             self._rotation = np.arange(self.num_envs) - 1
             if self.opponents is not None:
-                self.opponents.begin(self._random)
+                self.opponents.begin(self._rng)
         observations, infos = self.arena.reset(seed, arenas)
         chosen = np.arange(self.num_envs) if arenas is None else np.arange(self.num_envs)[np.asarray(arenas)]
         self._take(observations, infos)
@@ -223,7 +223,7 @@ class LearnerBatch:
         own, others = order[:, : self.learners], order[:, self.learners :]
         self._seats = self._seats.copy()
         self._seats[arenas] = own
-        drawn = self.opponents.draw(arenas, others, self._random)
+        drawn = self.opponents.draw(arenas, others, self._rng)
         controls = np.full((len(arenas), hunters), self._control, dtype=np.int8)
         np.put_along_axis(controls, others, self.opponents.controls[drawn], axis=1)
         self.arena.set_controls(controls, arenas)

@@ -118,13 +118,13 @@ class Opponents:
             raise ConfigError(f"weights must be {len(self._pool)} numbers, one for each opponent, got {given.shape}")
         self._weights = _shares(given, in_short(given.tolist()))
 
-    def begin(self, draw: np.random.Generator) -> None:
+    def begin(self, rng: np.random.Generator) -> None:
         """Seed those that act on batches."""
         for opponent in self._pool:
             if opponent.in_batches:
-                self._call(opponent, "reset", "", int(draw.integers(_SEED_LIMIT)))
+                self._call(opponent, "reset", "", int(rng.integers(_SEED_LIMIT)))
 
-    def draw(self, arenas: NDArray[np.int64], seats: NDArray[np.int64], draw: np.random.Generator) -> NDArray[np.int64]:
+    def draw(self, arenas: NDArray[np.int64], seats: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
         """Who plays these seats, from now on: `seats` (n, S) of the arenas (n,); the others are the learner's.
 
         Returns:
@@ -133,10 +133,10 @@ class Opponents:
         if self._distinct and np.count_nonzero(self.weights) >= seats.shape[1]:
             # without replacement: the largest of log weights with Gumbel noise (Efraimidis and Spirakis, 2006)
             with np.errstate(divide="ignore"):
-                keys = np.log(self.weights) + draw.gumbel(size=(len(seats), len(self._pool)))
+                keys = np.log(self.weights) + rng.gumbel(size=(len(seats), len(self._pool)))
             chosen = np.argsort(-keys, axis=1, kind="stable")[:, : seats.shape[1]]
         else:
-            chosen = draw.choice(len(self._pool), p=self._weights, size=seats.shape)
+            chosen = rng.choice(len(self._pool), p=self._weights, size=seats.shape)
         self._who[arenas] = -1
         self._who[arenas[:, None], seats] = chosen
         if not all(opponent.in_batches for opponent in self._pool):
@@ -150,7 +150,7 @@ class Opponents:
                 instance = copy.deepcopy(opponent.policy)
                 self._instances[arena, seat] = instance
                 self._call(
-                    opponent._replace(policy=instance), "reset", _where(arena, seat), int(draw.integers(_SEED_LIMIT))
+                    opponent._replace(policy=instance), "reset", _where(arena, seat), int(rng.integers(_SEED_LIMIT))
                 )
         return chosen
 

@@ -126,7 +126,7 @@ def phases(*, quick: bool) -> list[dict[str, Any]]:
 def _at_play(envs: int) -> tuple[catch_arena.Engine, Callable[[], None]]:
     """A batch in the middle of an episode, and its step."""
     config = catch_arena.scenario("standard")
-    engine = catch_arena.Engine(config, envs, infos_wanted=False)
+    engine = catch_arena.Engine(config, envs, with_infos=False)
     engine.reset(range(envs))
     choices = np.ones((envs, config.hunters), dtype=np.int64)
     commands = np.zeros((envs, config.hunters, 2), dtype=np.float32)

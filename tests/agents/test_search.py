@@ -116,9 +116,9 @@ def scene_of(hunters, targets):
 
 def test_the_light_arena_plays_much_as_the_engine_does():
     """A hunter alone on its way to a target: both arrive within a step or two of the light arena's."""
-    draw = np.random.default_rng(3)
+    rng = np.random.default_rng(3)
     for _ in range(8):
-        x, y, heading, there_x, there_y = draw.uniform([2, 2, -3, 2, 2], [9, 9, 3, 9, 9])
+        x, y, heading, there_x, there_y = rng.uniform([2, 2, -3, 2, 2], [9, 9, 3, 9, 9])
         if np.hypot(x - there_x, y - there_y) < 0.5:
             continue
         scene = scene_of([(x, y, heading)], [(there_x, there_y)])

@@ -77,6 +77,7 @@ def test_r1_7_both_ways_play_the_same_arena(dropouts):
         # who has left gives no action, and a withdrawn hunter's is refused: the same
         assert env.digest() == batch.digest(1)
         assert batch_infos["active"][1].tolist() == [not hunter.withdrawn for hunter in env.world().hunters]
+    assert any(hunter.withdrawn for hunter in env.world().hunters)
 
 
 @pytest.mark.rule("R1.7")
@@ -100,10 +101,24 @@ def test_r1_7_a_match_of_dropouts_has_no_forfeits():
     from catch_arena.agents.nearest import Agent
     from catch_arena.tournament.match_loop import play
 
+    class Counting(Agent):
+        asked = 0
+
+        def act(self, view):
+            self.asked += 1
+            return super().act(view)
+
     config = catch_arena.scenario("standard", dropout_rate=RATE, max_cycles=60)
+    dropped_out = 0
     for seed in range(4):
-        result = play(config, seed, [Agent() for _ in range(4)], list("abcd"))
+        players = [Counting() for _ in range(4)]
+        worlds = []
+        result = play(config, seed, players, list("abcd"), watch=lambda env, seen=worlds: seen.append(env.world()))
+        for seat, player in enumerate(players):
+            assert player.asked == sum(not world.hunters[seat].withdrawn for world in worlds[:-1])
+            dropped_out += worlds[-1].hunters[seat].withdrawn
         assert result.forfeits == (None,) * 4
         assert min(result.ranks) == 1
         best = max(result.scores)
         assert all((rank == 1) == (score == best) for rank, score in zip(result.ranks, result.scores, strict=True))
+    assert dropped_out > 4

@@ -140,14 +140,16 @@ def test_r12_5_prey_is_withdrawn_stands_still_and_can_be_caught():
 
 
 def test_an_action_of_prey_that_is_out_for_good_is_refused():
-    env = catch_arena.parallel_env("tag", prey_returns_s=None, reach_m=20.0, initial_targets=2, max_targets=2)
+    env = catch_arena.parallel_env(
+        "tag", hunters=1, prey=3, initial_targets=3, max_targets=3, prey_returns_s=None, reach_m=20.0
+    )
     env.reset(seed=1)
     rest = np.zeros(2, np.float32)
     while "prey_0" in env.agents:
         env.step(dict.fromkeys(env.agents, rest))
-    if env.agents:
-        with pytest.raises(ActionError, match="prey_0 must give no action: it was caught"):
-            env.step(dict.fromkeys([*env.agents, "prey_0"], rest))
+    assert env.agents == ["hunter_0", "prey_2"]
+    with pytest.raises(ActionError, match="prey_0 must give no action: it was caught"):
+        env.step(dict.fromkeys([*env.agents, "prey_0"], rest))
 
 
 @pytest.mark.parametrize("action", [2, [0.5], [0.5, 1.5], "ahead", [float("nan"), 0.0], None])

@@ -54,8 +54,8 @@ def test_the_page_about_training_makes_an_agent_that_plays(tmp_path, monkeypatch
     ((name, code),) = [(file, code) for file, code in TRAINING if file]
     monkeypatch.chdir(tmp_path)
     Path(name).write_text(code)
-    draw = np.random.default_rng(1)
-    Mlp([(draw.normal(size=(8, 71)), np.zeros(8)), (draw.normal(size=(9, 8)), np.zeros(9))]).save("mine.npz")
+    rng = np.random.default_rng(1)
+    Mlp([(rng.normal(size=(8, 71)), np.zeros(8)), (rng.normal(size=(9, 8)), np.zeros(9))]).save("mine.npz")
     for scenario in ("standard", "duel"):
         done = CliRunner().invoke(main, ["check-agent", name, "--scenario", scenario, "--trusted"])
         assert done.exit_code == 0, done.output

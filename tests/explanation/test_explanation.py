@@ -215,9 +215,9 @@ def test_a_step_is_told_whole(crowded):
     before, after = list(crowded.worlds())[contest.step - 1 : contest.step + 1]
     assert (told.begin_ms, told.end_ms) == (before.time_ms, after.time_ms)
     assert told.contests == (contest,)
-    assert [one.action for one in told.asked] == [crowded.action(contest.step - 1, seat) for seat in range(4)]
+    assert [one.action for one in told.hunters] == [crowded.action(contest.step - 1, seat) for seat in range(4)]
     by_seat = {ruling.hunter: ruling for ruling in after.rulings}
-    for one in told.asked:
+    for one in told.hunters:
         ruling = by_seat.get(one.seat)
         assert one.verdict == (ruling.verdict if ruling else None)
         assert one.target == (ruling.target if ruling else None)
@@ -225,7 +225,7 @@ def test_a_step_is_told_whole(crowded):
     target = next(target for target in before.targets if target.name == contest.target)
     for hunter, distance in zip(before.hunters, told.distances_um[contest.target], strict=True):
         assert distance == round(1e6 * ((hunter.x - target.x) ** 2 + (hunter.y - target.y) ** 2) ** 0.5)
-    assert len(explain_step(crowded, contest.step, "bob").asked) == 1
+    assert len(explain_step(crowded, contest.step, "bob").hunters) == 1
 
 
 def test_a_step_is_found_by_the_time_at_which_it_was_judged(crowded, play):
@@ -268,6 +268,7 @@ def test_explain_prints_paragraphs_of_80_columns_or_json(crowded, tmp_path, monk
     assert len(one.stdout) < len(whole.stdout)
     assert json.loads(call("--json").stdout) == explain(crowded).to_dict()
     told = json.loads(call("--json", "--step", "62").stdout)
+    assert {"asked", "played", "prey"} < told.keys()
     assert told["asked"][0]["verdict"] in {verdict.name for verdict in Verdict} | {None}
     assert call("--at", "6.1", "--hunter", "ann").stdout == step.stdout
     for words in (
@@ -335,7 +336,7 @@ def test_why_a_target_was_out_of_sight_is_true(half_blind):
     for step in range(10, 150, 20):
         told = explain_step(half_blind, step)
         before = worlds[step - 1]
-        for one in told.asked:
+        for one in told.hunters:
             me = before.hunters[one.seat]
             assert one.seen + len(one.unseen) == len(before.targets)
             assert [other.distance_um for other in one.unseen] == sorted(other.distance_um for other in one.unseen)
@@ -352,7 +353,7 @@ def test_why_a_target_was_out_of_sight_is_true(half_blind):
                 reasons.add((other.too_far, other.outside_cone))
         for target, seats in told.out_of_sight.items():
             assert seats == tuple(
-                seat for seat, one in enumerate(told.asked) if target in [other.target for other in one.unseen]
+                seat for seat, one in enumerate(told.hunters) if target in [other.target for other in one.unseen]
             )
     assert reasons
 
@@ -364,7 +365,7 @@ def test_a_step_says_what_was_out_of_sight(play):
     told = explain_step(match, 1)
     text = " ".join(told.lines())
     assert "It sees what is nearer than 4 m and at most 60 degrees off its heading (R7.5): " in text
-    for one in told.asked:
+    for one in told.hunters:
         for other in one.unseen:
             how = ["too far"] * other.too_far
             where = "behind it" if other.off_heading_deg > 90 else "to its side"
@@ -382,7 +383,7 @@ def test_a_step_says_what_was_out_of_sight(play):
 def test_where_hunters_see_everything_nothing_is_said_of_sight(crowded):
     told = explain_step(crowded, 62)
     assert not any("sight" in line for line in (*told.lines(), *explain(crowded).lines()))
-    assert all(one.unseen == () for one in told.asked)
+    assert all(one.unseen == () for one in told.hunters)
     assert {record.never_seen for record in explain(crowded).records} == {None}
 
 
@@ -424,12 +425,12 @@ def test_a_dropout_is_told_apart_from_a_withdrawal(play):
         (line,) = [line for line in told.lines() if line.startswith(f"hunter_{seat}: ")]
         clause = "withdrawn at {} (R1.6)." if seat == 2 else "dropped out at {} (R1.7)."
         assert line.endswith(clause.format(f"{(world.time_ms - 100) / 1000:.1f} s"))
-        one = explain_step(match, world.step, seat).asked[0]
+        one = explain_step(match, world.step, seat).hunters[0]
         assert one.out == ("withdrawn" if seat == 2 else "dropped out")
         assert ("It was withdrawn (R1.6)." if seat == 2 else "It had dropped out (R1.7).") in " ".join(
             explain_step(match, world.step, seat).lines()
         )
-        assert explain_step(match, world.step - 1, seat).asked[0].out is None
+        assert explain_step(match, world.step - 1, seat).hunters[0].out is None
 
 
 def test_a_refusal_tells_the_hunters_own_reach(play):

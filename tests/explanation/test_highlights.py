@@ -24,12 +24,12 @@ from catch_arena.verdicts import Verdict
 def match_with(
     catches=(), contests=(), names=("ann", "bob", "cy"), duration_ms=60_000, captures=(), hunters=None
 ) -> MatchEvents:
-    """The events of a match in which these sides catch at these times: (ms, side)."""
+    """The events of a match in which these contenders catch at these times: (ms, contender)."""
     scores = [0] * len(names)
     rows = []
-    for time_ms, side in catches:
-        scores[side] += 1
-        rows.append(Catch(time_ms, side, side, tuple(scores)))
+    for time_ms, contender in catches:
+        scores[contender] += 1
+        rows.append(Catch(time_ms, contender, contender, tuple(scores)))
     return MatchEvents(
         hunters=hunters or names,
         prey=("pip (prey_0)",),

@@ -117,7 +117,7 @@ def test_rows_that_begin_and_end_apart_play_as_the_oracle_does(name: str) -> Non
 def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
     """Without parts, as learners have it, through an episode of each row; ranks are R6.1's, R11.1's and R12.5's."""
     config, source = config_of(name).replace(time_limit_s=0.6), Random(7)
-    batch = Engine(config, MANY_ROWS, infos_wanted=False, auto_reset=True)
+    batch = Engine(config, MANY_ROWS, with_infos=False, auto_reset=True)
     oracles = [OracleArena(config.to_dict()) for _ in range(MANY_ROWS)]
     batch.reset(range(MANY_ROWS))
     for seed, oracle in enumerate(oracles):

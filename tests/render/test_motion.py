@@ -6,7 +6,8 @@ from fractions import Fraction
 
 import pytest
 
-from catch_arena.render.motion import TICK_MS, frame_spans, interpolate, poses_of, step_motion
+from catch_arena.core.physics import TICK_MS
+from catch_arena.render.motion import frame_spans, interpolate, poses_of, step_motion
 from catch_arena.render.timing import Clip
 
 

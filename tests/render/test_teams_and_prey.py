@@ -138,7 +138,7 @@ def test_two_teams_are_told_with_the_lead_and_the_share_of_each():
     area = hud.Rect(0, 0, 520, 132)
     shapes = team_scores_shapes(area, info, (30, 10), 1.0)
     assert {"AMBER_AGENT", "B", "30", "10", "catches", "amber_agent +20"} == {one.text for one in kinds(shapes, Label)}
-    bars = [box for box in kinds(shapes, Box) if box.color in {hud.legible(side.color) for side in info.sides}]
+    bars = [box for box in kinds(shapes, Box) if box.color in {hud.legible(team.color) for team in info.contenders}]
     assert bars[0].width / bars[1].width == pytest.approx(3.0, rel=0.05)
 
 

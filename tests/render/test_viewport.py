@@ -103,11 +103,11 @@ def test_hunters_of_up_to_four_teams_are_told_apart_by_their_colours_in_every_sh
 def test_a_team_is_called_as_its_only_agent_or_by_its_colour():
     config = ArenaConfig(hunters=6, teams=((0, 1), (2, 3), (4, 5)))
     info = MatchInfo.of(config, ("a", "a", "b", "c", "d", "d"))
-    assert [side.name for side in info.sides] == ["a", "mint", "d"]
-    assert [side.name for side in MatchInfo.of(config, ("a",) * 6).sides] == ["amber", "mint", "purple"]
-    assert MatchInfo.of(config).side_by_seat == (0, 0, 1, 1, 2, 2)
+    assert [contender.name for contender in info.contenders] == ["a", "mint", "d"]
+    assert [contender.name for contender in MatchInfo.of(config, ("a",) * 6).contenders] == ["amber", "mint", "purple"]
+    assert MatchInfo.of(config).contender_by_seat == (0, 0, 1, 1, 2, 2)
     many = MatchInfo.of(ArenaConfig(hunters=64, teams=tuple((seat,) for seat in range(64))), ("a",) * 64)
-    assert [many.sides[team].name for team in (0, 8, 16)] == ["amber", "light amber", "dark amber"]
+    assert [many.contenders[team].name for team in (0, 8, 16)] == ["amber", "light amber", "dark amber"]
 
 
 def test_the_seats_of_one_agent_have_rings_of_different_pieces():

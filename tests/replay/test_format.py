@@ -199,7 +199,7 @@ def test_a_file_from_before_targets_could_move_plays_as_recorded():
 
 
 def test_any_match_is_read_as_it_was_written(tmp_path):
-    """Settings, actions and dropouts from all over their ranges, the witness of every number included."""
+    """Settings, actions and dropouts from all over their ranges, the quantised state of every number included."""
     for seed in range(60 * EFFORT):
         source = Random(seed)
         config = some_config(source)

@@ -123,7 +123,7 @@ def test_an_edited_number_of_a_moving_target_is_named_from_the_file_too(fleeing,
     number = fleeing.states[50][8 + 4 * 11]
     (found,) = verify(Replay.load(tmp_path / "edited.replay"))
     assert re.fullmatch(
-        rf"step 50: its witness was altered: the digest agrees, but target_turtle_{number}: {told}", found
+        rf"step 50: its quantised state was altered: the digest agrees, but target_turtle_{number}: {told}", found
     )
 
 
@@ -139,7 +139,7 @@ def test_dropouts_follow_from_the_seed(fleeing):
         assert (line in found) == hunter.withdrawn
 
 
-def test_an_edited_witness_is_told_from_an_edited_action(mixed):
+def test_an_edited_quantised_state_is_told_from_an_edited_action(mixed):
     """Every digest agrees, so the match is what it was."""
 
     def shift(match):
@@ -149,7 +149,7 @@ def test_an_edited_witness_is_told_from_an_edited_action(mixed):
     y = number_of(mixed, 31, 2, 1)
     (found,) = verify(altered(mixed, shift))
     told, _, number = found.partition("the digest agrees, but hunter_2 (c): ")
-    assert told == "step 31: its witness was altered, and that of 2 later steps: "
+    assert told == "step 31: its quantised state was altered, and that of 2 later steps: "
     assert number == f"y is {(y + 17) / 1e6:.6f} m as recorded and {y / 1e6:.6f} m as replayed, 0.000017 m apart"
 
 
@@ -175,7 +175,7 @@ def test_several_faults_are_all_told(mixed):
     found = verify(altered(mixed, change))
     assert found[0].startswith("step 3: its digest was altered")
     assert found[1].startswith(
-        "step 5: its witness was altered: the digest agrees, but clock and counters: time is 501"
+        "step 5: its quantised state was altered: the digest agrees, but clock and counters: time is 501"
     )
     assert found[2] == "step 23 is the first that differs"
 
@@ -269,4 +269,4 @@ def test_altered_numbers_of_prey_are_told_by_its_name(hunted):
         (-1, r"prey_2 \(p\): caught at is 7 ms as recorded and not out as replayed"),
     ):
         (found,) = verify(altered(hunted, lambda match, place=place: match.states[1].__setitem__(place, 7)))
-        assert re.search(rf"step 1: its witness was altered: the digest agrees, but {line}", found), found
+        assert re.search(rf"step 1: its quantised state was altered: the digest agrees, but {line}", found), found

@@ -145,7 +145,7 @@ def test_the_player_knows_the_teams_and_in_how_many_pieces_each_ring_is(bundles)
     shown, replay = bundles["pairs"]
     info = MatchInfo.of_replay(replay)
     assert [(one["name"], tuple(one["seats"])) for one in shown["teams"]] == [
-        (one.name, one.seats) for one in info.sides
+        (one.name, one.seats) for one in info.contenders
     ]
     assert [one["pieces"] for one in shown["hunters"]] == list(info.rings)
     assert bundles["standard"][0]["teams"] is None

@@ -2,9 +2,10 @@
 
 from ros.local import Hub
 
+from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest
 from catch_arena.ros.agents import AgentSeats
-from catch_arena.ros.arena_node import TICK_MS, ArenaNode
+from catch_arena.ros.arena_node import ArenaNode
 from catch_arena.ros.interfaces import TWIST, Interfaces, TwistMessage
 from catch_arena.service import ArenaService
 
@@ -39,7 +40,7 @@ class Match:
             self.agents,
             TYPES,
             clock=clock,
-            say=self.said.append,
+            log=self.said.append,
         )
         self.node.begin(1)
 

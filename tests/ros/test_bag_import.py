@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 from catch_arena.cli import main
 from catch_arena.errors import ReplayError
 from catch_arena.replay import Replay
-from catch_arena.ros.bag_import import read_recording
-from catch_arena.ros.film import recorded_worlds
-from catch_arena.ros.recording_rulings import judge_recording
+from catch_arena.ros.bag_import import read_bag
+from catch_arena.ros.bag_rulings import judge_bag
+from catch_arena.ros.bag_video import bag_worlds
 from catch_arena.verdicts import Verdict
 
 TRACES = Path(__file__).parents[1] / "data"
@@ -64,10 +64,10 @@ def record_chase(folder, *, storage="sqlite3", jitter=0.0, **names):
 
 
 @pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
-def test_every_catch_of_a_real_turtles_recording_is_judged_where_it_stood(tmp_path, storage):
+def test_every_catch_of_a_real_turtles_bag_is_judged_where_it_stood(tmp_path, storage):
     caught = record_chase(tmp_path / "chase", storage=storage)
     assert len(caught) > 6
-    judged = judge_recording(read_recording(tmp_path / "chase"))
+    judged = judge_bag(read_bag(tmp_path / "chase"))
     assert [one.asked.name for one in judged] == [name for _, name, _ in caught]
     for one, (time_ms, _, metres) in zip(judged, caught, strict=True):
         assert one.asked.time_ms == pytest.approx(time_ms, abs=0.01)
@@ -79,24 +79,24 @@ def test_every_catch_of_a_real_turtles_recording_is_judged_where_it_stood(tmp_pa
 
 def test_a_longer_reach_grants_more(tmp_path):
     caught = record_chase(tmp_path / "chase")
-    recording = read_recording(tmp_path / "chase")
+    bag = read_bag(tmp_path / "chase")
     for reach in (0.1, 0.26, 3.0):
-        granted = sum(one.ruling.success for one in judge_recording(recording, reach))
+        granted = sum(one.ruling.success for one in judge_bag(bag, reach))
         assert granted == sum(metres < reach for *_, metres in caught)
 
 
-def test_a_recording_of_humble_without_definitions_and_one_of_kilted_are_read_alike(tmp_path):
+def test_a_bag_of_humble_without_definitions_and_one_of_kilted_are_read_alike(tmp_path):
     record_chase(tmp_path / "humble")
     without_definitions(tmp_path / "humble" / "humble.db3")
     record_chase(tmp_path / "kilted", storage="mcap", package="turtles_by_me", turtlesim="turtlesim_msgs")
-    humble, kilted = (judge_recording(read_recording(tmp_path / name)) for name in ("humble", "kilted"))
+    humble, kilted = (judge_bag(read_bag(tmp_path / name)) for name in ("humble", "kilted"))
     assert [str(one) for one in humble] == [str(one) for one in kilted]
 
 
 def test_a_turtle_with_float32_is_read_by_the_definition_in_the_bag(tmp_path):
     narrow = "string name\nfloat32 x\nfloat32 y\nfloat32 theta\n"
     caught = record_chase(tmp_path / "narrow", storage="mcap", turtle=narrow)
-    judged = judge_recording(read_recording(tmp_path / "narrow"))
+    judged = judge_bag(read_bag(tmp_path / "narrow"))
     for one, (*_, metres) in zip(judged, caught, strict=True):
         assert one.ruling.distance_um == pytest.approx(1e6 * metres, abs=3)
 
@@ -121,8 +121,8 @@ def test_what_was_written_from_a_match_comes_back_with_the_same_rulings(tmp_path
     agents = ["nearest", "contested", "nearest"][: int(settings[0][-1])]
     assert run("match", *agents, *words, "--trusted", "--seed", 9, "-o", tmp_path / "m.replay").exit_code == 0
     assert run("ros", "bag", tmp_path / "m.replay", "-o", tmp_path / "m").exit_code == 0
-    recording = read_recording(tmp_path / "m")
-    judged = judge_recording(recording)
+    bag = read_bag(tmp_path / "m")
+    judged = judge_bag(bag)
     rulings = [
         (world.time_ms, ruling) for before, world in pairwise(Replay.load(tmp_path / "m.replay").worlds())
         for ruling in world.rulings
@@ -132,7 +132,7 @@ def test_what_was_written_from_a_match_comes_back_with_the_same_rulings(tmp_path
     ]
     assert len(judged) > 3
     assert all(one.agrees for one in judged)
-    *_, last = recorded_worlds(recording, judged)
+    *_, last = bag_worlds(bag, judged)
     *_, world = Replay.load(tmp_path / "m.replay").worlds()
     assert [hunter.score for hunter in last.hunters] == [hunter.score for hunter in world.hunters]
     for here, there in zip(last.hunters, world.hunters, strict=True):
@@ -155,7 +155,7 @@ def test_ghosts_repeats_and_kills_that_did_not_happen_are_told_apart(tmp_path):
                 bag.alive(time_ms, ("target_turtle_2", 5.1, 5.0))
             if time_ms == 2000:
                 bag.alive(time_ms)
-    judged = judge_recording(read_recording(tmp_path / "wrong"))
+    judged = judge_bag(read_bag(tmp_path / "wrong"))
     assert [(one.asked.name, one.ruling.verdict) for one in judged] == [
         ("", Verdict.UNKNOWN_TARGET),
         ("target_turtle_1", Verdict.GRANTED),
@@ -171,16 +171,16 @@ def test_without_lists_a_target_is_caught_where_its_poses_end(tmp_path):
             if 480 <= time_ms <= 1600:
                 bag.pose("turtle2", time_ms, 5.2, 5.0)
             bag.pose("turtle3", time_ms, 9.0, 9.0)
-    (one,) = judge_recording(read_recording(tmp_path / "poses"))
+    (one,) = judge_bag(read_bag(tmp_path / "poses"))
     assert (one.asked.name, one.hunter, one.ruling.verdict) == ("turtle2", "turtle1", Verdict.GRANTED)
     assert one.asked.time_ms == 1600
 
 
-def test_the_film_shows_who_was_where_and_is_as_long_as_the_recording(tmp_path):
+def test_the_video_shows_who_was_where_and_is_as_long_as_the_bag(tmp_path):
     caught = record_chase(tmp_path / "chase", jitter=3.0)
-    recording = read_recording(tmp_path / "chase")
-    judged = judge_recording(recording)
-    worlds = list(recorded_worlds(recording, judged))
+    bag = read_bag(tmp_path / "chase")
+    judged = judge_bag(bag)
+    worlds = list(bag_worlds(bag, judged))
     rows = {time_ms: row for time_ms, *row in trace()}
     assert len(worlds) == len(rows)
     for world in worlds[1:-1]:
@@ -198,12 +198,12 @@ def test_the_film_shows_who_was_where_and_is_as_long_as_the_recording(tmp_path):
     assert made.exit_code == 0, made.output
     assert made.stdout.count(" s  turtle1 caught target_turtle_") == len(caught)
     assert f"catches: {len(caught)} in the recording" in made.stdout
-    frames = round(recording.end_ms / 1000 / 8 * 5)
+    frames = round(bag.end_ms / 1000 / 8 * 5)
     assert f"video: {tmp_path / 'f.mp4'} ({frames} frames" in made.stdout
     assert (tmp_path / "f.mp4").stat().st_size > 10_000
 
 
-def test_the_film_is_not_replaced_without_force_and_a_list_needs_none(tmp_path):
+def test_the_video_is_not_replaced_without_force_and_a_list_needs_none(tmp_path):
     record_chase(tmp_path / "chase")
     (tmp_path / "chase.mp4").write_text("mine")
     refused = run("ros", "import", tmp_path / "chase")
@@ -219,7 +219,7 @@ def test_a_bag_is_read_by_its_file_too_and_what_a_class_recorded_besides_does_no
         bag.raw("/rosout", "rcl_interfaces/msg/Log", 0, b"\0\1\0\0nonsense")
         bag.pose("turtle1", 0, 5.0, 5.0)
         bag.pose("turtle1", 16, 5.0, 5.0)
-    assert read_recording(tmp_path / "more").left_out == 0
+    assert read_bag(tmp_path / "more").left_out == 0
     whole, file = (run("ros", "import", path, "--list") for path in (tmp_path / "chase", tmp_path / "chase/chase.mcap"))
     assert whole.stdout == file.stdout
     assert whole.exit_code == 0
@@ -235,7 +235,7 @@ def test_poses_that_cannot_be_are_left_out_and_counted(tmp_path, pose):
         bag.alive(1100)
     told = run("ros", "import", tmp_path / "b", "--list")
     assert told.exit_code == 0
-    assert told.stderr == "left out: 2 messages that cannot be\n"
+    assert told.stderr == "left out: 2 messages that are damaged or have impossible values\n"
     assert "catches: 1 in the recording, 1 of them granted" in told.stdout
 
 
@@ -282,7 +282,7 @@ def damaged(tmp_path, how):
         *("metadata noise", "metadata other", "no metadata"),
     ],
 )
-def test_a_damaged_bag_is_one_line_and_no_film(tmp_path, how):
+def test_a_damaged_bag_is_one_line_and_no_video(tmp_path, how):
     folder = damaged(tmp_path, how)
     refused = run("ros", "import", folder, "-o", tmp_path / "f.mp4")
     assert refused.exit_code == 2
@@ -304,7 +304,7 @@ def test_every_cut_and_many_changed_bytes_of_a_file_are_one_line_or_a_story(tmp_
         for changed in (content[:at], content[:at] + bytes([content[at] ^ 0xFF]) + content[at + 1 :]):
             (tmp_path / "c.mcap").write_bytes(changed)
             try:
-                judge_recording(read_recording(tmp_path / "c.mcap"))
+                judge_bag(read_bag(tmp_path / "c.mcap"))
                 outcomes.add("a story")
             except ReplayError as error:
                 outcomes.add("one line" if "\n" not in str(error) else str(error))
@@ -329,7 +329,7 @@ def test_a_folder_without_turtles_and_one_with_targets_alone_say_what_to_record(
         assert refused.stderr == f"catch-arena: {tmp_path / name}: {why}\n"
 
 
-def test_a_recording_that_lasts_for_years_is_refused_before_it_is_filmed(tmp_path):
+def test_a_bag_that_lasts_for_years_is_refused_before_its_video_is_made(tmp_path):
     with Recorder(tmp_path / "b") as bag:
         bag.pose("turtle1", 0, 5.0, 5.0)
         bag.pose("turtle1", 4e10, 5.0, 5.0)

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import bus_options, main
 from catch_arena.ros import bus
-from catch_arena.ros.pace import Pace
+from catch_arena.ros.rate import Rate
 
 
 def run(*arguments):
@@ -137,19 +137,19 @@ class Wall:
 def test_ticks_keep_their_times_and_late_ones_are_counted():
     """One late tick does not move those that follow; after a long stop there is no hurry."""
     wall = Wall()
-    pace = Pace(0.016, wall.tell, wall.sleep)
-    pace.wait()
+    rate = Rate(0.016, wall.tell, wall.sleep)
+    rate.sleep()
     assert wall.now == pytest.approx(100.016)
 
     wall.now += 0.024  # 8 ms late
-    pace.wait()
-    pace.wait()
+    rate.sleep()
+    rate.sleep()
     assert wall.now == pytest.approx(100.048)
-    assert (pace.ticks, pace.late, pace.latest_s) == (3, 1, pytest.approx(0.008))
+    assert (rate.ticks, rate.late, rate.latest_s) == (3, 1, pytest.approx(0.008))
 
     wall.now += 10.0
-    pace.wait()
+    rate.sleep()
     begin = wall.now
-    pace.wait()
+    rate.sleep()
     assert wall.now == pytest.approx(begin + 0.016)
-    assert pace.late == 2
+    assert rate.late == 2

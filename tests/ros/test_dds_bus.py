@@ -126,7 +126,7 @@ def test_a_zero_byte_in_a_name_ends_nobody(echo):
 def test_what_cannot_be_sent_is_left_out(domain):
     """With a line; the next is sent."""
     said = []
-    ours = open_bus("cyclonedds", domain=domain, localhost=True, say=said.append)
+    ours = open_bus("cyclonedds", domain=domain, localhost=True, log=said.append)
     send = ours.publisher("/names", TYPES.turtle_array)
     reader = wire.Node(domain).reader("rt/names", wire.turtles())
     until(reader.matched)
@@ -202,7 +202,7 @@ def test_an_injected_message_arrives_where_it_is_whole(echo, domain):
 def test_a_foreign_type_on_a_topic_is_told_in_one_line(domain):
     """DDS does not bring them together; whoever wonders why is told the names."""
     said = []
-    ours = open_bus("cyclonedds", domain=domain, localhost=True, say=said.append)
+    ours = open_bus("cyclonedds", domain=domain, localhost=True, log=said.append)
     ours.publisher("/alive_turtles", Interfaces().turtle_array)
     theirs = wire.Node(domain)
     theirs.reader("rt/alive_turtles", wire.turtles("robot_msgs"))
@@ -232,7 +232,7 @@ def watch():
     """A watch that looks at what the test shows it, and what it says."""
     said = []
     made = object.__new__(dds_peers.PeerWatch)
-    made._expected, made._served, made._told, made._say = {}, {}, set(), said.append
+    made._expected, made._served, made._warned, made._log = {}, {}, set(), said.append
     made.expect("rq/catch_turtleRequest", TYPES.catch_turtle.request)
     made.expect("rt/alive_turtles", TYPES.turtle_array)
     return made, said
@@ -302,7 +302,7 @@ def test_the_first_that_is_installed_is_taken_and_told(monkeypatch, domain):
     """That is cyclonedds here."""
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
     said = []
-    found = open_bus(domain=domain, say=said.append)
+    found = open_bus(domain=domain, log=said.append)
     assert (found.backend, said) == ("cyclonedds", ["bus: cyclonedds"])
     found.publisher("/x", TWIST)
     found.close()

@@ -28,7 +28,7 @@ def domain_with_ours(node="catch_arena"):
     """A domain, our bus in it with one end of each kind, and what it says."""
     with own_domain() as domain:
         said = []
-        ours = open_bus("cyclonedds", node=node, domain=domain, localhost=True, say=said.append)
+        ours = open_bus("cyclonedds", node=node, domain=domain, localhost=True, log=said.append)
         keep = ours.publisher("/hunter_0/pose", TYPES.pose)
         ours.subscribe("/hunter_0/cmd_vel", TWIST, print)
         ours.serve("/catch_turtle", TYPES.catch_turtle, print)
@@ -147,7 +147,7 @@ def test_two_of_our_own_do_as_the_first_of_ros_does():
         process = RosProcess(domain, 16, HASH)
         process.heard(ours)
         del process
-        second = open_bus("cyclonedds", node="two", domain=domain, localhost=True, say=print)
+        second = open_bus("cyclonedds", node="two", domain=domain, localhost=True, log=print)
         late = RosProcess(domain, 16, "")
         names = set()
         while len(names) < 2:

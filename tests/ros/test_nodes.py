@@ -170,7 +170,7 @@ def test_over_rosbridge_a_right_node_passes_too():
     state = {"pose": (0.0, 0.0), "turtles": {}, "end": monotonic() + 60}
 
     def serve(url):
-        bus = open_bus("rosbridge", url=url, say=lambda _: None)
+        bus = open_bus("rosbridge", url=url, log=lambda _: None)
         bus.subscribe("/turtle1/pose", types.pose, lambda pose, _: state.update(pose=(pose.x, pose.y)))
 
         def hear(message, _):

@@ -206,7 +206,7 @@ def test_the_spawners_timer_goes_on_from_the_last_target_at_its_new_frequency(hu
     parameters = spawner_parameters(1.0, "bob_")
     config = scenario("capstone").replace(spawn_frequency_hz=1.0, name_prefix="bob_")
     frequency = parameters[FREQUENCY]
-    node = Spawner(hub.bus("ours"), ("turtle1",), TYPES, config, frequency, seed=1, say=said.append)
+    node = Spawner(hub.bus("ours"), ("turtle1",), TYPES, config, frequency, seed=1, log=said.append)
 
     def play(ticks):
         before = len(asked)
@@ -232,7 +232,7 @@ def test_a_controller_drives_to_the_closest_or_to_the_oldest_target_from_one_per
     with start_players(entrants, None) as players:
         ours = hub.bus("ours")
         closest = parameters[CLOSEST]
-        node = Controller(ours, players, scenario("capstone"), "turtle1", TYPES, closest, say=print)
+        node = Controller(ours, players, scenario("capstone"), "turtle1", TYPES, closest, log=print)
         pose = turtlesim.publisher("/turtle1/pose", TYPES.pose)
         turtlesim.publisher("/alive_turtles", TYPES.turtle_array)(
             TurtleArray((Turtle("old", 5.0, 9.0, 0.0), Turtle("near", 5.0, 4.0, 0.0)))

@@ -27,7 +27,7 @@ def bridge():
 def joined(bridge):
     """One of ours, and what it says."""
     said = []
-    made = open_bus("rosbridge", url=bridge[1], say=said.append)
+    made = open_bus("rosbridge", url=bridge[1], log=said.append)
     yield made, said
     made.close()
 

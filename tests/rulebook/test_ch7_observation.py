@@ -9,7 +9,7 @@ from rulebook.conftest import ArenaFactory
 
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import parallel_env
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, columns, state_columns, target_columns, width
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, columns, observation_size, state_columns, target_columns
 from catch_arena.policy import Limits, View
 
 STILL = (0.0, 0.0)
@@ -181,7 +181,7 @@ def test_r7_1_one_table_gives_every_number_its_name_place_and_range(control: str
     table = columns(config)
     low = np.array([column.low for column in table], np.float32)
     high = np.array([column.high for column in table], np.float32)
-    assert len({column.name for column in table}) == len(table) == width(config)
+    assert len({column.name for column in table}) == len(table) == observation_size(config)
     observations, infos = env.reset(seed=4)
     for agent in env.agents:
         env.action_space(agent).seed(4)

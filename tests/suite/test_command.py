@@ -70,8 +70,8 @@ def run(monkeypatch, tmp_path):
 
 @pytest.fixture
 def network(tmp_path):
-    draw = np.random.default_rng(1)
-    Mlp([(draw.normal(size=(9, 71)), np.zeros(9))]).save(tmp_path / "mine.npz")
+    rng = np.random.default_rng(1)
+    Mlp([(rng.normal(size=(9, 71)), np.zeros(9))]).save(tmp_path / "mine.npz")
 
 
 def test_a_run_says_what_it_plays_before_and_keeps_all_of_it(run, tmp_path):

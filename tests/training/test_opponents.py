@@ -111,7 +111,7 @@ def test_a_batch_with_opponents_plays_what_one_arena_envs_play(opponents):
         opponents[-1].control = "velocity"
     batch = LearnerBatch("standard", 7, opponents=opponents, max_cycles=9)
     batch.reset(seed=4)
-    draw = np.random.default_rng(0)
+    rng = np.random.default_rng(0)
     for _ in range(2):
         kinds = batch.arena._engine.controls.copy()
         configs = [batch.config.replace(control=tuple(WORDS[k] for k in row)) for row in kinds.tolist()]
@@ -120,7 +120,7 @@ def test_a_batch_with_opponents_plays_what_one_arena_envs_play(opponents):
             env.reset(seed=seed)
         for step in range(9):
             seats = batch.seats[:, 0]
-            actions = draw.integers(0, 9, 7)
+            actions = rng.integers(0, 9, 7)
             expected = []
             result = batch.step(actions)
             for row, env in enumerate(envs):
@@ -172,7 +172,7 @@ def test_an_agent_that_acts_alone_has_an_instance_for_each_hunter_and_episode():
 
 
 def test_a_run_is_repeated_by_its_seed():
-    """Opponents, seats and what opponents draw."""
+    """Opponents, seats and what opponents rng."""
     runs = []
     for _ in range(2):
         batch = LearnerBatch("standard", 5, opponents=["random", "patrol", "nearest"], max_cycles=4)

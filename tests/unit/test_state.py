@@ -14,9 +14,9 @@ from catch_arena.layout import (
     SelfFeatures,
     TargetFeatures,
     columns,
+    observation_size,
     prey_columns,
     state_columns,
-    width,
 )
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.verdicts import Verdict
@@ -96,7 +96,7 @@ def test_the_layout_has_a_column_for_each_number_that_the_oracle_sees(config, pe
                 if not to_float32(column.low) <= number <= to_float32(column.high)  # as a Box has them
             ]
             assert outside == []
-    assert len(table) == width(config)
+    assert len(table) == observation_size(config)
     for side in (table, of_prey):
         assert len({column.name for column in side}) == len(side)
 

@@ -27,10 +27,10 @@ def test_an_arena_with_the_bodies_of_another_sees_and_plays_the_same_from_there(
     settings = {"control": "velocity", "spawning": False, "initial_targets": 8}
     played = VectorArena(scenario, 3, copy=True, **settings)
     played.reset(seed=5)
-    draw = np.random.default_rng(1)
+    rng = np.random.default_rng(1)
     shape = (3, played.num_hunters, 2)
     for _ in range(60):
-        before, *_ = played.step(draw.uniform(-0.2, 1.0, shape))
+        before, *_ = played.step(rng.uniform(-0.2, 1.0, shape))
     hunters, targets = zip(*(bodies(played, row) for row in range(3)), strict=True)
     placed = VectorArena(scenario, 3, copy=True, **settings)
     placed.reset(seed=99)
@@ -39,7 +39,7 @@ def test_an_arena_with_the_bodies_of_another_sees_and_plays_the_same_from_there(
     compared = [index for index, name in enumerate(own) if "score" not in name and name != "angular_velocity"]
     np.testing.assert_array_equal(seen[..., compared], before[..., compared])
     for _ in range(60):
-        actions = draw.uniform(-0.2, 1.0, shape)
+        actions = rng.uniform(-0.2, 1.0, shape)
         before, *_ = played.step(actions)
         seen, *_ = placed.step(actions)
         np.testing.assert_array_equal(seen[..., compared], before[..., compared])

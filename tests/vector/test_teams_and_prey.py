@@ -11,7 +11,7 @@ from catch_arena import VectorArena, parallel_env, scenario
 from catch_arena.engine import Engine
 from catch_arena.episode_seeds import batch_seeds
 from catch_arena.errors import ActionError, ConfigError
-from catch_arena.layout import prey_width, width
+from catch_arena.layout import observation_size, prey_observation_size
 
 SEED = 20_261_122
 HUNT = scenario(
@@ -125,11 +125,11 @@ def test_r11_2_a_batch_gives_the_rewards_of_the_one_arena_env():
 def test_shapes_and_spaces_are_those_of_the_sides():
     arena = VectorArena(HUNT, 4)
     observations, infos = arena.reset(seed=1)
-    assert observations["hunter"].shape == (4, 3, width(HUNT))
-    assert observations["prey"].shape == (4, 3, prey_width(HUNT))
-    assert arena.observation_space("prey").shape == (prey_width(HUNT),)
+    assert observations["hunter"].shape == (4, 3, observation_size(HUNT))
+    assert observations["prey"].shape == (4, 3, prey_observation_size(HUNT))
+    assert arena.observation_space("prey").shape == (prey_observation_size(HUNT),)
     assert arena.action_space("prey").shape == (2,)
-    assert arena.observation_space(1).shape == (width(HUNT),)
+    assert arena.observation_space(1).shape == (observation_size(HUNT),)
     assert infos["prey_active"].all()
     with pytest.raises(ConfigError, match="seat must be a hunter's in an arena without prey, got 'prey'"):
         VectorArena("standard", 2).action_space("prey")
@@ -212,7 +212,7 @@ def test_copies_are_the_callers_own_with_prey():
 @pytest.mark.rule("R12.5")
 def test_r12_5_withdrawn_prey_ranks_last_in_the_figures_of_an_episode():
     """However rarely it was caught; among itself by score."""
-    engine, source = Engine(HUNT, 3, infos_wanted=False, auto_reset=True), np.random.default_rng(2)
+    engine, source = Engine(HUNT, 3, with_infos=False, auto_reset=True), np.random.default_rng(2)
     engine.reset([1, 2, 3])
     for index in (0, 2):
         engine.withdraw_prey(1, index)

@@ -1,4 +1,4 @@
-"""Steps at an even pace by the clock on the wall."""
+"""Steps at an even rate, by the wall clock, as `rclpy.Rate` makes them."""
 
 import time
 from collections.abc import Callable
@@ -10,7 +10,7 @@ _GIVEN_UP_S: Final = 0.25
 """Who is behind by more goes on from now: a machine that was held up does not hurry after."""
 
 
-class Pace:
+class Rate:
     """Waits for one tick after the other.
 
     Args:
@@ -33,8 +33,8 @@ class Pace:
         self._clock, self._sleep = clock, sleep
         self._due = clock()
 
-    def wait(self) -> None:
-        """Until the next tick is due."""
+    def sleep(self) -> None:
+        """Wait until the next tick is due."""
         self._due += self.period_s
         ahead = self._due - self._clock()
         if ahead > 0:

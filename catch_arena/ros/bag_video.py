@@ -1,4 +1,4 @@
-"""A recording as a film, by the pictures of a match."""
+"""A bag as a video, drawn as a match is."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,16 +6,16 @@ from math import ceil
 from pathlib import Path
 
 from catch_arena.config import TURTLESIM_SIDE_M
+from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import Pose
 from catch_arena.render import hud
 from catch_arena.render.encoders import Progress, format_of
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import TICK_MS
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import RenderReport, frame_rate, frame_size, frames_of, pace_of, write_video
-from catch_arena.ros.recording import Recording
-from catch_arena.ros.recording_rulings import JudgedCatch
+from catch_arena.ros.bag_contents import BagContents
+from catch_arena.ros.bag_rulings import JudgedCatch
 from catch_arena.scenarios import scenario
 from catch_arena.world import HunterState, TargetState, World
 
@@ -23,8 +23,8 @@ _SILENT_MS = 500.0
 """A hunter that tells no pose for so long until the end has gone."""
 
 
-def film_recording(
-    recording: Recording,
+def render_bag(
+    bag: BagContents,
     judged: Sequence[JudgedCatch],
     path: Path,
     *,
@@ -36,10 +36,10 @@ def film_recording(
     speed: float = 1.0,
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a recording as a video; scores and words are the arbiter's.
+    """Write a bag as a video; scores and words are the arbiter's.
 
     Args:
-        recording: what was read of the bag.
+        bag: what was read of the bag.
         judged: its catches.
         path: which ends in .mp4, .webm, .gif or .webp.
         reach_m: the reach that is shown.
@@ -47,7 +47,7 @@ def film_recording(
         size: as for `render_replay`, and so are the others.
         fps: frames a second.
         layout: "broadcast" or "arena".
-        speed: seconds of the recording in a second of the video.
+        speed: seconds of the bag in a second of the video.
         progress: called with (frames written, frames in all).
 
     Raises:
@@ -56,12 +56,12 @@ def film_recording(
     """
     kind = format_of(path)
     within = frame_size(kind, size)
-    ticks = ceil(recording.end_ms / TICK_MS)
+    ticks = ceil(bag.end_ms / TICK_MS)
     clip = Clip(0, ticks * TICK_MS, frame_rate(kind, fps), pace_of(speed))
-    names = tuple(recording.hunters)
+    names = tuple(bag.hunters)
     config = scenario("standard", hunters=len(names), reach_m=reach_m)
     renderer = MatchRenderer(MatchInfo.of(config, names, title, clip.end_ms), within, layout)
-    worlds = recorded_worlds(recording, judged)
+    worlds = bag_worlds(bag, judged)
     frames = frames_of(worlds, renderer, clip)
     return write_video(path, frames, within, clip.fps, clip.frames, progress)
 
@@ -77,17 +77,17 @@ class _Life:
     pose: Pose
 
 
-def recorded_worlds(recording: Recording, judged: Sequence[JudgedCatch]) -> Iterator[World]:
+def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[World]:
     """The arena at each of turtlesim's ticks; the rulings stand in the world after the tick in which they fell."""
-    lives = _lives(recording, judged)
-    scores = dict.fromkeys(recording.hunters, 0)
-    seats = {name: seat for seat, name in enumerate(recording.hunters)}
+    lives = _lives(bag, judged)
+    scores = dict.fromkeys(bag.hunters, 0)
+    seats = {name: seat for seat, name in enumerate(bag.hunters)}
     by_tick: dict[int, list[JudgedCatch]] = {}
     for one in judged:
         by_tick.setdefault(int(one.asked.time_ms // TICK_MS) + 1, []).append(one)
     coming = sorted(lives, key=lambda life: life.begin_ms, reverse=True)
     alive: list[_Life] = []
-    for tick in range(ceil(recording.end_ms / TICK_MS) + 1):
+    for tick in range(ceil(bag.end_ms / TICK_MS) + 1):
         time_ms = tick * TICK_MS
         while coming and coming[-1].begin_ms <= time_ms:
             alive.append(coming.pop())
@@ -99,36 +99,36 @@ def recorded_worlds(recording: Recording, judged: Sequence[JudgedCatch]) -> Iter
             time_ms,
             tick,
             TURTLESIM_SIDE_M,
-            tuple(_hunter(recording, name, time_ms, scores) for name in seats),
-            tuple(_target(recording, life, time_ms) for life in sorted(alive, key=lambda life: life.number)),
+            tuple(_hunter(bag, name, time_ms, scores) for name in seats),
+            tuple(_target(bag, life, time_ms) for life in sorted(alive, key=lambda life: life.number)),
             rulings,
         )
 
 
-def _hunter(recording: Recording, name: str, time_ms: float, scores: Mapping[str, int]) -> HunterState:
-    track = recording.hunters[name]
+def _hunter(bag: BagContents, name: str, time_ms: float, scores: Mapping[str, int]) -> HunterState:
+    track = bag.hunters[name]
     pose = track.at(time_ms)
-    gone = time_ms > track.end_ms and recording.end_ms - track.end_ms > _SILENT_MS
+    gone = time_ms > track.end_ms and bag.end_ms - track.end_ms > _SILENT_MS
     return HunterState(name, *pose, score=scores[name], withdrawn=gone)
 
 
-def _target(recording: Recording, life: _Life, time_ms: float) -> TargetState:
-    track = recording.targets.get(life.name)
+def _target(bag: BagContents, life: _Life, time_ms: float) -> TargetState:
+    track = bag.targets.get(life.name)
     pose = life.pose if track is None or time_ms < track.begin_ms else track.at(time_ms)
     return TargetState(life.name, life.number, *pose[:3], spawned_ms=int(life.begin_ms))
 
 
-def _lives(recording: Recording, judged: Sequence[JudgedCatch]) -> list[_Life]:
+def _lives(bag: BagContents, judged: Sequence[JudgedCatch]) -> list[_Life]:
     """Who was alive from when to when, by the lists; without lists, by the poses. A name that comes back is another
     target. Who is caught is gone, whenever the next list comes.
     """
     lives: list[_Life] = []
-    if not recording.lists:
-        for name, track in recording.targets.items():
+    if not bag.lists:
+        for name, track in bag.targets.items():
             lives.append(_Life(name, len(lives) + 1, track.begin_ms, track.end_ms, track.placed[0].pose))
         return lives
     alive: dict[str, _Life] = {}
-    for time_ms, (turtles,) in recording.lists:
+    for time_ms, (turtles,) in bag.lists:
         named = {turtle.name: turtle for turtle in turtles if turtle.name}  # without a name it never was anywhere
         for name in alive.keys() - named.keys():
             alive.pop(name).end_ms = time_ms
@@ -136,7 +136,7 @@ def _lives(recording: Recording, judged: Sequence[JudgedCatch]) -> list[_Life]:
             x, y = (min(max(number, 0.0), TURTLESIM_SIDE_M) for number in (turtle.x, turtle.y))
             pose = Pose(x, y, turtle.theta, 0.0, 0.0)
             if name not in alive:
-                alive[name] = _Life(name, len(lives) + 1, time_ms, recording.end_ms + TICK_MS, pose)
+                alive[name] = _Life(name, len(lives) + 1, time_ms, bag.end_ms + TICK_MS, pose)
                 lives.append(alive[name])
             alive[name].pose = pose
     for one in judged:

@@ -74,7 +74,7 @@ class RecordedRequest:
     time_ms: float
     name: str
     hunter: str | None
-    """Who asked; None where the recording does not tell."""
+    """Who asked; None where the bag does not tell."""
     success: bool | None
     """The answer; None where there is none."""
     hunters: Mapping[str, Place]
@@ -84,7 +84,7 @@ class RecordedRequest:
 
 
 @dataclass(frozen=True, slots=True)
-class Recording:
+class BagContents:
     """What was read of a bag; times are milliseconds since its first message."""
 
     hunters: Mapping[str, Track]
@@ -96,4 +96,4 @@ class Recording:
     """Catches that the lists tell, or the calls of the service where these were recorded."""
     end_ms: float
     left_out: int
-    """Messages that could not be: not readable, not finite, or outside turtlesim's window."""
+    """Messages that could not be used: not readable, not finite, or outside turtlesim's window."""

@@ -1,4 +1,4 @@
-"""What the arbiter would have ruled on the catches of a recording."""
+"""What the arbiter would have ruled on the catches of a bag."""
 
 import math
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from typing import Final
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.explanation.formatting import metres
-from catch_arena.ros.recording import RecordedRequest, Recording
+from catch_arena.ros.bag_contents import BagContents, RecordedRequest
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling, Verdict
 
@@ -19,11 +19,11 @@ _LONGEST_NAME: Final = 60
 
 @dataclass(frozen=True, slots=True)
 class JudgedCatch:
-    """One request of a recording, and its ruling."""
+    """One request of a bag, and its ruling."""
 
     asked: RecordedRequest
     hunter: str
-    """Who asked, or the nearest, where the recording does not tell."""
+    """Who asked, or the nearest, where the bag does not tell."""
     ruling: Ruling
 
     @property
@@ -43,20 +43,20 @@ class JudgedCatch:
         )
 
 
-def judge_recording(recording: Recording, reach_m: float = 0.3) -> list[JudgedCatch]:
-    """The requests of a recording in their order, judged where everybody stood by the last poses before each.
+def judge_bag(bag: BagContents, reach_m: float = 0.3) -> list[JudgedCatch]:
+    """The requests of a bag in their order, judged where everybody stood by the last poses before each.
 
     Those of one instant are judged together (R5.1). A tie is drawn as in a match with the seed 0.
 
     Raises:
         ConfigError: for a reach that cannot be.
     """
-    names = tuple(recording.hunters)
+    names = tuple(bag.hunters)
     caught: set[str] = set()
     judged: list[JudgedCatch] = []
-    for _, together in groupby(recording.asked, key=lambda one: one.time_ms):
+    for _, together in groupby(bag.asked, key=lambda one: one.time_ms):
         requests = list(together)
-        targets = {name: place for name, place in requests[0].targets.items() if not _is_ghost(recording, name)}
+        targets = {name: place for name, place in requests[0].targets.items() if not _is_ghost(bag, name)}
         seats = [_seat(names, one) for one in requests]
         rulings = arbitrate(
             hunters=[requests[0].hunters[name] for name in names],
@@ -64,7 +64,7 @@ def judge_recording(recording: Recording, reach_m: float = 0.3) -> list[JudgedCa
             requests=[(seat, one.name) for seat, one in zip(seats, requests, strict=True)],
             reach_m=reach_m,
             caught=caught - targets.keys(),
-            kill_refused=[one.name for one in requests if one.success and _stays(recording, one)],
+            kill_refused=[one.name for one in requests if one.success and _stays(bag, one)],
         )
         for one, seat, ruling in zip(requests, seats, rulings, strict=True):
             judged.append(JudgedCatch(one, names[seat], ruling))
@@ -95,11 +95,11 @@ def _seat(names: Sequence[str], one: RecordedRequest) -> int:
     return min(range(len(names)), key=lambda seat: math.dist(one.hunters[names[seat]], place))
 
 
-def _is_ghost(recording: Recording, name: str) -> bool:
+def _is_ghost(bag: BagContents, name: str) -> bool:
     """What was listed but never was in the simulator: a spawn that failed has an empty name, and no ghost has poses."""
-    return not name or (bool(recording.targets) and name not in recording.targets)
+    return not name or (bool(bag.targets) and name not in bag.targets)
 
 
-def _stays(recording: Recording, one: RecordedRequest) -> bool:
-    track = recording.targets.get(one.name)
+def _stays(bag: BagContents, one: RecordedRequest) -> bool:
+    track = bag.targets.get(one.name)
     return track is not None and track.begin_ms <= one.time_ms and track.end_ms > one.time_ms + _STAYS_MS
