@@ -8,7 +8,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.bus_options import BRIDGE_URL, INTERFACES, TURTLESIM, BusOption, Domain, Package, Turtlesim, Url
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.ros_nodes import is_service, node_under_test
+from catch_arena.cli.ros_nodes import names_a_service, node_under_test
 from catch_arena.cli.terminal import columns, say
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
@@ -71,7 +71,7 @@ def conformance(
         raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
     if junit is not None:
         output_file(junit, force=force)
-    if arbiter is not None and is_service(arbiter):
+    if arbiter is not None and names_a_service(arbiter):
         from catch_arena.ros.node_cases import run_on_node
 
         if arena is not None or exact_lots:

@@ -18,7 +18,7 @@ from catch_arena.cli.app import (
 )
 from catch_arena.cli.bus_options import BRIDGE_URL, INTERFACES, TURTLESIM, BusOption, Domain, Package, Turtlesim, Url
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.ros_nodes import is_service, node_under_test
+from catch_arena.cli.ros_nodes import names_a_service, node_under_test
 from catch_arena.cli.terminal import folded, say
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
@@ -118,7 +118,7 @@ def grade(
         if path is not None:
             output_file(path, force=force)
     grades: list[TestGrade] = []
-    if is_service(agent):
+    if names_a_service(agent):
         from catch_arena.ros.node_grading import grade_node
 
         if seeds is not None:

@@ -152,6 +152,14 @@ def controller(
     ] = "nearest",
     *,
     turtle: Annotated[str, typer.Option(metavar="NAME", help="Which turtle it drives.")] = "turtle1",
+    service: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Who is asked for catches.",
+            show_default="/NAME/catch_turtle where it is served, else /catch_turtle",
+        ),
+    ] = None,
     bus: BusOption = None,
     domain: Domain = None,
     url: Url = BRIDGE_URL,
@@ -167,6 +175,7 @@ def controller(
 
     nearest and first are the exercise's catch_closest_turtle_first, true and false: a parameter then.
     """
+    from catch_arena.ros.bus import is_service
     from catch_arena.ros.controller import PERIOD_S, Controller
     from catch_arena.ros.parameters import CLOSEST_FIRST, controller_parameters
     from catch_arena.ros.rate import Rate
@@ -179,6 +188,9 @@ def controller(
     called = take_ros_args(ros_args or (), "turtle_controller", parameters, _warn)
     closest_first = parameters[CLOSEST_FIRST] if agent in _EXERCISE else None
     config = arena("capstone", settings)
+    turtle = checked_turtle(turtle)
+    if service is not None and not is_service(service):
+        raise ConfigError(f"--service must be a service's name, as /catch_turtle, got {service!r}")
     types = interfaces_of(interfaces, turtlesim)
     entrants = enter_agents(specs, allowed)
     with (
@@ -186,7 +198,7 @@ def controller(
         start_players(entrants, sandbox) as players,
         joined_bus(bus, called, domain, url) as joined,
     ):
-        node = Controller(joined, players, config, checked_turtle(turtle), types, closest_first, log=say)
+        node = Controller(joined, players, config, turtle, types, closest_first, service=service, log=say)
         joined.declare(parameters)
         rate = Rate(PERIOD_S)
         try:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _SERVICE: Final = "ros:"
 
 
-def is_service(word: str) -> bool:
+def names_a_service(word: str) -> bool:
     """Whether it names a service: ros:/catch_turtle."""
     return word.startswith(_SERVICE)
 
@@ -29,12 +29,11 @@ def node_under_test(
         ConfigError: for a name that no service has.
         BusError: where the bus cannot be reached.
     """
-    import re
-
+    from catch_arena.ros.bus import is_service
     from catch_arena.ros.node_under_test import NodeUnderTest
 
     service = word.removeprefix(_SERVICE)
-    if not re.fullmatch(r"(/[A-Za-z_][A-Za-z0-9_]*)+", service):
+    if not is_service(service):
         raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
     types = interfaces_of(interfaces, turtlesim)
     with joined_bus(bus, "catch_arena", domain, url) as joined:

@@ -99,17 +99,17 @@ def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[Worl
             time_ms,
             tick,
             TURTLESIM_SIDE_M,
-            tuple(_hunter(bag, name, time_ms, scores) for name in seats),
+            tuple(_hunter(bag, name, seat, time_ms, scores) for name, seat in seats.items()),
             tuple(_target(bag, life, time_ms) for life in sorted(alive, key=lambda life: life.number)),
             rulings,
         )
 
 
-def _hunter(bag: BagContents, name: str, time_ms: float, scores: Mapping[str, int]) -> HunterState:
+def _hunter(bag: BagContents, name: str, seat: int, time_ms: float, scores: Mapping[str, int]) -> HunterState:
     track = bag.hunters[name]
     pose = track.at(time_ms)
     gone = time_ms > track.end_ms and bag.end_ms - track.end_ms > _SILENT_MS
-    return HunterState(name, *pose, score=scores[name], withdrawn=gone)
+    return HunterState(name, *pose, team=seat, score=scores[name], withdrawn=gone)
 
 
 def _target(bag: BagContents, life: _Life, time_ms: float) -> TargetState:

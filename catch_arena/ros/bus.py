@@ -22,6 +22,7 @@ HIGHEST_DOMAIN: Final = 232
 BRIDGE_URL: Final = "ws://127.0.0.1:9090"
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
 _INSTALL: Final = "pip install 'catch-arena[ros]'"
+_SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Peer = str
@@ -77,6 +78,9 @@ class Bus(Protocol):
 
     def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
         """Hear a topic; what cannot be read is left out, and told once."""
+
+    def unsubscribe(self, topic: str) -> None:
+        """Hear it no more."""
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
@@ -142,6 +146,11 @@ def open_bus(
     from catch_arena.ros.rclpy_bus import RclpyBus
 
     return RclpyBus(node, number, log=log)
+
+
+def is_service(name: str) -> bool:
+    """Whether a service can have that name: /catch_turtle."""
+    return _SERVICE.fullmatch(name) is not None
 
 
 def checked_package(option: str, name: str) -> str:

@@ -53,6 +53,8 @@ class Controller:
         turtle: its name.
         interfaces: the packages of the types.
         closest_first: which of two agents drives, from one control period to the next; None where there is one.
+        service: which is asked for catches; None asks the turtle's own, as /turtle1/catch_turtle, where somebody serves
+            it, and else /catch_turtle.
         log: takes one line when there is news.
     """
 
@@ -65,6 +67,7 @@ class Controller:
         interfaces: Interfaces,
         closest_first: Parameter | None = None,
         *,
+        service: str | None = None,
         log: Log,
     ) -> None:
         config = config.replace(**_ALONE, control=players.controls[0], observed_targets=64)
@@ -78,11 +81,14 @@ class Controller:
         self._turtles = TurtleArray(())
         self._calls: dict[str, tuple[Call, float]] = {}
         self._known: dict[str, float] = {}
-        self._warned = False
+        self._warned = self._unserved = False
         self.caught = 0
         """How often /catch_turtle said yes."""
         self._cmd_vel: Callable[[TwistMessage], None] = bus.publisher(f"/{turtle}/cmd_vel", TWIST)
-        self._client = bus.client("/catch_turtle", interfaces.catch_turtle)
+        self._services = ["/catch_turtle"] if service is None else [service]
+        if service is None and bus.backend != "rosbridge":  # which does not tell who serves what
+            self._services.insert(0, f"/{turtle}/catch_turtle")
+        self._clients = [bus.client(name, interfaces.catch_turtle) for name in self._services]
         bus.subscribe(f"/{turtle}/pose", interfaces.pose, self._on_pose)
         bus.subscribe("/alive_turtles", interfaces.turtle_array, self._on_turtles)
         self._engine.reset([0])
@@ -180,8 +186,14 @@ class Controller:
     def _request_catch(self, name: str) -> None:
         now = time.monotonic()
         asked = self._calls.get(name)
-        if (asked is None or now > asked[1] + _ANSWER_S) and self._client.ready:
-            self._calls[name] = self._client.call(CatchTurtleRequest(name)), now
+        if asked is not None and now <= asked[1] + _ANSWER_S:
+            return
+        client = next((client for client in self._clients if client.ready), None)
+        if client is not None:
+            self._calls[name] = client.call(CatchTurtleRequest(name)), now
+        elif not self._unserved:
+            self._unserved = True
+            self._log(f"warning: {name} is within reach, and nobody serves {' or '.join(self._services)}")
 
     def _read_answers(self) -> None:
         for name, (call, _) in list(self._calls.items()):

@@ -105,6 +105,13 @@ class DdsBus:
 
         self._topics[topic] = self._reader(f"rt{_absolute(topic)}", kind, DEPTH, on_sample)
 
+    def unsubscribe(self, topic: str) -> None:
+        """Hear it no more; the reader ends with its last reference."""
+        gone = self._topics.pop(topic)
+        self._readers.remove(gone)
+        self._waiting.detach(gone.fresh)
+        self._graph.remove_reader(gone.reader.guid)
+
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
         name = _absolute(service)
@@ -137,7 +144,7 @@ class DdsBus:
         """Take what has come."""
         if timeout_s > 0.0:
             self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._late else timeout_s))
-        for reader in self._readers:
+        for reader in tuple(self._readers):  # a callback may hear of more or fewer
             reader.take(self._log)
         if self._late:
             self._late = [reply for reply in self._late if not reply.send()]

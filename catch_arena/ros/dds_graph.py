@@ -51,6 +51,11 @@ class Graph:
         self._readers.append(guid)
         self._changed = True
 
+    def remove_reader(self, guid: UUID) -> None:
+        """The node has one less."""
+        self._readers.remove(guid)
+        self._changed = True
+
     def add_writer(self, guid: UUID) -> None:
         """The node has one more."""
         self._writers.append(guid)

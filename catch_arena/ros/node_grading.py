@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from catch_arena.conformance.answers import counted
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.report import Report
-from catch_arena.errors import ConfigError
+from catch_arena.errors import BusError, ConfigError
 from catch_arena.ros.node_cases import can_be_asked, run_on_node
 from catch_arena.ros.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
@@ -38,14 +38,26 @@ class NodeGrade:
 
 
 def grade_node(spec: Spec, node: NodeUnderTest) -> Iterator[NodeGrade]:
-    """The tests of a spec, one after the other.
+    """The tests of a spec, one after the other. A node that ends or falls silent keeps what it has earned, and gets
+    nothing for the rest.
 
     Raises:
         ConfigError: for a test without cases that can be asked of a service, before any is asked.
-        BusError: where the service is not there, or no longer answers.
+        BusError: where the service is not there.
     """
-    for test, cases in [(test, _cases(test)) for test in spec.tests]:
-        yield _grade(test, run_on_node(node, cases))
+    tests = [(test, _cases(test)) for test in spec.tests]
+    node.meet()
+    lost: BusError | None = None
+    for test, cases in tests:
+        if lost is None:
+            try:
+                report = run_on_node(node, cases)
+            except BusError as error:
+                lost = error
+            else:
+                yield _grade(test, report)
+                continue
+        yield NodeGrade(test.name, 0.0, test.points, len(cases), 0, (str(lost),), ())
 
 
 def _cases(test: Test) -> list[ArbiterCase | ArenaCase]:

@@ -35,6 +35,7 @@ class RclpyBus:
         self._executor = executors.SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._log = log
+        self._subscriptions: dict[str, Any] = {}
         self._heard = 0
         self._owed = 0
         self._spinning = False
@@ -56,7 +57,11 @@ class RclpyBus:
             self._heard += 1
             on_message(from_ros(kind, message), None)
 
-        self._node.create_subscription(ros_class(kind.name), topic, hear, DEPTH)
+        self._subscriptions[topic] = self._node.create_subscription(ros_class(kind.name), topic, hear, DEPTH)
+
+    def unsubscribe(self, topic: str) -> None:
+        """Hear it no more."""
+        self._node.destroy_subscription(self._subscriptions.pop(topic))
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service; its callback is a coroutine, which the executor goes on with once there is an answer."""

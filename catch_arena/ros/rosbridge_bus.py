@@ -91,6 +91,14 @@ class RosbridgeBus:
         self._handle(("publish", topic), DEPTH, handle)
         self._announce({"op": "subscribe", "topic": topic, "type": kind.name, "queue_length": DEPTH})
 
+    def unsubscribe(self, topic: str) -> None:
+        """Hear it no more."""
+        with self._come:
+            del self._inboxes["publish", topic], self._handlers["publish", topic]
+        told = ("subscribe", topic)
+        self._announced = [frame for frame in self._announced if (frame["op"], frame.get("topic")) != told]
+        self._send({"op": "unsubscribe", "topic": topic})
+
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
 
@@ -137,6 +145,8 @@ class RosbridgeBus:
         for note in notes:
             self._log(note)
         for key, frame in taken:
+            if key not in self._handlers:  # one before it has unsubscribed
+                continue
             try:
                 self._handlers[key](frame)
             except ValueError as error:

@@ -21,6 +21,10 @@ _SECOND: Final = 1000 // TICK_MS
 """In ticks."""
 _ANSWER_TICKS: Final = 125
 """After so many a call that was not answered is given up."""
+_NAMES_AT_ONCE: Final = 64
+"""So many names are tried at one firing of the timer."""
+_SILENT_TICKS: Final = 250 // TICK_MS
+"""A target that has told its pose and is silent for so long, while others tell theirs, is gone."""
 _NOBODY: Final = CatchTurtleResponse(success=False)
 
 
@@ -54,7 +58,14 @@ class Spawner:
         self._places = Random(seed)
         self._seed = seed
         self._poses: dict[str, Pose] = {}
+        self._hunter_heard = 0
+        """The tick in which a hunter told its pose last."""
         self._alive: dict[str, Turtle] = {}
+        self._heard: dict[str, int] = {}
+        """The tick in which each target that was heard of told its pose last."""
+        self._refused = 0
+        """How many names were taken, one after the other."""
+        self._warned = False
         self._caught: set[str] = set()
         self._pending: list[tuple[int, Request]] = []
         self._number = self._ticks = 0
@@ -92,11 +103,9 @@ class Spawner:
             self._log(f"{self._frequency.name}: {self._frequency.value:g}")
         if self._ticks >= self._fired + self._period and self._spawning is None:
             self._fired = self._ticks
-            self._number += 1
             x, y = (self._places.uniform(_LOW_M, _HIGH_M) for _ in range(2))
-            theta = self._places.uniform(0.0, math.tau)
-            asked = SpawnRequest(x, y, theta, self._config.target_name(self._number))
-            self._spawning = self._spawn.call(asked), asked, self._ticks
+            self._call_spawn(x, y, self._places.uniform(0.0, math.tau))
+        self._drop_ghosts()
         if self._pending:
             self._judge()
         if self._ticks % _SECOND == 0:
@@ -112,11 +121,29 @@ class Spawner:
             del peer
             if all(map(math.isfinite, pose)):
                 self._poses[turtle] = pose
+                self._hunter_heard = self._ticks
 
         return callback
 
     def _catch_turtle_callback(self, seat: int) -> Callable[[Request], None]:
         return lambda request: self._pending.append((seat, request))
+
+    def _call_spawn(self, x: float, y: float, theta: float) -> None:
+        self._number += 1
+        asked = SpawnRequest(x, y, theta, self._config.target_name(self._number))
+        self._spawning = self._spawn.call(asked), asked, self._ticks
+
+    def _try_next_name(self, asked: SpawnRequest) -> None:
+        """Nothing was spawned: in turtlesim the name was taken, as by a spawner that ran before this one."""
+        if not self._warned:
+            self._warned = True
+            self._log(
+                f"warning: {asked.name} is not spawned, as turtlesim has one of that name: higher numbers are tried. "
+                "--name-prefix gives other names, and turtlesim's /reset removes all targets"
+            )
+        self._refused += 1
+        if self._refused % _NAMES_AT_ONCE:
+            self._call_spawn(asked.x, asked.y, asked.theta)
 
     def _read_spawned(self) -> None:
         if self._spawning is None:
@@ -125,12 +152,41 @@ class Spawner:
         if call.response is not None:
             self._spawning = None
             name = call.response.name
-            if name:  # "" says that nothing was spawned: the name was taken
-                self._alive[name] = Turtle(name, asked.x, asked.y, asked.theta)
-                self._publish_alive()
+            if not name:
+                self._try_next_name(asked)
+                return
+            self._refused = 0
+            self._alive[name] = Turtle(name, asked.x, asked.y, asked.theta)
+            self._bus.subscribe(f"/{name}/pose", self._interfaces.pose, self._target_callback(name))
+            self._publish_alive()
         elif self._ticks > since + _ANSWER_TICKS:
             self._spawning = None
             self._log("warning: /spawn does not answer")
+
+    def _target_callback(self, name: str) -> Callable[[Pose, Peer | None], None]:
+        def callback(pose: Pose, peer: Peer | None) -> None:
+            del pose, peer
+            if name in self._alive:
+                self._heard[name] = self._ticks
+
+        return callback
+
+    def _drop_ghosts(self) -> None:
+        """Take targets off the list that turtlesim has no more, as after its /reset: they are silent, and others are
+        not.
+        """
+        last = max((self._hunter_heard, *self._heard.values()))
+        ghosts = [name for name, tick in self._heard.items() if last >= tick + _SILENT_TICKS]
+        for name in ghosts:
+            self._log(f"{name} is not in turtlesim any more")
+            self._forget(name)
+        if ghosts:
+            self._publish_alive()
+
+    def _forget(self, name: str) -> None:
+        del self._alive[name]
+        self._heard.pop(name, None)
+        self._bus.unsubscribe(f"/{name}/pose")
 
     def _judge(self) -> None:
         asked, self._pending = self._pending, []
@@ -154,7 +210,7 @@ class Spawner:
             self._log(str(ruling).replace(f"hunter_{ruling.hunter}", self._turtles[seat], 1))
             if ruling.success:
                 name = request.message.name
-                del self._alive[name]
+                self._forget(name)
                 self._caught.add(name)
                 self.scores[seat] += 1
                 self._kill.call(Name(name))

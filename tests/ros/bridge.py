@@ -48,6 +48,9 @@ class Bridge:
     def on_subscribe(self, socket, frame):
         self._subscribers.setdefault(frame["topic"], set()).add(socket)
 
+    def on_unsubscribe(self, socket, frame):
+        self._subscribers[frame["topic"]].discard(socket)
+
     def on_publish(self, socket, frame):
         if frame["topic"] not in self._types:
             self.refuse(socket, frame)

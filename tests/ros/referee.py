@@ -36,6 +36,8 @@ class Referee:
         for data in self.requests.take():
             reader = cdr.Reader(data)
             client, number, name = reader.number("Q"), reader.number("q"), reader.text()
+            if self.mistake == "falls_silent" and name not in self.turtles:
+                self.mistake = "silent"
             if self.mistake == "silent":
                 continue
             success = self.judge(name)

@@ -135,6 +135,7 @@ def test_what_was_written_from_a_match_comes_back_with_the_same_rulings(tmp_path
     *_, last = bag_worlds(bag, judged)
     *_, world = Replay.load(tmp_path / "m.replay").worlds()
     assert [hunter.score for hunter in last.hunters] == [hunter.score for hunter in world.hunters]
+    assert last.team_scores == world.team_scores  # whose lead the video shows
     for here, there in zip(last.hunters, world.hunters, strict=True):
         assert (here.x, here.y) == pytest.approx((there.x, there.y), abs=2e-6)
 

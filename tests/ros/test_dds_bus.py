@@ -139,6 +139,21 @@ def test_what_cannot_be_sent_is_left_out(domain):
     ours.close()
 
 
+def test_a_topic_is_heard_no_more_when_it_was_unsubscribed(domain):
+    """Nor do others find a reader of it: the writer sees that it has nobody left."""
+    ours = open_bus("cyclonedds", domain=domain, localhost=True, log=print)
+    writer = wire.Node(domain).writer("rt/gone", wire.TWIST)
+    heard = []
+    ours.subscribe("/gone", TWIST, lambda message, _: heard.append(message))
+    until(writer.matched)
+    writer.write(cdr.twist((1.0, 0, 0), (0, 0, 0)))
+    until(lambda: ours.spin() or heard)
+    ours.unsubscribe("/gone")
+    until(lambda: not writer.matched())
+    ours.spin()
+    ours.close()
+
+
 def test_what_is_no_utf8_is_left_out_and_the_next_is_heard(echo):
     """On topics and services, and each is told once; a request that cannot be read has no answer."""
     asks, _ = echo.catch

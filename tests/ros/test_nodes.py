@@ -57,6 +57,10 @@ JOBS = {
     "own list, yes": lambda _: conformance("its_own_list says_yes", "reach.300000-is-out", "names.unknown"),
     "silent": lambda _: conformance("silent", "basics", "reach"),
     "nobody": lambda _: conformance(None, "basics"),
+    "graded until it is silent": lambda folder: tried(
+        "falls_silent",
+        *("grade", "ros:/catch_turtle", "--spec", folder / "spec.toml", "--junit", folder / "silent.xml"),
+    ),
     "graded": lambda folder: tried(
         "floats",
         *("grade", "ros:/catch_turtle", "--spec", folder / "spec.toml"),
@@ -124,6 +128,17 @@ def test_the_marks_say_which_clause_failed(outcomes, folder):
     assert [test["failures"] for test in told["tests"]] == [["R5.3: 1 case: reach.300000-that-floats-call-less"], []]
     suite = ET.parse(folder / "g.xml").getroot()  # noqa: S314 - our own
     assert [len(case.findall("failure")) for case in suite.findall("testcase")] == [1, 0]
+
+
+def test_a_node_that_falls_silent_keeps_what_it_has_earned(outcomes, folder):
+    code, stdout, stderr = outcomes["graded until it is silent"]
+    assert code == 1, stderr
+    assert "passed  4/4  within reach: 3 of 3 cases" in stdout
+    silent = "the node has not answered 3 requests one after the other: it is given up"
+    assert f"failed  0/2  names: 0 of 3 cases\n        {silent}\n" in stdout
+    assert stdout.endswith("The referee: ros:/catch_turtle has 4 of 6 points\n")
+    suite = ET.parse(folder / "silent.xml").getroot()  # noqa: S314 - our own
+    assert [len(case.findall("failure")) for case in suite.findall("testcase")] == [0, 1]
 
 
 def test_a_node_that_never_answers_is_given_up_in_one_line(outcomes):

@@ -86,6 +86,11 @@ class Node:
         assert kind is not None
         assert depth == 10
         self.context.heard.setdefault(topic, []).append(callback)
+        return topic, callback
+
+    def destroy_subscription(self, subscription):
+        topic, callback = subscription
+        self.context.heard[topic].remove(callback)
 
     def create_service(self, kind, service, callback):
         self.context.served[service] = kind, callback
@@ -191,6 +196,15 @@ def test_topics_go_through_ross_own_messages(joined):
     assert heard == [(TwistMessage.of(1.0, 2.0), None), (turtles, None)]
     assert joined.publishers_of("/a") == {"/arena"}
     assert joined.publishers_of("/c") == frozenset()
+
+
+def test_a_topic_is_heard_no_more_when_it_was_unsubscribed(joined):
+    heard = []
+    joined.subscribe("/a", TWIST, lambda *received: heard.append(received))
+    joined.unsubscribe("/a")
+    joined.publisher("/a", TWIST)(TwistMessage.of(1.0, 2.0))
+    joined.spin()
+    assert heard == []
 
 
 def test_a_service_is_answered_at_once_or_later(joined):

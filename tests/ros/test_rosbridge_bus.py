@@ -93,6 +93,25 @@ def test_a_student_hears_topics_drives_and_calls(bridge, joined):
         assert json.loads(socket.recv(5)) == {"op": "publish", "topic": "/alive_turtles", "msg": turtles}
 
 
+def test_a_topic_is_heard_no_more_when_it_was_unsubscribed(bridge, joined):
+    """Also by the server that comes back."""
+    ours, said = joined
+    heard = []
+    for topic in ("/a", "/b"):
+        ours.subscribe(topic, TWIST, lambda *_, topic=topic: heard.append(topic))
+    ours.unsubscribe("/a")
+    until(joined, lambda: len(bridge[0].frames) == 3)
+    assert bridge[0].frames[-1] == {"op": "unsubscribe", "topic": "/a"}
+    bridge[0].hang_up()
+    until(joined, lambda: "rosbridge: the server is back" in said)
+    with student(bridge[1]) as socket:
+        for topic in ("/a", "/b"):
+            send(socket, op="advertise", topic=topic, type=TWIST.name)
+            send(socket, op="publish", topic=topic, msg=to_json(TWIST, TwistMessage.of(1.0, 2.0)))
+        until(joined, lambda: heard)
+    assert heard == ["/b"]
+
+
 def test_it_calls_a_students_service(bridge, joined):
     """A call that fails stays without a response."""
     ours, _ = joined

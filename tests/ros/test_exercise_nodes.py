@@ -1,0 +1,192 @@
+"""Our spawner and our controller, beside what a real turtlesim and a class do to them; all in one process."""
+
+import pytest
+from ros.local import Hub
+
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
+from catch_arena.ros.controller import Controller
+from catch_arena.ros.interfaces import Interfaces, Name
+from catch_arena.ros.parameters import SPAWN_FREQUENCY, spawner_parameters
+from catch_arena.ros.spawner import Spawner
+from catch_arena.scenarios import scenario
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.isolation.inspecting import inspector
+from catch_arena.tournament.isolation.starting import start_players
+
+TYPES = Interfaces()
+A_SECOND = 63
+"""Ticks of 16 ms."""
+
+
+class Turtlesim:
+    """Spawns every name once, and tells the poses of all that are there: turtle1, and what was spawned."""
+
+    def __init__(self, hub):
+        self.bus = hub.bus("turtlesim")
+        self.there = {"turtle1": Pose(5.0, 5.0, 0.0, 0.0, 0.0)}
+        self.asked, self.publishers = [], {}
+        self.bus.serve("/spawn", TYPES.spawn, self.spawn)
+        self.bus.serve("/kill", TYPES.kill, self.kill)
+
+    def spawn(self, request):
+        asked = request.message
+        self.asked.append(asked.name)
+        free = asked.name not in self.there
+        if free:
+            self.there[asked.name] = Pose(asked.x, asked.y, asked.theta, 0.0, 0.0)
+        request.answer(Name(asked.name if free else ""))
+
+    def kill(self, request):
+        self.there.pop(request.message.name, None)
+
+    def tick(self):
+        for name, pose in self.there.items():
+            if name not in self.publishers:
+                self.publishers[name] = self.bus.publisher(f"/{name}/pose", TYPES.pose)
+            self.publishers[name](pose)
+        self.bus.spin()
+
+
+@pytest.fixture
+def hub():
+    return Hub()
+
+
+@pytest.fixture
+def turtlesim(hub):
+    return Turtlesim(hub)
+
+
+class Node:
+    """The spawner, a target a second; what it says, and the list that it publishes."""
+
+    def __init__(self, hub, turtlesim):
+        self.hub, self.turtlesim, self.said = hub, turtlesim, []
+        parameters = spawner_parameters(1.0, "t_")
+        config = scenario("capstone").replace(spawn_frequency_hz=1.0, name_prefix="t_")
+        self.bus = hub.bus("ours")
+        frequency = parameters[SPAWN_FREQUENCY]
+        self.spawner = Spawner(self.bus, ("turtle1",), TYPES, config, frequency, seed=1, log=self.said.append)
+        self.spawner.begin()
+
+    def play(self, ticks, *, simulated=True):
+        for _ in range(ticks):
+            self.spawner.tick()
+            if simulated:
+                self.turtlesim.tick()
+            self.bus.spin()
+
+    @property
+    def listed(self):
+        return [turtle.name for turtle in self.hub.sent["/alive_turtles"][-1].turtles]
+
+    def catch(self, name):
+        """The answer to turtle1, which asks for a target."""
+        call = self.hub.bus("student").client("/catch_turtle", TYPES.catch_turtle).call(CatchTurtleRequest(name))
+        self.bus.spin()
+        self.play(1)
+        return call.response.success
+
+
+@pytest.fixture
+def node(hub, turtlesim):
+    return Node(hub, turtlesim)
+
+
+def test_targets_that_somebody_else_removed_leave_the_list_and_cannot_be_caught(node, turtlesim):
+    node.play(3 * A_SECOND + 2)
+    assert node.listed == ["t_1", "t_2", "t_3"]
+    turtlesim.there["turtle1"] = turtlesim.there.pop("t_1")  # within its reach, and removed: a ghost
+    turtlesim.there.pop("t_3")
+    node.play(30)
+    assert node.listed == ["t_2"]
+    assert node.said == [f"{name} is not in turtlesim any more" for name in ("t_1", "t_3")]
+    assert not node.catch("t_1")
+    turtlesim.there["turtle1"] = turtlesim.there["t_2"]
+    node.play(1)
+    assert node.catch("t_2")
+    node.play(30)
+    assert len([line for line in node.said if "not in turtlesim" in line]) == 2  # what is caught is no ghost
+
+
+def test_while_all_are_silent_nobody_is_missed(node):
+    node.play(2 * A_SECOND + 2)
+    node.play(40, simulated=False)
+    assert node.listed == ["t_1", "t_2"]
+    node.play(40)
+    assert node.listed == ["t_1", "t_2", "t_3"]
+    assert node.said == []
+
+
+def test_names_that_are_taken_are_passed_over_at_once_and_told_once(node, turtlesim):
+    turtlesim.there |= {f"t_{number}": Pose(1.0, 1.0, 0.0, 0.0, 0.0) for number in range(1, 23)}
+    node.play(2 * A_SECOND + 30)
+    assert node.listed == ["t_23", "t_24"]
+    (line,) = node.said
+    assert line.startswith("warning: t_1 is not spawned, as turtlesim has one of that name")
+
+
+def test_where_nothing_can_be_spawned_it_is_not_asked_without_end(node, turtlesim):
+    turtlesim.there |= {f"t_{number}": Pose(1.0, 1.0, 0.0, 0.0, 0.0) for number in range(1, 1000)}
+    node.play(A_SECOND + 200)
+    assert 64 <= len(turtlesim.asked) <= 4 * 64
+    assert len(node.said) == 1
+
+
+@pytest.fixture
+def drives(hub):
+    """Makes turtle2's controller, with a target within its reach; what it says, and one control period."""
+    with start_players(enter(["nearest"], inspector(None)), None) as players:
+
+        def make(**options):
+            said, ours, others = [], hub.bus("ours"), hub.bus("others")
+            node = Controller(ours, players, scenario("capstone"), "turtle2", TYPES, log=said.append, **options)
+            others.publisher("/alive_turtles", TYPES.turtle_array)(TurtleArray((Turtle("tom", 5.1, 5.0, 0.0),)))
+            pose = others.publisher("/turtle2/pose", TYPES.pose)
+
+            def period():
+                pose(Pose(5.0, 5.0, 0.0, 0.0, 0.0))
+                ours.spin()
+                node.tick()
+                others.spin()
+                node.tick()
+
+            return said, period
+
+        yield make
+
+
+def serve(hub, service, name):
+    asked = []
+    hub.bus(name).serve(
+        service, TYPES.catch_turtle, lambda request: asked.append(request.answer(CatchTurtleResponse(True)))
+    )
+    return asked
+
+
+@pytest.mark.parametrize(
+    ("services", "options", "heard"),
+    [
+        (["/catch_turtle"], {}, "/catch_turtle"),
+        (["/catch_turtle", "/turtle2/catch_turtle"], {}, "/turtle2/catch_turtle"),
+        (["/catch_turtle", "/turtle2/catch_turtle"], {"service": "/catch_turtle"}, "/catch_turtle"),
+        (["/referee/catch"], {"service": "/referee/catch"}, "/referee/catch"),
+    ],
+)
+def test_a_controller_asks_its_own_service_where_there_is_one(hub, drives, services, options, heard):
+    asked = {service: serve(hub, service, "others") for service in services}
+    said, period = drives(**options)
+    period()
+    for bus, _ in hub.served.values():
+        bus.spin()
+    assert [service for service in services if asked[service]] == [heard]
+    assert not any("nobody" in line for line in said)
+
+
+def test_where_nobody_judges_a_controller_says_so_once(drives):
+    said, period = drives()
+    for _ in range(3):
+        period()
+    assert [line for line in said if "nobody" in line] == [
+        "warning: tom is within reach, and nobody serves /turtle2/catch_turtle or /catch_turtle"
+    ]
