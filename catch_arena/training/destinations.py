@@ -39,41 +39,59 @@ LENGTH_M: Final = 3.0
 FARTHEST_S: Final = 3.0
 """And times up to this."""
 
+
+class _CandidateFeatures(NamedTuple):
+    """What is told of each candidate, about -3 to 3 each: where each number stands."""
+
+    forward: int
+    left: int
+    distance: int
+    bearing_cos: int
+    bearing_sin: int
+    bearing: int
+    arrival: int
+    won: int
+    next: int
+    next_won: int
+    second_won: int
+    density: int
+    wall_x: int
+    wall_y: int
+    preferred: int
+    is_place: int
+    is_ground: int
+    age: int
+    active: int
+    moving_ahead: int
+    moving_aside: int
+    from_ground: int
+    targets: int
+    caught: int
+    speed: int
+    turn_rate: int
+    time_left: int
+
+
+class _RivalFeatures(NamedTuple):
+    """And then of each of the rivals that would be there first."""
+
+    margin: int
+    bound_there: int
+    facing_it: int
+    distance: int
+    speed: int
+    mate: int
+
+
 FEATURES: Final = (
-    "forward",
-    "left",
-    "distance",
-    "bearing_cos",
-    "bearing_sin",
-    "bearing",
-    "arrival",
-    "won",
-    "next",
-    "next_won",
-    "second_won",
-    "density",
-    "wall_x",
-    "wall_y",
-    "preferred",
-    "is_place",
-    "is_ground",
-    "age",
-    "active",
-    "moving_ahead",
-    "moving_aside",
-    "from_ground",
-    "targets",
-    "caught",
-    "speed",
-    "turn_rate",
-    "time_left",
-    *(
-        f"rival_{rival}_{name}"
-        for rival in range(RIVALS)
-        for name in ("margin", "bound_there", "facing_it", "distance", "speed", "mate")
-    ),
+    *_CandidateFeatures._fields,
+    *(f"rival_{rival}_{name}" for rival in range(RIVALS) for name in _RivalFeatures._fields),
 )
-"""What is told of each candidate, in order; about -3 to 3 each."""
+"""All of them, in order."""
+_TO: Final = _CandidateFeatures(*range(len(_CandidateFeatures._fields)))
+"""Where the first of them are written to, behind where a candidate's begin."""
+_RIVAL_TO: Final = _RivalFeatures(*range(len(_RivalFeatures._fields)))
+"""And those of a rival, behind where that one's begin."""
 _OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
 _FIRST_TARGET: Final = len(_OWN)
 _ASIDE, _THERE, _AGE, _ACTIVE, _COS, _SIN, _SPEED = (
@@ -86,8 +104,6 @@ _RIVAL_COS, _RIVAL_SIN, _RIVAL_SPEED = (
 )
 _MATE: Final = TeamRivalFeatures._fields.index("mate")
 _WIDTH: Final = len(FEATURES)
-_OF_RIVALS: Final = FEATURES.index("rival_0_margin")
-_OF_EACH: Final = (_WIDTH - _OF_RIVALS) // RIVALS
 
 
 class _Shape(NamedTuple):
@@ -106,6 +122,25 @@ class _Shape(NamedTuple):
     hosted: bool
     moving: bool
     teams: bool
+
+
+class _Race(NamedTuple):
+    """Who would be where when, in scratch memory: by candidate (C), by rival (R), or by rival and candidate (R * C)."""
+
+    mine: Any
+    """The own arrival [s]: (C,)."""
+    soonest: Any
+    """The first rival's [s]: (C,)."""
+    theirs: Any
+    """Each rival's [s]: (R * C,)."""
+    facing: Any
+    """The cosine of the angle between a rival's heading and the candidate: (R * C,)."""
+    far: Any
+    """A rival's distance [m]: (R * C,)."""
+    moving: Any
+    """1 for a rival that drives: (R,)."""
+    bound: Any
+    """The target (from 0) that such a rival seems to drive to, else -1: (R,)."""
 
 
 class Destinations(NamedTuple):
@@ -193,8 +228,24 @@ def _arrival_s(forward: Any, left: Any, shape: Any) -> Any:
     return way / shape.speed_mps + 0.5 * abs(math.atan2(left, forward)) / shape.turn_rate_radps
 
 
-def _best_race(hunter: Any, shape: Any, first: Any, count: Any, mine: Any, theirs: Any, moving: Any) -> Any:
+def _race_in(scratch: Any, shape: Any) -> Any:
+    """The parts of the scratch memory by name."""
+    candidates, rivals = shape.places + shape.targets, shape.rivals
+    size, by_rival = rivals * candidates, 2 * candidates + 3 * rivals * candidates
+    return _Race(
+        scratch[:candidates],
+        scratch[candidates : 2 * candidates],
+        scratch[2 * candidates : 2 * candidates + size],
+        scratch[2 * candidates + size : 2 * candidates + 2 * size],
+        scratch[2 * candidates + 2 * size : by_rival],
+        scratch[by_rival : by_rival + rivals],
+        scratch[by_rival + rivals : by_rival + 2 * rivals],
+    )
+
+
+def _best_race(hunter: Any, shape: Any, first: Any, count: Any, race: Any) -> Any:
     """The target (from 0) whose race suits a hunter best, and by how much it is lost [s]; hunter -1 is oneself."""
+    mine, theirs, moving = race.mine, race.theirs, race.moving
     candidates = shape.places + shape.targets
     won, lost, soonest, closest = -1, -1, NEVER_S, NEVER_S
     for target in range(first, count):
@@ -230,13 +281,14 @@ def _is_nearest(o: Any, shape: Any, forward: Any, left: Any) -> Any:
 def _own_ground(o: Any, shape: Any) -> Any:
     """The mean of those points of the arena that no rival is nearer to, in the own frame."""
     step = shape.side_m / GROUND
+    x, y, cosine, sine = o[_OWN.x], o[_OWN.y], o[_OWN.heading_cos], o[_OWN.heading_sin]
     sum_forward, sum_left, points = 0.0, 0.0, 0
     for column in range(GROUND):
-        dx = (column + 0.5) * step - o[_OWN.x]
+        dx = (column + 0.5) * step - x
         for row in range(GROUND):
-            dy = (row + 0.5) * step - o[_OWN.y]
-            forward = o[_OWN.heading_cos] * dx + o[_OWN.heading_sin] * dy
-            left = o[_OWN.heading_cos] * dy - o[_OWN.heading_sin] * dx
+            dy = (row + 0.5) * step - y
+            forward = cosine * dx + sine * dy
+            left = cosine * dy - sine * dx
             if _is_nearest(o, shape, forward, left):
                 sum_forward += forward
                 sum_left += left
@@ -251,11 +303,12 @@ def _find_places(o: Any, shape: Any, forward: Any, left: Any) -> Any:
     ground_forward, ground_left = _own_ground(o, shape)
     if not shape.hosted:
         forward[0], left[0] = ground_forward, ground_left
+        x, y, cosine, sine = o[_OWN.x], o[_OWN.y], o[_OWN.heading_cos], o[_OWN.heading_sin]
         for point in range(shape.places - 1):
-            dx = (point // GRID + 0.5) * shape.side_m / GRID - o[_OWN.x]
-            dy = (point % GRID + 0.5) * shape.side_m / GRID - o[_OWN.y]
-            forward[1 + point] = o[_OWN.heading_cos] * dx + o[_OWN.heading_sin] * dy
-            left[1 + point] = o[_OWN.heading_cos] * dy - o[_OWN.heading_sin] * dx
+            dx = (point // GRID + 0.5) * shape.side_m / GRID - x
+            dy = (point % GRID + 0.5) * shape.side_m / GRID - y
+            forward[1 + point] = cosine * dx + sine * dy
+            left[1 + point] = cosine * dy - sine * dx
     count = 0
     for target in range(shape.targets):
         at = _FIRST_TARGET + target * shape.target_stride
@@ -282,29 +335,18 @@ def _is_as_good_as_caught(o: Any, shape: Any) -> Any:
     return _is_nearest(o, shape, forward, left)
 
 
-def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: Any, features: Any) -> Any:
-    """Write the candidates of one hunter, and their features where zeros stood; what a scripted agent would take."""
-    places, candidates = shape.places, shape.places + shape.targets
-    mine = scratch[:candidates]
-    size = shape.rivals * candidates
-    theirs, facing = scratch[candidates : candidates + size], scratch[candidates + size : candidates + 2 * size]
-    far = scratch[candidates + 2 * size : candidates + 3 * size]
-    rest = candidates + 3 * size
-    moving, bound = scratch[rest : rest + shape.rivals], scratch[rest + shape.rivals : rest + 2 * shape.rivals]
-    soonest = scratch[rest + 2 * shape.rivals : rest + 2 * shape.rivals + candidates]
-
-    count, ground_forward, ground_left = _find_places(o, shape, forward, left)
-    first = 1 if _is_as_good_as_caught(o, shape) else 0
+def _run_race(o: Any, shape: Any, first: Any, count: Any, forward: Any, left: Any, race: Any) -> None:
+    """Write when everybody would be at each candidate, and where the rivals seem to drive."""
+    mine, soonest, theirs, facing, far = race.mine, race.soonest, race.theirs, race.facing, race.far
+    candidates = shape.places + shape.targets
     for place in range(candidates):
-        alive = place < places or first <= place - places < count
-        legal[place] = 1.0 if alive else 0.0
         mine[place] = _arrival_s(forward[place], left[place], shape)
         soonest[place] = NEVER_S
     for rival in range(shape.rivals):
         at = shape.first_rival + rival * shape.rival_stride
         there = o[at + _THERE] != 0.0
-        moving[rival] = 1.0 if there and o[at + _RIVAL_SPEED] != 0.0 else 0.0
-        bound[rival] = -1.0
+        race.moving[rival] = 1.0 if there and o[at + _RIVAL_SPEED] != 0.0 else 0.0
+        race.bound[rival] = -1.0
         cosine, sine = o[at + _RIVAL_COS], o[at + _RIVAL_SIN]
         for place in range(candidates):
             dx, dy = forward[place] - o[at], left[place] - o[at + _ASIDE]
@@ -315,95 +357,143 @@ def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: 
             facing[rival * candidates + place] = ahead / (distance + 1e-3)
             far[rival * candidates + place] = distance
     for rival in range(shape.rivals):
-        if moving[rival] > 0.0:
-            bound[rival] = float(_best_race(rival, shape, first, count, mine, theirs, moving)[0])
-    race, lost_by = _best_race(-1, shape, first, count, mine, theirs, moving)
-    preferred = places + race
-    if race < 0 or (lost_by > GIVEN_UP_S and not shape.hosted):
-        preferred = 0
+        if race.moving[rival] > 0.0:
+            race.bound[rival] = float(_best_race(rival, shape, first, count, race)[0])
 
-    for place in range(candidates):
-        if legal[place] == 0.0:
+
+def _preferred(shape: Any, first: Any, count: Any, race: Any) -> Any:
+    """The candidate that a good scripted agent would take."""
+    target, lost_by = _best_race(-1, shape, first, count, race)
+    if target < 0 or (lost_by > GIVEN_UP_S and not shape.hosted):
+        return 0
+    return shape.places + target
+
+
+def _describe_place(
+    o: Any, shape: Any, place: Any, x: Any, y: Any, distance: Any, race: Any, features: Any, base: Any
+) -> None:
+    """Write where a candidate is, and what it is."""
+    east = o[_OWN.x] + o[_OWN.heading_cos] * x - o[_OWN.heading_sin] * y
+    north = o[_OWN.y] + o[_OWN.heading_sin] * x + o[_OWN.heading_cos] * y
+    middle = 0.5 * shape.side_m
+    features[base + _TO.forward] = x / LENGTH_M
+    features[base + _TO.left] = y / LENGTH_M
+    features[base + _TO.distance] = distance / LENGTH_M
+    features[base + _TO.bearing_cos] = x / (distance + 1e-3)
+    features[base + _TO.bearing_sin] = y / (distance + 1e-3)
+    features[base + _TO.bearing] = abs(math.atan2(y, x)) / math.pi
+    features[base + _TO.arrival] = min(race.mine[place], 2.0 * FARTHEST_S)
+    features[base + _TO.won] = 1.0 if race.mine[place] < race.soonest[place] else 0.0
+    features[base + _TO.wall_x] = abs(east - middle) / middle
+    features[base + _TO.wall_y] = abs(north - middle) / middle
+    features[base + _TO.is_place] = 1.0 if place < shape.places else 0.0
+    features[base + _TO.is_ground] = 1.0 if place == 0 and not shape.hosted else 0.0
+    if place >= shape.places:
+        at = _FIRST_TARGET + (place - shape.places) * shape.target_stride
+        features[base + _TO.age] = min(2.0, o[at + _AGE] / 5.0)
+        features[base + _TO.active] = o[at + _ACTIVE]
+        if shape.moving:
+            features[base + _TO.moving_ahead] = o[at + _SPEED] * o[at + _COS] / 2.0
+            features[base + _TO.moving_aside] = o[at + _SPEED] * o[at + _SIN] / 2.0
+
+
+def _describe_next(
+    shape: Any,
+    first: Any,
+    count: Any,
+    place: Any,
+    x: Any,
+    y: Any,
+    distance: Any,
+    forward: Any,
+    left: Any,
+    race: Any,
+    features: Any,
+    base: Any,
+) -> None:
+    """Write what comes after a candidate: the next target, the next two that no rival reaches before, and how many lie
+    about.
+    """
+    cosine, sine = (x / distance, y / distance) if distance > 1e-6 else (1.0, 0.0)
+    from_x, from_y = x - BEHIND_M * cosine, y - BEHIND_M * sine
+    own, soonest = race.mine[place], race.soonest
+    next_s = next_won = second_won = FARTHEST_S
+    density = 0.0
+    for target in range(first, count):
+        other = shape.places + target
+        if other == place:
+            continue
+        dx, dy = forward[other] - from_x, left[other] - from_y
+        arrival = _arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx, shape)
+        density += 1.0 / (1.0 + 0.5 * (dx * dx + dy * dy))
+        next_s = min(next_s, arrival)
+        if own + arrival < soonest[other]:
+            if arrival < next_won:
+                next_won, second_won = arrival, next_won
+            elif arrival < second_won:
+                second_won = arrival
+    features[base + _TO.next] = next_s
+    features[base + _TO.next_won] = next_won
+    features[base + _TO.second_won] = second_won
+    features[base + _TO.density] = density
+
+
+def _describe_rivals(o: Any, shape: Any, place: Any, race: Any, features: Any, base: Any) -> None:
+    """Write of the rivals that would be there first: in the order of their arrival, and of their ranks where that is
+    one.
+    """
+    candidates = shape.places + shape.targets
+    theirs, own = race.theirs, race.mine[place]
+    last, last_rival = -1.0, -1
+    for nth in range(RIVALS):
+        who, arrival = -1, NEVER_S
+        for rival in range(shape.rivals):
+            its = theirs[rival * candidates + place]
+            if its < arrival and (its > last or (its == last and rival > last_rival)):
+                who, arrival = rival, its
+        to = base + len(_TO) + nth * len(_RIVAL_TO)
+        if who < 0:
+            features[to + _RIVAL_TO.margin] = FARTHEST_S
+            continue
+        last, last_rival = arrival, who
+        at, there = shape.first_rival + who * shape.rival_stride, who * candidates + place
+        features[to + _RIVAL_TO.margin] = max(-2.0, min(2.0, arrival - own))
+        features[to + _RIVAL_TO.bound_there] = 1.0 if race.bound[who] == place - shape.places else 0.0
+        features[to + _RIVAL_TO.facing_it] = race.facing[there]
+        features[to + _RIVAL_TO.distance] = race.far[there] / LENGTH_M
+        features[to + _RIVAL_TO.speed] = o[at + _RIVAL_SPEED] / 2.0
+        if shape.teams:
+            features[to + _RIVAL_TO.mate] = o[at + _MATE]
+
+
+def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: Any, features: Any) -> Any:
+    """Write the candidates of one hunter, and their features where zeros stood; what a scripted agent would take."""
+    race = _race_in(scratch, shape)
+    count, ground_forward, ground_left = _find_places(o, shape, forward, left)
+    first = 1 if _is_as_good_as_caught(o, shape) else 0
+    _run_race(o, shape, first, count, forward, left, race)
+    preferred = _preferred(shape, first, count, race)
+    targets, time_left = (count - first) / 8.0, min(1.0, o[_OWN.time_left] / 60.0)
+    speed, turn_rate = o[_OWN.linear_velocity] / 2.0, o[_OWN.angular_velocity] / 4.0
+    for place in range(shape.places + shape.targets):
+        alive = place < shape.places or first <= place - shape.places < count
+        legal[place] = 1.0 if alive else 0.0
+        if not alive:
             continue
         base = place * _WIDTH
         x, y = forward[place], left[place]
         distance = math.sqrt(x * x + y * y)
-
-        # from there on: the next target, the next two that no rival reaches before, how many lie about
-        cosine, sine = (x / distance, y / distance) if distance > 1e-6 else (1.0, 0.0)
-        from_x, from_y = x - BEHIND_M * cosine, y - BEHIND_M * sine
-        next_s = next_won = second_won = FARTHEST_S
-        density = 0.0
-        for target in range(first, count):
-            other = places + target
-            if other == place:
-                continue
-            dx, dy = forward[other] - from_x, left[other] - from_y
-            arrival = _arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx, shape)
-            density += 1.0 / (1.0 + 0.5 * (dx * dx + dy * dy))
-            next_s = min(next_s, arrival)
-            if mine[place] + arrival < soonest[other]:
-                if arrival < next_won:
-                    next_won, second_won = arrival, next_won
-                elif arrival < second_won:
-                    second_won = arrival
-
-        east = o[_OWN.x] + o[_OWN.heading_cos] * x - o[_OWN.heading_sin] * y
-        north = o[_OWN.y] + o[_OWN.heading_sin] * x + o[_OWN.heading_cos] * y
-        middle = 0.5 * shape.side_m
-        features[base] = x / LENGTH_M
-        features[base + 1] = y / LENGTH_M
-        features[base + 2] = distance / LENGTH_M
-        features[base + 3] = x / (distance + 1e-3)
-        features[base + 4] = y / (distance + 1e-3)
-        features[base + 5] = abs(math.atan2(y, x)) / math.pi
-        features[base + 6] = min(mine[place], 2.0 * FARTHEST_S)
-        features[base + 7] = 1.0 if mine[place] < soonest[place] else 0.0
-        features[base + 8] = next_s
-        features[base + 9] = next_won
-        features[base + 10] = second_won
-        features[base + 11] = density
-        features[base + 12] = abs(east - middle) / middle
-        features[base + 13] = abs(north - middle) / middle
-        features[base + 14] = 1.0 if place == preferred else 0.0
-        features[base + 15] = 1.0 if place < places else 0.0
-        features[base + 16] = 1.0 if place == 0 and not shape.hosted else 0.0
-        if place >= places:
-            at = _FIRST_TARGET + (place - places) * shape.target_stride
-            features[base + 17] = min(2.0, o[at + _AGE] / 5.0)
-            features[base + 18] = o[at + _ACTIVE]
-            if shape.moving:
-                features[base + 19] = o[at + _SPEED] * o[at + _COS] / 2.0
-                features[base + 20] = o[at + _SPEED] * o[at + _SIN] / 2.0
+        _describe_place(o, shape, place, x, y, distance, race, features, base)
+        _describe_next(shape, first, count, place, x, y, distance, forward, left, race, features, base)
+        features[base + _TO.preferred] = 1.0 if place == preferred else 0.0
         from_ground = math.sqrt((ground_forward - x) ** 2 + (ground_left - y) ** 2)
-        features[base + 21] = min(2.0, from_ground / LENGTH_M)
-        features[base + 22] = (count - first) / 8.0
-        features[base + 23] = 1.0 * first
-        features[base + 24] = o[_OWN.linear_velocity] / 2.0
-        features[base + 25] = o[_OWN.angular_velocity] / 4.0
-        features[base + 26] = min(1.0, o[_OWN.time_left] / 60.0)
-
-        last, last_rival = -1.0, -1  # the rivals in the order of their arrival, and of their ranks where that is one
-        for nth in range(RIVALS):
-            who, arrival = -1, NEVER_S
-            for rival in range(shape.rivals):
-                its = theirs[rival * candidates + place]
-                later = its > last or (its == last and rival > last_rival)
-                if later and its < arrival:
-                    who, arrival = rival, its
-            column = base + _OF_RIVALS + nth * _OF_EACH
-            if who < 0:
-                features[column] = FARTHEST_S
-                continue
-            last, last_rival = arrival, who
-            at = shape.first_rival + who * shape.rival_stride
-            features[column] = max(-2.0, min(2.0, arrival - mine[place]))
-            features[column + 1] = 1.0 if bound[who] == place - places else 0.0
-            features[column + 2] = facing[who * candidates + place]
-            features[column + 3] = far[who * candidates + place] / LENGTH_M
-            features[column + 4] = o[at + _RIVAL_SPEED] / 2.0
-            if shape.teams:
-                features[column + 5] = o[at + _MATE]
+        features[base + _TO.from_ground] = min(2.0, from_ground / LENGTH_M)
+        features[base + _TO.targets] = targets
+        features[base + _TO.caught] = 1.0 * first
+        features[base + _TO.speed] = speed
+        features[base + _TO.turn_rate] = turn_rate
+        features[base + _TO.time_left] = time_left
+        _describe_rivals(o, shape, place, race, features, base)
     return preferred
 
 
@@ -422,6 +512,20 @@ def _compiled() -> Callable[..., None]:
     from catch_arena.core.jit import entry, phase  # a match must not wait for the compiler
 
     space = dict(globals())
-    for function in (_arrival_s, _best_race, _is_nearest, _own_ground, _find_places, _is_as_good_as_caught, _describe):
+    for function in (
+        _arrival_s,
+        _race_in,
+        _best_race,
+        _is_nearest,
+        _own_ground,
+        _find_places,
+        _is_as_good_as_caught,
+        _run_race,
+        _preferred,
+        _describe_place,
+        _describe_next,
+        _describe_rivals,
+        _describe,
+    ):
         space[function.__name__] = phase(FunctionType(function.__code__, space, function.__name__))
     return entry(FunctionType(_describe_all.__code__, space, _describe_all.__name__))
