@@ -11,9 +11,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    Numbers = NDArray[np.float32]
-
-
 _OWN: Final = len(SelfFeatures._fields)
 
 
@@ -26,7 +23,7 @@ class BatchView:
         limits: what each of these hunters can do, and what the arena is.
     """
 
-    def __init__(self, observations: "Numbers", masks: "NDArray[np.int8]", limits: Limits) -> None:
+    def __init__(self, observations: "NDArray[np.float32]", masks: "NDArray[np.int8]", limits: Limits) -> None:
         self.observations = observations
         """As they were given, for policies that learn."""
         self.masks = masks

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.policy import Limits
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+Float64Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 STEP_S: Final = 0.2
 """A step of the look-ahead: coarser than the arena's own."""
@@ -73,29 +73,29 @@ class Scene(NamedTuple):
     """
 
     limits: Limits
-    x: Floats
+    x: Float64Array
     """(N, H) [m]."""
-    y: Floats
-    heading: Floats
+    y: Float64Array
+    heading: Float64Array
     """(N, H) [rad]."""
-    here: Flags
+    here: BoolArray
     """(N, H): whether there is such a hunter."""
-    races: Flags
+    races: BoolArray
     """(N, H): who stands still races for nothing."""
-    mates: Flags
+    mates: BoolArray
     """(N, H): itself and its team-mates."""
-    target_x: Floats
+    target_x: Float64Array
     """(N, K) [m]."""
-    target_y: Floats
-    target_vx: Floats
+    target_y: Float64Array
+    target_vx: Float64Array
     """(N, K) [m/s]."""
-    target_vy: Floats
-    alive: Flags
+    target_vy: Float64Array
+    alive: BoolArray
     """(N, K)."""
-    goal_x: Floats
+    goal_x: Float64Array
     """(N, C) [m]."""
-    goal_y: Floats
-    open: Flags
+    goal_y: Float64Array
+    open: BoolArray
     """(N, C): what is there, and is not as good as caught."""
 
     @classmethod
@@ -148,21 +148,21 @@ class Scene(NamedTuple):
         """The same with some of the places to go to."""
         return self._replace(goal_x=self.goal_x[:, some], goal_y=self.goal_y[:, some], open=self.open[:, some])
 
-    def _open(self) -> Flags:
+    def _open(self) -> BoolArray:
         distance = np.hypot(self.target_x[:, None] - self.x[:, :, None], self.target_y[:, None] - self.y[:, :, None])
         distance = np.where(self.here[:, :, None], distance, np.inf)
         caught = (distance[:, 0] < self.limits.reach_m) & (distance[:, 0] <= distance.min(axis=1))
         return np.concatenate((self.alive & ~caught, self.open[:, self.alive.shape[1] :]), axis=1)
 
 
-def spawn_area(limits: Limits, points: int) -> tuple[Floats, Floats]:
+def spawn_area(limits: Limits, points: int) -> tuple[Float64Array, Float64Array]:
     """R3.2: a grid of points in it: x and y [m], (points * points,)."""
     step = (limits.side_m - SPAWN_LOW_M - SPAWN_WALL_M) / points
     places = SPAWN_LOW_M + (np.arange(points) + 0.5) * step
     return np.repeat(places, points), np.tile(places, points)
 
 
-def look_ahead(scene: Scene, weights: Weights) -> Floats:
+def look_ahead(scene: Scene, weights: Weights) -> Float64Array:
     """What each place to go to is worth: (N, C); -inf for those that are not open."""
     arena, worth = RolloutArena(scene, weights), np.zeros(scene.goal_x.shape)
     looks = {weights.steps * look // LOOKS_AT_GROUND for look in range(1, LOOKS_AT_GROUND + 1)}
@@ -181,12 +181,12 @@ class RolloutArena:
     def __init__(self, scene: Scene, weights: Weights) -> None:
         self.scene, self.weights, self.limits = scene, weights, scene.limits
         count, copies, self.targets = len(scene.x), scene.goal_x.shape[1], scene.alive.shape[1]
-        self.x: Floats = np.repeat(scene.x[:, None], copies, axis=1)
-        self.y: Floats = np.repeat(scene.y[:, None], copies, axis=1)
-        self.heading: Floats = np.repeat(scene.heading[:, None], copies, axis=1)
-        self.target_x: Floats = np.repeat(scene.target_x[:, None], copies, axis=1)
-        self.target_y: Floats = np.repeat(scene.target_y[:, None], copies, axis=1)
-        self.alive: Flags = np.repeat(scene.alive[:, None], copies, axis=1)
+        self.x: Float64Array = np.repeat(scene.x[:, None], copies, axis=1)
+        self.y: Float64Array = np.repeat(scene.y[:, None], copies, axis=1)
+        self.heading: Float64Array = np.repeat(scene.heading[:, None], copies, axis=1)
+        self.target_x: Float64Array = np.repeat(scene.target_x[:, None], copies, axis=1)
+        self.target_y: Float64Array = np.repeat(scene.target_y[:, None], copies, axis=1)
+        self.alive: BoolArray = np.repeat(scene.alive[:, None], copies, axis=1)
         self.goal_x, self.goal_y = scene.goal_x.copy(), scene.goal_y.copy()
         self.absent = np.where(scene.here, 0.0, np.inf)[:, None, :, None]
         self.idle = np.where(scene.races, 0.0, np.inf)[:, None, :, None]
@@ -202,19 +202,21 @@ class RolloutArena:
         self.distance = np.sqrt(self.dx * self.dx + self.dy * self.dy)
         self.cosine, self.sine = np.cos(self.heading), np.sin(self.heading)
 
-    def _arrivals_s(self, dx: Floats, dy: Floats, way: Floats) -> Floats:
+    def _arrivals_s(self, dx: Float64Array, dy: Float64Array, way: Float64Array) -> Float64Array:
         """The way at full speed, and half of the turn; infinite for who is not there."""
         cosine, sine = self.cosine[..., None], self.sine[..., None]
         turn: Any = np.abs(np.arctan2(cosine * dy - sine * dx, cosine * dx + sine * dy))
-        arrivals: Floats = way / self.limits.max_speed_mps + 0.5 / self.limits.max_turn_rate_radps * turn + self.absent
+        arrivals: Float64Array = (
+            way / self.limits.max_speed_mps + 0.5 / self.limits.max_turn_rate_radps * turn + self.absent
+        )
         return arrivals
 
-    def _races_s(self) -> Floats:
+    def _races_s(self) -> Float64Array:
         """When each hunter could reach each target; infinite for who does not race: (N, C, H, K)."""
         way = np.maximum(0.0, self.distance - self.limits.reach_m)
         return self._arrivals_s(self.dx, self.dy, way) + self.idle
 
-    def catch(self) -> Floats:
+    def catch(self) -> Float64Array:
         """Whoever is nearest to a target, and within reach, catches it: what that is worth, (N, C)."""
         distance = self.distance + self.absent
         caught = (distance.min(axis=2) < self.limits.reach_m) & self.alive
@@ -223,32 +225,32 @@ class RolloutArena:
         self.alive &= ~caught
         return self._worth_of(distance.argmin(axis=2), caught)
 
-    def still_to_come(self) -> Floats:
+    def still_to_come(self) -> Float64Array:
         """What the targets that are left are worth to those who will reach them first: (N, C)."""
         races = self._races_s()
         soon = self.weights.steps * STEP_S + races.min(axis=2)
         return self._worth_of(races.argmin(axis=2), np.exp(-self.weights.discount * soon) * self.alive)
 
-    def _worth_of(self, winners: NDArray[np.intp], counts: Any) -> Floats:
+    def _worth_of(self, winners: NDArray[np.intp], counts: Any) -> Float64Array:
         """What targets are worth, (N, C), of which so many go to these hunters, (N, C, K)."""
-        worth: Floats = (counts * self.worth[self.rows, winners]).sum(axis=2)
+        worth: Float64Array = (counts * self.worth[self.rows, winners]).sum(axis=2)
         return worth
 
-    def own_ground(self) -> Floats:
+    def own_ground(self) -> Float64Array:
         """The share of the spawn area that the hunter, or a team-mate, would reach first: (N, C)."""
         x, y = spawn_area(self.limits, GROUND)
         dx, dy = x - self.x[..., None], y - self.y[..., None]
         arrivals = self._arrivals_s(dx, dy, np.sqrt(dx * dx + dy * dy))
-        share: Floats = (arrivals.min(axis=2) < (arrivals + self.strangers).min(axis=2)).mean(axis=2)
+        share: Float64Array = (arrivals.min(axis=2) < (arrivals + self.strangers).min(axis=2)).mean(axis=2)
         return share
 
-    def costs(self) -> Floats:
+    def costs(self) -> Float64Array:
         """What each hunter decides by, (N, C, H, K): when it wins a race, or LOST and by how much it loses it; infinite
         for what it does not run at all.
         """
         races = self._races_s()
         late = races - races.min(axis=2, keepdims=True)
-        cost: Floats = np.where(late > 0.0, LOST + late, races) + np.where(self.alive, 0.0, np.inf)[:, :, None]
+        cost: Float64Array = np.where(late > 0.0, LOST + late, races) + np.where(self.alive, 0.0, np.inf)[:, :, None]
         cost[:, :, 0][late[:, :, 0] > self.weights.lost_by_s] = np.inf
         return cost
 
@@ -270,7 +272,7 @@ class RolloutArena:
             self._move_targets()
         self._look()
 
-    def _drive(self, dx: Floats, dy: Floats, drives: Flags) -> None:
+    def _drive(self, dx: Float64Array, dy: Float64Array, drives: BoolArray) -> None:
         """All hunters, (N, C, H), by as much; as `drive`, but that who is quick enough turns in one step."""
         fastest = self.limits.max_turn_rate_radps
         bearing = np.arctan2(self.cosine * dy - self.sine * dx, self.cosine * dx + self.sine * dy)
@@ -309,15 +311,15 @@ def best_races(scene: Scene, weights: Weights) -> NDArray[np.intp]:
     return choice
 
 
-def value_of(scene: Scene, weights: Weights) -> Floats:
+def value_of(scene: Scene, weights: Weights) -> Float64Array:
     """What is expected from where all are now, of the ground and of the targets in view: (N,)."""
     targets = scene.alive.shape[1]
     arena = RolloutArena(scene.toward(slice(targets, targets + 1)), weights._replace(steps=0))
-    worth: Floats = (weights.ground * arena.own_ground() + arena.still_to_come())[:, 0]
+    worth: Float64Array = (weights.ground * arena.own_ground() + arena.still_to_come())[:, 0]
     return worth
 
 
-def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Floats:
+def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Float64Array:
     """The commands (N, 2) that bring each hunter to the place that it chose: flat out to a target, ahead of it where it
     moves, and at rest where it waits.
     """
@@ -335,7 +337,7 @@ def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Floats:
     return drive(scene, x, y, waits)
 
 
-def drive(scene: Scene, x: Floats, y: Floats, waits: Flags) -> Floats:
+def drive(scene: Scene, x: Float64Array, y: Float64Array, waits: BoolArray) -> Float64Array:
     """The commands (N, 2) that bring each hunter to a point [m], and to rest there where it waits."""
     limits = scene.limits
     dx, dy = x - scene.x[:, 0], y - scene.y[:, 0]
@@ -353,7 +355,7 @@ def drive(scene: Scene, x: Floats, y: Floats, waits: Flags) -> Floats:
     return commands
 
 
-def on_the_circle(scene: Scene) -> tuple[Floats, Floats]:
+def on_the_circle(scene: Scene) -> tuple[Float64Array, Float64Array]:
     """A place further on, on a circle about the arena's middle, to see most of it in turn: x and y [m], (N,) each."""
     middle = scene.limits.side_m / 2
     angle = np.arctan2(scene.y[:, 0] - middle, scene.x[:, 0] - middle) + FURTHER_RAD

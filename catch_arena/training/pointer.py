@@ -34,7 +34,7 @@ TURN_GAIN: Final = 6.0
 BRAKE_GAIN: Final = 2.0
 """Speed per metre that is left to a resting place [1/s]."""
 
-Floats = NDArray[np.float32]
+Float32Array = NDArray[np.float32]
 
 
 class PointerNetwork:
@@ -63,7 +63,7 @@ class PointerNetwork:
             if not np.isfinite(self.weights[name]).all():
                 raise ConfigError(f"weights {name} must be finite numbers, got {self.weights[name].min()}")
 
-    def __call__(self, seen: Destinations) -> tuple[Floats, Floats]:
+    def __call__(self, seen: Destinations) -> tuple[Float32Array, Float32Array]:
         """The logits of the candidates, (N, C), -inf where one is not legal, and the last hidden layer, (N, C, H)."""
         w = self.weights
         rows, candidates, width = seen.features.shape
@@ -75,17 +75,17 @@ class PointerNetwork:
         pooled = attention.transpose(0, 2, 1) @ hidden.reshape(rows, candidates, -1)  # (N, QUERIES, H)
         common = pooled.reshape(rows, -1) @ w["pool"] + w["mix_bias"]
         mixed = np.maximum((hidden @ w["mix"]).reshape(rows, candidates, -1) + common[:, None], 0)
-        logits: Floats = mixed @ w["logit"]
+        logits: Float32Array = mixed @ w["logit"]
         logits[np.arange(rows), seen.preferred] += w["prior"]
         logits[~seen.legal] = -np.inf
         return logits, mixed
 
-    def velocities(self, logits: Floats, mixed: Floats) -> Floats:
+    def velocities(self, logits: Float32Array, mixed: Float32Array) -> Float32Array:
         """What the head "velocity" drives, (N, 2) in [-1, 1]: what speaks for each candidate, weighted by softmax."""
         chances = np.exp(logits - logits.max(axis=1, keepdims=True))
         chances /= chances.sum(axis=1, keepdims=True)
         drives = np.tanh(mixed @ self.weights["drive"] + self.weights["drive_bias"])
-        result: Floats = (drives * chances[..., None]).sum(axis=1)
+        result: Float32Array = (drives * chances[..., None]).sum(axis=1)
         return result
 
     def save(self, path: str | os.PathLike[str]) -> None:
