@@ -147,9 +147,9 @@ class ArenaConfig:
     target_budget: int | None = None
     """R1.5: the episode terminates when this many have been spawned and caught; None is without end."""
     target_motion: TargetMotion = "still"
-    """R3.7: targets stand still, wander (R3.9) or flee (R3.10), but for those that prey plays."""
+    """R3.7: targets stand still, wander (R3.9) or flee (R3.10), except those that prey plays."""
     target_speed_mps: float = 1.0
-    """R3.8: how fast a target drives, prey too; one that flees drives at half of it while nobody is near."""
+    """R3.8: how fast a target drives, prey too; one that flees drives at half of it while no hunter is near."""
     target_turn_rate_radps: float = 3.0
     """R3.8: how fast it turns at most, prey too."""
     wander_period_ms: int = 1000
@@ -179,7 +179,7 @@ class ArenaConfig:
     time_limit_s: float = 60.0
     """R1.5: the episode is truncated at the first step boundary at or past this."""
     max_cycles: int | None = None
-    """PettingZoo's way to say it: that many steps, whatever time_limit_s says."""
+    """PettingZoo's way to say it: so many steps, with any time_limit_s."""
     dropout_rate: float = 0.0
     """R1.7: the probability that a hunter drops out, in each step."""
     dropouts: Dropouts = "leave"

@@ -119,7 +119,7 @@ class PreyLimits:
     max_speed_mps: float
     """Its greatest speed ahead [m/s] (R12.2)."""
     min_speed_mps: float
-    """Its greatest speed backwards, -max_speed_mps [m/s]; 0 where nobody may drive backwards."""
+    """Its greatest speed backwards, -max_speed_mps [m/s]; 0 where driving backwards is not allowed."""
     max_turn_rate_radps: float
     """Its greatest turn rate, to either side [rad/s] (R12.2)."""
     hunter_speed_mps: float

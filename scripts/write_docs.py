@@ -40,7 +40,7 @@ TEAMS = """Each rival has one column more where there are teams (R7.4). In `pair
 """
 
 PREY = """Prey has a vector of its own, in its own frame (R12.4). It sees all round, everywhere, and without noise: at
-most eight hunters and eight other prey, the nearest first. While it is out everything is zero but for `time_left` and
+most eight hunters and eight other prey, the nearest first. While it is out everything is zero except `time_left` and
 `times_caught`. In `herd`, where 4 hunters chase 4 prey:
 """
 

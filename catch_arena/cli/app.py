@@ -104,7 +104,8 @@ SettingOption = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Change a setting (docs/settings.md), as in time_limit_s=30 or faults.kill_down=0.2; may be repeated.",
+        help="Change a setting (docs/settings.md), for example time_limit_s=30 or faults.kill_down=0.2; may be "
+        "repeated.",
     ),
 ]
 LimitOption = Annotated[
@@ -112,15 +113,15 @@ LimitOption = Annotated[
     typer.Option(
         "--limit",
         metavar="KEY=VALUE",
-        help="Change a limit of isolated agents, as in step_ms=200 or memory_mib=2048 (docs/isolation.md); may be "
-        "repeated.",
+        help="Change a limit of isolated agents, for example step_ms=200 or memory_mib=2048 (docs/isolation.md); may "
+        "be repeated.",
     ),
 ]
 Isolation = Annotated[
     Level | None,
     typer.Option(
         "--isolation",
-        help="How agents are held apart (docs/isolation.md); where that cannot be, nothing is played.",
+        help="How agents are isolated (docs/isolation.md); if this machine cannot do that, nothing is played.",
         show_default="the best that works here",
     ),
 ]
@@ -128,8 +129,8 @@ Trusted = Annotated[
     bool,
     typer.Option(
         "--trusted",
-        help="Run all agents inside our own processes: quicker, and nothing limits them. Without it whatever does not "
-        "come with Catch Arena is isolated (docs/isolation.md).",
+        help="Run all agents inside our own processes: faster, but without limits. Without this option, agents that "
+        "do not come with Catch Arena are isolated (docs/isolation.md).",
     ),
 ]
 MaxForfeits = Annotated[
@@ -137,8 +138,8 @@ MaxForfeits = Annotated[
     typer.Option(
         metavar="N",
         min=0,
-        help="An agent that forfeits N matches in a row is out, and forfeits the rest without being started; 0 puts "
-        "nobody out.",
+        help="An agent that forfeits N matches in a row is excluded: it forfeits the rest without being started. 0: "
+        "never exclude.",
     ),
 ]
 MAX_FORFEITS = 10
@@ -146,7 +147,7 @@ Seed = Annotated[
     str | None,
     typer.Option(
         metavar="SEED",
-        help="All that is drawn follows from it: 32 hexadecimal digits, as a result tells them, or a number, which "
+        help="All random draws follow from it: 32 hexadecimal digits, as printed in the results, or a number, which "
         "agents can guess.",
         show_default="drawn",
     ),

@@ -21,11 +21,12 @@ BusOption = Annotated[
     BusName | None,
     typer.Option(
         "--bus",
-        help="cyclonedds: no ROS is needed here. rosbridge: a rosbridge server runs where ROS is. rclpy: ROS is here.",
+        help="cyclonedds needs no ROS on this machine; rosbridge needs a rosbridge server where ROS runs; rclpy "
+        "needs ROS on this machine.",
         show_default="the first of them that is installed",
     ),
 ]
-Domain = Annotated[int | None, typer.Option(help="DDS's, from 0 to 232.", show_default="ROS_DOMAIN_ID, or 0")]
+Domain = Annotated[int | None, typer.Option(help="The DDS domain, from 0 to 232.", show_default="ROS_DOMAIN_ID, or 0")]
 Url = Annotated[str, typer.Option(metavar="URL", help="Where rosbridge's server listens.")]
 Package = Annotated[
     str,
@@ -34,7 +35,7 @@ Package = Annotated[
     ),
 ]
 Turtlesim = Annotated[
-    str, typer.Option(metavar="PACKAGE", help="turtlesim, or turtlesim_msgs from Kilted on: where Pose is.")
+    str, typer.Option(metavar="PACKAGE", help="The package with Pose: turtlesim, or turtlesim_msgs from Kilted on.")
 ]
 _ROS_ARGS: Final = "--ros-args"
 RosArgs = Annotated[
@@ -42,7 +43,8 @@ RosArgs = Annotated[
     typer.Option(
         _ROS_ARGS,
         metavar="ARGS...",
-        help="As for ros2 run, behind all else: -p NAME:=VALUE, --params-file FILE, -r __node:=NAME (docs/ros2.md).",
+        help="As for ros2 run, after all other options: -p NAME:=VALUE, --params-file FILE, -r __node:=NAME "
+        "(docs/ros2.md).",
     ),
 ]
 """Only of a NodeCommand."""

@@ -30,7 +30,8 @@ def conformance(
         str | None, typer.Option(metavar="module:Class", help="An arena, for the cases that need one.")
     ] = None,
     only: Annotated[
-        list[str] | None, typer.Option(metavar="ID", help="A case, or all whose ids begin so; may be repeated.")
+        list[str] | None,
+        typer.Option(metavar="ID", help="Only this case, or all cases whose ids begin with it; may be repeated."),
     ] = None,
     everything: Annotated[
         bool, typer.Option("--all", help="Show every failure in full, instead of one for each kind of mistake.")
@@ -41,11 +42,13 @@ def conformance(
         bool, typer.Option("--verdicts-only", help="Do not compare distances and winners.")
     ] = False,
     exact_lots: Annotated[
-        bool, typer.Option("--exact-lots", help="Lots must draw what the rulebook's appendix says.")
+        bool, typer.Option("--exact-lots", help="Lots must be exactly those of the rulebook's appendix.")
     ] = False,
     limit_s: Annotated[
         float,
-        typer.Option("--limit-s", metavar="S", help="Seconds after which a case has failed.", show_default=True),
+        typer.Option(
+            "--limit-s", metavar="S", help="After so many seconds a case counts as failed.", show_default=True
+        ),
     ] = 60.0,
     listing: Annotated[bool, typer.Option("--list", help="List the cases and play none.")] = False,
     bus: BusOption = None,
@@ -54,10 +57,11 @@ def conformance(
     interfaces: Package = INTERFACES,
     turtlesim: Turtlesim = TURTLESIM,
 ) -> None:
-    """Try an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
+    """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 
-    It takes the arguments of catch_arena.arbitrate and returns its rulings; docs/conformance.md has an example. A node
-    of ROS 2 is asked what its service can be asked: docs/ros2_bags.md; --bus and what follows it are for that alone.
+    It takes the arguments of catch_arena.arbitrate and returns its rulings; docs/conformance.md has an example. A
+    ROS 2 node is asked those cases that a service can be asked (docs/ros2_bags.md); --bus and the options after it are
+    for nodes only.
     """
     from catch_arena.conformance.results import WIDTH, wrapped
     from catch_arena.files import write_whole

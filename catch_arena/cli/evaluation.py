@@ -47,13 +47,13 @@ def compare(
     ] = None,
     scenario: Scenario = "duel",
     team_size: TeamSize = None,
-    elo0: Annotated[float, typer.Option(help="H0: A is stronger by so many points.")] = 0.0,
-    elo1: Annotated[float, typer.Option(help="H1: A is stronger by so many points.")] = 20.0,
+    elo0: Annotated[float, typer.Option(help="H0: A is stronger by this many points.")] = 0.0,
+    elo1: Annotated[float, typer.Option(help="H1: A is stronger by this many points.")] = 20.0,
     share0: Annotated[float | None, typer.Option(help="H0 as A's share instead, 0.5 being equal.")] = None,
     share1: Annotated[float | None, typer.Option(help="H1 as A's share instead.")] = None,
     alpha: Annotated[float, typer.Option(help="How often H1 may be accepted wrongly.")] = 0.05,
     beta: Annotated[float, typer.Option(help="How often H0 may be accepted wrongly.")] = 0.05,
-    max_blocks: Annotated[int, typer.Option(help="Give up after so many blocks.")] = 2000,
+    max_blocks: Annotated[int, typer.Option(help="Give up after this many blocks.")] = 2000,
     seed: Seed = None,
     jobs: Jobs = None,
     trusted: Trusted = False,
@@ -138,13 +138,13 @@ def audit(
     trusted: Trusted = False,
     limits: LimitOption = None,
     isolation: Isolation = None,
-    out: Annotated[Path, typer.Option(help="The folder for audit.json, of which the report tells.")] = Path(
+    out: Annotated[Path, typer.Option(help="The folder for audit.json, which the report shows.")] = Path(
         "out/tournament"
     ),
     force: Force = False,
     settings: SettingOption = None,
 ) -> None:
-    """Ask whether the arena is fair: to seats, to labels, to the order of requests.
+    """Test whether the arena is fair: to seats, to labels, to the order of requests.
 
     Exits with 0 if nothing unfair was found, with 1 otherwise.
     """

@@ -28,7 +28,7 @@ def export(
     ] = None,
     force: Force = False,
     timing: Annotated[
-        bool, typer.Option("--timing/--no-timing", help="With the time per move, which no other run repeats.")
+        bool, typer.Option("--timing/--no-timing", help="Include the time per move, which differs from run to run.")
     ] = True,
 ) -> None:
     """Write the matches of a tournament to a file, sorted by match."""

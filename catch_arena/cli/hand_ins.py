@@ -53,7 +53,7 @@ def check_agent(
 ) -> None:
     """Let an agent play itself, and say what is wrong with it.
 
-    The exit code is 1 where it would forfeit, else 0.
+    The exit code is 1 if it would forfeit, else 0.
     """
     from catch_arena.tournament.agent_check import check_fitness
     from catch_arena.tournament.isolation.processes import missing_protections
@@ -79,7 +79,7 @@ def check_agent(
 def grade(
     agent: Agent,
     *,
-    spec: Annotated[Path, typer.Option(metavar="FILE", help="What it is graded by (docs/grading.md).")],
+    spec: Annotated[Path, typer.Option(metavar="FILE", help="The spec for the grade (docs/grading.md).")],
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JUnit XML.")] = None,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JSON.")] = None,
     seeds: Annotated[
@@ -95,7 +95,7 @@ def grade(
         typer.Option(
             metavar="N",
             min=0,
-            help="After N forfeits in a row a test has failed, and its rest is not played; 0: all is played.",
+            help="After N forfeits in a row a test has failed, and its other matches are not played. 0: play all.",
         ),
     ] = MAX_FORFEITS,
     bus: BusOption = None,
@@ -106,9 +106,9 @@ def grade(
 ) -> None:
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
-    The exit code is 0 where every test passed, else 1. In place of an agent stands a node of ROS 2, as
-    ros:/catch_turtle, whose service is asked the spec's cases (docs/ros2_bags.md); --bus and what follows it are for
-    that alone.
+    The exit code is 0 if every test passed, else 1. A ROS 2 node can be graded too, instead of an agent: give
+    ros:/catch_turtle, and its service is asked the spec's cases (docs/ros2_bags.md). --bus and the options after it are
+    for nodes only.
     """
     from catch_arena.files import write_whole
     from catch_arena.tournament.grading import json_text, junit_text, read_spec, seeds_text

@@ -35,30 +35,32 @@ _RIVALS = ("nearest", "contested_by_time", "patrol")
 Record = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE", help="Keep the replay here.", show_default="with Ctrl-S: match.replay, or match-2.replay ..."
+        metavar="FILE",
+        help="Where to save the replay.",
+        show_default="with Ctrl-S: match.replay, or match-2.replay ...",
     ),
 ]
-Size = Annotated[str, typer.Option(metavar="WIDTHxHEIGHT", help="Of the window; it can be resized.")]
+Size = Annotated[str, typer.Option(metavar="WIDTHxHEIGHT", help="Size of the window; it can be resized.")]
 
 
 @main.command()
 def play(
     agents: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[AGENT...]", help="Also rivals, as after --against.", show_default=False),
+        typer.Argument(metavar="[AGENT...]", help="Rivals too, the same as after --against.", show_default=False),
     ] = None,
     *,
     against: Annotated[
         list[str] | None,
         typer.Option(
             metavar="AGENT...",
-            help="Your rivals; fewer than the scenario has seats for sit in several.",
+            help="Your rivals; if there are fewer rivals than seats, a rival plays several seats.",
             show_default=", ".join(_RIVALS),
         ),
     ] = None,
     scenario: Scenario = "standard",
     team_size: TeamSize = None,
-    seat: Annotated[str, typer.Option(help="Yours: a hunter's, from 0, or prey_0 ...")] = "0",
+    seat: Annotated[str, typer.Option(help="Your seat: the number of a hunter, from 0, or prey_0 ...")] = "0",
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
@@ -97,7 +99,7 @@ def watch(
     size: Size = "1280x720",
     settings: SettingOption = None,
 ) -> None:
-    """Watch agents play, live; fewer than the scenario has seats for sit in several."""
+    """Watch agents play, live; if there are fewer agents than seats, an agent plays several seats."""
     allowed = limits_or_trust(limits, isolation, agents, trusted=trusted)
     _show(agents, allowed, scenario, arena(scenario, settings, team_size), None, seed, record, size, force=force)
 

@@ -59,7 +59,7 @@ def tournament(
             metavar="FORMAT",
             help="round-robin: every group of agents; balanced: fewer groups, in which pairs meet about equally often; "
             "gauntlet: the first agent against the others; swiss: rounds, paired by the ranking so far.",
-            show_default="round-robin, or balanced where that is long",
+            show_default="round-robin, or balanced if that takes too long",
         ),
     ] = None,
     rounds: Annotated[
@@ -67,10 +67,13 @@ def tournament(
     ] = None,
     until_separated: Annotated[
         float | None,
-        typer.Option(metavar="P", help="Play rounds until the order of all is clear with this confidence, as 0.95."),
+        typer.Option(
+            metavar="P",
+            help="Play rounds until the order of all agents is clear with this confidence, for example 0.95.",
+        ),
     ] = None,
     max_matches: Annotated[
-        int | None, typer.Option(help="The most that --until-separated plays.", show_default="10000")
+        int | None, typer.Option(help="The most matches that --until-separated plays.", show_default="10000")
     ] = None,
     seed: Seed = None,
     jobs: Annotated[
@@ -87,23 +90,27 @@ def tournament(
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="The folder for its matches, standings and agents' logs.")
     ] = Path("out/tournament"),
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with what DIR holds, if it holds anything.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue what was begun in DIR, if there is anything.")
+    ] = False,
     force: Annotated[
         bool,
-        typer.Option("--force", help="Replace standings, report and replays in DIR that are of no tournament there."),
+        typer.Option(
+            "--force", help="Replace standings, report and replays in DIR that do not belong to a tournament in DIR."
+        ),
     ] = False,
     record: Annotated[bool, typer.Option("--record", help="Also keep a replay of each match, in DIR/replays.")] = False,
     watch: Annotated[
         bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 from the first match on, until Ctrl-C.")
     ] = False,
     plan_only: Annotated[
-        bool, typer.Option("--plan", help="Say what would be played and what it costs; no more.")
+        bool, typer.Option("--plan", help="Only say what would be played and what it would cost.")
     ] = False,
     settings: SettingOption = None,
 ) -> None:
     """Play groups of agents in every seating, and rank them.
 
-    The same agents, options and seed give the same results, whatever --jobs and --executor are.
+    The same agents, options and seed give the same results with any --jobs and --executor.
     """
     from catch_arena.cli.live_standings import LiveStandings
     from catch_arena.cli.tables import plan_table, standings_tables

@@ -8,7 +8,7 @@ import typer
 
 from catch_arena.errors import OutputError
 
-Force = Annotated[bool, typer.Option("--force", help="Replace the file, where there is one of that name.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")]
 
 
 def output_file(path: Path, *, force: bool) -> Path:

@@ -19,8 +19,8 @@ _EXIT_UNREADABLE = 2
 def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recorded matches.")]) -> None:
     """Play recorded matches again, and compare every step.
 
-    A match that does not play as recorded: its first step that differs, and in what. The exit code is then 1, and 2
-    where a file cannot be read.
+    Of a match that does not play as recorded, say which step differs first, and how. The exit code is then 1. It is 2
+    if a file cannot be read.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay, verification
@@ -51,9 +51,9 @@ def diff(
     a: Annotated[Path, typer.Argument(metavar="A", help="A recorded match.")],
     b: Annotated[Path, typer.Argument(metavar="B", help="Another one.")],
 ) -> None:
-    """Say where two recorded matches part: headers, actions, states, scores.
+    """Say where two recorded matches differ: headers, actions, states, scores.
 
-    The exit code is 0 where they are equal, 1 where they differ, 2 where one cannot be read.
+    The exit code is 0 if they are equal, 1 if they differ, 2 if one cannot be read.
     """
     from catch_arena.replay import Replay
     from catch_arena.replay.comparison import replay_differences
@@ -77,17 +77,19 @@ def explain(
     ] = None,
     at: Annotated[
         float | None,
-        typer.Option(metavar="SECONDS", help="All about the step that is judged at this time, as the texts tell it."),
+        typer.Option(
+            metavar="SECONDS", help="Explain the step that is judged at this time: the time shown in the explanation."
+        ),
     ] = None,
     step: Annotated[
         int | None,
         typer.Option(
-            metavar="K", help="All about step K, from 1 on: where a step takes 0.1 s, step 124 begins at 12.3 s."
+            metavar="K", help="Explain step K, counted from 1: with steps of 0.1 s, step 124 begins at 12.3 s."
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for programs.")] = False,
 ) -> None:
-    """Tell a recorded match's contests and refusals: the clause, the distances, the winner."""
+    """Explain the contests and refusals of a recorded match: the clause, the distances, the winner."""
     from catch_arena import explanation
     from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay

@@ -21,14 +21,18 @@ def report(
         float | None, typer.Option(metavar="MB", help="Room for replays in the page.", show_default="1")
     ] = None,
     match: Annotated[
-        list[str] | None, typer.Option(metavar="ID", help="A recorded match that the page plays; may be repeated.")
+        list[str] | None, typer.Option(metavar="ID", help="A recorded match to include in the page; may be repeated.")
     ] = None,
     watch: Annotated[
-        bool, typer.Option("--watch", help="Serve it on 127.0.0.1 instead, and follow the tournament; Ctrl-C ends.")
+        bool,
+        typer.Option(
+            "--watch",
+            help="Serve the page on 127.0.0.1 instead, and update it while the tournament runs, until Ctrl-C.",
+        ),
     ] = False,
     port: Annotated[int | None, typer.Option(help="For --watch.", show_default="the first free one")] = None,
 ) -> None:
-    """Write DIR/report.html: one file with the standings, what they rest on, and replays that play."""
+    """Write DIR/report.html: one file with the standings, the figures behind them, and replays to watch."""
     if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
         raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
     if port is not None and not watch:

@@ -58,8 +58,9 @@ def serve(
         list[str] | None,
         typer.Option(
             metavar="SEAT=WHO",
-            help="Who drives a hunter: ros, a node; human, a node that only drives, as turtle_teleop_key; ros:NAME and "
-            "human:NAME give a name; or an agent, as in 1=patrol or 2=mine.py. May be repeated.",
+            help="Who drives a hunter: ros (a node), human (a node that only drives, such as turtle_teleop_key), "
+            "ros:NAME or human:NAME (the same with a name), or an agent, for example 1=patrol or 2=mine.py. May "
+            "be repeated.",
             show_default="ros",
         ),
     ] = None,
@@ -73,8 +74,10 @@ def serve(
         ),
     ] = None,
     seed: ArenaSeed = None,
-    speed: Annotated[float, typer.Option(help="Of the arena's clock, to the wall's; /clock tells it then.")] = 1.0,
-    wait: Annotated[bool, typer.Option("--wait/--no-wait", help="Begin when all seats have their node.")] = True,
+    speed: Annotated[
+        float, typer.Option(help="Simulation speed: 1 is real time; at other speeds /clock has the simulated time.")
+    ] = 1.0,
+    wait: Annotated[bool, typer.Option("--wait/--no-wait", help="Begin when every seat has its node.")] = True,
     bus: BusOption = None,
     domain: Domain = None,
     url: Url = BRIDGE_URL,
@@ -84,7 +87,8 @@ def serve(
     limits: LimitOption = None,
     isolation: Isolation = None,
     record: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Keep the replay here; nobody may /spawn, /kill or /reset then.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Where to save the replay; /spawn, /kill and /reset do nothing then."),
     ] = None,
     force: Force = False,
     settings: SettingOption = None,
@@ -171,9 +175,10 @@ def controller(
     settings: SettingOption = None,
     ros_args: RosArgs = None,
 ) -> None:
-    """Drive a turtle by an agent, in turtlesim or in `ros serve`, until Ctrl-C.
+    """Drive a turtle with an agent, in turtlesim or in `ros serve`, until Ctrl-C.
 
-    nearest and first are the exercise's catch_closest_turtle_first, true and false: a parameter then.
+    The agents nearest and first are true and false of the exercise's catch_closest_turtle_first; with one of them this
+    is a parameter of the node.
     """
     from catch_arena.ros.bus import is_service
     from catch_arena.ros.controller import PERIOD_S, Controller
@@ -217,9 +222,11 @@ def spawner(
         list[str] | None,
         typer.Option(metavar="NAME", help="A turtle that hunts; may be repeated.", show_default="turtle1"),
     ] = None,
-    spawn_frequency: Annotated[float, typer.Option(help="Targets a second.")] = 0.5,
-    name_prefix: Annotated[str, typer.Option(metavar="TEXT", help="Of their names.")] = "target_turtle_",
-    reach: Annotated[float, typer.Option(metavar="METRES", help="Who is nearer than this catches.")] = 0.5,
+    spawn_frequency: Annotated[float, typer.Option(help="Targets per second.")] = 0.5,
+    name_prefix: Annotated[
+        str, typer.Option(metavar="TEXT", help="How the names of the targets begin.")
+    ] = "target_turtle_",
+    reach: Annotated[float, typer.Option(metavar="METRES", help="Catch distance [m].")] = 0.5,
     seed: ArenaSeed = None,
     bus: BusOption = None,
     domain: Domain = None,
@@ -230,7 +237,7 @@ def spawner(
 ) -> None:
     """Spawn targets in turtlesim and judge who catches them, until Ctrl-C.
 
-    With several turtles each asks its own service, as in /turtle2/catch_turtle.
+    With several turtles each asks its own service, for example /turtle2/catch_turtle.
     """
     from catch_arena.core.physics import DT
     from catch_arena.ros.parameters import NAME_PREFIX, SPAWN_FREQUENCY, spawner_parameters

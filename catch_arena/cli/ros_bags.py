@@ -22,10 +22,14 @@ def bag(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="DIR", help="The bag, a folder.", show_default="beside the replay, of its name"
+            "--output",
+            "-o",
+            metavar="DIR",
+            help="The folder that becomes the bag.",
+            show_default="beside the replay, with its name",
         ),
     ] = None,
-    storage: Annotated[Literal["mcap", "sqlite3"], typer.Option(help="The kind of its file.")] = "mcap",
+    storage: Annotated[Literal["mcap", "sqlite3"], typer.Option(help="The file format in the bag.")] = "mcap",
     interfaces: Package = INTERFACES,
     turtlesim: Turtlesim = TURTLESIM,
     force: Force = False,
@@ -48,7 +52,7 @@ def bag(
 
 @ros.command(name="import")
 def import_(
-    bag: Annotated[Path, typer.Argument(metavar="BAG", help="A folder that ros2 bag record made, or its file.")],
+    bag: Annotated[Path, typer.Argument(metavar="BAG", help="A folder made by ros2 bag record, or the file in it.")],
     *,
     output: Annotated[
         Path | None,
@@ -60,7 +64,7 @@ def import_(
         ),
     ] = None,
     force: Force = False,
-    listing: Annotated[bool, typer.Option("--list", help="Say what was ruled, and make no video.")] = False,
+    listing: Annotated[bool, typer.Option("--list", help="Print the rulings, and make no video.")] = False,
     reach: Annotated[float, typer.Option(metavar="M", help="The reach to judge by, in metres.")] = 0.3,
     size: VideoSize = None,
     fps: Fps = None,

@@ -57,7 +57,9 @@ def suite(
             show_default="out/suite, or out/suite-quick",
         ),
     ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with what DIR holds, if it holds anything.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue what was begun in DIR, if there is anything.")
+    ] = False,
     jobs: Jobs = None,
     trusted: Trusted = False,
     limits: LimitOption = None,

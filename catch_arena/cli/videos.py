@@ -29,7 +29,9 @@ LayoutOption = Annotated[
 Speed = Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")]
 VideoSize = Annotated[
     str | None,
-    typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"),
+    typer.Option(
+        metavar="WIDTHxHEIGHT", help="Size of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"
+    ),
 ]
 Fps = Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")]
 ViewOf = Annotated[
@@ -89,13 +91,22 @@ def mosaic(
     force: Force = False,
     size: Annotated[
         str | None,
-        typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture.", show_default="as the cells need, up to 1280x1280"),
+        typer.Option(
+            metavar="WIDTHxHEIGHT",
+            help="Size of the picture, in pixels.",
+            show_default="as the cells need, up to 1280x1280",
+        ),
     ] = None,
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="30; GIF 25")] = None,
     speed: Speed = 1.0,
     count: Annotated[
         int | None,
-        typer.Option(min=1, max=_MOST_IN_ONE, help="At most so many matches, by name.", show_default=f"{_MOST_IN_ONE}"),
+        typer.Option(
+            min=1,
+            max=_MOST_IN_ONE,
+            help="At most this many matches, the first by name.",
+            show_default=f"{_MOST_IN_ONE}",
+        ),
     ] = None,
 ) -> None:
     """Show all matches of a folder at once, in a grid."""
@@ -129,7 +140,7 @@ def highlights(
     *,
     output: Video = Path("highlights.mp4"),
     force: Force = False,
-    count: Annotated[int, typer.Option(min=1, help="At most so many moments.")] = 8,
+    count: Annotated[int, typer.Option(min=1, help="At most this many moments.")] = 8,
     listing: Annotated[
         bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
     ] = False,
@@ -181,7 +192,9 @@ def sheet(
     size: Annotated[
         str | None,
         typer.Option(
-            metavar="WIDTHxHEIGHT", help="Of the whole sheet.", show_default="as the pictures need, up to 1600x1320"
+            metavar="WIDTHxHEIGHT",
+            help="Size of the whole sheet, in pixels.",
+            show_default="as the pictures need, up to 1600x1320",
         ),
     ] = None,
     view_of: ViewOf = None,

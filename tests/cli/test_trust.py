@@ -140,7 +140,7 @@ def test_help_says_the_rule_in_the_same_words():
         (limit,) = [one for one in command.params if "--limit" in one.opts]
         told.add((option.help, limit.help))
     assert len(told) == 1
-    assert "Without it whatever does not come with Catch Arena is isolated" in told.pop()[0]
+    assert "agents that do not come with Catch Arena are isolated" in told.pop()[0]
     without = [
         *(commands[name] for name in WITHOUT_AGENTS),
         *(of_ros[name] for name in of_ros.keys() - set(ROS_AGENTS)),
