@@ -179,7 +179,7 @@ class ArenaConfig:
     time_limit_s: float = 60.0
     """R1.5: the episode is truncated at the first step boundary at or past this."""
     max_cycles: int | None = None
-    """PettingZoo's way to say it: so many steps, with any time_limit_s."""
+    """PettingZoo's word for the length: so many steps; time_limit_s does not count then."""
     dropout_rate: float = 0.0
     """R1.7: the probability that a hunter drops out, in each step."""
     dropouts: Dropouts = "leave"
