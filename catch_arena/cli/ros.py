@@ -160,7 +160,7 @@ def controller(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="Who is asked for catches.",
+            help="The service that answers catch requests.",
             show_default="/NAME/catch_turtle where it is served, else /catch_turtle",
         ),
     ] = None,
