@@ -58,7 +58,7 @@ from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
-_NOBODY: Final = 1 << 30
+_NO_CATCHER: Final = 1 << 30
 """Above every seat."""
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 
@@ -208,12 +208,12 @@ def commit(
         )
     removed = 0
     for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: those behind a removed slot move up
-        catcher = _NOBODY
+        catcher = _NO_CATCHER
         for i in range(len(requests)):
             granted = requests[i, REQUEST_VERDICT] == _GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0
             if granted and requests[i, REQUEST_TARGET] == slot:
                 catcher = min(catcher, requests[i, REQUEST_SEAT])  # of several, under `capstone`, the lowest
-        if catcher != _NOBODY:
+        if catcher != _NO_CATCHER:
             if s.prey > 0:
                 catch_prey(block, s, lane, slot, catcher)
             remove_target(block, targets, lane, slot, s)

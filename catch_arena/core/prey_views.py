@@ -53,7 +53,8 @@ Numbers = NDArray[np.float32]
 
 _SELF_WIDTH: Final = len(PreySelfFeatures._fields)
 _BODY_WIDTH: Final = len(BodyFeatures._fields)
-_NOBODY: Final = -1
+_NOT_AMONG_THEM: Final = -1
+"""Instead of an index: the observer is not one of the bodies that are ranked."""
 
 
 @rare
@@ -97,7 +98,7 @@ def rank_bodies(
         others: the rows of all bodies.
         size: how many numbers there are of each.
         count: how many bodies.
-        myself: which of them is the observer, or _NOBODY.
+        myself: which of them is the observer, or _NOT_AMONG_THEM.
         width: how many lanes a group has.
         lanes: how many lanes are arenas.
         ranks: how many are seen.
@@ -268,7 +269,16 @@ def observe_as_prey(
             if ranks == 0:
                 continue
             rank_bodies(
-                me, others, size, count, _NOBODY if of_hunters else index, width, lanes, ranks, network, scratch.keys
+                me,
+                others,
+                size,
+                count,
+                _NOT_AMONG_THEM if of_hunters else index,
+                width,
+                lanes,
+                ranks,
+                network,
+                scratch.keys,
             )
             exactly = not of_hunters or prey_seen == 0
             for first in range(0, span(width), len(width)):

@@ -26,7 +26,7 @@ SPAWN_DOWN: Final = np.uint64(7)
 SPAWN_REFUSED: Final = np.uint64(8)
 NEXT_EPISODE: Final = np.uint64(9)
 BATCH_ROW: Final = np.uint64(10)
-WANDERING: Final = np.uint64(11)
+WANDER_TURN: Final = np.uint64(11)
 THREAT_LOT: Final = np.uint64(12)
 VIEW_NOISE: Final = np.uint64(13)
 DROPOUT: Final = np.uint64(14)
@@ -103,7 +103,7 @@ def spawn_refused(seed: np.uint64, number: float, rate: float) -> bool:
 @rule
 def wander_draw(seed: np.uint64, number: float, period: float) -> float:
     """R3.9: how a wandering target turns in one of its periods, as a fraction of its greatest turn rate, in [-1, 1)."""
-    return 2.0 * fraction(draw(draw(stream(seed, WANDERING), np.uint64(number)), np.uint64(period))) - 1.0
+    return 2.0 * fraction(draw(draw(stream(seed, WANDER_TURN), np.uint64(number)), np.uint64(period))) - 1.0
 
 
 @rule

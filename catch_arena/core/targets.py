@@ -41,7 +41,7 @@ from catch_arena.core.vectors import Width, any_of, floor, group, select, sqrt
 
 STEERING_GAIN: Final = 6.0
 """R3.9, R3.10: turn rate for each radian of bearing error [1/s]."""
-_NOBODY: Final = 1e300
+_NO_THREAT_UM: Final = 1e300
 """How far a threat is that is none [micrometres]."""
 
 
@@ -123,7 +123,7 @@ def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step, number = block[STEP + lane], targets[NUMBER + at]
     chosen = -1
-    nearest = _NOBODY
+    nearest = _NO_THREAT_UM
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         if me[WITHDRAWN + lane] > 0.0:
@@ -151,12 +151,12 @@ def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Setti
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         x, y = targets[slot * s.slot_size + TARGET_X + lane], targets[slot * s.slot_size + TARGET_Y + lane]
-        nearest, east, north = 0.0 * x + _NOBODY, 0.0 * x, 0.0 * x
+        nearest, east, north = 0.0 * x + _NO_THREAT_UM, 0.0 * x, 0.0 * x
         tied = nearest < 0.0
         for seat in range(s.hunters):
             me = seat_of(block, seat)
             dx, dy = x - me[X + lane], y - me[Y + lane]
-            um = select(me[WITHDRAWN + lane] > 0.0, _NOBODY, measure_um(dx, dy))
+            um = select(me[WITHDRAWN + lane] > 0.0, _NO_THREAT_UM, measure_um(dx, dy))
             nearer = um < nearest
             tied = (tied | (um == nearest)) & (um >= nearest)
             east = select(nearer, dx, east)

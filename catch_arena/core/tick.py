@@ -128,8 +128,10 @@ def run(
         if playing:
             play(block, s, width, first, last, choices, commands, requests_by_name, sections, scratch)
         renewing = playing and len(sections.records) > 0 and some_ended(block, last - first)
-        for views_left in range(1 if renewing else 0, -1, -1):  # one call of `observe` is compiled once
+        # where episodes have ended, the first pass observes their last states, the second the new ones; in a loop, so
+        # that `observe` is compiled once
+        for passes_left in range(1 if renewing else 0, -1, -1):
             observe(block, s, view_width, first, last, sections, scratch)
-            if views_left > 0:
+            if passes_left > 0:
                 begin_again(block, s, first, last, sections)
         write_evidence(block, s, last - first, sections.evidence[first:last])
