@@ -63,6 +63,7 @@ def test_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(contr
         assert infos["_final_obs"][row] == (not env.agents)
         returns += list(gained.values())
         rulings = env.world().rulings
+        assert arena.rulings(row) == (rulings if env.agents else ())
         for ruling in rulings:
             tally[ruling.hunter, ruling.verdict - 1] += 1
         won[list({ruling.winner for ruling in rulings if ruling.verdict is Verdict.LOST_CONTEST})] += 1
