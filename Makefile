@@ -62,12 +62,12 @@ interpreted: $(VENV)/ready-dev ## the tests of the rules without the compiler
 boundscheck: $(VENV)/ready-dev ## the tests of the rules with every index tested
 	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(SPREAD) $(RULES)
 
-# Without the compiler, since compiled code cannot be measured; and before that with it, and with an empty cache, for what only
-# the compiler calls. Random matches meet no line that the other tests do not.
+# Without the compiler, since compiled code cannot be measured; but first with it, and with an empty cache, for what only the
+# compiler calls.
 coverage: $(VENV)/ready-extras ## measure coverage: at least 95 % of all, and every line and branch of the rules
 	rm -rf out/coverage
 	NUMBA_CACHE_DIR=out/coverage/compiled $(BIN)/coverage run -m pytest tests/unit
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(WORKERS) -m '$(MEASURED)' --ignore tests/properties tests
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(WORKERS) -m '$(MEASURED)' tests
 	$(BIN)/coverage combine --quiet || true  # a process that a test killed leaves a file that cannot be read
 	$(BIN)/coverage report --fail-under 95
 	$(BIN)/coverage report --fail-under 100 --include 'catch_arena/core/*'
