@@ -6,6 +6,7 @@ BIN := $(VENV)/bin
 WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SPREAD := --numprocesses 2 --dist worksteal
 USUAL := not nightly and not extras and not hostile and not torch
+MEASURED := not nightly and not large and not hostile and not torch
 RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
 # The docs first: one of their tests is the longest.
 QUICK := tests/docs $(RULES) tests/agents tests/conformance tests/contract tests/vector
@@ -53,17 +54,20 @@ long: $(VENV)/ready-dev ## the tests that make test leaves out
 laws: $(VENV)/ready-dev ## the property tests at length, with a million steps of engine against oracle
 	CATCH_ARENA_LONG=1 $(BIN)/pytest $(SPREAD) tests/properties tests/replay/test_format.py
 
+# Without the compiler one block of arenas runs every line that a hundred blocks run, a hundred times as fast: what plays that
+# many is marked `large`, and left out here and from coverage.
 interpreted: $(VENV)/ready-dev ## the tests of the rules without the compiler
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(SPREAD) $(RULES)
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(SPREAD) -m 'not large' $(RULES)
 
 boundscheck: $(VENV)/ready-dev ## the tests of the rules with every index tested
 	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(SPREAD) $(RULES)
 
-# Without the compiler, since compiled code cannot be measured; random matches, batches and threads are slow then, and meet no
-# line that the other tests do not.
+# Without the compiler, since compiled code cannot be measured; but first with it, and with an empty cache, for what only the
+# compiler calls.
 coverage: $(VENV)/ready-extras ## measure coverage: at least 95 % of all, and every line and branch of the rules
 	rm -rf out/coverage
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(WORKERS) tests --ignore tests/properties -k 'not batch and not thread' -m 'not large'
+	NUMBA_CACHE_DIR=out/coverage/compiled $(BIN)/coverage run -m pytest tests/unit
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(WORKERS) -m '$(MEASURED)' tests
 	$(BIN)/coverage combine --quiet || true  # a process that a test killed leaves a file that cannot be read
 	$(BIN)/coverage report --fail-under 95
 	$(BIN)/coverage report --fail-under 100 --include 'catch_arena/core/*'

@@ -218,10 +218,7 @@ def quick_typing() -> Iterator[None]:
         top = _flags_on_top()
         key = self, typing, tuple(args), tuple(dict(kws).items()), top is not None and top.nrt
         if key not in signatures:
-            signature = slow[0](self, typing, args, kws)
-            if signature is None:
-                return None
-            signatures[key] = signature
+            signatures[key] = slow[0](self, typing, args, kws)
         return signatures[key]
 
     def load_additional_registries(self: Any) -> None:

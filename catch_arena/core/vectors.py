@@ -340,9 +340,6 @@ def _type_of_select(condition: Any, a: Any, b: Any) -> Any:
         dtype = dtype if isinstance(a, Vector) or isinstance(b, Vector) else types.float64
         vector = _like(condition, dtype)
         return vector(condition, vector, vector)
-    if isinstance(a, Vector) or isinstance(b, Vector):
-        vector = a if isinstance(a, Vector) else b
-        return vector(types.boolean, vector, vector)
     number = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else a
     return number(types.boolean, number, number)
 

@@ -247,9 +247,12 @@ def test_steps_at_the_wrong_time_are_refused_under_aec_too():
         with pytest.raises(EpisodeError, match="no episode has begun"):
             call()
     env.reset(seed=1)
+    for _ in range(2):
+        env.step(0)
+    with pytest.raises(ActionError, match="hunter_0: an action must be None after the end, got 1"):
+        env.step(1)
     for _ in env.agent_iter():
-        *_, terminated, truncated, _ = env.last()
-        env.step(None if terminated or truncated else 0)
+        env.step(None)
     with pytest.raises(EpisodeError, match="this episode is over"):
         env.step(0)
 
@@ -270,6 +273,7 @@ def test_steps_at_the_wrong_time_are_refused_under_aec_too():
         {"requests": [(1, "t")]},
         {"requests": ["x"]},
         {"reach_m": 0},
+        {"reach_m": [0.3, 0.3]},
         {"caught": ["t"]},
         {"seed": -1},
     ],

@@ -113,6 +113,16 @@ def test_catches_of_prey_in_words(hunted):
     assert any(line.startswith(expected) and "withdrawn at 9.0 s (R12.5)" in line for line in told.lines())
 
 
+def test_prey_that_is_gone_for_good_in_words(hunted_once):
+    told = explain(hunted_once)
+    gone = [told.prey[one.prey].name for one in told.captures]
+    assert gone
+    assert sum(line.endswith(" in play; it did not return (R12.3).") for line in told.lines()) == len(gone)
+    for one in told.prey:
+        (line,) = [line for line in told.lines() if line.startswith(f"{one.name}: caught ")]
+        assert line.endswith(" in play; out at the end.") == (one.name in gone)
+
+
 def test_one_hunter_alone_hears_of_its_own_catches(hunted):
     whole, own = explain(hunted), explain(hunted, 1)
     assert [one for one in whole.captures if one.seat == 1] == list(own.captures)

@@ -50,6 +50,13 @@ CONFIGS = {
     "nobody shares": {"teams": ((1, 0), (2,)), "initial_targets": 4, "spawn_frequency_hz": 9.0},
     "no teams": {"team_share": 0.4, "initial_targets": 4, "spawn_frequency_hz": 9.0},
     "narrow views": {"initial_targets": 9, "view_angle_deg": 100.0, "view_radius_m": 1.2, "spawning": False},
+    "one rival of many": {
+        "hunters": 5,
+        "control": "full",
+        "observed_hunters": 1,
+        "teams": ((0, 2), (1, 3, 4)),
+        "view_noise_m": 0.1,
+    },
 }
 """Much happens in each."""
 CROWDS = [(1, 1, 3), (2, 2, 41), (4, 9, 3), (9, 2, 3), (10, 12, 3)]

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -187,6 +188,17 @@ def test_a_match_that_is_asked_for_is_there_whatever_the_budget(played):
     assert list(select_matches(data, 0, [last])) == [last]
     with pytest.raises(ReplayError, match="match nothing: must be one that was played and recorded"):
         select_matches(data, 0, ["nothing"])
+
+
+def test_the_page_does_without_a_recorded_match_that_cannot_be_read(played, tmp_path):
+    """It is told of it where just this match was asked for."""
+    folder = shutil.copytree(played, tmp_path / "damaged")
+    data = ReportData.of(folder)
+    damaged, *others = sorted(data.recorded)
+    (folder / "replays" / f"{damaged}.replay").write_bytes(b"no replay")
+    assert sorted(select_matches(data, 10**6)) == others
+    with pytest.raises(ReplayError, match="is not a Catch Arena replay"):
+        select_matches(data, 10**6, [damaged])
 
 
 def test_a_tournament_leaves_its_report(played):

@@ -102,6 +102,11 @@ def test_bad_actions_of_learners_are_refused_and_nothing_moves():
             with pytest.raises(ActionError):
                 batch.step(bad)
         assert batch.arena.digest(2) == before
+    batch = LearnerBatch("duel", 3, control="full")
+    batch.reset(seed=1)
+    for bad in (np.zeros((6, 2)), {"cmd_vel": np.zeros((6, 2)), "rank": np.zeros(6, int)}):
+        with pytest.raises(ActionError, match="actions must be a mapping with cmd_vel and catch"):
+            batch.step(bad)
 
 
 def test_gymnasiums_vector_wrappers_fit():

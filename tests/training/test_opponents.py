@@ -30,6 +30,22 @@ class Fixed:
         return self.steps % 2
 
 
+class Full(Fixed):
+    """Drives and asks."""
+
+    control = "full"
+
+    def act(self, view):
+        return {"cmd_vel": (0.5, -0.25), "catch": super().act(view)}
+
+
+class Unmade(Fixed):
+    """Cannot even be made."""
+
+    def __init__(self):
+        raise ValueError("not\ntoday")
+
+
 class BatchFixed:
     """Gives what it was made with."""
 
@@ -103,12 +119,26 @@ def test_a_batch_view_names_what_a_view_names():
         assert np.shares_memory(view.of(slice(1, 3)).targets.left, observations)
 
 
-@pytest.mark.parametrize("opponents", ["nearest", ["nearest", "patrol"], Fixed, ["contested", BatchFixed(np.float32)]])
+def quarter_speed(view):
+    return np.full((len(view.observations), 2), 0.25)
+
+
+def quarter_speed_and_catch(view):
+    return {"cmd_vel": quarter_speed(view), "catch": np.ones(len(view.observations), dtype=int)}
+
+
+@pytest.mark.parametrize(
+    "opponents",
+    [
+        "nearest",
+        ["nearest", "patrol"],
+        Fixed,
+        ["contested", BatchFixed(quarter_speed, "velocity")],
+        [Full, BatchFixed(quarter_speed_and_catch, "full")],
+    ],
+)
 def test_a_batch_with_opponents_plays_what_one_arena_envs_play(opponents):
     """With the same actions, and each seat under the control of who sits there."""
-    if isinstance(opponents, list) and isinstance(opponents[-1], BatchFixed):
-        opponents[-1].answer = lambda view: np.full((len(view.observations), 2), 0.25)
-        opponents[-1].control = "velocity"
     batch = LearnerBatch("standard", 7, opponents=opponents, max_cycles=9)
     batch.reset(seed=4)
     rng = np.random.default_rng(0)
@@ -127,7 +157,8 @@ def test_a_batch_with_opponents_plays_what_one_arena_envs_play(opponents):
                 told = {}
                 for seat, word in enumerate(configs[row].controls):
                     rank, command = int(batch._choices[row, seat]), batch._commands[row, seat]
-                    told[f"hunter_{seat}"] = {"target": rank, "velocity": command}[word]
+                    full = {"cmd_vel": command, "catch": rank}
+                    told[f"hunter_{seat}"] = {"target": rank, "velocity": command, "full": full}[word]
                 assert told[f"hunter_{seats[row]}"] == actions[row]
                 observations, rewards, *_ = env.step(told)
                 expected.append(observations[f"hunter_{seats[row]}"])
@@ -265,10 +296,14 @@ def test_a_pool_that_is_empty_or_has_bad_weights_is_refused(pool, message):
 
 @pytest.mark.parametrize(
     ("opponent", "message"),
-    [("nearst", "nearst"), (3, "opponent int: must have reset and act_batch, or reset and act, got no reset")],
+    [
+        ("nearst", "nearst"),
+        (3, "opponent int: must have reset and act_batch, or reset and act, got no reset"),
+        (Unmade, r"opponent Unmade: Unmade\(\) raised ValueError: not today"),
+    ],
 )
 def test_an_agent_that_is_none_is_refused(opponent, message):
-    """By name, and as an object."""
+    """By name, as an object, and as a class."""
     with pytest.raises(AgentError, match=message):
         LearnerBatch("duel", 2, opponents=opponent)
 

@@ -42,6 +42,19 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     assert engine.digest(row) == alone.digest()
 
 
+def test_who_is_not_alive_cannot_be_killed():
+    """R8.1, R5.8: in the second row, which has other targets than the first after a kill; nothing changes then."""
+    engine = Engine(scenario("duel", initial_targets=3), num_arenas=2)
+    engine.reset(range(2))
+    first = engine.digest(0)
+    assert engine.kill(1, 3)
+    assert [target.number for target in engine.world(1).targets] == [1, 2]
+    before = engine.digest(1)
+    for number in (3, 4, 0):
+        assert not engine.kill(1, number)
+    assert (engine.digest(0), engine.digest(1)) == (first, before)
+
+
 def test_the_next_episode_begins_where_one_has_ended_and_nowhere_else():
     """A.5: the arena beside it, which was reset two steps later, plays its own episode to the end."""
     config = scenario("duel", time_limit_s=2)

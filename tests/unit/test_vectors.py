@@ -4,6 +4,7 @@ import numba
 import numpy as np
 import pytest
 
+from catch_arena.core.jit import INTERPRETED
 from catch_arena.core.vectors import (
     HALF,
     SINGLE,
@@ -199,6 +200,20 @@ def test_copies(made):
     assert (out[9:17] == first + np.arange(2, 10)).all()
     assert (out[32:40] == first + np.arange(8, 16)).all()
     assert not out[[2, 7, 8, 17, 31, 40]].any()
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+@pytest.mark.parametrize("mistake", [lambda row, lane: row[1.5 + lane], lambda row, lane: row[lane] + "text"])
+def test_what_is_no_place_and_no_number_is_refused_by_the_compiler(mistake):
+    """Where lanes are an index, whole numbers are added to them, and numbers to what is read there."""
+    inner = numba.njit(**FLAGS)(mistake)
+
+    @numba.njit(**FLAGS)
+    def read(row, width):
+        return any_of(inner(row, group(0, width)) > 0.0)
+
+    with pytest.raises(numba.TypingError, match="No implementation of function"):
+        read(np.zeros(16), WIDE)
 
 
 def test_a_place_outside_the_row_is_noticed_where_places_are_tested():
