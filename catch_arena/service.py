@@ -10,8 +10,8 @@ from catch_arena.arbitration import rulings_of, target_asked_for
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, measure_um, within_reach
 from catch_arena.engine import Engine
+from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.spaces import require_pose
-from catch_arena.episode_seeds import episode_seed
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
 from catch_arena.replay import Replay

@@ -99,7 +99,7 @@ CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
 
 
 INNER: Final[set[str]] = set()
-"""The names of what only compiled code calls: how much there is to compile (catch_arena/compiling.py)."""
+"""The names of what only compiled code calls: how much there is to compile (engine/compiling.py)."""
 
 
 def rule(function: F) -> F:

@@ -16,12 +16,13 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from catch_arena.block_views import row_of
 from catch_arena.config import ArenaConfig, Control, require_choice
 from catch_arena.core import state
 from catch_arena.core.prey import PREY_PART_NAMES
 from catch_arena.core.rewards import PART_NAMES
 from catch_arena.engine import Engine
+from catch_arena.engine.block_views import row_of
+from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.global_state import state_vector
 from catch_arena.envs.infos import LazyInfos
 from catch_arena.envs.spaces import (
@@ -35,7 +36,6 @@ from catch_arena.envs.spaces import (
     state_space,
     velocity_space,
 )
-from catch_arena.episode_seeds import episode_seed
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config

@@ -13,8 +13,8 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.core import episodes, prey, state
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine
+from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, velocity_space
-from catch_arena.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed

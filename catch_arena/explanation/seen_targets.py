@@ -13,7 +13,7 @@ from catch_arena.core.arbiter import measure_um
 from catch_arena.core.math import sincos
 from catch_arena.core.ranking import key_of
 from catch_arena.core.visibility import is_seen
-from catch_arena.core_settings import settings_of
+from catch_arena.engine.core_settings import settings_of
 from catch_arena.world import World
 
 

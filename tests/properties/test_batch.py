@@ -14,7 +14,7 @@ from properties.matches import EFFORT, seen, settings_of, some_batch_actions, so
 
 from catch_arena.config import ArenaConfig, FaultRates
 from catch_arena.engine import Engine
-from catch_arena.episode_seeds import batch_seeds
+from catch_arena.engine.episode_seeds import batch_seeds
 
 FIRST_SEED = 70
 STEPS = 20

@@ -24,7 +24,7 @@ from catch_arena.cli import main
 from catch_arena.cli.arguments import blank_argument
 from catch_arena.core.jit import INTERPRETED
 from catch_arena.core.spawner import spawn_pose
-from catch_arena.episode_seeds import batch_seeds, next_seeds
+from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import SerialExecutor

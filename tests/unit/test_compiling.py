@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numba
 import pytest
 
-from catch_arena import compiling
 from catch_arena.core.jit import INTERPRETED
+from catch_arena.engine import compiling
 
 
 def ended(name):

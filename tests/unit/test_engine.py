@@ -5,7 +5,7 @@ import pytest
 
 from catch_arena.core.state import RUNNING, TRUNCATED
 from catch_arena.engine import Engine
-from catch_arena.episode_seeds import batch_seeds, next_seeds
+from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
 from catch_arena.verdicts import Verdict

@@ -9,7 +9,7 @@ import pytest
 
 from catch_arena import VectorArena, parallel_env, scenario
 from catch_arena.engine import Engine
-from catch_arena.episode_seeds import batch_seeds
+from catch_arena.engine.episode_seeds import batch_seeds
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
 

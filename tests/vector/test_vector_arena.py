@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from catch_arena import ArenaConfig, VectorArena, Verdict, parallel_env
-from catch_arena.episode_seeds import batch_seeds
+from catch_arena.engine.episode_seeds import batch_seeds
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 
 SEED = 20_261_121

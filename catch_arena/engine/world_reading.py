@@ -1,9 +1,9 @@
 """From an arena's memory to what people read: its World, and the rulings of its last step."""
 
-from catch_arena.block_views import BlockViews, row_of
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
 from catch_arena.core.state import LANES
+from catch_arena.engine.block_views import BlockViews, row_of
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, PreyState, TargetState, World
 

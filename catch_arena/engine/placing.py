@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.block_views import BlockViews, row_of
 from catch_arena.config import ArenaConfig
 from catch_arena.core import spawner, state
 from catch_arena.core.jit import entry
 from catch_arena.core.math import wrap
 from catch_arena.core.memory import Bytes
 from catch_arena.core.state import LANES, slot_rows
+from catch_arena.engine.block_views import BlockViews, row_of
 
 
 @entry

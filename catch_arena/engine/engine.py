@@ -10,8 +10,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.block_views import BlockViews, row_of
-from catch_arena.compiling import compile_once
 from catch_arena.config import ArenaConfig
 from catch_arena.core import spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
@@ -34,15 +32,17 @@ from catch_arena.core.rewards import PART_NAMES
 from catch_arena.core.state import LANES, first_prey_row, slot_rows
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
-from catch_arena.core_settings import limits_by_seat, settings_of
+from catch_arena.engine.block_views import BlockViews, row_of
+from catch_arena.engine.compiling import compile_once
+from catch_arena.engine.core_settings import limits_by_seat, settings_of
+from catch_arena.engine.placing import place, place_batch
+from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.errors import ConfigError
 from catch_arena.layout import hunters_seen_by_prey, observation_size, prey_observation_size, prey_seen_by_prey
-from catch_arena.placing import place, place_batch
 from catch_arena.seeding import checked_seed
 from catch_arena.threads import Threads
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
-from catch_arena.world_reading import read_rulings, read_world
 
 _HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
 _HUNTERS_A_PART: Final = 4096
