@@ -38,7 +38,8 @@ THERE_M: Final = 0.02
 SPAWN_LOW_M: Final = 0.5
 SPAWN_WALL_M: Final = 0.5889
 """R3.2: spawns keep these distances from the walls at 0 and from those opposite. The second is rounded, as in the agent
-`patrol`; engine/core_settings.py has all of its digits, but with those `search` could decide otherwise than it was rated.
+`patrol`; engine/core_settings.py has all of its digits, but with those `search` could decide otherwise than it was
+rated.
 """
 TURN_GAIN: Final = 6.0
 """Turn rate per radian of bearing [1/s]."""

@@ -233,11 +233,11 @@ def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sect
         if block[ENDED + lane] == RUNNING:
             continue
         arena = first + lane
-        keep_rows(sections.observations[arena], sections.last_observations[arena])
-        keep_rows(sections.masks[arena], sections.last_masks[arena])
+        keep_rows(sections.observations[arena], sections.final_observations[arena])
+        keep_rows(sections.masks[arena], sections.final_masks[arena])
         write_record(block, s, lane, sections.teams, sections.records[arena])
         if s.prey > 0:
-            keep_rows(sections.prey_observations[arena], sections.prey_last_observations[arena])
+            keep_rows(sections.prey_observations[arena], sections.prey_final_observations[arena])
             write_prey_records(block, s, lane, sections.prey_records[arena])
         seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         begin(block, s, lane, sections.start_poses, next_seed(seed))

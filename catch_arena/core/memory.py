@@ -86,14 +86,14 @@ class Sections(NamedTuple):
     """(B, H), or none where there are parts."""
     prey_rewards: Annotated[NDArray[np.float32], 2]
     """(B, P), or none where there are parts."""
-    last_observations: Annotated[NDArray[np.float32], 3]
+    final_observations: Annotated[NDArray[np.float32], 3]
     """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""
-    last_masks: Annotated[NDArray[np.int8], 3]
+    final_masks: Annotated[NDArray[np.int8], 3]
     """(B, H, K + 1): the masks that belong to them."""
     records: Annotated[NDArray[np.float32], 3]
     """(B, H, RECORD_COLUMNS): that episode in figures, see `episodes`."""
-    prey_last_observations: Annotated[NDArray[np.float32], 3]
-    """(B, P, E): as `last_observations`."""
+    prey_final_observations: Annotated[NDArray[np.float32], 3]
+    """(B, P, E): as `final_observations`."""
     prey_records: Annotated[NDArray[np.float32], 3]
     """(B, P, PREY_RECORD_COLUMNS): see `prey`."""
 

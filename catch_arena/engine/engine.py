@@ -128,10 +128,10 @@ class Engine:
                 ends=zeros(num_arenas, dtype=np.int8),
                 rewards=zeros(num_arenas - rows_with_infos, hunters, dtype=np.float32),
                 prey_rewards=zeros(num_arenas - rows_with_infos, prey, dtype=np.float32),
-                last_observations=zeros(kept, hunters, observation_size(config), dtype=np.float32),
-                last_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
+                final_observations=zeros(kept, hunters, observation_size(config), dtype=np.float32),
+                final_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
                 records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
-                prey_last_observations=zeros(kept, prey, seen_by_prey, dtype=np.float32),
+                prey_final_observations=zeros(kept, prey, seen_by_prey, dtype=np.float32),
                 prey_records=zeros(kept, prey, PREY_RECORD_COLUMNS, dtype=np.float32),
                 **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
             )
@@ -162,9 +162,9 @@ class Engine:
         """
         self.ends = sections.ends
         """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
-        self.last_observations = sections.last_observations
+        self.final_observations = sections.final_observations
         """With auto_reset the last observations of the latest episode that ended in each arena: (B, H, D)."""
-        self.last_masks = sections.last_masks
+        self.final_masks = sections.final_masks
         """And the masks that belong to them: (B, H, K + 1)."""
         self.records = sections.records
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
@@ -176,8 +176,8 @@ class Engine:
         """R12.5: the parts of the last reward, unweighted, in the order of `prey.PREY_PART_NAMES`: (B, P, 3), or
         (0, P, 3) without infos.
         """
-        self.prey_last_observations = sections.prey_last_observations
-        """With auto_reset as `last_observations`: (B, P, E)."""
+        self.prey_final_observations = sections.prey_final_observations
+        """With auto_reset as `final_observations`: (B, P, E)."""
         self.prey_records = sections.prey_records
         """With auto_reset as `records`, in the columns of core/prey.py: (B, P, PREY_RECORD_COLUMNS)."""
         self._prey_commands = sections.prey_commands
@@ -189,7 +189,7 @@ class Engine:
         self.evidence = sections.evidence
         """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
         begin = offset_of("blocks", memory)
-        self._kept, self._kept_by_all = memory[begin:], offset_of("last_observations", memory) - begin
+        self._kept, self._kept_by_all = memory[begin:], offset_of("final_observations", memory) - begin
         of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
         self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if section.size]
         """What stands of each arena beside the blocks: (B, bytes) each."""

@@ -156,9 +156,9 @@ class VectorArena:
             records, prey_records = engine.records, engine.prey_records
             tallies = records[:, :, episodes.FINAL_TALLIES :]
             infos["_final_obs"] = self._ended
-            infos["final_obs"] = self._by_side(engine.last_observations, engine.prey_last_observations)
+            infos["final_obs"] = self._by_side(engine.final_observations, engine.prey_final_observations)
             if "action_mask" in infos:
-                infos["final_mask"] = engine.last_masks
+                infos["final_mask"] = engine.final_masks
             infos["episode"] = self._by_side(
                 {
                     "length": records[:, :, episodes.LENGTH],
