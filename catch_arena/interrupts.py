@@ -1,5 +1,5 @@
-"""Ctrl-C and SIGTERM: however many there are, and whenever, a command ends within seconds, with one line, and leaves no
-process behind.
+"""Ctrl-C, SIGTERM and a terminal that is closed: however many there are, and whenever, a command ends within seconds,
+with one line, and leaves no process behind.
 
 The first one raises KeyboardInterrupt where the command stands; those that follow are ignored. What this unwinds has
 _UNWIND_S. Then a watchdog ends the process, though it may stand in code that swallowed the interrupt, that waits for a
@@ -29,6 +29,8 @@ _END_S = 1.0
 """How long the end itself may take: of what descends from this process, and of the last line."""
 _LONG_S = 3600.0
 _WORDS = {_signal.SIGINT: "interrupted", _signal.SIGTERM: "terminated"}
+if hasattr(_signal, "SIGHUP"):  # Windows has none
+    _WORDS[_signal.SIGHUP] = "hung up"
 
 
 class _Command:
@@ -146,12 +148,23 @@ def run(command: "Callable[[], object]") -> "NoReturn":
 
 def wait() -> None:
     """Wait for a signal, which is then the normal end of the command: its status is 0."""
-    _command.waits = True
-    try:
+
+    def sleep() -> None:
         while True:
             time.sleep(_LONG_S)
+
+    linger(sleep)
+
+
+def linger(last: "Callable[[], object]") -> None:
+    """Do what may be broken off: a signal ends it, and is the normal end of the command, whose status is then 0."""
+    _command.waits = True
+    try:
+        last()
     except KeyboardInterrupt:
         pass
+    finally:
+        _command.waits = False
 
 
 def keep(save: "Callable[[], object]") -> None:

@@ -172,7 +172,7 @@ class ArenaService:
         """A target outside the timer: its name, or "" where the arena is full, as turtlesim answers.
 
         Raises:
-            ActionError: for a place outside the arena, or a theta that is not finite.
+            ActionError: for a place outside the arena, or a theta beyond 1000 rad.
             EpisodeError: where no episode is under way, or where it is recorded.
         """
         self._require_play("spawn")

@@ -8,6 +8,7 @@ import typer
 from typer.core import TyperCommand
 
 from catch_arena.cli.terminal import say
+from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
     from catch_arena.ros.bus import Bus
@@ -62,6 +63,24 @@ def interfaces_of(package: str, turtlesim: str) -> "Interfaces":
     from catch_arena.ros.interfaces import Interfaces
 
     return Interfaces(checked_package("--interfaces", package), checked_package("--turtlesim", turtlesim))
+
+
+def refuse_bus_options(bus: BusName | None, domain: int | None, url: str, interfaces: str, turtlesim: str) -> None:
+    """Where no bus is joined, none of them would do anything.
+
+    Raises:
+        ConfigError: for one that was given.
+    """
+    given = {
+        "--bus": bus is not None,
+        "--domain": domain is not None,
+        "--url": url != BRIDGE_URL,
+        "--interfaces": interfaces != INTERFACES,
+        "--turtlesim": turtlesim != TURTLESIM,
+    }
+    for option, is_given in given.items():
+        if is_given:
+            raise ConfigError(f"{option} must come with a service of a node, as ros:/catch_turtle")
 
 
 class NodeCommand(TyperCommand):

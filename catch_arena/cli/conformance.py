@@ -6,7 +6,17 @@ from typing import Annotated, Any
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.bus_options import BRIDGE_URL, INTERFACES, TURTLESIM, BusOption, Domain, Package, Turtlesim, Url
+from catch_arena.cli.bus_options import (
+    BRIDGE_URL,
+    INTERFACES,
+    TURTLESIM,
+    BusOption,
+    Domain,
+    Package,
+    Turtlesim,
+    Url,
+    refuse_bus_options,
+)
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.ros_nodes import names_a_service, node_under_test
 from catch_arena.cli.terminal import columns, say
@@ -83,6 +93,7 @@ def conformance(
         with node_under_test(arbiter, bus, domain, url, interfaces, turtlesim) as node:
             report = run_on_node(node, select_cases(only or ()))
     else:
+        refuse_bus_options(bus, domain, url, interfaces, turtlesim)
         report = run_conformance(
             None if arbiter is None else _function(arbiter),
             arena=None if arena is None else _made(arena),

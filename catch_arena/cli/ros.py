@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -34,8 +34,11 @@ from catch_arena.cli.bus_options import (
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import ConfigError
+from catch_arena.errors import AgentError, ConfigError
 from catch_arena.text import name_fault
+
+if TYPE_CHECKING:
+    from catch_arena.ros.serving import Served
 
 ros = typer.Typer(
     name="ros",
@@ -47,6 +50,11 @@ main.add_typer(ros)
 _TURTLE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _EXERCISE = {"nearest": True, "first": False}
 """The agents that the exercise's catch_closest_turtle_first chooses from, by its value."""
+_OWN_SETTINGS = {
+    "control_period_ms": "on a bus each step is one tick, 16 ms",
+    "observed_targets": "agents see every target on a bus",
+}
+"""Of `serve` itself."""
 NODE, HUMAN = "ros", "human"
 """The words for seats that nodes drive: one that asks for its targets, and one that only drives."""
 
@@ -95,8 +103,6 @@ def serve(
     ros_args: RosArgs = None,
 ) -> None:
     """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle (docs/ros2.md)."""
-    from catch_arena.cli.matches import print_ranking
-    from catch_arena.explanation.seats import with_seat
     from catch_arena.ros.parameters import NAME_PREFIX, SPAWN_FREQUENCY, arena_parameters
     from catch_arena.ros.ros_args import take_ros_args
     from catch_arena.ros.serving import serve_match
@@ -141,8 +147,7 @@ def serve(
             title=scenario or "standard",
             log=say,
         )
-    shown = [with_seat(name, number) for number, name in enumerate(served.names)]
-    print_ranking(served.ranks, served.scores, shown, (None,) * len(names))
+    _print_ranking(served, config)
     late = served.rate
     say(f"{late.late} of {late.ticks} ticks were late by more than 5 ms, the worst by {late.latest_s * 1e3:.0f} ms")
     if record is not None:
@@ -247,6 +252,9 @@ def spawner(
     from catch_arena.seeding import arena_seed
 
     turtles = tuple(checked_turtle(name) for name in turtle or ("turtle1",))
+    for name in turtles:
+        if turtles.count(name) > 1:
+            raise ConfigError(f"--turtle {name} must be given once")
     parameters = spawner_parameters(spawn_frequency, name_prefix)
     called = take_ros_args(ros_args or (), "turtle_spawner", parameters, _warn)
     frequency = parameters[SPAWN_FREQUENCY]
@@ -285,6 +293,22 @@ def _warn(line: str) -> None:
     say(line, err=True)
 
 
+def _print_ranking(served: "Served", config: ArenaConfig) -> None:
+    """R6.1, R11.1: by hunter, or by team; then with what each of a team's hunters caught."""
+    from catch_arena.cli.matches import print_ranking
+    from catch_arena.explanation.seats import with_seat
+    from catch_arena.tournament.parties import Parties
+
+    shown = [with_seat(name, number) for number, name in enumerate(served.names)]
+    parties = Parties.of(config).seats
+    names = [
+        " + ".join(f"{shown[seat]} {served.scores[seat]}" for seat in seats) if len(seats) > 1 else shown[seats[0]]
+        for seats in parties
+    ]
+    scores = [sum(served.scores[seat] for seat in seats) for seats in parties]
+    print_ranking([served.ranks[seats[0]] for seats in parties], scores, names, (None,) * len(names))
+
+
 def _seats(options: list[str]) -> dict[int, str]:
     """Who drives which hunter."""
     seats: dict[int, str] = {}
@@ -294,14 +318,33 @@ def _seats(options: list[str]) -> dict[int, str]:
             raise ConfigError(f"--seat must be SEAT=WHO, as 0=ros or 1=patrol, got {option!r}")
         if int(number) in seats:
             raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {who}")
-        fault = name_fault(who)
+        fault = name_fault(who) or _seat_fault(who)
         if fault is not None:
             raise ConfigError(f"--seat {number}: {fault}")
         seats[int(number)] = who
     return seats
 
 
+def _seat_fault(who: str) -> str | None:
+    """Why nobody is called so who could drive a hunter; None where somebody may be."""
+    from catch_arena.tournament.entrants import resolve_spec
+
+    word = who.partition(":")[0]
+    if word in {NODE, HUMAN}:
+        return None
+    if word.lower() in {NODE, HUMAN}:
+        return f"did you mean {word.lower()}? got {who}"
+    try:
+        resolve_spec(who)
+    except AgentError as error:
+        return f"{error}; a node drives with {NODE}, a person with {HUMAN}"
+    return None
+
+
 def _arena(scenario: str | None, settings: list[str] | None, hunters: int) -> ArenaConfig:
+    for key in (setting.partition("=")[0] for setting in settings or ()):
+        if key in _OWN_SETTINGS:
+            raise ConfigError(f"--set {key}=... must be left out: {_OWN_SETTINGS[key]}")
     if scenario is not None:
         return arena(scenario, settings)
     return arena("standard", [f"hunters={hunters}", *(settings or ())])

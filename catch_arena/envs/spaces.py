@@ -54,7 +54,7 @@ def _box(table: tuple[Column, ...]) -> spaces.Box:
 
 
 def require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
-    """A position in the arena [m] and a finite angle [rad], for a target that is spawned by hand.
+    """A position in the arena [m] and an angle of at most 1000 [rad], for a target that is spawned by hand.
 
     Raises:
         ActionError: for anything else.
@@ -63,7 +63,7 @@ def require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
         if not 0.0 <= value <= config.side_m:
             raise ActionError(f"spawn: {axis} must lie in [0, {config.side_m:g}], got {value!r}")
     if not -1e3 <= theta <= 1e3:
-        raise ActionError(f"spawn: theta must be a finite angle, got {theta!r}")
+        raise ActionError(f"spawn: theta must lie in [-1000, 1000], got {theta!r}")
 
 
 def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:

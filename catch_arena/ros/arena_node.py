@@ -27,6 +27,8 @@ from catch_arena.ros.interfaces import (
 from catch_arena.ros.rulings import ruling_message
 from catch_arena.ros.seats import RosSeat, seat_of
 from catch_arena.service import ArenaService, response
+from catch_arena.text import one_line
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.ranks import ranks_of
 from catch_arena.verdicts import Verdict
 from catch_arena.world import World
@@ -37,6 +39,8 @@ _OFTEN: Final = 6
 """In ticks: targets that move are told anew, and who has gone is looked for."""
 _MOST_WAITING: Final = 1000
 """Catch requests that are kept for the match's first step; those beyond are answered and not judged."""
+_EXERCISE_REACH_UM: Final = 500_000
+"""How near many solutions of the exercise go before they ask."""
 _NOT_JUDGED: Final = CatchTurtleResponse(success=False)
 """What is answered where no hunter asks, or too many do."""
 
@@ -78,9 +82,10 @@ class ArenaNode:
         self._bus, self._service, self._agents, self._log = bus, service, agents, log
         hunters = service.config.hunter_names
         self._names = names
+        self._parties = Parties.of(service.config)
         self.seats = [RosSeat(hunters[seat], log) for seat in sorted(driven)]
         self._pending: list[_PendingRequest] = []
-        self._warned: set[str] = set()
+        self._logged: set[str] = set()
         self._ticks = 0
         self._scores: tuple[int, ...] = ()
         self._topics = {seat.hunter: [f"/{seat.hunter}/cmd_vel"] for seat in self.seats}
@@ -148,9 +153,10 @@ class ArenaNode:
         rulings = self._service.step(commands, requests, goals)
         for one, ruling in zip(asked, rulings, strict=False):
             one.request.answer(response(ruling))
-            if ruling.verdict is Verdict.OUT_OF_REACH and one.hunter not in self._warned:
-                self._warned.add(one.hunter)
-                self._log(f"{ruling}; --set reach_m=0.5 is the reach that many solutions of the exercise have in mind")
+            away_um = ruling.distance_um
+            if ruling.verdict is Verdict.OUT_OF_REACH and away_um is not None and away_um < _EXERCISE_REACH_UM:
+                hint = "--set reach_m=0.5 is the reach that many solutions of the exercise have in mind"
+                self._log_once(f"{ruling}; {hint}", one.hunter)
         world = self._service.world
         asking = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
@@ -159,10 +165,17 @@ class ArenaNode:
         self._publish_state(world)
 
     def standings(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """R6.1: ranks and scores, by seat; agents that have failed come last."""
+        """R6.1, R11.1: ranks and scores, by seat; team-mates share their team's rank. An agent that has failed comes
+        last, and so does a team of which all have.
+        """
         scores = tuple(hunter.score for hunter in self._service.world.hunters)
         failed = self._agents.forfeits if self._agents is not None else {}
-        return ranks_of(scores, [failed.get(seat) for seat in range(len(scores))]), scores
+        lasted: list[int | None] = []
+        for seats in self._parties.seats:
+            ends = [failed[seat] for seat in seats if seat in failed]
+            lasted.append(max(ends) if len(ends) == len(seats) else None)
+        ranks = ranks_of([sum(scores[seat] for seat in seats) for seats in self._parties.seats], lasted)
+        return tuple(self._parties.to_seats(ranks)), scores
 
     # publishing
 
@@ -214,9 +227,9 @@ class ArenaNode:
 
     def _catch_turtle_callback(self, seat: RosSeat) -> Any:
         def callback(request: Request) -> None:
-            rivals = [other for other in self.seats if other is not seat and other.driver == request.peer is not None]
-            if rivals and seat.driver != request.peer:
-                self._warn_once(f"the node that drives {rivals[0].hunter} asks for {seat.hunter}: it is not heard")
+            asks_for = [] if request.peer is None else [one for one in self.seats if one.driver == request.peer]
+            if asks_for and seat not in asks_for:
+                self._warn_once(f"the node that drives {asks_for[0].hunter} asks for {seat.hunter}: it is not heard")
                 request.answer(_NOT_JUDGED)
             else:
                 self._pending.append(_PendingRequest(seat.hunter, request))
@@ -238,11 +251,15 @@ class ArenaNode:
         try:
             x, y = (min(max(place, 0.0), side) for place in (asked.x, asked.y))
             name = self._service.spawn(x, y, asked.theta)
+            if not name:
+                most = self._service.config.max_targets
+                self._warn_once(f"/spawn: the arena is full, with {most} targets: nothing is spawned")
+            elif asked.name not in {"", name}:
+                names = f"{name} for {one_line(asked.name[:40])}"
+                self._warn_once(f"/spawn: the arena gives its targets names of its own: {names}", "names")
         except (ActionError, EpisodeError) as error:
-            self._warn_once(f"/spawn: {error}")
+            self._warn_once(f"/spawn: {error}", "spawn")
             name = ""
-        if name and asked.name not in {"", name}:
-            self._warn_once(f"/spawn: the arena gives its targets names of its own: {name} for {asked.name[:40]}")
         request.answer(Name(name))
 
     def _on_kill(self, request: Request) -> None:
@@ -259,7 +276,11 @@ class ArenaNode:
             self.begin(None)
         request.answer(Empty())
 
-    def _warn_once(self, line: str) -> None:
-        if line not in self._warned:
-            self._warned.add(line)
-            self._log(f"warning: {line}")
+    def _warn_once(self, line: str, about: str = "") -> None:
+        self._log_once(f"warning: {line}", about)
+
+    def _log_once(self, line: str, about: str = "") -> None:
+        """What has been told is known by its line, or by what it is about where the lines differ."""
+        if (about or line) not in self._logged:
+            self._logged.add(about or line)
+            self._log(line)

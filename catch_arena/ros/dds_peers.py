@@ -78,8 +78,8 @@ class PeerWatch:
         if writes and topic in self._served:
             self._warn_once(
                 topic,
-                f"another node serves {self._served[topic]} too, so that whoever asks gets two answers: "
-                "--domain gives each arena a domain of its own",
+                f"another node serves {self._served[topic]} too, so that whoever asks gets two answers: end a "
+                "turtlesim or a spawner, whose part is played here; --domain gives another arena a domain of its own",
             )
             self._served.clear()  # one line, however many they have in common
         if kind is None:

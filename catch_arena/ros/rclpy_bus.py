@@ -1,5 +1,6 @@
 """The bus by ROS's own library: whatever middleware is set there works, services too."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
@@ -104,9 +105,18 @@ class RclpyBus:
         self._node.add_on_set_parameters_callback(change)
 
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
-        """Who publishes on a topic: ROS knows it, but not which of them sent a message."""
-        found = self._node.get_publishers_info_by_topic(topic)
-        return frozenset(f"{one.node_namespace}/{one.node_name}".replace("//", "/") for one in found)
+        """Who publishes on a topic: ROS knows it, but not which of them sent a message. Several nodes may have one
+        name.
+        """
+        found = Counter(
+            f"{one.node_namespace}/{one.node_name}".replace("//", "/")
+            for one in self._node.get_publishers_info_by_topic(topic)
+        )
+        return frozenset(
+            name if number == 1 else f"{name} ({number})"
+            for name, most in found.items()
+            for number in range(1, most + 1)
+        )
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Take what has come. An executor does one thing at a time, and looks at each unanswered request in between."""

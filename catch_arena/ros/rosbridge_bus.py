@@ -51,6 +51,8 @@ class RosbridgeBus:
         self._inboxes: dict[tuple[str, str], deque[dict[str, Any]]] = {}
         self._handlers: dict[tuple[str, str], Callable[[dict[str, Any]], None]] = {}
         self._announced: list[dict[str, Any]] = []
+        self._announcing = threading.Lock()
+        """Held so that a new connection gets every announcement, and each once."""
         self._notes: deque[str] = deque(maxlen=100)
         self._complaints: deque[str] = deque(maxlen=100)
         self._unreadable: set[str] = set()
@@ -62,7 +64,7 @@ class RosbridgeBus:
         self._thread.start()
         try:
             first.result()
-        except (OSError, ValueError, WebSocketException) as error:
+        except Exception as error:  # noqa: BLE001 - whatever the thread could not do
             raise BusError(
                 f"no rosbridge server answers at {url} ({one_line(str(error))}): start one where ROS is, "
                 "with ros2 launch rosbridge_server rosbridge_websocket_launch.xml"
@@ -96,8 +98,9 @@ class RosbridgeBus:
         with self._come:
             del self._inboxes["publish", topic], self._handlers["publish", topic]
         told = ("subscribe", topic)
-        self._announced = [frame for frame in self._announced if (frame["op"], frame.get("topic")) != told]
-        self._send({"op": "unsubscribe", "topic": topic})
+        with self._announcing:
+            self._announced = [frame for frame in self._announced if (frame["op"], frame.get("topic")) != told]
+            self._send({"op": "unsubscribe", "topic": topic})
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
@@ -120,7 +123,7 @@ class RosbridgeBus:
 
     def client(self, service: str, kind: ServiceType) -> "_BridgeClient":
         """Call a service."""
-        client = _BridgeClient(service, kind, self._send, self._ids)
+        client = _BridgeClient(service, kind, self._send, self._ids, self._complain)
         self._handle(("service_response", service), _REQUESTS, client.handle)
         return client
 
@@ -169,8 +172,9 @@ class RosbridgeBus:
             self._handlers[key] = handle
 
     def _announce(self, frame: dict[str, Any]) -> None:
-        self._announced.append(frame)
-        self._send(frame)
+        with self._announcing:
+            self._announced.append(frame)
+            self._send(frame)
 
     def _send(self, frame: dict[str, Any]) -> None:
         """Nothing is kept for a server that is away: a pose of then is of no use later."""
@@ -184,18 +188,24 @@ class RosbridgeBus:
         while not self._closing:
             try:
                 with connect(
-                    self._url, open_timeout=_OPEN_S, close_timeout=_CLOSE_S, max_size=_LONGEST, compression=None
+                    self._url,
+                    proxy=None,  # those of the environment are for the Web, and some take 127.0.0.1 too
+                    open_timeout=_OPEN_S,
+                    close_timeout=_CLOSE_S,
+                    max_size=_LONGEST,
+                    compression=None,
                 ) as connection:
-                    for frame in self._announced:
-                        connection.send(json.dumps(frame))
-                    self._connection = connection
+                    with self._announcing:
+                        for frame in self._announced:
+                            connection.send(json.dumps(frame))
+                        self._connection = connection
                     if first.done():
                         self._note("rosbridge: the server is back")
                     else:
                         first.set_result(None)
                     for text in connection:
                         self._sort_in(text)
-            except (OSError, ValueError, WebSocketException) as error:
+            except Exception as error:  # noqa: BLE001 - it would end the thread, and nobody would hear of it
                 if not first.done():
                     first.set_exception(error)
                     return
@@ -214,16 +224,20 @@ class RosbridgeBus:
         if not isinstance(frame, dict):
             return
         if frame.get("op") == "status":
-            line = f"warning: rosbridge: {one_line(str(frame.get('msg')))}"
-            if line not in self._complaints:
-                self._complaints.append(line)
-                self._note(line)
+            self._complain(str(frame.get("msg")))
             return
         key = str(frame.get("op")), str(frame.get("service", frame.get("topic")))
         with self._come:
             if key in self._inboxes:
                 self._inboxes[key].append(frame)
                 self._come.notify()
+
+    def _complain(self, what: str) -> None:
+        """What the server says that it could not do."""
+        line = f"warning: rosbridge: {one_line(what)}"
+        if line not in self._complaints:
+            self._complaints.append(line)
+            self._note(line)
 
     def _note(self, line: str) -> None:
         with self._come:
@@ -235,9 +249,14 @@ class _BridgeClient:
     """See `catch_arena.ros.bus.Client`."""
 
     def __init__(
-        self, service: str, kind: ServiceType, send: Callable[[dict[str, Any]], None], ids: "count[int]"
+        self,
+        service: str,
+        kind: ServiceType,
+        send: Callable[[dict[str, Any]], None],
+        ids: "count[int]",
+        complain: Callable[[str], None],
     ) -> None:
-        self._service, self._kind, self._send, self._ids = service, kind, send, ids
+        self._service, self._kind, self._send, self._ids, self._complain = service, kind, send, ids, complain
         self._calls: dict[str, Call] = {}
 
     @property
@@ -258,8 +277,12 @@ class _BridgeClient:
     def handle(self, frame: dict[str, Any]) -> None:
         """A response."""
         call = self._calls.pop(str(frame.get("id")), None)
-        if call is not None and frame.get("result"):
+        if call is None:
+            return
+        if frame.get("result"):
             call.response = from_json(self._kind.response, frame.get("values"))
+        else:
+            self._complain(f"{self._service}: {frame.get('values')}")
 
 
 def to_json(kind: MessageType, message: Any) -> dict[str, Any]:

@@ -70,8 +70,16 @@ class RosSeat:
         return self._twist
 
     def look_for(self, publishers: frozenset[Peer] | None) -> None:
-        """Whether its driver is still on the bus."""
-        if self.driven and self.driver is not None and publishers is not None and self.driver not in publishers:
+        """Whether its driver is still on the bus, and, where the middleware does not tell who sends, the only one."""
+        if not self.driven or publishers is None:
+            return
+        if self.driver is None and len(publishers) > 1:
+            self._log_once(
+                "two",
+                f"warning: {self.hunter}: {len(publishers)} nodes may drive it, and this bus does not tell which of "
+                "them sends: all are heard",
+            )
+        elif self.driver is not None and self.driver not in publishers:
             self._leave("has gone")
 
     def stop(self) -> None:

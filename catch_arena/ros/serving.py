@@ -10,6 +10,7 @@ from catch_arena import interrupts
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
+from catch_arena.replay import Replay
 from catch_arena.ros.agents import AgentSeats
 from catch_arena.ros.arena_node import ArenaNode
 from catch_arena.ros.bus import Bus, Log
@@ -70,12 +71,14 @@ def serve_match(
         log: takes one line when there is news.
 
     Raises:
-        ConfigError: for a speed, or a match to be recorded, that cannot be.
+        ConfigError: for a speed, a match to be recorded, or an arena with prey, that cannot be.
         OutputError: for a replay that cannot be written.
         NoContest: where isolated agents could not be held.
     """
     if not 0.0 < speed <= FASTEST:
         raise ConfigError(f"--speed must be above 0 and at most {FASTEST:g}, got {speed:g}")
+    if config.prey:
+        raise ConfigError(f"prey must be 0 on a bus, where nobody plays it (--set prey=0), got {config.prey}")
     control: tuple[Control, ...] = tuple(
         agents[seat].control if seat in agents else "velocity" if seat in people else "full"
         for seat in range(config.hunters)
@@ -106,12 +109,27 @@ def serve_match(
                 node.tick()
         except KeyboardInterrupt:
             if record is not None:
-                interrupts.keep(lambda: service.replay.save(record))
+                _save(service.replay, record)
             raise
         ranks, scores = node.standings()
-        for _ in range(_LAST_TICKS):
-            rate.sleep()
-            node.tick()
-    if record is not None:
-        interrupts.keep(lambda: service.replay.save(record))
+
+        def end() -> None:
+            if record is not None:
+                _save(service.replay, record)
+            last = Rate(rate.period_s)  # of the match's own no tick is late because of the saving
+            for _ in range(_LAST_TICKS):
+                last.sleep()
+                node.tick()
+
+        interrupts.linger(end)
     return Served(tuple(names), ranks, scores, rate)
+
+
+def _save(replay: Replay, record: Path) -> None:
+    """Whatever else comes; a line about an interrupt then says where it is."""
+
+    def save() -> None:
+        replay.save(record)
+        interrupts.also_say(lambda: f"replay: {record}")
+
+    interrupts.keep(save)

@@ -55,6 +55,10 @@ def test_a_request_to_end_is_answered_like_an_interrupt(tmp_path):
     assert ended(tmp_path, UNWINDS, number=signal.SIGTERM) == (143, "catch-arena: terminated\n")
 
 
+def test_so_is_a_terminal_that_is_closed(tmp_path):
+    assert ended(tmp_path, UNWINDS, number=signal.SIGHUP) == (129, "catch-arena: hung up\n")
+
+
 @pytest.mark.parametrize(
     "lines",
     [
@@ -116,6 +120,21 @@ def test_what_waits_for_an_interrupt_has_ended_well(tmp_path):
     assert ended(tmp_path, command("interrupts.wait()", "threading.Event().wait()")) == (0, "")
 
 
+def test_what_may_be_broken_off_is_done_to_its_end_or_to_an_interrupt(tmp_path):
+    """Either is the normal end; what comes after it is done too, and an interrupt there is one as ever."""
+    lingers = ("interrupts.linger(lambda: time.sleep({seconds}))", "print('after', flush=True)", "time.sleep({more})")
+
+    def end_of(seconds, more, pause):
+        program = started(tmp_path, command(*lingers).format(seconds=seconds, more=more))
+        time.sleep(pause)
+        program.interrupt()
+        end = program.ended()
+        return end.status, end.said, end.errors
+
+    assert end_of(60, 0, 0.2) == (0, "after\n", "")
+    assert end_of(0, 60, 0.5) == (130, "after\n", LINE)
+
+
 SAVES = "interrupts.keep(lambda: (time.sleep(2.5), print('saved', flush=True)))"
 """Longer than what an interrupt unwinds has."""
 
@@ -148,14 +167,15 @@ def test_without_an_interrupt_it_ends_as_any_program(tmp_path, ends, status):
     assert ("ZeroDivisionError" in end.errors) == (status == 1)
 
 
-def test_what_was_started_deaf_to_interrupts_stays_so(tmp_path):
-    """As a shell starts what runs in its background."""
-    former = signal.signal(signal.SIGINT, signal.SIG_IGN)
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])
+def test_what_was_started_deaf_to_interrupts_stays_so(tmp_path, number):
+    """As a shell starts what runs in its background, and nohup what outlives its terminal."""
+    former = signal.signal(number, signal.SIG_IGN)
     try:
         program = started(tmp_path, command("time.sleep(0.5)"))
     finally:
-        signal.signal(signal.SIGINT, former)
-    program.interrupt()
+        signal.signal(number, former)
+    program.interrupt(number=number)
     assert program.ended().status == 0
 
 

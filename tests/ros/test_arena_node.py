@@ -81,6 +81,18 @@ def test_standings_tell_each_hunter_when_a_score_changes_and_once_a_second():
     ]
 
 
+def test_team_mates_share_their_teams_rank():
+    """R11.1: a team of little hunters is ahead of one great one; each hunter's score stays its own."""
+    places = ((2.0, 2.0, 0.0), (8.0, 8.0, 0.0), (2.0, 2.0, 0.0), (8.0, 8.0, 0.0))
+    match = Match(hunters=4, hunter_poses=places, teams=((0, 1), (2, 3)))
+    for seat, place in ((0, 2.0), (0, 2.0), (2, 2.0), (3, 8.0), (3, 8.0)):
+        match.ask(match.a, match.service.spawn(place, place), f"/hunter_{seat}/catch_turtle")
+        match.tick()
+
+    assert match.node.standings() == ((2, 2, 1, 1), (2, 0, 1, 2))
+    assert [(one.score, one.rank) for one in match.sent("/standings")[-4:]] == [(2, 2), (0, 2), (1, 1), (2, 1)]
+
+
 def test_rulings_tell_verdict_distance_winner_and_clause():
     """R5.6, of each request."""
     match = Match(hunter_poses=ONE)
@@ -110,6 +122,15 @@ def test_a_reach_that_is_too_short_for_a_students_node_is_told_once():
     (line,) = [line for line in match.said if "reach" in line]
     assert "0.450000 m away: OUT_OF_REACH" in line
     assert "--set reach_m=0.5" in line
+
+
+def test_a_longer_reach_is_not_advised_where_it_would_not_help():
+    """Nobody means half a metre who asks from further away."""
+    match = Match(hunter_poses=ONE)
+    match.ask(match.a, match.service.spawn(2.5, 2.0))
+    match.tick()
+    assert match.sent("/rulings")[-1].verdict == "OUT_OF_REACH"
+    assert not any("reach_m" in line for line in match.said)
 
 
 def test_where_our_own_types_are_not_known_the_rest_is_published(monkeypatch):
@@ -174,6 +195,20 @@ def test_a_second_node_that_drives_a_hunter_is_not_heard_while_the_first_one_sen
     match.drive(match.b, 0.0, 3.0)
     match.tick()
     assert match.hunter().angular_velocity == 3.0
+
+
+def test_two_nodes_that_drive_a_hunter_are_told_where_the_bus_does_not_tell_who_sends():
+    """As over rclpy: both are heard. Once, and not where there is one."""
+    match = Match(hunters=2, hunter_poses=TWO, time_limit_s=10)
+    nobody = match.hub.bus(None)
+    match.node._bus.publishers_of = lambda topic: frozenset("ab" if topic == "/hunter_0/cmd_vel" else "a")
+    for _ in range(20):
+        for turtle in ("hunter_0", "hunter_1"):
+            match.drive(nobody, 1.0, turtle=turtle)
+        match.tick()
+    assert [line for line in match.said if "warning" in line] == [
+        "warning: hunter_0: 2 nodes may drive it, and this bus does not tell which of them sends: all are heard"
+    ]
 
 
 def test_a_seat_whose_node_goes_stands_still_and_may_come_back():
@@ -363,6 +398,21 @@ def test_spawn_kill_clear_and_reset_answer_at_once():
     match.tick(3)
     assert call("/reset", EMPTY, Empty()) == Empty()
     assert (match.service.world.step, match.service.world.targets) == (0, ())
+
+
+def test_what_is_odd_about_spawning_is_told_once_each():
+    """However many names, places and angles somebody tries; a full arena says why it answers with no name."""
+    match = Match(hunter_poses=ONE, max_targets=3)
+    names = ("tom", "tim", "")
+    for number, theta in enumerate((2000.0, 3000.0, 0.0, 0.0, 0.0, 0.0, 0.0)):
+        asked = SpawnRequest(1.0, 1.0, theta, names[number % 3])
+        match.a.client("/spawn", TYPES.spawn).call(asked)
+        match.node.wait()
+    assert match.said == [
+        "warning: /spawn: spawn: theta must lie in [-1000, 1000], got 2000.0",
+        "warning: /spawn: the arena gives its targets names of its own: target_turtle_2 for tom",
+        "warning: /spawn: the arena is full, with 3 targets: nothing is spawned",
+    ]
 
 
 @pytest.mark.parametrize("bad", BAD)

@@ -62,6 +62,14 @@ def run(*arguments):
             "no rosbridge server answers at ws://127.0.0.1:1",
         ),
         (("serve", "-s", "capstone", "--record", "x.replay"), "of another policy than capstone"),
+        (("serve", "-s", "tag"), "prey must be 0 on a bus, where nobody plays it (--set prey=0), got 1"),
+        (("serve", "--set", "control_period_ms=100"), "--set control_period_ms=... must be left out: on a bus each"),
+        (("serve", "--set", "observed_targets=3"), "--set observed_targets=... must be left out: agents see every"),
+        (("serve", "--seat", "0=Ros"), "--seat 0: did you mean ros? got Ros"),
+        (("serve", "--seat", "0=HUMAN:eve"), "--seat 0: did you mean human? got HUMAN:eve"),
+        (("serve", "--seat", "0=neerest"), "--seat 0: unknown agent 'neerest': did you mean nearest or intercept?"),
+        (("serve", "--seat", "0=neerest"), "COMMAND); a node drives with ros, a person with human"),
+        (("spawner", "--turtle", "turtle1", "--turtle", "turtle1"), "--turtle turtle1 must be given once"),
     ],
 )
 def test_what_cannot_be_is_one_line(arguments, said, monkeypatch, tmp_path):

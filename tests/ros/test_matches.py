@@ -58,10 +58,29 @@ def test_a_match_that_is_broken_off_is_recorded_as_far_as_it_was_played(tmp_path
             arena.send_signal(signal.SIGINT)
             time.sleep(0.05)
         _, err, status = finished(arena)
-    assert (status, err.splitlines()[-1]) == (130, "catch-arena: interrupted"), err
+    assert (status, err.splitlines()[-1]) == (130, f"catch-arena: interrupted: replay: {replay}"), err
     played = Replay.load(replay)
     assert played.steps > 10
     assert verify(played) == []
+
+
+def test_an_interrupt_in_the_last_half_second_is_the_normal_end_of_the_command(tmp_path):
+    """The replay is there as soon as the match is over, and then all is said."""
+    replay = tmp_path / "match.replay"
+    with (
+        running_bridge() as (_, url),
+        started(
+            *(None, "ros", "serve", "--no-wait", "--bus", "rosbridge", "--url", url, "--record", replay),
+            *("--set", "time_limit_s=0.2", "--seat", "0=ros:ann"),
+        ) as arena,
+    ):
+        while not replay.exists() and arena.poll() is None:
+            time.sleep(0.005)
+        arena.send_signal(signal.SIGINT)
+        out, err, status = finished(arena)
+    assert (status, "interrupted" in err) == (0, False), err
+    assert "  ann (hunter_0)" in out
+    assert out.endswith(f"replay: {replay}\n")
 
 
 def test_two_students_fight_and_an_agent_plays_along():
@@ -99,7 +118,8 @@ def test_a_second_arena_in_the_domain_is_told():
         for arena in (first, second):
             line = next(line for line in arena.stderr if line.startswith("warning: another node serves "))
             assert line.endswith(
-                " too, so that whoever asks gets two answers: --domain gives each arena a domain of its own\n"
+                " too, so that whoever asks gets two answers: end a turtlesim or a spawner, whose part is played here; "
+                "--domain gives another arena a domain of its own\n"
             )
             arena.send_signal(signal.SIGINT)
         for arena in (first, second):

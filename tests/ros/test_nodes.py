@@ -234,6 +234,17 @@ def test_options_for_arbiters_are_refused_with_a_service(option):
 
 
 @pytest.mark.parametrize(
+    "option", [["--bus", "rclpy"], ["--domain", "7"], ["--url", "ws://x"], ["--interfaces", "x"], ["--turtlesim", "x"]]
+)
+def test_options_for_a_bus_are_refused_without_a_service(option):
+    refused = CliRunner().invoke(main, ["conformance", "catch_arena:arbitrate", "--only", "basics", *option])
+    assert (refused.exit_code, refused.stderr) == (
+        2,
+        f"catch-arena: {option[0]} must come with a service of a node, as ros:/catch_turtle\n",
+    )
+
+
+@pytest.mark.parametrize(
     ("test", "why"),
     [
         (

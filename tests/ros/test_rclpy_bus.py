@@ -197,6 +197,9 @@ def test_topics_go_through_ross_own_messages(joined):
     assert joined.publishers_of("/a") == {"/arena"}
     assert joined.publishers_of("/c") == frozenset()
 
+    joined.publisher("/a", TWIST)  # by another node, which has the same name
+    assert joined.publishers_of("/a") == {"/arena", "/arena (2)"}
+
 
 def test_a_topic_is_heard_no_more_when_it_was_unsubscribed(joined):
     heard = []

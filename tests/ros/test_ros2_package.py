@@ -1,8 +1,10 @@
 """ros2/catch_arena_interfaces, which colcon builds: it has what goes over the bus."""
 
-import ast
 import re
+import runpy
+import sys
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -29,6 +31,63 @@ def test_its_messages_are_those_that_we_send(kind):
     assert store.hash_rihs01(kind.name) == type_hash(kind)
 
 
+OWN_DEFAULTS = ["--interfaces", "my_robot_interfaces", "--turtlesim", "turtlesim"]
+
+
+class Action:
+    """Stands for every action and event of launch: it keeps what it was made of."""
+
+    def __init__(self, *words, **fields):
+        self.words, self.fields = words, fields
+
+
+def described(monkeypatch):
+    """What the launch file describes, with a stand-in for launch."""
+    kinds = {
+        "launch": ("LaunchContext",),
+        "launch.actions": (
+            "DeclareLaunchArgument",
+            "EmitEvent",
+            "ExecuteProcess",
+            "OpaqueFunction",
+            "RegisterEventHandler",
+            "SetEnvironmentVariable",
+        ),
+        "launch.event_handlers": ("OnProcessExit",),
+        "launch.events": ("Shutdown",),
+        "launch_ros": (),
+        "launch_ros.actions": ("Node",),
+        "launch.substitutions": (),
+    }
+    for module, names in kinds.items():
+        made = ModuleType(module)
+        vars(made).update({name: type(name, (Action,), {}) for name in names})
+        monkeypatch.setitem(sys.modules, module, made)
+    sys.modules["launch"].LaunchDescription = list
+    sys.modules["launch.substitutions"].LaunchConfiguration = lambda name: SimpleNamespace(
+        perform=lambda context: context[name]
+    )
+    return runpy.run_path(str(PACKAGE / "launch" / "arena.launch.py"))["generate_launch_description"]()
+
+
+def declared(monkeypatch):
+    """Its arguments, with their defaults."""
+    return {
+        one.words[0]: one.fields.get("default_value", "mine")
+        for one in described(monkeypatch)
+        if type(one).__name__ == "DeclareLaunchArgument"
+    }
+
+
+def launched(monkeypatch, **arguments):
+    """The arena's command, and the variables of both processes."""
+    (begin,) = (one.fields["function"] for one in described(monkeypatch) if type(one).__name__ == "OpaqueFunction")
+    actions = begin(declared(monkeypatch) | arguments)
+    (arena,) = (one for one in actions if type(one).__name__ == "ExecuteProcess")
+    variables = dict(one.words for one in actions if type(one).__name__ == "SetEnvironmentVariable")
+    return arena.fields["cmd"], variables
+
+
 def test_its_service_is_the_one_that_we_serve():
     """Request and response."""
     request, response = (PACKAGE / "srv" / "CatchTurtle.srv").read_text(encoding="utf-8").split("---\n")
@@ -46,11 +105,27 @@ def test_cmake_builds_each_of_its_files_and_installs_the_launch_file():
     assert ET.parse(PACKAGE / "package.xml").getroot().findtext("name") == OWN_PACKAGE  # noqa: S314 - our own
 
 
-def test_the_launch_file_names_options_that_there_are():
-    """It is Python, and starts our command."""
-    tree = ast.parse((PACKAGE / "launch" / "arena.launch.py").read_text(encoding="utf-8"))
-    words = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
-    options = {word for word in words if word.startswith("--")}
-    assert options == {"--interfaces", "--turtlesim", "--set"}
+def test_the_launch_file_names_options_that_there_are(monkeypatch):
+    """Whatever it is given."""
+    command, _ = launched(monkeypatch, **dict.fromkeys(declared(monkeypatch), "x"))
+    options = {word for word in command if word.startswith("--")}
+    assert options == {
+        *("--seat", "--scenario", "--record", "--interfaces", "--turtlesim", "--bus", "--set"),
+    }
     helped = CliRunner().invoke(main, ["ros", "serve", "--help"], env={"COLUMNS": "200"}).output
     assert all(option in helped for option in options)
+
+
+def test_the_launch_file_passes_on_what_it_is_given_and_nothing_else(monkeypatch):
+    """So that a scenario has its own settings; both processes are in one domain, and on one middleware."""
+    command, variables = launched(monkeypatch)
+    assert command == ["catch-arena", "ros", "serve", *OWN_DEFAULTS]
+    assert variables == {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
+
+    command, variables = launched(
+        monkeypatch, seats="0=ros:anna 1=patrol", scenario="duel", record="a.replay", bus="rosbridge", domain="7"
+    )
+    seats = ["--seat", "0=ros:anna", "--seat", "1=patrol"]
+    others = ["--bus", "rosbridge", "--record", "a.replay"]
+    assert command == ["catch-arena", "ros", "serve", *seats, "--scenario", "duel", *OWN_DEFAULTS, *others]
+    assert variables == {"ROS_DOMAIN_ID": "7"}

@@ -2,6 +2,7 @@
 
 import json
 import math
+import threading
 import time
 
 import pytest
@@ -10,6 +11,7 @@ from websockets.sync.client import connect
 
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
+from catch_arena.ros import rosbridge_bus
 from catch_arena.ros.bus import DEPTH, open_bus
 from catch_arena.ros.interfaces import EMPTY, TWIST, Empty, Interfaces, TwistMessage
 from catch_arena.ros.rosbridge_bus import from_json, to_json
@@ -154,6 +156,56 @@ def test_without_a_server_it_is_one_line_that_says_how_to_start_one():
     assert "\n" not in str(error.value)
     with pytest.raises(BusError, match="no rosbridge server answers at nonsense"):
         open_bus("rosbridge", url="nonsense")
+
+
+def test_whatever_else_fails_when_it_connects_is_one_line_too(monkeypatch):
+    """And nobody waits for ever."""
+
+    def fail(*_, **__):
+        raise ImportError("another package is needed")
+
+    monkeypatch.setattr(rosbridge_bus, "connect", fail)
+    with pytest.raises(BusError, match=r"no rosbridge server answers at ws://x \(another package is needed\)"):
+        open_bus("rosbridge", url="ws://x")
+
+
+def test_the_proxies_of_the_environment_are_not_asked(bridge, monkeypatch):
+    """Which would not know this machine's own addresses."""
+    for name in ("http_proxy", "https_proxy", "all_proxy", "socks_proxy", "ws_proxy"):
+        monkeypatch.setenv(name, "http://127.0.0.1:1")
+    for name in ("no_proxy", "NO_PROXY"):
+        monkeypatch.delenv(name, raising=False)
+    open_bus("rosbridge", url=bridge[1]).close()
+
+
+def test_what_is_announced_while_the_server_comes_back_is_announced(bridge, joined):
+    """At the last moment, when all that was announced before has been said again."""
+    ours, _ = joined
+    late = threading.Thread(target=ours.publisher, args=("/late", TWIST))
+
+    class Announced(list):
+        def __iter__(self):
+            yield from [*super().__iter__()]
+            late.start()
+            late.join(0.3)
+
+    ours.publisher("/early", TWIST)
+    until(joined, lambda: bridge[0].frames)
+    ours._announced = Announced(ours._announced)
+    bridge[0].hang_up()
+    until(joined, lambda: any(frame.get("topic") == "/late" for frame in bridge[0].frames))
+    late.join(5)
+
+
+def test_a_service_that_nobody_serves_is_told(joined):
+    """Once, in the server's words: `ready` cannot know."""
+    ours, said = joined
+    client = ours.client("/kill", EMPTY)
+    for _ in range(3):
+        client.call(Empty())
+    until(joined, lambda: said)
+    ours.spin(0.1)
+    assert said == ["warning: rosbridge: /kill: Service /kill does not exist"]
 
 
 def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):

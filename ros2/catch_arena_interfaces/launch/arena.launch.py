@@ -1,13 +1,15 @@
 """The arena, and your controller in it.
 
 ros2 launch catch_arena_interfaces arena.launch.py package:=my_package executable:=turtle_controller
+ros2 launch catch_arena_interfaces arena.launch.py package:=my_package seats:="0=ros:anna 1=patrol" record:=anna.replay
 """
 
-from launch import LaunchDescription
+from launch import LaunchContext, LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument,
     EmitEvent,
     ExecuteProcess,
+    OpaqueFunction,
     RegisterEventHandler,
     SetEnvironmentVariable,
 )
@@ -16,39 +18,63 @@ from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+_OPTIONS = ("scenario", "interfaces", "turtlesim", "bus", "record")
+"""Of `catch-arena ros serve`."""
+_SETTINGS = {"spawn_frequency": "spawn_frequency_hz", "name_prefix": "name_prefix", "time_limit": "time_limit_s"}
+"""What --set calls them."""
+
 
 def generate_launch_description() -> LaunchDescription:
     """The arena first; when its match has ended, so has everything."""
-    arena = ExecuteProcess(
-        cmd=[
-            "catch-arena",
-            "ros",
-            "serve",
-            "--interfaces",
-            LaunchConfiguration("interfaces"),
-            "--turtlesim",
-            LaunchConfiguration("turtlesim"),
-            "--set",
-            ["spawn_frequency_hz=", LaunchConfiguration("spawn_frequency")],
-            "--set",
-            ["name_prefix=", LaunchConfiguration("name_prefix")],
-            "--set",
-            ["time_limit_s=", LaunchConfiguration("time_limit")],
-        ],
-        output="screen",
-    )
     return LaunchDescription(
         [
             DeclareLaunchArgument("package", description="Your package."),
             DeclareLaunchArgument("executable", default_value="turtle_controller", description="Your controller."),
+            DeclareLaunchArgument(
+                "seats", default_value="", description="Who drives, as in '0=ros:anna 1=patrol'; else your node alone."
+            ),
+            DeclareLaunchArgument("scenario", default_value="", description="The arena to play in; else standard."),
+            DeclareLaunchArgument(
+                "record", default_value="", description="A file for the replay; else it is not kept."
+            ),
             DeclareLaunchArgument("interfaces", default_value="my_robot_interfaces", description="Your interfaces."),
             DeclareLaunchArgument("turtlesim", default_value="turtlesim", description="turtlesim_msgs from Kilted on."),
-            DeclareLaunchArgument("spawn_frequency", default_value="1.0", description="Targets a second."),
-            DeclareLaunchArgument("name_prefix", default_value="target_turtle_", description="Of the targets' names."),
-            DeclareLaunchArgument("time_limit", default_value="60", description="Of the match, in seconds."),
-            SetEnvironmentVariable("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"),
-            arena,
-            Node(package=LaunchConfiguration("package"), executable=LaunchConfiguration("executable"), output="screen"),
-            RegisterEventHandler(OnProcessExit(target_action=arena, on_exit=[EmitEvent(event=Shutdown())])),
+            DeclareLaunchArgument(
+                "bus", default_value="", description="cyclonedds, rosbridge or rclpy; else the first that is installed."
+            ),
+            DeclareLaunchArgument("domain", default_value="", description="Of DDS; else ROS_DOMAIN_ID, or 0."),
+            DeclareLaunchArgument("spawn_frequency", default_value="", description="Targets a second."),
+            DeclareLaunchArgument("name_prefix", default_value="", description="Of the targets' names."),
+            DeclareLaunchArgument("time_limit", default_value="", description="Of the match, in seconds."),
+            OpaqueFunction(function=_begin),
         ]
     )
+
+
+def _begin(context: LaunchContext) -> list:
+    """What is begun, now that the arguments are known."""
+
+    def given(name: str) -> str:
+        return LaunchConfiguration(name).perform(context)
+
+    command = ["catch-arena", "ros", "serve"]
+    for seat in given("seats").split():
+        command += ["--seat", seat]
+    for option in _OPTIONS:
+        if given(option):
+            command += [f"--{option}", given(option)]
+    for name, setting in _SETTINGS.items():
+        if given(name):
+            command += ["--set", f"{setting}={given(name)}"]
+    actions = []
+    if given("bus") in {"", "cyclonedds"}:
+        actions.append(SetEnvironmentVariable("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"))
+    if given("domain"):
+        actions.append(SetEnvironmentVariable("ROS_DOMAIN_ID", given("domain")))
+    arena = ExecuteProcess(cmd=command, output="screen")
+    return [
+        *actions,
+        arena,
+        Node(package=given("package"), executable=given("executable"), output="screen"),
+        RegisterEventHandler(OnProcessExit(target_action=arena, on_exit=[EmitEvent(event=Shutdown())])),
+    ]

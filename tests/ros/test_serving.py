@@ -1,0 +1,107 @@
+"""One match from its beginning to its end, on a bus of the test's own."""
+
+from types import SimpleNamespace
+
+import pytest
+from ros.local import Hub, LocalBus
+
+from catch_arena import interrupts
+from catch_arena.cli.ros import _print_ranking
+from catch_arena.errors import ConfigError
+from catch_arena.replay import Replay
+from catch_arena.replay.verification import verify
+from catch_arena.ros.interfaces import Interfaces
+from catch_arena.ros.rate import Rate
+from catch_arena.ros.serving import Served, serve_match
+from catch_arena.scenarios import SCENARIOS, scenario
+
+REFUSED = {
+    "tag": "prey must be 0 on a bus, where nobody plays it (--set prey=0), got 1",
+    "herd": "prey must be 0 on a bus, where nobody plays it (--set prey=0), got 4",
+    "capstone": "a recorded match must be of another policy than capstone, whose grants need no target",
+}
+LAST_TICK = 63
+"""Of one second."""
+
+
+class InterruptedBus(LocalBus):
+    """Ctrl-C comes in one of its spins."""
+
+    def __init__(self, when):
+        super().__init__(Hub(), "arena")
+        self.left = when
+
+    def spin(self, timeout_s=0.0):
+        super().spin(timeout_s)
+        self.left -= 1
+        if self.left == 0:
+            raise KeyboardInterrupt
+
+
+def served(config, record, bus=None):
+    names = [f"p{seat}" for seat in range(config.hunters)]
+    return serve_match(
+        bus or Hub().bus("arena"),
+        config,
+        5,
+        {},
+        None,
+        names=names,
+        interfaces=Interfaces(),
+        speed=100.0,
+        wait=False,
+        record=record,
+        log=lambda _: None,
+    )
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_every_scenario_is_played_and_recorded_or_refused_in_one_line(name, tmp_path):
+    """Before anything is played."""
+    record = tmp_path / "match.replay"
+    config = scenario(name, time_limit_s=1)
+    if name in REFUSED:
+        with pytest.raises(ConfigError) as error:
+            served(config, record)
+        assert str(error.value) == REFUSED[name]
+        return
+    assert len(served(config, record).scores) == config.hunters
+    played = Replay.load(record)
+    assert played.steps == LAST_TICK
+    assert verify(played) == []
+
+
+def test_a_scenario_with_prey_is_played_without_it(tmp_path):
+    """As the line that refuses it says."""
+    served(scenario("herd", prey=0, time_limit_s=1), tmp_path / "match.replay")
+    assert verify(Replay.load(tmp_path / "match.replay")) == []
+
+
+@pytest.mark.parametrize("after", [1, 10, 29])
+def test_an_interrupt_after_the_match_is_its_normal_end(tmp_path, after):
+    """Those who ask late are told a little less long; replay and ranking are whole."""
+    record = tmp_path / "match.replay"
+    found = served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK + after))
+    assert found.ranks == (1, 1)
+    assert Replay.load(record).steps == LAST_TICK
+
+
+def test_an_interrupt_in_the_match_keeps_the_replay_and_says_where_it_is(tmp_path, monkeypatch):
+    """The line about the interrupt does."""
+    said = []
+    monkeypatch.setattr(interrupts, "also_say", said.append)
+    record = tmp_path / "match.replay"
+    with pytest.raises(KeyboardInterrupt):
+        served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK - 20))
+    assert Replay.load(record).steps == LAST_TICK - 21
+    assert [more() for more in said] == [f"replay: {record}"]
+
+
+def test_teams_are_ranked_as_teams(capsys):
+    """R11.1, with what each of their hunters caught."""
+    config = SimpleNamespace(hunters=4, prey=0, team_seats=((0, 3), (1, 2)))
+    _print_ranking(Served(("ann", "bob", "cat", "dan"), (2, 1, 1, 2), (5, 4, 3, 0), Rate(1.0)), config)
+    assert capsys.readouterr().out.splitlines() == [
+        "  1    7  bob (hunter_1) 4 + cat (hunter_2) 3",
+        "  2    5  ann (hunter_0) 5 + dan (hunter_3) 0",
+    ]
