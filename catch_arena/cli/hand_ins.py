@@ -16,7 +16,17 @@ from catch_arena.cli.app import (
     main,
     say_level,
 )
-from catch_arena.cli.bus_options import BRIDGE_URL, INTERFACES, TURTLESIM, BusOption, Domain, Package, Turtlesim, Url
+from catch_arena.cli.bus_options import (
+    BRIDGE_URL,
+    INTERFACES,
+    TURTLESIM,
+    BusOption,
+    Domain,
+    Package,
+    Turtlesim,
+    Url,
+    refuse_bus_options,
+)
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.ros_nodes import names_a_service, node_under_test
 from catch_arena.cli.terminal import folded, say
@@ -129,6 +139,7 @@ def grade(
                 grades.append(one)
                 say(str(one))
     else:
+        refuse_bus_options(bus, domain, url, interfaces, turtlesim)
         for test in exercise.tests:
             if test.cases:
                 raise ConfigError(

@@ -20,16 +20,16 @@ LINE = "catch-arena: interrupted\n"
 
 
 def started(folder, code: str) -> Command:
-    """A program that runs this code's `command`, and has got to where that prints."""
+    """A program that runs this code's `command`, and has got a moment further than where that prints."""
     command = Command(folder, (), (sys.executable, "-c", f"{BEGIN}{code}\ninterrupts.run(command)"))
     assert command.process.stdout.readline() == "begun\n"
+    time.sleep(0.2)
     return command
 
 
 def ended(folder, code: str, pauses=(0.01, 0.05), number=signal.SIGINT) -> tuple[int, str]:
     """The status and the last words of a command that is interrupted there, three times unless told."""
     command = started(folder, code)
-    time.sleep(0.2)
     command.interrupt(pauses, number)
     end = command.ended()
     assert end.left == []
@@ -146,7 +146,6 @@ SAVES = "interrupts.keep(lambda: (time.sleep(2.5), print('saved', flush=True)))"
 )
 def test_what_must_not_be_lost_is_saved_first(tmp_path, lines):
     program = started(tmp_path, command(*lines))
-    time.sleep(0.2)
     program.interrupt((0.05, 0.3, 0.7))
     end = program.ended()
     assert (end.status, end.said, end.errors) == (130, "saved\n", LINE)

@@ -4,6 +4,7 @@ import json
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
+from pathlib import Path
 from time import monotonic
 from xml.etree import ElementTree as ET
 
@@ -236,8 +237,13 @@ def test_options_for_arbiters_are_refused_with_a_service(option):
 @pytest.mark.parametrize(
     "option", [["--bus", "rclpy"], ["--domain", "7"], ["--url", "ws://x"], ["--interfaces", "x"], ["--turtlesim", "x"]]
 )
-def test_options_for_a_bus_are_refused_without_a_service(option):
-    refused = CliRunner().invoke(main, ["conformance", "catch_arena:arbitrate", "--only", "basics", *option])
+@pytest.mark.parametrize(
+    "words", [["conformance", "catch_arena:arbitrate"], ["grade", "nearest", "--spec", "spec.toml"]]
+)
+def test_options_for_a_bus_are_refused_without_a_service(words, option, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("spec.toml").write_text('title = "t"\n[[test]]\nname = "a"\nscenario = "capstone"\nmin_mean_score = 1\n')
+    refused = CliRunner().invoke(main, [*words, *option])
     assert (refused.exit_code, refused.stderr) == (
         2,
         f"catch-arena: {option[0]} must come with a service of a node, as ros:/catch_turtle\n",
