@@ -59,8 +59,8 @@ laws: $(VENV)/ready-dev ## the property tests at length, with a million steps of
 interpreted: $(VENV)/ready-dev ## the tests of the rules without the compiler
 	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(SPREAD) -m 'not large' $(RULES)
 
-boundscheck: $(VENV)/ready-dev ## the tests of the rules with every index tested
-	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(SPREAD) $(RULES)
+boundscheck: $(VENV)/ready-dev ## the tests of the rules, of batches and of compiled opponents, with every index tested
+	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(SPREAD) $(RULES) tests/vector tests/training/test_opponents.py
 
 # Without the compiler, since compiled code cannot be measured; but first with it, and with an empty cache, for what only the
 # compiler calls.
