@@ -21,8 +21,8 @@ from statistics import median, quantiles
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray
-from catch_arena.ros.bus import Bus, Call, open_bus
-from catch_arena.ros.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
+from catch_arena.ros.middleware.bus import Bus, Call, open_bus
+from catch_arena.ros.middleware.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
 
 DOMAIN = 77
 TYPES = Interfaces()

@@ -11,10 +11,10 @@ from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
-    from catch_arena.ros.bus import Bus
-    from catch_arena.ros.interfaces import Interfaces
+    from catch_arena.ros.middleware.bus import Bus
+    from catch_arena.ros.middleware.interfaces import Interfaces
 
-# these two stand in ros/bus.py too, which no command loads that does not need it
+# these two stand in ros/middleware/bus.py too, which no command loads that does not need it
 BusName = Literal["cyclonedds", "rosbridge", "rclpy"]
 BRIDGE_URL: Final = "ws://127.0.0.1:9090"
 
@@ -59,8 +59,8 @@ def interfaces_of(package: str, turtlesim: str) -> "Interfaces":
     Raises:
         ConfigError: for a name that no package can have.
     """
-    from catch_arena.ros.bus import checked_package
-    from catch_arena.ros.interfaces import Interfaces
+    from catch_arena.ros.middleware.bus import checked_package
+    from catch_arena.ros.middleware.interfaces import Interfaces
 
     return Interfaces(checked_package("--interfaces", package), checked_package("--turtlesim", turtlesim))
 
@@ -104,7 +104,7 @@ def joined_bus(backend: BusName | None, node: str, domain: int | None, url: str)
     Raises:
         BusError: where it cannot be reached.
     """
-    from catch_arena.ros.bus import open_bus
+    from catch_arena.ros.middleware.bus import open_bus
 
     joined = open_bus(backend, node=node, domain=domain, url=url, log=lambda line: say(line, err=True))
     try:

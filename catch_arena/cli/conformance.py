@@ -86,7 +86,7 @@ def conformance(
     if junit is not None:
         output_file(junit, force=force)
     if arbiter is not None and names_a_service(arbiter):
-        from catch_arena.ros.node_cases import run_on_node
+        from catch_arena.ros.node_tests.cases import run_on_node
 
         if arena is not None or exact_lots:
             raise ConfigError("--arena and --exact-lots must be left out with a service, which answers yes or no")

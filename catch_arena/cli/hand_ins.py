@@ -129,7 +129,7 @@ def grade(
             output_file(path, force=force)
     grades: list[TestGrade] = []
     if names_a_service(agent):
-        from catch_arena.ros.node_grading import grade_node
+        from catch_arena.ros.node_tests.grading import grade_node
 
         if seeds is not None:
             raise ConfigError("--seeds must be left out with a service: its cases have none")

@@ -38,7 +38,7 @@ from catch_arena.errors import AgentError, ConfigError
 from catch_arena.text import name_fault
 
 if TYPE_CHECKING:
-    from catch_arena.ros.serving import Served
+    from catch_arena.ros.nodes.serving import Served
 
 ros = typer.Typer(
     name="ros",
@@ -103,9 +103,9 @@ def serve(
     ros_args: RosArgs = None,
 ) -> None:
     """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle (docs/ros2.md)."""
-    from catch_arena.ros.parameters import NAME_PREFIX, SPAWN_FREQUENCY, arena_parameters
-    from catch_arena.ros.ros_args import take_ros_args
-    from catch_arena.ros.serving import serve_match
+    from catch_arena.ros.middleware.parameters import NAME_PREFIX, SPAWN_FREQUENCY, arena_parameters
+    from catch_arena.ros.nodes.ros_args import take_ros_args
+    from catch_arena.ros.nodes.serving import serve_match
     from catch_arena.seeding import arena_seed
 
     seats = _seats(seat or [])
@@ -185,11 +185,11 @@ def controller(
     The agents nearest and first are true and false of the exercise's catch_closest_turtle_first; with one of them this
     is a parameter of the node.
     """
-    from catch_arena.ros.bus import is_service
-    from catch_arena.ros.controller import PERIOD_S, Controller
-    from catch_arena.ros.parameters import CLOSEST_FIRST, controller_parameters
-    from catch_arena.ros.rate import Rate
-    from catch_arena.ros.ros_args import take_ros_args
+    from catch_arena.ros.middleware.bus import is_service
+    from catch_arena.ros.middleware.parameters import CLOSEST_FIRST, controller_parameters
+    from catch_arena.ros.nodes.controller import PERIOD_S, Controller
+    from catch_arena.ros.nodes.rate import Rate
+    from catch_arena.ros.nodes.ros_args import take_ros_args
     from catch_arena.tournament.isolation.starting import sandbox_for, start_players
 
     specs = list(_EXERCISE) if agent in _EXERCISE else [agent]
@@ -245,10 +245,10 @@ def spawner(
     With several turtles each asks its own service, for example /turtle2/catch_turtle.
     """
     from catch_arena.core.physics import DT
-    from catch_arena.ros.parameters import NAME_PREFIX, SPAWN_FREQUENCY, spawner_parameters
-    from catch_arena.ros.rate import Rate
-    from catch_arena.ros.ros_args import take_ros_args
-    from catch_arena.ros.spawner import Spawner
+    from catch_arena.ros.middleware.parameters import NAME_PREFIX, SPAWN_FREQUENCY, spawner_parameters
+    from catch_arena.ros.nodes.rate import Rate
+    from catch_arena.ros.nodes.ros_args import take_ros_args
+    from catch_arena.ros.nodes.spawner import Spawner
     from catch_arena.seeding import arena_seed
 
     turtles = tuple(checked_turtle(name) for name in turtle or ("turtle1",))

@@ -38,8 +38,8 @@ def bag(
     _require_rosbags()
     from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
-    from catch_arena.ros.bag_export import export_bag
-    from catch_arena.ros.bag_files import require_free
+    from catch_arena.ros.bags.export import export_bag
+    from catch_arena.ros.bags.files import require_free
 
     types = interfaces_of(interfaces, turtlesim)
     recorded = Replay.load(replay)
@@ -74,8 +74,8 @@ def import_(
     """Make a video of a recording of turtlesim, and say how our arbiter would have judged each catch."""
     _require_rosbags()
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.ros.bag_import import read_bag
-    from catch_arena.ros.bag_rulings import judge_bag, summary
+    from catch_arena.ros.bags.reading import read_bag
+    from catch_arena.ros.bags.rulings import judge_bag, summary
 
     whole = bag.resolve()
     target = whole.with_suffix(".mp4") if output is None else output
@@ -94,7 +94,7 @@ def import_(
         say(f"left out: {contents.left_out} messages that are damaged or have impossible values", err=True)
     if listing:
         return
-    from catch_arena.ros.bag_video import render_bag
+    from catch_arena.ros.bags.video import render_bag
 
     with progress_bar("rendering") as show:
         report = render_bag(

@@ -9,7 +9,7 @@ from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
-    from catch_arena.ros.node_under_test import NodeUnderTest
+    from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
 _SERVICE: Final = "ros:"
 
@@ -29,8 +29,8 @@ def node_under_test(
         ConfigError: for a name that no service has.
         BusError: where the bus cannot be reached.
     """
-    from catch_arena.ros.bus import is_service
-    from catch_arena.ros.node_under_test import NodeUnderTest
+    from catch_arena.ros.middleware.bus import is_service
+    from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
     service = word.removeprefix(_SERVICE)
     if not is_service(service):

@@ -7,8 +7,8 @@ import sys
 import time
 
 from catch_arena.messages import CatchTurtleResponse, Turtle, TurtleArray
-from catch_arena.ros.bus import open_bus
-from catch_arena.ros.interfaces import TWIST, Interfaces, Name
+from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, Name
 
 TYPES = Interfaces()
 

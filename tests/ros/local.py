@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from catch_arena.ros.bus import Call, Request
+from catch_arena.ros.middleware.bus import Call, Request
 
 
 class Hub:
@@ -19,7 +19,7 @@ class Hub:
 
 
 class LocalBus:
-    """See `catch_arena.ros.bus.Bus`; `peer` is who sends."""
+    """See `catch_arena.ros.middleware.bus.Bus`; `peer` is who sends."""
 
     backend = "cyclonedds"
 

@@ -4,9 +4,9 @@ from ros.local import Hub
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest
-from catch_arena.ros.agents import AgentSeats
-from catch_arena.ros.arena_node import ArenaNode
-from catch_arena.ros.interfaces import TWIST, Interfaces, TwistMessage
+from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessage
+from catch_arena.ros.nodes.agents import AgentSeats
+from catch_arena.ros.nodes.arena_node import ArenaNode
 from catch_arena.service import ArenaService
 
 TYPES = Interfaces()

@@ -10,7 +10,7 @@ from catch_arena.errors import BusError, ConfigError, EpisodeError
 from catch_arena.messages import CatchTurtleResponse
 from catch_arena.policy import View
 from catch_arena.replay.verification import verify
-from catch_arena.ros.interfaces import (
+from catch_arena.ros.middleware.interfaces import (
     CLOCK,
     EMPTY,
     TWIST,

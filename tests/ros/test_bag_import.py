@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 from catch_arena.cli import main
 from catch_arena.errors import ReplayError
 from catch_arena.replay import Replay
-from catch_arena.ros.bag_import import read_bag
-from catch_arena.ros.bag_rulings import judge_bag
-from catch_arena.ros.bag_video import bag_worlds
+from catch_arena.ros.bags.reading import read_bag
+from catch_arena.ros.bags.rulings import judge_bag
+from catch_arena.ros.bags.video import bag_worlds
 from catch_arena.verdicts import Verdict
 
 TRACES = Path(__file__).parents[1] / "data"

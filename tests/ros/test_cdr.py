@@ -7,8 +7,8 @@ import pytest
 from ros import cdr
 
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros import dds_types
-from catch_arena.ros.interfaces import (
+from catch_arena.ros.middleware import dds_types
+from catch_arena.ros.middleware.interfaces import (
     CLOCK,
     EMPTY,
     RULING,
@@ -26,7 +26,7 @@ from catch_arena.ros.interfaces import (
     TwistMessage,
     Vector3,
 )
-from catch_arena.ros.type_hashes import type_hash
+from catch_arena.ros.middleware.type_hashes import type_hash
 
 TYPES = Interfaces()
 HEADER = {"client": 0x0102030405060708, "number": 5}

@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import bus_options, main
-from catch_arena.ros import bus
-from catch_arena.ros.rate import Rate
+from catch_arena.ros.middleware import bus
+from catch_arena.ros.nodes.rate import Rate
 
 
 def run(*arguments):

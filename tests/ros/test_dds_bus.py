@@ -11,11 +11,11 @@ from ros.processes import own_domain, started
 
 from catch_arena.errors import BusError, ConfigError
 from catch_arena.messages import Turtle, TurtleArray
-from catch_arena.ros import bus, dds_peers
-from catch_arena.ros.bus import open_bus
-from catch_arena.ros.dds_types import dds_name
-from catch_arena.ros.interfaces import TWIST, Interfaces
-from catch_arena.ros.type_hashes import type_hash
+from catch_arena.ros.middleware import bus, dds_peers
+from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.dds_types import dds_name
+from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
+from catch_arena.ros.middleware.type_hashes import type_hash
 
 TYPES = Interfaces()
 

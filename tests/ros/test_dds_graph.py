@@ -15,8 +15,8 @@ from cyclonedds.core import Policy, Qos
 from ros import cdr, wire
 from ros.processes import own_domain
 
-from catch_arena.ros.bus import open_bus
-from catch_arena.ros.interfaces import TWIST, Interfaces
+from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
 
 TYPES = Interfaces()
 TOPIC = "ros_discovery_info"

@@ -4,10 +4,10 @@ import pytest
 from ros.local import Hub
 
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.controller import Controller
-from catch_arena.ros.interfaces import Interfaces, Name
-from catch_arena.ros.parameters import SPAWN_FREQUENCY, spawner_parameters
-from catch_arena.ros.spawner import Spawner
+from catch_arena.ros.middleware.interfaces import Interfaces, Name
+from catch_arena.ros.middleware.parameters import SPAWN_FREQUENCY, spawner_parameters
+from catch_arena.ros.nodes.controller import Controller
+from catch_arena.ros.nodes.spawner import Spawner
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.inspecting import inspector

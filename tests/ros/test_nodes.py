@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.messages import CatchTurtleResponse
-from catch_arena.ros.bus import open_bus
-from catch_arena.ros.interfaces import Interfaces
-from catch_arena.ros.node_cases import can_be_asked
+from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.interfaces import Interfaces
+from catch_arena.ros.node_tests.cases import can_be_asked
 from catch_arena.testing import select_cases
 
 SPEC = """

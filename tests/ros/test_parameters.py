@@ -11,12 +11,12 @@ from rosbags.typesys import Stores, get_typestore
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import BusError, ConfigError
 from catch_arena.messages import Pose, Turtle, TurtleArray
-from catch_arena.ros.controller import Controller
-from catch_arena.ros.interfaces import Name
-from catch_arena.ros.parameter_services import SERVICES
-from catch_arena.ros.parameters import arena_parameters, controller_parameters, spawner_parameters
-from catch_arena.ros.ros_args import take_ros_args
-from catch_arena.ros.spawner import Spawner
+from catch_arena.ros.middleware.interfaces import Name
+from catch_arena.ros.middleware.parameter_services import SERVICES
+from catch_arena.ros.middleware.parameters import arena_parameters, controller_parameters, spawner_parameters
+from catch_arena.ros.nodes.controller import Controller
+from catch_arena.ros.nodes.ros_args import take_ros_args
+from catch_arena.ros.nodes.spawner import Spawner
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.inspecting import inspector

@@ -8,10 +8,10 @@ import pytest
 
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros import bus
-from catch_arena.ros.bus import open_bus
-from catch_arena.ros.interfaces import RULING, TWIST, Interfaces, TwistMessage
-from catch_arena.ros.parameters import spawner_parameters
+from catch_arena.ros.middleware import bus
+from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.interfaces import RULING, TWIST, Interfaces, TwistMessage
+from catch_arena.ros.middleware.parameters import spawner_parameters
 
 TYPES = Interfaces()
 

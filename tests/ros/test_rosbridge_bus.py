@@ -11,10 +11,10 @@ from websockets.sync.client import connect
 
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
-from catch_arena.ros import rosbridge_bus
-from catch_arena.ros.bus import DEPTH, open_bus
-from catch_arena.ros.interfaces import EMPTY, TWIST, Empty, Interfaces, TwistMessage
-from catch_arena.ros.rosbridge_bus import from_json, to_json
+from catch_arena.ros.middleware import rosbridge_bus
+from catch_arena.ros.middleware.bus import DEPTH, open_bus
+from catch_arena.ros.middleware.interfaces import EMPTY, TWIST, Empty, Interfaces, TwistMessage
+from catch_arena.ros.middleware.rosbridge_bus import from_json, to_json
 
 TYPES = Interfaces()
 

@@ -10,9 +10,9 @@ from catch_arena.cli.ros import _print_ranking
 from catch_arena.errors import ConfigError
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
-from catch_arena.ros.interfaces import Interfaces
-from catch_arena.ros.rate import Rate
-from catch_arena.ros.serving import Served, serve_match
+from catch_arena.ros.middleware.interfaces import Interfaces
+from catch_arena.ros.nodes.rate import Rate
+from catch_arena.ros.nodes.serving import Served, serve_match
 from catch_arena.scenarios import SCENARIOS, scenario
 
 REFUSED = {

@@ -7,8 +7,8 @@ from catch_arena.conformance.answers import counted
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.report import Report
 from catch_arena.errors import BusError, ConfigError
-from catch_arena.ros.node_cases import can_be_asked, run_on_node
-from catch_arena.ros.node_under_test import NodeUnderTest
+from catch_arena.ros.node_tests.cases import can_be_asked, run_on_node
+from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
 from catch_arena.tournament.grading import Spec, Test
 

@@ -24,9 +24,9 @@ from rosbags.typesys import Stores, get_typestore
 
 from catch_arena.errors import OutputError
 from catch_arena.files import prepare_folder, unwritable
-from catch_arena.ros.bus import DEPTH
-from catch_arena.ros.interfaces import TIME, MessageType
-from catch_arena.ros.service_events import EVENT_INFO
+from catch_arena.ros.bags.service_events import EVENT_INFO
+from catch_arena.ros.middleware.bus import DEPTH
+from catch_arena.ros.middleware.interfaces import TIME, MessageType
 
 Storage = Literal["mcap", "sqlite3"]
 

@@ -25,13 +25,13 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
-from catch_arena.ros.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
-from catch_arena.ros.dds_graph import Graph
-from catch_arena.ros.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
-from catch_arena.ros.dds_types import from_sample, idl_struct, ros_name, to_sample
-from catch_arena.ros.interfaces import MessageType, ServiceType
-from catch_arena.ros.parameter_services import serve_parameters
-from catch_arena.ros.parameters import Parameters
+from catch_arena.ros.middleware.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.dds_graph import Graph
+from catch_arena.ros.middleware.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
+from catch_arena.ros.middleware.dds_types import from_sample, idl_struct, ros_name, to_sample
+from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
+from catch_arena.ros.middleware.parameter_services import serve_parameters
+from catch_arena.ros.middleware.parameters import Parameters
 
 _LOCALHOST: Final = """<CycloneDDS><Domain>
 <General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
@@ -49,7 +49,7 @@ _domains: Final[dict[int, Domain]] = {}
 
 
 class DdsBus:
-    """See `catch_arena.ros.bus.Bus`.
+    """See `catch_arena.ros.middleware.bus.Bus`.
 
     Args:
         node: what the node is called.
@@ -290,7 +290,7 @@ class _Reply:
 
 
 class _DdsClient:
-    """See `catch_arena.ros.bus.Client`."""
+    """See `catch_arena.ros.middleware.bus.Client`."""
 
     reader: DataReader[Any]
 

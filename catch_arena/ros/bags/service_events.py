@@ -2,7 +2,7 @@
 
 from typing import Any, Final, NamedTuple
 
-from catch_arena.ros.interfaces import TIME, Field, MessageType, ServiceType, Time
+from catch_arena.ros.middleware.interfaces import TIME, Field, MessageType, ServiceType, Time
 
 TOPIC: Final = "/_service_event"
 """What the name of a service's topic ends in."""

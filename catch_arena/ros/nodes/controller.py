@@ -17,9 +17,9 @@ from catch_arena.errors import ActionError, AgentError
 from catch_arena.layout import columns
 from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
 from catch_arena.policy import Limits
-from catch_arena.ros.bus import Bus, Call, Log, Peer
-from catch_arena.ros.interfaces import TWIST, Interfaces, TwistMessage
-from catch_arena.ros.parameters import Parameter
+from catch_arena.ros.middleware.bus import Bus, Call, Log, Peer
+from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessage
+from catch_arena.ros.middleware.parameters import Parameter
 from catch_arena.tournament.players import Players
 from catch_arena.tournament.secret import agent_seed
 from catch_arena.world import World

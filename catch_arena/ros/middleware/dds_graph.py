@@ -19,7 +19,7 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from catch_arena.ros.dds_peers import announced_hash
+from catch_arena.ros.middleware.dds_peers import announced_hash
 
 _TOPIC: Final = "ros_discovery_info"
 _HUMBLE, _IRON = 24, 16

@@ -3,7 +3,7 @@
 from functools import cache
 from typing import TYPE_CHECKING
 
-from catch_arena.ros.interfaces import MessageType
+from catch_arena.ros.middleware.interfaces import MessageType
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore

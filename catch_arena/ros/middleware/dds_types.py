@@ -6,7 +6,7 @@ from typing import Any, Final
 from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.idl.annotations import final
 
-from catch_arena.ros.interfaces import PRIMITIVES, MessageType
+from catch_arena.ros.middleware.interfaces import PRIMITIVES, MessageType
 
 _MISSING_MEMBER: Final = "structure_needs_at_least_one_member"
 """The byte that ROS puts into what has no fields."""

@@ -16,7 +16,7 @@ from catch_arena.conformance.comparison import REFUSED, Call, Strictness, compar
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, Result
 from catch_arena.errors import BusError
-from catch_arena.ros.node_under_test import ANSWER_S, TURTLE, NodeUnderTest, Place
+from catch_arena.ros.node_tests.node_under_test import ANSWER_S, TURTLE, NodeUnderTest, Place
 from catch_arena.verdicts import Ruling, Verdict
 
 _SETTLE_S: Final = 0.15

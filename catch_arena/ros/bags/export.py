@@ -8,10 +8,8 @@ from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
 from catch_arena.render.motion import StepMotion, step_motion
 from catch_arena.replay import Replay
-from catch_arena.ros.bag_files import Storage, TimedMessage, whole_bag
-from catch_arena.ros.interfaces import RULING, Interfaces, MessageType, Time
-from catch_arena.ros.rulings import ruling_message
-from catch_arena.ros.service_events import (
+from catch_arena.ros.bags.files import Storage, TimedMessage, whole_bag
+from catch_arena.ros.bags.service_events import (
     REQUEST_RECEIVED,
     RESPONSE_SENT,
     TOPIC,
@@ -19,6 +17,8 @@ from catch_arena.ros.service_events import (
     ServiceEvent,
     event_of,
 )
+from catch_arena.ros.middleware.interfaces import RULING, Interfaces, MessageType, Time
+from catch_arena.ros.nodes.rulings import ruling_message
 from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, World
 

@@ -6,8 +6,8 @@ from typing import Final
 
 from catch_arena.core.physics import WATCHDOG_MS
 from catch_arena.messages import Twist
-from catch_arena.ros.bus import Log, Peer
-from catch_arena.ros.interfaces import TwistMessage
+from catch_arena.ros.middleware.bus import Log, Peer
+from catch_arena.ros.middleware.interfaces import TwistMessage
 
 STANDING_STILL: Final = Twist(0.0, 0.0)
 _FASTEST: Final = 1e9

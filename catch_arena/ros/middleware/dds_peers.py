@@ -11,10 +11,10 @@ from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, B
 from cyclonedds.core import Policy
 from cyclonedds.domain import DomainParticipant
 
-from catch_arena.ros.bus import Log
-from catch_arena.ros.dds_types import dds_name
-from catch_arena.ros.interfaces import MessageType
-from catch_arena.ros.type_hashes import type_hash
+from catch_arena.ros.middleware.bus import Log
+from catch_arena.ros.middleware.dds_types import dds_name
+from catch_arena.ros.middleware.interfaces import MessageType
+from catch_arena.ros.middleware.type_hashes import type_hash
 
 FAST_DDS: Final = (
     "a node with Fast DDS, ROS's default middleware, {what}, and its services cannot be spoken to over cyclonedds: "

@@ -11,9 +11,9 @@ from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
 from catch_arena.core.physics import DT, TICK_MS
 from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.bus import Bus, Call, Log, Peer, Request
-from catch_arena.ros.interfaces import Interfaces, Name, SpawnRequest
-from catch_arena.ros.parameters import Parameter
+from catch_arena.ros.middleware.bus import Bus, Call, Log, Peer, Request
+from catch_arena.ros.middleware.interfaces import Interfaces, Name, SpawnRequest
+from catch_arena.ros.middleware.parameters import Parameter
 
 _LOW_M, _HIGH_M = 0.5, 10.5
 """R3.2: where targets appear."""

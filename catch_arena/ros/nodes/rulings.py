@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-from catch_arena.ros.interfaces import RulingMessage
+from catch_arena.ros.middleware.interfaces import RulingMessage
 from catch_arena.verdicts import Ruling
 
 _LONGEST_TOLD: Final = 255

@@ -11,11 +11,11 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
 from catch_arena.replay import Replay
-from catch_arena.ros.agents import AgentSeats
-from catch_arena.ros.arena_node import ArenaNode
-from catch_arena.ros.bus import Bus, Log
-from catch_arena.ros.interfaces import Interfaces
-from catch_arena.ros.rate import Rate
+from catch_arena.ros.middleware.bus import Bus, Log
+from catch_arena.ros.middleware.interfaces import Interfaces
+from catch_arena.ros.nodes.agents import AgentSeats
+from catch_arena.ros.nodes.arena_node import ArenaNode
+from catch_arena.ros.nodes.rate import Rate
 from catch_arena.service import ArenaService
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits

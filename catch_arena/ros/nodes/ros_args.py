@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.errors import BusError, ConfigError
-from catch_arena.ros.bus import Log
-from catch_arena.ros.parameters import Parameters
+from catch_arena.ros.middleware.bus import Log
+from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import in_short, one_line
 
 _NODE: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")

@@ -15,9 +15,9 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
-from catch_arena.ros.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
-from catch_arena.ros.interfaces import MessageType, ServiceType
-from catch_arena.ros.parameters import Parameters
+from catch_arena.ros.middleware.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
+from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import one_line
 
 _OPEN_S: Final = 5.0
@@ -35,7 +35,8 @@ _INTEGERS: Final = {
 
 
 class RosbridgeBus:
-    """See `catch_arena.ros.bus.Bus`. A thread receives; where the server goes away, it is looked for until it is back.
+    """See `catch_arena.ros.middleware.bus.Bus`. A thread receives; where the server goes away, it is looked for
+    until it is back.
 
     Args:
         url: the server's.
@@ -246,7 +247,7 @@ class RosbridgeBus:
 
 
 class _BridgeClient:
-    """See `catch_arena.ros.bus.Client`."""
+    """See `catch_arena.ros.middleware.bus.Client`."""
 
     def __init__(
         self,

@@ -6,13 +6,13 @@ from importlib import import_module
 from typing import Any
 
 from catch_arena.errors import BusError
-from catch_arena.ros.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
-from catch_arena.ros.interfaces import MessageType, ServiceType
-from catch_arena.ros.parameters import Parameters
+from catch_arena.ros.middleware.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
+from catch_arena.ros.middleware.parameters import Parameters
 
 
 class RclpyBus:
-    """See `catch_arena.ros.bus.Bus`. rclpy does not say who sent a message.
+    """See `catch_arena.ros.middleware.bus.Bus`. rclpy does not say who sent a message.
 
     Args:
         node: its name.
@@ -139,7 +139,7 @@ class RclpyBus:
 
 
 class _RclpyClient:
-    """See `catch_arena.ros.bus.Client`."""
+    """See `catch_arena.ros.middleware.bus.Client`."""
 
     def __init__(self, client: Any, kind: ServiceType) -> None:
         self._client, self._kind = client, kind

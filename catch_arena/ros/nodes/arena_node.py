@@ -7,9 +7,8 @@ from typing import Any, Final
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ActionError, BusError, EpisodeError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse
-from catch_arena.ros.agents import AgentSeats
-from catch_arena.ros.bus import Bus, Log, Request
-from catch_arena.ros.interfaces import (
+from catch_arena.ros.middleware.bus import Bus, Log, Request
+from catch_arena.ros.middleware.interfaces import (
     CLOCK,
     EMPTY,
     RULING,
@@ -24,8 +23,9 @@ from catch_arena.ros.interfaces import (
     StandingMessage,
     Time,
 )
-from catch_arena.ros.rulings import ruling_message
-from catch_arena.ros.seats import RosSeat, seat_of
+from catch_arena.ros.nodes.agents import AgentSeats
+from catch_arena.ros.nodes.rulings import ruling_message
+from catch_arena.ros.nodes.seats import RosSeat, seat_of
 from catch_arena.service import ArenaService, response
 from catch_arena.text import one_line
 from catch_arena.tournament.parties import Parties

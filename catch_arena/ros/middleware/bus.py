@@ -9,8 +9,8 @@ from importlib.util import find_spec
 from typing import Any, Final, Literal, Protocol, get_args
 
 from catch_arena.errors import BusError, ConfigError
-from catch_arena.ros.interfaces import MessageType, ServiceType
-from catch_arena.ros.parameters import Parameters
+from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
+from catch_arena.ros.middleware.parameters import Parameters
 
 Backend = Literal["cyclonedds", "rosbridge", "rclpy"]
 BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
@@ -136,14 +136,14 @@ def open_bus(
     elif not _is_installed(backend):
         raise BusError(_missing(backend))
     if backend == "cyclonedds":
-        from catch_arena.ros.dds_bus import DdsBus
+        from catch_arena.ros.middleware.dds_bus import DdsBus
 
         return DdsBus(node, number, localhost=_localhost_only() if localhost is None else localhost, log=log)
     if backend == "rosbridge":
-        from catch_arena.ros.rosbridge_bus import RosbridgeBus
+        from catch_arena.ros.middleware.rosbridge_bus import RosbridgeBus
 
         return RosbridgeBus(url, log=log)
-    from catch_arena.ros.rclpy_bus import RclpyBus
+    from catch_arena.ros.middleware.rclpy_bus import RclpyBus
 
     return RclpyBus(node, number, log=log)
 

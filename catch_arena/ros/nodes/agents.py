@@ -9,7 +9,7 @@ from catch_arena.envs.spaces import checked_choice, checked_command, checked_ful
 from catch_arena.errors import ActionError
 from catch_arena.messages import CatchTurtleRequest, Twist
 from catch_arena.policy import Limits
-from catch_arena.ros.bus import Log
+from catch_arena.ros.middleware.bus import Log
 from catch_arena.service import ArenaService
 from catch_arena.text import one_line
 from catch_arena.tournament.players import Answer, Players

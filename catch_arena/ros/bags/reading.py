@@ -15,10 +15,9 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.errors import ReplayError, reason
 from catch_arena.messages import Pose, Turtle, TurtleArray
-from catch_arena.ros.bag_contents import BagContents, Listed, Place, Placed, RecordedRequest, Track
-from catch_arena.ros.bag_files import register
-from catch_arena.ros.interfaces import Interfaces, MessageType
-from catch_arena.ros.service_events import (
+from catch_arena.ros.bags.contents import BagContents, Listed, Place, Placed, RecordedRequest, Track
+from catch_arena.ros.bags.files import register
+from catch_arena.ros.bags.service_events import (
     REQUEST_RECEIVED,
     REQUEST_SENT,
     RESPONSE_RECEIVED,
@@ -26,6 +25,7 @@ from catch_arena.ros.service_events import (
     TOPIC,
     event_of,
 )
+from catch_arena.ros.middleware.interfaces import Interfaces, MessageType
 from catch_arena.text import one_line
 
 LONGEST_MS: Final = 24 * 3_600_000

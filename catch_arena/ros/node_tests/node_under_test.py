@@ -7,8 +7,8 @@ from typing import Final
 from catch_arena.core.physics import DT
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
-from catch_arena.ros.bus import Bus, Log, Peer, Request
-from catch_arena.ros.interfaces import Empty, Interfaces, Name
+from catch_arena.ros.middleware.bus import Bus, Log, Peer, Request
+from catch_arena.ros.middleware.interfaces import Empty, Interfaces, Name
 
 TURTLE: Final = "turtle1"
 """The hunter, as the exercise knows it."""

@@ -6,9 +6,9 @@ Over rclpy a node has them of itself. Answers are those of rclpy's: where one na
 from collections.abc import Callable, Sequence
 from typing import Any, Final, NamedTuple
 
-from catch_arena.ros.bus import Request
-from catch_arena.ros.interfaces import ServiceType, message_type, service_type
-from catch_arena.ros.parameters import Parameter, Parameters, Value
+from catch_arena.ros.middleware.bus import Request
+from catch_arena.ros.middleware.interfaces import ServiceType, message_type, service_type
+from catch_arena.ros.middleware.parameters import Parameter, Parameters, Value
 
 _NOT_SET, _BOOL, _INTEGER, _DOUBLE, _STRING = range(5)
 """rcl_interfaces/msg/ParameterType; five kinds of arrays follow, which no parameter here has."""
