@@ -1,9 +1,10 @@
 """Change the rules, one operator, constant or branch at a time, and see that a test notices each change: `make mutate`.
 
 A mutant is one such change in one of the modules below. It is made in memory, in a process of its own that runs
-the tests without the compiler (NUMBA_DISABLE_JIT=1) until one fails; the files stay as they are. Mutants that no test
-can notice stand in tests/mutation/equivalent.toml, each with its reason; every other one must be noticed, and an entry
-there that no longer fits fails the run too. Needs os.fork: Linux or macOS.
+the tests without the compiler (NUMBA_DISABLE_JIT=1) until one fails; the files stay as they are. Tests that do not call
+the changed function cannot notice it, and are not asked. Mutants that no test can notice stand in
+tests/mutation/equivalent.toml, each with its reason; every other one must be noticed, and an entry there that no longer
+fits fails the run too. Needs os.fork: Linux or macOS.
 """
 
 import argparse
@@ -13,15 +14,18 @@ import importlib.abc
 import importlib.util
 import inspect
 import itertools
+import json
 import os
 import re
 import resource
 import sys
+import tempfile
 import time
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from pathlib import Path
 from types import CodeType
@@ -53,6 +57,8 @@ KILLERS = (
     "tests/unit/test_arbiter.py",
     "tests/unit/test_controllers.py",
     "tests/unit/test_physics.py",
+    "tests/unit/test_ranking.py",
+    "tests/unit/test_selection_network.py",
     "tests/unit/test_targets.py",
     "tests/conformance/test_adjudicators.py::test_an_arena_of_ours_answers_every_case_that_it_can_play[engine]",
     f"{MATCHES}[0]",
@@ -67,13 +73,16 @@ KILLERS = (
 OWN_TESTS = {
     "prey": ("test_ch12_prey", "test_rows_apart"),
     "prey_views": ("test_ch12_prey", "test_rows_apart"),
+    "ranking": ("test_selection_network",),
     "rewards": ("test_ch6_score", "test_ch11_teams", "test_rows_apart"),
 }
 """Of a module, by their files' names: they are asked before all others. Unit tests need not be named here."""
 SLOW = "[batch or 70 or another_engine or oldest or 60_s or first_fires or process or interpreted"
 """Tests that notice nothing that others do not notice sooner."""
 LONGEST_TEST_S = 90
-"""CPU time; without the compiler the random matches take 20 s, and none of the others 5 s."""
+"""CPU time; without the compiler the random matches take 20 s, and none of the others 10 s."""
+TIMES_SLOWER, SPARE_S = 5, 5
+"""How much longer a test may take on a mutant, where it is known how long it takes on the core as it is."""
 
 OTHER_COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.NotEq, ast.Eq, ast.GtE, ast.Gt),
@@ -270,21 +279,43 @@ class OneMutant(importlib.abc.MetaPathFinder, SourceFileLoader):
 
 def put_in_place(mutant: Mutant) -> None:
     """A function's new code, for whoever has imported it; a module's, for whoever is going to."""
-    if not mutant.function:
+    if mutant.function:
+        replace(mutant.module, mutant.function, mutant.code)
+    else:
         sys.meta_path.insert(0, OneMutant(mutant))
-        return
-    codes = (constant for constant in mutant.code.co_consts if isinstance(constant, CodeType))
-    module = importlib.import_module(f"catch_arena.core.{mutant.module}")
-    function = inspect.unwrap(getattr(module, mutant.function))
-    function.__code__ = next(code for code in codes if code.co_name == mutant.function)
+
+
+def replace(name: str, function: str, code: CodeType) -> None:
+    """Give one function of a module the code that it has in another state of the whole module."""
+    codes = (constant for constant in code.co_consts if isinstance(constant, CodeType))
+    module = importlib.import_module(f"catch_arena.core.{name}")
+    inspect.unwrap(getattr(module, function)).__code__ = next(one for one in codes if one.co_name == function)
+
+
+def note_calls(name: str, called: set[str]) -> None:
+    """Let every function of a module add `module.function` to `called` whenever it is called."""
+    path = CORE / f"{name}.py"
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    functions = [top for top in tree.body if isinstance(top, ast.FunctionDef)]
+    for function in functions:
+        function.body[:0] = ast.parse(f"__called__.add({name + '.' + function.name!r})").body
+    code = compile(ast.fix_missing_locations(tree), path, "exec")
+    vars(importlib.import_module(f"catch_arena.core.{name}"))["__called__"] = called
+    for function in functions:
+        replace(name, function.name, code)
+
+
+def allow(seconds: float) -> None:
+    """End this process where it takes longer: some mutants never end. CPU time, since the machine may be busy."""
+    resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time() + seconds), resource.RLIM_INFINITY))
 
 
 class Hourglass:
-    """A plugin of pytest that ends the process where a test takes too long: some mutants never end."""
+    """A plugin of pytest that ends the process where a test takes too long."""
 
     def pytest_runtest_setup(self) -> None:
-        """CPU time, since the machine may be busy."""
-        resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time()) + LONGEST_TEST_S, resource.RLIM_INFINITY))
+        """Before each test."""
+        allow(LONGEST_TEST_S)
 
 
 def turn_of(path: Path, mutant: Mutant) -> int:
@@ -297,7 +328,9 @@ def turn_of(path: Path, mutant: Mutant) -> int:
 
 
 class OnEveryMutant:
-    """A plugin of pytest that runs the tests, once they are collected, on one mutant after the other."""
+    """A plugin of pytest that runs the tests, once they are collected, on one mutant after the other: those that call
+    its function, and first of all those that have noticed the most mutants of the same function.
+    """
 
     def __init__(self, mutants: Sequence[Mutant], processes: int, found: list[Name]) -> None:
         self.mutants = mutants
@@ -308,60 +341,84 @@ class OnEveryMutant:
         """In the place of pytest's own loop."""
         import pytest
 
-        hook = session.config.hook
+        def passes(item: Any, following: Any) -> bool:
+            session.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+            return not session.testsfailed
 
-        def run_tests(mutant: Mutant | None) -> int:
-            items = sorted(session.items, key=lambda item: 0 if mutant is None else turn_of(item.path, mutant))
-            for item, following in itertools.zip_longest(items, items[1:]):
-                hook.pytest_runtest_protocol(item=item, nextitem=following)
-                if session.testsfailed:
+        def run_all() -> int:
+            called: set[str] = set()
+            for module in {mutant.module for mutant in self.mutants}:
+                note_calls(module, called)
+            for item, following in itertools.zip_longest(session.items, session.items[1:]):
+                called.clear()
+                started = time.process_time()
+                if not passes(item, following):
                     print(item.nodeid)
+                    return 1
+                print(json.dumps([sorted(called), time.process_time() - started]), file=notes, flush=True)
+            return 0
+
+        def run_callers(mutant: Mutant) -> int:
+            function = mutant.name.function
+            noticed = Counter(Path(notes.name).read_text(encoding="utf-8").splitlines())
+            callers = [(item, seconds) for item, (called, seconds) in known if function in called]
+            callers.sort(key=lambda one: (-noticed[f"{function} {one[0].nodeid}"], turn_of(one[0].path, mutant)))
+            for (item, seconds), following in itertools.zip_longest(callers, callers[1:]):
+                allow(SPARE_S + TIMES_SLOWER * seconds)
+                if not passes(item, following and following[0]):
+                    print(function, item.nodeid, file=notes, flush=True)
                     return 1
             return 0
 
-        if os.waitpid(begin(None, run_tests), 0)[1] != 0:
-            pytest.exit("the core as it is fails the tests", returncode=1)
-        self.found += survivors(self.mutants, self.processes, run_tests)
+        with tempfile.NamedTemporaryFile("w+", encoding="utf-8") as notes:
+            if os.waitpid(begin(run_all), 0)[1] != 0:
+                pytest.exit("the core as it is fails the tests", returncode=1)
+            notes.seek(0)
+            known = list(zip(session.items, map(json.loads, notes), strict=True))
+            self.found += survivors(self.mutants, self.processes, run_callers)
         return True
 
 
-def on_constants(mutant: Mutant | None) -> int:  # noqa: ARG001 - the module is imported by the tests, with the mutant
+def on_constants(mutant: Mutant) -> int:  # noqa: ARG001 - the module is imported by the tests, with the mutant
     """What pytest says of the killing tests, in a process that has none of the core yet."""
-    return run_pytest()
+    return run_pytest(Hourglass())
 
 
-def run_pytest(*plugins: object) -> int:
+def run_pytest(plugin: object) -> int:
     """What pytest says of the killing tests, up to the first that fails."""
     import pytest
 
     options = ("-x", "-q", "--capture=no", "-p", "no:cacheprovider", "--assert=plain", "-k", f"not ({SLOW})")
-    return int(pytest.main([*options, *KILLERS], [Hourglass(), *plugins]))
+    return int(pytest.main([*options, *KILLERS], [plugin]))
 
 
-def begin(mutant: Mutant | None, run_tests: Callable[[Mutant | None], int]) -> int:
-    """A process that runs the tests on a mutant (or on the core as it is) and ends with 0 if they all pass."""
+def begin(run: Callable[[], int]) -> int:
+    """A process that runs tests and ends with 0 if they all pass."""
     if (process := os.fork()) != 0:
         return process
     code = 1
     try:
-        if mutant is not None:
-            nowhere = os.open(os.devnull, os.O_RDWR)
-            for stream in (1, 2):
-                os.dup2(nowhere, stream)
-            put_in_place(mutant)
-        code = run_tests(mutant)
+        code = run()
     finally:
         os._exit(code)  # nothing may come back into the copy of this script
 
 
-def survivors(mutants: Sequence[Mutant], processes: int, run_tests: Callable[[Mutant | None], int]) -> list[Name]:
+def survivors(mutants: Sequence[Mutant], processes: int, run_tests: Callable[[Mutant], int]) -> list[Name]:
     """Those on which all tests pass."""
+
+    def try_out(mutant: Mutant) -> int:
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        for stream in (1, 2):
+            os.dup2(nowhere, stream)
+        put_in_place(mutant)
+        return run_tests(mutant)
+
     running: dict[int, Mutant] = {}
     found = []
     waiting = iter(track(mutants, "mutants", console=Console(stderr=True)))
     while True:
         for mutant in itertools.islice(waiting, processes - len(running)):
-            running[begin(mutant, run_tests)] = mutant
+            running[begin(partial(try_out, mutant))] = mutant
         if not running:
             return found
         process, status = os.wait()

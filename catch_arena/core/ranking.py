@@ -96,7 +96,7 @@ def selection_network(wires: int, outputs: int) -> NDArray[np.int64]:
 def _sorting_network(wires: int) -> list[tuple[int, int]]:
     """Batcher's odd-even merge sort for any number of wires (the same volume, algorithm 5.2.2M)."""
     comparators: list[tuple[int, int]] = []
-    top = 1 << max(0, (wires - 1).bit_length() - 1)
+    top = 1 << wires.bit_length()  # any power of 2 from half of the wires on gives the same comparators
     p = top
     while p > 0:
         q, r, d = top, 0, p
@@ -373,7 +373,7 @@ def some_tied(keys: Keys, ranks: int, width: Width) -> bool:
 
 @rare
 def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
-    """R7.1: who is as far as the first rival beyond the view comes right after it.
+    """R7.1: who is as far as the first rival beyond the view comes right after it, in the place of those farther away.
 
     Args:
         lane: the lane.
@@ -382,14 +382,13 @@ def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
         keys: sorted as far as `ranks`, rows of LANES.
 
     Returns:
-        how many keys there are so far; the others are farther, in any order.
+        how many keys there are so far; what stands behind them means nothing any more.
     """
     count = ranks + 1
     edge = keys[ranks * LANES + lane]
     for at in range(count, wires):
         key = keys[at * LANES + lane]
         if equally_far(edge, key):
-            keys[at * LANES + lane] = keys[count * LANES + lane]
             keys[count * LANES + lane] = key
             count += 1
     return count

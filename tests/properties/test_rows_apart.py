@@ -46,7 +46,13 @@ CONFIGS = {
         "control": "velocity",
         "reach_m": 1.0,
     },
-    "teams": {"teams": ((0, 2), (1,)), "team_share": 0.4, "initial_targets": 4, "spawn_frequency_hz": 9.0},
+    "teams": {
+        "teams": ((0, 2), (1,)),
+        "team_share": 0.4,
+        "initial_targets": 9,
+        "reach_m": 2.0,
+        "spawn_frequency_hz": 9.0,
+    },
     "nobody shares": {"teams": ((1, 0), (2,)), "initial_targets": 4, "spawn_frequency_hz": 9.0},
     "no teams": {"team_share": 0.4, "initial_targets": 4, "spawn_frequency_hz": 9.0},
     "narrow views": {"initial_targets": 9, "view_angle_deg": 100.0, "view_radius_m": 1.2, "spawning": False},
@@ -57,8 +63,11 @@ CONFIGS = {
         "teams": ((0, 2), (1, 3, 4)),
         "view_noise_m": 0.1,
     },
+    "wide views": {"initial_targets": 9, "view_angle_deg": 350.0, "spawning": False},
 }
 """Much happens in each."""
+TINY = 2.0**-100
+"""A fraction of a velocity."""
 CROWDS = [(1, 1, 3), (2, 2, 41), (4, 9, 3), (9, 2, 3), (10, 12, 3)]
 """How many hunters, prey and rows: fewer bodies than prey sees, as many, and more; in one block and in two."""
 
@@ -75,6 +84,26 @@ def actions_of(
     prey = [some_prey_actions(source, config) for _ in oracles]
     choices, commands = zip(*(as_arrays(config, own) for own in hunters), strict=True)
     return hunters, prey, [np.stack(choices), np.stack(commands), np.stack([prey_array(own) for own in prey])]
+
+
+def play_in_place(
+    source: Random, config: ArenaConfig, batch: Engine, oracles: list[OracleArena], ranks: int = 0
+) -> None:
+    """A step in which all stay where they are, as their velocities are too small for a change of place, but not all the
+    same; hunters ask for one of the nearest targets, or for none. Batch and oracles agree on what is seen then.
+    """
+    names = [column.name for column in columns(config)]
+
+    def some_velocity() -> tuple[float, float]:
+        return source.choice([0.0, TINY, 2 * TINY]), 0.0
+
+    hunters = [[(some_velocity(), source.randint(0, ranks)) for _ in range(config.hunters)] for _ in oracles]
+    prey = [[some_velocity() for _ in range(config.prey)] for _ in oracles]
+    choices, commands = zip(*(as_arrays(config, own) for own in hunters), strict=True)
+    batch.step(np.stack(choices), np.stack(commands), np.stack([prey_array(own) for own in prey]))
+    for row, oracle in enumerate(oracles):
+        oracle.step(hunters[row], prey[row])
+        compare(batch, oracle, config, names, row)
 
 
 @pytest.mark.parametrize("name", CONFIGS)
@@ -176,13 +205,10 @@ def test_what_prey_sees_has_its_order_in_every_row(hunters: int, prey: int, rows
     batch.reset(range(rows))
     for seed, oracle in enumerate(oracles):
         oracle.reset(seed)
-    names = [column.name for column in columns(config)]
 
     def node() -> tuple[float, float, float]:
-        return source.choice([1.0, 2.0, 3.0]), source.choice([1.0, 2.0, 3.0]), source.choice([0.0, 1.5, 3.0])
+        return source.choice([1.0, 2.0, 3.0]), source.choice([1.0, 2.0, 3.0]), source.choice([0.0, 1.5, -1.5, 3.0])
 
-    rest = ((0.0, 0.0), 0)
-    arrays = [np.stack([one] * rows) for one in as_arrays(config, [rest] * hunters)]
     for leaving in ([(1, source.randrange(hunters))], [(0, seat) for seat in range(hunters)]):
         for row, oracle in enumerate(oracles):
             bodies = [node() for _ in range(hunters)], [], [node() for _ in range(prey)]
@@ -191,7 +217,33 @@ def test_what_prey_sees_has_its_order_in_every_row(hunters: int, prey: int, rows
         for row, seat in leaving:
             batch.withdraw(row, seat)
             oracles[row].withdraw(seat)
-        batch.step(*arrays, np.zeros((rows, prey, 2), np.float32))
+        play_in_place(source, config, batch, oracles)
+
+
+def test_what_hunters_see_has_its_order_in_every_row() -> None:
+    """Twelve hunters of three teams stand in one place or two, and each sees the first four of the others: who are
+    equally far may look the same but for their catches, their team or their seat, which the noise tells.
+    """
+    settings = {
+        "side_m": 4.0,
+        "reach_m": 6.0,
+        "initial_targets": 8,
+        "max_targets": 16,
+        "spawn_frequency_hz": 60.0,
+        "observed_hunters": 4,
+        "teams": ((0, 3, 5, 10), (1, 2, 8, 11), (4, 6, 7, 9)),
+        "view_noise_m": 0.1,
+    }
+    rows, config, source = 20, ArenaConfig(hunters=12, control="full").replace(**settings), Random(11)
+    batch, oracles = Engine(config, rows), [OracleArena(config.to_dict()) for _ in range(rows)]
+    batch.reset(range(rows))
+    for seed, oracle in enumerate(oracles):
+        oracle.reset(seed)
+    for ranks in (0, 4):  # nobody has caught anything after the first
         for row, oracle in enumerate(oracles):
-            oracle.step([rest] * hunters, [(0.0, 0.0)] * prey)
-            compare(batch, oracle, config, names, row)
+            places = source.choice([[1.0], [1.0, 2.0]])
+            poses = [(source.choice(places), 1.0, source.choice([1.5, -1.5])) for _ in range(12)]
+            targets = [(1.0 + index / 8, 2.0) for index in range(8)]
+            batch.place(row, poses, targets)
+            oracle.place(poses, targets)
+        play_in_place(source, config, batch, oracles, ranks)
