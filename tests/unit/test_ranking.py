@@ -9,7 +9,7 @@ from catch_arena.layout import TeamRivalFeatures
 
 
 @pytest.mark.rule("R7.1")
-def test_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round() -> None:
+def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round() -> None:
     """Whatever differs between them: without this, the order would hang on that in which they come."""
     rivals = [TeamRivalFeatures(*looks) for looks in product((0.0, 1.0), repeat=len(TeamRivalFeatures._fields))]
     for one, other in product(rivals, repeat=2):
