@@ -249,6 +249,8 @@ class LearnerBatch:
         for name, table in (("catch", self._choices), ("cmd_vel", self._commands)):
             if name not in named:
                 continue
+            if isinstance(named[name], Mapping):
+                raise ActionError(f"actions must be an array, those of {self.num_rows} learners, got a mapping")
             given = self._of_arenas(named[name])
             if given.dtype.kind not in ("iu" if name == "catch" else "fiu"):
                 raise ActionError(f"actions must be {'whole ' if name == 'catch' else ''}numbers, got {given.dtype}")

@@ -32,6 +32,8 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
     """
 
     def __init__(self, scenario: str | ArenaConfig = "standard", num_arenas: int = 1, **settings: Any) -> None:
+        if not settings.get("auto_reset", True):
+            raise ConfigError(f"auto_reset must be True for stable-baselines3, got {settings['auto_reset']!r}")
         self.batch = LearnerBatch(scenario, num_arenas, **settings)
         if isinstance(self.batch.action_space, spaces.Dict):
             raise ConfigError("control must be target or velocity for stable-baselines3, got 'full'")

@@ -98,7 +98,8 @@ def test_bad_actions_of_learners_are_refused_and_nothing_moves():
             batch.step(np.zeros(rows, int))
         batch.reset(seed=1)
         before = batch.arena.digest(2)
-        for bad in (np.zeros(rows + 1, int), np.zeros(rows), np.zeros((rows, 2), int), np.full(rows, 9), {"catch": 1}):
+        named = {"catch": np.zeros(rows, int)}
+        for bad in (np.zeros(rows + 1, int), np.zeros(rows), np.zeros((rows, 2), int), np.full(rows, 9), named):
             with pytest.raises(ActionError):
                 batch.step(bad)
         assert batch.arena.digest(2) == before

@@ -14,6 +14,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
+from catch_arena.errors import ConfigError
 from catch_arena.training import Mlp, SB3VecEnv
 
 
@@ -30,6 +31,9 @@ class Looks(BaseCallback):
 
 
 torch.set_num_threads(1)
+with contextlib.suppress(ConfigError):  # stable-baselines3 never resets a row itself
+    SB3VecEnv("duel", 2, auto_reset=False)
+    raise AssertionError("an env whose rows stand still was made")
 masked = SB3VecEnv("standard", 16, opponents=["nearest", "patrol"], normalise=True, max_cycles=60)
 assert is_masking_supported(masked)
 model = MaskablePPO("MlpPolicy", masked, n_steps=64, batch_size=512, n_epochs=4, seed=1)
