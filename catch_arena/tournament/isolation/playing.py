@@ -81,15 +81,10 @@ def play_together(
         OutputError: for a replay that cannot be written.
         NoContest: where the match could not be held.
     """
-    parties = Parties.of(config)
-    names = parties.to_seats([entrant.name for entrant in entrants])
-    seeds = _seeds_by_seat(parties, agent_seeds) if agent_seeds else ()
-    seated, absent = in_seats(config, entrants), parties.mapped_to_seats(excluded_parties)
     pauses = iter(PAUSES_S[1:])
     while True:
         try:
-            with start_players(seated, sandbox, absent) as players:
-                return play(config, seed, players, names, agent_seeds=seeds, **options)
+            return _play_once(config, seed, entrants, sandbox, excluded_parties, agent_seeds, None, options)
         except Stalled:
             pause = next(pauses, None)
             if pause is None:
@@ -127,16 +122,30 @@ def play_apart(
         OutputError: for a replay that cannot be written.
         NoContest: where the match could not be held, and no agent is to blame.
     """
+
+    def attempt(apart: Apart) -> MatchResult:
+        return _play_once(config, seed, entrants, sandbox, excluded_parties, agent_seeds, apart, options)
+
+    return attempt_apart(attempt, on_turn, disks)
+
+
+def _play_once(
+    config: ArenaConfig,
+    seed: int,
+    entrants: Sequence[Entrant],
+    sandbox: Sandbox | None,
+    excluded_parties: Mapping[int, Fault],
+    agent_seeds: Sequence[int],
+    apart: Apart | None,
+    options: Mapping[str, Any],
+) -> MatchResult:
+    """A match from its parties, in its seats; arguments as of `play_together`, `apart` as of `start_players`."""
     parties = Parties.of(config)
     names = parties.to_seats([entrant.name for entrant in entrants])
     seeds = _seeds_by_seat(parties, agent_seeds) if agent_seeds else ()
     seated, absent = in_seats(config, entrants), parties.mapped_to_seats(excluded_parties)
-
-    def attempt(apart: Apart) -> MatchResult:
-        with start_players(seated, sandbox, absent, apart) as players:
-            return play(config, seed, players, names, agent_seeds=seeds, **options)
-
-    return attempt_apart(attempt, on_turn, disks)
+    with start_players(seated, sandbox, absent, apart) as players:
+        return play(config, seed, players, names, agent_seeds=seeds, **options)
 
 
 def _seeds_by_seat(parties: Parties, agent_seeds: Sequence[int]) -> list[int]:
