@@ -1,6 +1,6 @@
 """The typed, read-only picture of one arena, in the world frame: what people, rendering and the service view read."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from catch_arena.messages import Pose, Turtle, TurtleArray
 from catch_arena.verdicts import Ruling
@@ -25,7 +25,7 @@ class HunterState:
     """R2.3: it was clamped to the arena during the last step."""
     withdrawn: bool = False
     """R1.6: it takes no further part."""
-    team: int = 0
+    team: int = field(kw_only=True)
     """R11.1: its team, as its place among the config's `team_seats`; without teams its seat."""
 
     @property

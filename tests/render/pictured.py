@@ -13,7 +13,7 @@ from catch_arena.world import HunterState, TargetState, World
 
 
 def a_world(*rulings: Ruling, places=((1.0, 2.0), (9.0, 3.0)), step: int = 5) -> World:
-    hunters = tuple(HunterState(f"hunter_{i}", x, y, 0.5, 1.0, 0.0, 3 - i) for i, (x, y) in enumerate(places))
+    hunters = tuple(HunterState(f"hunter_{i}", x, y, 0.5, 1.0, 0.0, 3 - i, team=i) for i, (x, y) in enumerate(places))
     targets = (
         TargetState("target_turtle_7", 7, 1.1, 2.1, 0.0, 0),
         TargetState("target_turtle_9", 9, 5.0, 5.0, 1.0, 480),

@@ -24,7 +24,7 @@ from catch_arena.world import HunterState, PreyState, TargetState, World
 
 def a_hunt(*, out: bool = False, withdrawn: bool = False, rulings=(), step: int = 5) -> World:
     """Two hunters, prey that plays target 7 or is out, and another target."""
-    hunters = tuple(HunterState(f"hunter_{i}", x, 2.0, 0.5, 1.0, 0.0, i) for i, x in enumerate((1.0, 9.0)))
+    hunters = tuple(HunterState(f"hunter_{i}", x, 2.0, 0.5, 1.0, 0.0, i, team=i) for i, x in enumerate((1.0, 9.0)))
     targets = (TargetState("target_turtle_9", 9, 5.0, 5.0, 1.0, 480),)
     if not out:
         targets = (TargetState("target_turtle_7", 7, 3.0, 6.0, 0.0, 0, 0.0, 2.0, prey="prey_0"), *targets)

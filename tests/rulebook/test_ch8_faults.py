@@ -49,7 +49,7 @@ def test_r8_1_a_catch_is_asked_for_by_name_and_answered_by_success() -> None:
 @pytest.mark.rule("R8.1")
 def test_r8_1_a_hunters_pose_is_turtlesims() -> None:
     """The linear velocity has no sign there."""
-    hunter = HunterState("hunter_0", 1.0, 2.0, 0.5, -1.5, 0.25, score=3)
+    hunter = HunterState("hunter_0", 1.0, 2.0, 0.5, -1.5, 0.25, score=3, team=0)
     assert hunter.pose == Pose(1.0, 2.0, 0.5, 1.5, 0.25)
 
 
