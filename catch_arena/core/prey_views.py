@@ -114,9 +114,11 @@ def rank_bodies(
             keys[item * LANES + lane] = select(unseen, FAR, key)
     sort_keys(keys, network, width, count)
     last = min(ranks, count - 1)
-    if some_tied(keys, last, width):
-        for lane in range(lanes):
-            sort_tied_bodies(me, others, size, lane, gather_ties(lane, last, count, keys), keys)
+    for first in range(0, span(width), len(width)):
+        if some_tied(keys, last, group(first, width)):
+            for lane in range(first, min(first + len(width), lanes)):
+                if some_tied(keys, last, lane):
+                    sort_tied_bodies(me, others, size, lane, gather_ties(lane, last, count, keys), keys)
 
 
 @rare
@@ -135,13 +137,11 @@ def sort_tied_bodies(me: Block, others: Block, size: int, lane: int, count: int,
     """
     for last in range(1, count):
         key = keys[last * LANES + lane]
-        if not equally_far(keys[(last - 1) * LANES + lane], key):
-            continue
-        seen = body_at(me, others[item_of(key) * size :], lane)
+        body = others[item_of(key) * size :]
         at = last
         while at > 0:
             before = keys[(at - 1) * LANES + lane]
-            if not equally_far(before, key) or lead(seen, body_at(me, others[item_of(before) * size :], lane)) <= 0.0:
+            if not equally_far(before, key) or lead(me, body, others[item_of(before) * size :], lane) <= 0.0:
                 break
             keys[at * LANES + lane] = before
             at -= 1

@@ -322,12 +322,21 @@ def rank_rivals(
 
 
 @rule
-def lead(a: BodyFeatures | TeamRivalFeatures, b: BodyFeatures | TeamRivalFeatures) -> float:
+def lead(me: Block, one: Block, other: Block, lane: int) -> float:
     """R7.1, R12.4: of two bodies equally far, the one seen further left comes first, then further forward, and so on.
 
+    Args:
+        me: the rows of the observer.
+        one: the rows of a body that it sees.
+        other: and of another.
+        lane: the lane.
+
     Returns:
-        a number above 0 where that is `a`, below 0 where it is `b`, and 0 where they look alike.
+        a number above 0 where `one` comes first, below 0 where `other` does, and 0 where they look alike.
     """
+    if stand_alike(one, other, lane):
+        return 0.0
+    a, b = body_at(me, one, lane), body_at(me, other, lane)
     if a.left != b.left:
         return a.left - b.left
     if a.forward != b.forward:
@@ -340,38 +349,59 @@ def lead(a: BodyFeatures | TeamRivalFeatures, b: BodyFeatures | TeamRivalFeature
 
 
 @rule
-def precedes(a: TeamRivalFeatures, b: TeamRivalFeatures, lower_seat: bool) -> bool:
+def stand_alike(one: Block, other: Block, lane: int) -> bool:
+    """Whether all that `body_at` reads of two bodies is the same. Those who chase the same target for long come to
+    stand so, and what they look like need not be computed to know that they look alike.
+    """
+    return (
+        (one[X + lane] == other[X + lane])
+        & (one[Y + lane] == other[Y + lane])
+        & (one[SINE + lane] == other[SINE + lane])
+        & (one[COSINE + lane] == other[COSINE + lane])
+        & (one[SPEED + lane] == other[SPEED + lane])
+    )
+
+
+@rule
+def precedes(block: Block, seat: int, one: int, other: int, lane: int, teams: NDArray[np.int64]) -> bool:
     """R7.1, A.7: of two rivals equally far, the one that `lead`s, then the one with more catches, then a team-mate; the
     seat tells apart those who look alike in everything, which shows where the view has noise.
+
+    Args:
+        block: the block.
+        seat: who sees them.
+        one: the seat of a rival.
+        other: and of another.
+        lane: the lane.
+        teams: see `memory.Sections`.
     """
-    first = lead(a, b)
+    a, b = seat_of(block, one), seat_of(block, other)
+    first = lead(seat_of(block, seat), a, b, lane)
     if first != 0.0:
         return first > 0.0
-    if a.score_difference != b.score_difference:
-        return a.score_difference > b.score_difference
-    if a.mate != b.mate:
-        return a.mate > b.mate
-    return lower_seat
+    if a[SCORE + lane] != b[SCORE + lane]:
+        return a[SCORE + lane] > b[SCORE + lane]
+    if teams[one] != teams[other] and (teams[one] == teams[seat] or teams[other] == teams[seat]):
+        return teams[one] == teams[seat]
+    return one < other
 
 
-@phase
-def some_tied(keys: Keys, ranks: int, width: Width) -> bool:
-    """R7.1, R12.4: whether two that are seen, or the last one and the next, are equally far in some lane.
+@rule
+def some_tied(keys: Keys, ranks: int, lane: int) -> bool:
+    """R7.1, R12.4: whether two that are seen, or the last one and the next, are equally far.
 
     Args:
         keys: sorted by distance as far as one beyond `ranks`, rows of LANES.
         ranks: how many are seen.
-        width: how many lanes a group has.
+        lane: the lane, or a group: whether it is so in some lane of it.
     """
     tied = False
     for rank in range(ranks):
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            tied = tied or any_of(equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane]))
+        tied = tied or any_of(equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane]))
     return tied
 
 
-@rare
+@phase
 def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
     """R7.1: who is as far as the first rival beyond the view comes right after it, in the place of those farther away.
 
@@ -395,33 +425,36 @@ def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
 
 
 @rare
-def sort_ties(block: Block, seat: int, lane: int, count: int, teams: NDArray[np.int64], keys: Keys) -> None:
-    """R7.1: those of one lane's sorted rivals who are equally far are put in order among themselves, by insertion.
+def sort_ties(
+    block: Block, seat: int, first: int, last: int, s: Settings, ranks: int, teams: NDArray[np.int64], keys: Keys
+) -> None:
+    """R7.1: in each lane the sorted rivals who are equally far are put in order among themselves, by insertion.
 
     Args:
         block: the block.
         seat: who sees them.
-        lane: the lane.
-        count: of how many keys the order is put right.
+        first: the first lane.
+        last: the lane behind the last.
+        s: the settings.
+        ranks: see `some_tied`.
         teams: see `memory.Sections`.
         keys: sorted by distance, rows of LANES.
     """
-    for last in range(1, count):
-        key = keys[last * LANES + lane]
-        if not equally_far(keys[(last - 1) * LANES + lane], key):
+    for lane in range(first, last):
+        if not some_tied(keys, ranks, lane):
             continue
-        seen = rival_at(block, seat, item_of(key), lane, teams)
-        at = last
-        while at > 0:
-            before = keys[(at - 1) * LANES + lane]
-            if not equally_far(before, key):
-                break
-            other = rival_at(block, seat, item_of(before), lane, teams)
-            if not precedes(seen, other, item_of(key) < item_of(before)):
-                break
-            keys[at * LANES + lane] = before
-            at -= 1
-        keys[at * LANES + lane] = key
+        for newest in range(1, gather_ties(lane, ranks, s.hunters, keys)):
+            key = keys[newest * LANES + lane]
+            at = newest
+            while at > 0:
+                before = keys[(at - 1) * LANES + lane]
+                if not equally_far(before, key) or not precedes(
+                    block, seat, item_of(key), item_of(before), lane, teams
+                ):
+                    break
+                keys[at * LANES + lane] = before
+                at -= 1
+            keys[at * LANES + lane] = key
 
 
 @phase
@@ -440,7 +473,6 @@ def resolve_ties(
         keys: sorted by distance, rows of LANES; put right in place.
     """
     ranks = min(s.hunters_seen, s.hunters - 2)
-    if not some_tied(keys, ranks, width):
-        return
-    for lane in range(lanes):
-        sort_ties(block, seat, lane, gather_ties(lane, ranks, s.hunters, keys), teams, keys)
+    for first in range(0, span(width), len(width)):
+        if some_tied(keys, ranks, group(first, width)):
+            sort_ties(block, seat, first, min(first + len(width), lanes), s, ranks, teams, keys)

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any, Final, TypeVar, cast
 
 import numpy as np
-from llvmlite import ir
+from llvmlite import binding, ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typeconv.castgraph import Conversion
@@ -28,6 +28,10 @@ SINGLE: Final[Width] = (0,)
 HALF: Final[Width] = (0,) * 4
 WIDE: Final[Width] = (0,) * 8
 """Of float32 a register of AVX2 holds eight, of float64 four."""
+PLAYED: Final = WIDE if binding.get_host_cpu_features().get("avx512vl", False) else HALF
+"""How many lanes of a batch play at a time. With AVX-512VL there are 32 registers, enough for eight float64 in two each;
+with the 16 of AVX2 and of ARM such code would keep numbers in memory.
+"""
 COPIED: Final = 8
 """How many numbers `copy_eight` and `stream_eight` copy."""
 

@@ -30,7 +30,7 @@ from catch_arena.core.prey import PREY_PART_NAMES, PREY_RECORD_COLUMNS
 from catch_arena.core.ranking import selection_network
 from catch_arena.core.rewards import PART_NAMES
 from catch_arena.core.state import LANES, first_prey_row, slot_rows
-from catch_arena.core.vectors import HALF, SINGLE, WIDE
+from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import BlockViews, row_of
 from catch_arena.engine.compiling import compile_once
@@ -193,7 +193,7 @@ class Engine:
         of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
         self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if section.size]
         """What stands of each arena beside the blocks: (B, bytes) each."""
-        self._widths = (SINGLE, SINGLE) if self.num_arenas == 1 else (HALF, WIDE)
+        self._widths = (SINGLE, SINGLE) if self.num_arenas == 1 else (PLAYED, WIDE)
         self._views = BlockViews(self.config, self.blocks)
 
     # playing

@@ -31,7 +31,15 @@ def _nothing(*_: object) -> None:
 
 @phase
 def _targets_as_they_lie(
-    _arena: Block, _me: Block, _targets: Block, width: Width, slots: int, _network: NDArray[np.int64], keys: Keys
+    _block: Block,
+    _me: Block,
+    _targets: Block,
+    width: Width,
+    slots: int,
+    _network: NDArray[np.int64],
+    _s: Settings,
+    _reach_um: float,
+    keys: Keys,
 ) -> None:
     """In the place of `rank_targets`: in the order of their slots."""
     for slot in range(slots):
@@ -41,7 +49,7 @@ def _targets_as_they_lie(
 
 @phase
 def _rivals_as_they_sit(
-    _block: Block, _seat: int, width: Width, _network: NDArray[np.int64], s: Settings, keys: Keys
+    _block: Block, _seat: int, width: Width, _network: NDArray[np.int64], s: Settings, _reach_um: float, keys: Keys
 ) -> None:
     """In the place of `rank_rivals`: in the order of their seats."""
     for other in range(s.hunters):
