@@ -10,7 +10,15 @@ from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey_views import observe_as_prey
 from catch_arena.core.random import draw, seed_of
-from catch_arena.core.ranking import pack_order, rank_rivals, rank_targets, resolve_ties, rival_at
+from catch_arena.core.ranking import (
+    count_ranks,
+    measure_rivals,
+    pack_order,
+    rank_targets,
+    resolve_ties,
+    rival_at,
+    sort_keys,
+)
 from catch_arena.core.state import (
     ABSENT,
     ACTIVE,
@@ -595,9 +603,14 @@ def observe(
         rank_targets(block, me, targets, width, slots, sections.target_network, s, reach_um, scratch.keys)
         pack_order(scratch.keys, slots, s.targets_seen, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
-            rank_rivals(block, seat, width, sections.rival_network, s, reach_um, scratch.keys)
-            resolve_ties(block, seat, width, lanes, s, sections.teams, scratch.keys)
-            pack_order(scratch.keys, s.hunters, s.hunters_seen, width, rival_order_of(scratch, seat))
+            order = rival_order_of(scratch, seat)
+            measure_rivals(block, seat, width, s, reach_um, scratch.keys)
+            if s.hunters <= RANKS_PER_WORD:
+                count_ranks(block, seat, width, s, sections.teams, scratch.keys, scratch.rows, order)
+            else:
+                sort_keys(scratch.keys, sections.rival_network, width, s.hunters)
+                resolve_ties(block, seat, width, lanes, s, sections.teams, scratch.keys)
+                pack_order(scratch.keys, s.hunters, s.hunters_seen, width, order)
     write(block, s, width, lanes, slots, sections.teams, scratch, sections.observations.reshape(-1), first)
     write_masks(block, s, lanes, sections.masks[first:last])
     if s.prey > 0:

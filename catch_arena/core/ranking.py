@@ -294,19 +294,16 @@ def rank_targets(
 
 
 @phase
-def rank_rivals(
-    block: Block, seat: int, width: Width, network: NDArray[np.int64], s: Settings, reach_um: float, keys: Keys
-) -> None:
-    """R7.1, R7.5, R1.6: the other hunters by distance; `resolve_ties` puts right those who are equally far.
+def measure_rivals(block: Block, seat: int, width: Width, s: Settings, reach_um: float, keys: Keys) -> None:
+    """R7.1, R7.5, R1.6: how far the other hunters are, of those who are seen.
 
     Args:
         block: the block.
         seat: who sees them.
         width: how many lanes a group has.
-        network: (comparators, 2): see `selection_network`.
         s: the settings.
         reach_um: the seat's own [micrometres].
-        keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
+        keys: the result, by seat, rows of LANES.
     """
     me = seat_of(block, seat)
     for other in range(s.hunters):
@@ -318,7 +315,53 @@ def rank_rivals(
             keys[other * LANES + lane] = select(unseen, FAR, key)
     if s.partial_view:
         hide_rivals(block, seat, width, s, reach_um, keys)
-    sort_keys(keys, network, width, s.hunters)
+
+
+@phase
+def count_ranks(
+    block: Block,
+    seat: int,
+    width: Width,
+    s: Settings,
+    teams: NDArray[np.int64],
+    keys: Keys,
+    ranks: Block,
+    packed: Block,
+) -> None:
+    """R7.1: the order of few rivals, in which each comes after as many as precede it.
+
+    Args:
+        block: the block.
+        seat: who sees them.
+        width: how many lanes a group has.
+        s: the settings; there are at most RANKS_PER_WORD hunters.
+        teams: see `memory.Sections`.
+        keys: by seat, rows of LANES.
+        ranks: for scratch, a row for each seat.
+        packed: the result, one row: see `state.slot_at_rank`; nobody reads what stands behind the last hunter.
+    """
+    me = seat_of(block, seat)
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        for one in range(s.hunters):
+            key = keys[one * LANES + lane]
+            rank = 0.0
+            for other in range(one):
+                before = keys[other * LANES + lane]
+                ahead = before < key
+                tied = equally_far(before, key)
+                if any_of(tied):
+                    listed_first = is_listed_first(seat, other, one, teams)
+                    first_if_tied = precedes(me, seat_of(block, other), seat_of(block, one), lane, listed_first)
+                    ahead = select(tied, first_if_tied, ahead)
+                rank = rank + select(ahead, 1.0, 0.0)
+                ranks[other * LANES + lane] = ranks[other * LANES + lane] + select(ahead, 0.0, 1.0)
+            ranks[one * LANES + lane] = rank
+        word = long(keys[lane] & 0)
+        for one in range(s.hunters):
+            shift = long(truncate(RANK_BITS * ranks[one * LANES + lane]))
+            word = word | (long(item_of(keys[one * LANES + lane])) << shift)
+        packed[lane] = number_of(word)
 
 
 @rule
@@ -334,56 +377,45 @@ def lead(me: Block, one: Block, other: Block, lane: int) -> float:
     Returns:
         a number above 0 where `one` comes first, below 0 where `other` does, and 0 where they look alike.
     """
-    if stand_alike(one, other, lane):
-        return 0.0
     a, b = body_at(me, one, lane), body_at(me, other, lane)
-    if a.left != b.left:
-        return a.left - b.left
-    if a.forward != b.forward:
-        return a.forward - b.forward
-    if a.heading_cos != b.heading_cos:
-        return a.heading_cos - b.heading_cos
-    if a.heading_sin != b.heading_sin:
-        return a.heading_sin - b.heading_sin
-    return a.linear_velocity - b.linear_velocity
+    difference = a.linear_velocity - b.linear_velocity
+    difference = select(a.heading_sin == b.heading_sin, difference, a.heading_sin - b.heading_sin)
+    difference = select(a.heading_cos == b.heading_cos, difference, a.heading_cos - b.heading_cos)
+    difference = select(a.forward == b.forward, difference, a.forward - b.forward)
+    return select(a.left == b.left, difference, a.left - b.left)
 
 
 @rule
-def stand_alike(one: Block, other: Block, lane: int) -> bool:
-    """Whether all that `body_at` reads of two bodies is the same. Those who chase the same target for long come to
-    stand so, and what they look like need not be computed to know that they look alike.
-    """
-    return (
-        (one[X + lane] == other[X + lane])
-        & (one[Y + lane] == other[Y + lane])
-        & (one[SINE + lane] == other[SINE + lane])
-        & (one[COSINE + lane] == other[COSINE + lane])
-        & (one[SPEED + lane] == other[SPEED + lane])
-    )
-
-
-@rule
-def precedes(block: Block, seat: int, one: int, other: int, lane: int, teams: NDArray[np.int64]) -> bool:
-    """R7.1, A.7: of two rivals equally far, the one that `lead`s, then the one with more catches, then a team-mate; the
-    seat tells apart those who look alike in everything, which shows where the view has noise.
+def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -> bool:
+    """R7.1, A.7: of two rivals who look alike, a team-mate comes first; then the seat tells them apart, which shows
+    where the view has noise.
 
     Args:
-        block: the block.
         seat: who sees them.
         one: the seat of a rival.
         other: and of another.
-        lane: the lane.
         teams: see `memory.Sections`.
     """
-    a, b = seat_of(block, one), seat_of(block, other)
-    first = lead(seat_of(block, seat), a, b, lane)
-    if first != 0.0:
-        return first > 0.0
-    if a[SCORE + lane] != b[SCORE + lane]:
-        return a[SCORE + lane] > b[SCORE + lane]
-    if teams[one] != teams[other] and (teams[one] == teams[seat] or teams[other] == teams[seat]):
-        return teams[one] == teams[seat]
-    return one < other
+    mate = bool(teams[one] == teams[seat])
+    return one < other if mate == (teams[other] == teams[seat]) else mate
+
+
+@rule
+def precedes(me: Block, one: Block, other: Block, lane: int, listed_first: bool) -> bool:
+    """R7.1: of two rivals equally far, the one that `lead`s, then the one with more catches, then who
+    `is_listed_first`.
+
+    Args:
+        me: the rows of the observer.
+        one: the rows of a rival that it sees.
+        other: and of another.
+        lane: the lane.
+        listed_first: whether `one` comes first where nothing else tells them apart.
+    """
+    first = lead(me, one, other, lane)
+    catches, others_catches = one[SCORE + lane], other[SCORE + lane]
+    by_catches: bool = select(catches == others_catches, listed_first, catches > others_catches)
+    return select(first == 0.0, by_catches, first > 0.0)
 
 
 @rule
@@ -440,6 +472,7 @@ def sort_ties(
         teams: see `memory.Sections`.
         keys: sorted by distance, rows of LANES.
     """
+    me = seat_of(block, seat)
     for lane in range(first, last):
         if not some_tied(keys, ranks, lane):
             continue
@@ -448,9 +481,11 @@ def sort_ties(
             at = newest
             while at > 0:
                 before = keys[(at - 1) * LANES + lane]
-                if not equally_far(before, key) or not precedes(
-                    block, seat, item_of(key), item_of(before), lane, teams
-                ):
+                if not equally_far(before, key):
+                    break
+                one, other = item_of(key), item_of(before)
+                listed_first = is_listed_first(seat, one, other, teams)
+                if not precedes(me, seat_of(block, one), seat_of(block, other), lane, listed_first):
                     break
                 keys[at * LANES + lane] = before
                 at -= 1

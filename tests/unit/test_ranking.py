@@ -1,16 +1,136 @@
-"""R7.1's order of rivals that are equally far."""
+"""R7.1's order of rivals: those that are equally far, and the two ways to find it."""
 
-from itertools import product
+from functools import cmp_to_key
+from itertools import pairwise, product
 
+import numpy as np
 import pytest
 
-from catch_arena.core.ranking import precedes
-from catch_arena.layout import TeamRivalFeatures
+from catch_arena.config import ArenaConfig
+from catch_arena.core.jit import unkept_entry
+from catch_arena.core.ranking import (
+    count_ranks,
+    is_listed_first,
+    measure_rivals,
+    pack_order,
+    precedes,
+    resolve_ties,
+    selection_network,
+    sort_keys,
+)
+from catch_arena.core.state import (
+    ABSENT,
+    ARENA_ROWS,
+    COSINE,
+    HUNTER_ROWS,
+    LANES,
+    RANKS_PER_WORD,
+    SCORE,
+    SINE,
+    SPEED,
+    WITHDRAWN,
+    X,
+    Y,
+    seat_at,
+    slot_at_rank,
+)
+from catch_arena.core.vectors import HALF, SINGLE, WIDE
+from catch_arena.engine.core_settings import settings_of
+
+LOOKS = (X, Y, SINE, COSINE, SPEED, SCORE)
+
+
+def a_block(hunters, looks):
+    """A block with the rows of so many hunters, whose LOOKS are these: (hunters, len(LOOKS), LANES)."""
+    block = np.zeros((ARENA_ROWS + hunters * HUNTER_ROWS) * LANES)
+    for seat, own in enumerate(looks):
+        for row, numbers in zip(LOOKS, own, strict=True):
+            at = seat_at(seat) + row
+            block[at : at + LANES] = numbers
+    return block
+
+
+def first_of(block, seat, one, other, lane, teams):
+    """Whether the first of two rivals precedes the second."""
+    me, rows, others = (block[seat_at(who) :] for who in (seat, one, other))
+    return precedes(me, rows, others, lane, is_listed_first(seat, one, other, teams))
 
 
 @pytest.mark.rule("R7.1")
 def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round() -> None:
     """Whatever differs between them: without this, the order would hang on that in which they come."""
-    rivals = [TeamRivalFeatures(*looks) for looks in product((0.0, 1.0), repeat=len(TeamRivalFeatures._fields))]
+    rivals = list(product((0.0, 1.0), repeat=len(LOOKS)))
     for one, other in product(rivals, repeat=2):
-        assert precedes(one, other, True) != precedes(other, one, False)
+        block = a_block(3, np.array([rivals[-1], one, other])[:, :, None].repeat(LANES, axis=2))
+        for teams in ([0, 1, 2], [0, 0, 2], [0, 1, 0], [0, 1, 1]):
+            first = first_of(block, 0, 1, 2, 3, np.array(teams))
+            assert first != first_of(block, 0, 2, 1, 3, np.array(teams))
+            if one == other:
+                assert first == (teams != [0, 1, 0])
+
+
+@unkept_entry
+def count(block, seat, width, s, teams, keys, ranks, packed):
+    measure_rivals(block, seat, width, s, 0.0, keys)
+    count_ranks(block, seat, width, s, teams, keys, ranks, packed)
+
+
+@unkept_entry
+def sort(block, seat, width, lanes, s, teams, network, keys, packed):
+    measure_rivals(block, seat, width, s, 0.0, keys)
+    sort_keys(keys, network, width, s.hunters)
+    resolve_ties(block, seat, width, lanes, s, teams, keys)
+    pack_order(keys, s.hunters, s.hunters_seen, width, packed)
+
+
+@pytest.mark.rule("R7.1")
+@pytest.mark.parametrize("width", [SINGLE, HALF, WIDE], ids=["one", "four", "eight"])
+@pytest.mark.parametrize("hunters", [2, 3, 4, 8])
+def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sorted(hunters, width) -> None:
+    """On a coarse grid, where most are equally far from somebody, and many stand alike; some have withdrawn. A third
+    way says the same: Python's own sort.
+    """
+    rng = np.random.default_rng(hunters)
+    s = settings_of(ArenaConfig(hunters=hunters), progress_wanted=False)
+    lanes = LANES if len(width) > 1 else 1
+    network = selection_network(hunters, min(hunters, s.hunters_seen + 1))
+    tied = 0
+    for _ in range(20 if lanes > 1 else 100):
+        looks = rng.integers(0, 2, (hunters, len(LOOKS), LANES)).astype(float)
+        looks[:, :2] *= rng.integers(0, 3, (hunters, 2, LANES))
+        block = a_block(hunters, looks)
+        for seat in range(hunters):
+            at = seat_at(seat) + WITHDRAWN
+            block[at : at + LANES] = rng.random(LANES) < 0.1
+        teams = rng.integers(0, hunters, hunters)
+        for seat in range(hunters):
+            counted, sorted_ = np.zeros(LANES), np.zeros(LANES)
+            count(block, seat, width, s, teams, np.zeros(64 * LANES, np.int32), np.zeros(9 * LANES), counted)
+            sort(block, seat, width, lanes, s, teams, network, np.zeros(64 * LANES, np.int32), sorted_)
+            for lane in range(lanes):
+                orders = [
+                    [slot_at_rank(packed, rank, lane) for rank in range(s.hunters_seen)]
+                    for packed in (counted, sorted_)
+                ]
+                assert orders[0] == orders[1]
+                expected, ties = by_python(block, seat, hunters, lane, teams)
+                tied += ties
+                assert orders[0] == (expected + [ABSENT] * RANKS_PER_WORD)[: s.hunters_seen]
+    assert tied > 20 or hunters == 2
+
+
+def by_python(block, seat, hunters, lane, teams):
+    """The rivals in order, and how many of them are as far as the one before."""
+
+    def distance(other):
+        rows = block[seat_at(other) :], block[seat_at(seat) :]
+        return (rows[0][X + lane] - rows[1][X + lane]) ** 2 + (rows[0][Y + lane] - rows[1][Y + lane]) ** 2
+
+    def compare(one, other):
+        if distance(one) != distance(other):
+            return distance(one) - distance(other)
+        return -1 if first_of(block, seat, one, other, lane, teams) else 1
+
+    seen = [other for other in range(hunters) if other != seat and not block[seat_at(other) + WITHDRAWN + lane]]
+    order = sorted(seen, key=cmp_to_key(compare))
+    return order, sum(distance(one) == distance(other) for one, other in pairwise(order))
