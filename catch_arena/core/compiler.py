@@ -20,6 +20,8 @@ import numba.core.codegen
 import numba.core.compiler
 import numba.core.compiler_machinery
 import numba.core.cpu
+import numba.core.ir
+import numba.core.ir_utils
 import numba.core.typed_passes
 import numba.core.types
 import numba.core.untyped_passes
@@ -30,6 +32,8 @@ _dynfunc: Any = numba._dynfunc  # noqa: SLF001
 codegen: Any = numba.core.codegen
 compiler: Any = numba.core.compiler
 cpu: Any = numba.core.cpu
+ir: Any = numba.core.ir
+ir_utils: Any = numba.core.ir_utils
 typed_passes: Any = numba.core.typed_passes
 types: Any = numba.core.types
 untyped_passes: Any = numba.core.untyped_passes
@@ -46,10 +50,11 @@ _NEEDED: Final[dict[Any, str]] = {
     compiler.CompilerBase: "define_pipelines",
     compiler.DefaultPassBuilder: "define_nopython_lowering_pipeline define_typed_pipeline define_untyped_pipeline",
     compiler.Flags: "no_compile __hash__",
+    ir_utils: "get_definition guard",
     cpu.CPUContext: "insert_user_function install_registry load_additional_registries",
     types.functions.BaseFunction: "get_call_type",
     typed_passes: "NativeLowering NopythonRewrites NopythonTypeInference type_inference_stage",
-    untyped_passes: "InlineClosureLikes InlineInlinables",
+    untyped_passes: "InlineClosureLikes InlineInlinables RewriteSemanticConstants",
     _dynfunc: "make_function",
 }
 USABLE: Final = all(hasattr(owner, name) for owner, names in _NEEDED.items() for name in names.split())
@@ -91,10 +96,40 @@ class _Whole(_Translated):
                 waiting += library._linking_libraries  # noqa: SLF001
             self._reload_init.update(library._reload_init)  # noqa: SLF001
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)  # noqa: SLF001
-        self._optimize_functions(self._final_module)
-        self._optimize_final_module()
+        # once, where Numba does so three times; and without the search for loops that could be vectors
+        manager, builder = self._codegen._module_pass_manager(opt=2, loop_vectorize=False, slp_vectorize=False)  # noqa: SLF001
+        manager.run(self._final_module, builder)
         self._final_module.verify()
         self._finalize_final_module()
+
+
+@_machinery.register_pass(mutates_CFG=False, analysis_only=False)
+class _Zeros(_machinery.FunctionPass):  # type: ignore[misc]
+    """Fields of a parameter whose type names them in `ZERO` are 0: Numba then leaves out the branches that would be
+    taken if they were not, before it looks at what is called there.
+    """
+
+    _name = "catch_arena_zeros"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        function = state.func_ir
+        for block in function.blocks.values():
+            for assignment in block.find_insts(ir.Assign):
+                read = assignment.value
+                if not isinstance(read, ir.Expr) or read.op != "getattr":
+                    continue
+                source = ir_utils.guard(ir_utils.get_definition, function, read.value)
+                if not isinstance(source, ir.Arg):
+                    continue
+                fields: Any = state.args[source.index]
+                if read.attr in getattr(getattr(fields, "instance_class", None), "ZERO", ()):
+                    whole = isinstance(fields[fields.fields.index(read.attr)], types.Integer)
+                    assignment.value = ir.Const(0 if whole else 0.0, read.loc)
+                    function._definitions[assignment.target.name] = [assignment.value]  # noqa: SLF001
+        return True
 
 
 @_machinery.register_pass(mutates_CFG=True, analysis_only=False)
@@ -166,7 +201,7 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
     """The last of the passes."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's passes, but for those that the core does not need, and with ours instead of two."""
+        """Numba's passes, but for those that the core does not need, with ours instead of two, and one besides."""
         builder = compiler.DefaultPassBuilder
         others = {typed_passes.NopythonTypeInference: _Typing, typed_passes.NativeLowering: self.lowering}
         manager = _machinery.PassManager("catch_arena")
@@ -176,6 +211,8 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
             builder.define_nopython_lowering_pipeline(self.state),
         ):
             for step, description in part.passes:
+                if step is untyped_passes.RewriteSemanticConstants:
+                    manager.add_pass(_Zeros, "what is known to be zero")
                 if step not in _SKIPPED:
                     manager.add_pass(others.get(step, step), description)
         manager.finalize()

@@ -15,7 +15,7 @@ from llvmlite import ir
 from numba.np import numpy_support
 from numpy.typing import NDArray
 
-from catch_arena.core.state import Settings
+from catch_arena.core.state import Options, PlainSettings, Settings
 from catch_arena.core.vectors import compiled_as
 
 types: Any = numba.core.types  # numba has annotations for a part of it only, and not for what is used here
@@ -174,8 +174,9 @@ def sections_of(memory: Bytes) -> Sections:
     return Sections(*sections)
 
 
-def settings_in(numbers: NDArray[np.float64]) -> Settings:
-    """The settings from their section."""
+def settings_in(numbers: NDArray[np.float64], options: Options) -> Settings:
+    """The settings from their section; the options are for the compiler: see `state.Options`."""
+    del options
     kinds = Settings.__annotations__.values()
     return Settings(*(kind(number) for kind, number in zip(kinds, numbers.tolist(), strict=True)))
 
@@ -190,9 +191,9 @@ _SECTIONS: Final = types.NamedTuple(
     ],
     Sections,
 )
-_SETTINGS: Final = types.NamedTuple(
-    [types.int64 if kind is int else types.float64 for kind in Settings.__annotations__.values()], Settings
-)
+_NUMBERS: Final = [types.int64 if kind is int else types.float64 for kind in Settings.__annotations__.values()]
+_SETTINGS: Final = types.NamedTuple(_NUMBERS, Settings)
+_PLAIN_SETTINGS: Final = types.NamedTuple(_NUMBERS, PlainSettings)
 
 
 def _type_of_sections(memory: Any) -> Any:
@@ -222,11 +223,11 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return context.make_tuple(builder, signature.return_type, sections)
 
 
-def _type_of_settings(numbers: Any) -> Any:
-    return _SETTINGS(numbers)
+def _type_of_settings(numbers: Any, options: Any) -> Any:
+    return (_SETTINGS if len(options) else _PLAIN_SETTINGS)(numbers, options)
 
 
-@compiled_as(settings_in, _type_of_settings, 1)
+@compiled_as(settings_in, _type_of_settings, 2)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     numbers = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     settings = [

@@ -8,6 +8,7 @@ from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
 from catch_arena.core.state import (
     ALIVE,
+    ALL_OPTIONS,
     APPEARED,
     BODY,
     FIRINGS,
@@ -174,7 +175,7 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
         its number; 0 where the arena is full (R3.5).
     """
     sections = sections_of(memory)
-    s = settings_in(sections.settings)
+    s = settings_in(sections.settings, ALL_OPTIONS)
     block, lane = sections.blocks[arena // LANES], arena % LANES
     if block[ALIVE + lane] >= s.max_targets:
         return 0
@@ -194,7 +195,7 @@ def kill(memory: Bytes, arena: int, number: int) -> bool:
         number: the target's spawn number.
     """
     sections = sections_of(memory)
-    s = settings_in(sections.settings)
+    s = settings_in(sections.settings, ALL_OPTIONS)
     block, lane = sections.blocks[arena // LANES], arena % LANES
     targets = targets_of(block, s)
     for slot in range(int(block[ALIVE + lane])):

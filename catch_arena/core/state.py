@@ -8,7 +8,7 @@ order in which each seat sees them, then PREY_ROWS for each prey. Integers are e
 them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
-from typing import Final, NamedTuple
+from typing import ClassVar, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -189,6 +189,35 @@ class Settings(NamedTuple):
     caught_weight: float
     survived_weight: float
     gained_weight: float
+
+
+class PlainSettings(Settings):
+    """Settings without options, for the compiler: see `Options`."""
+
+    ZERO: ClassVar = (
+        "any_control",
+        "dropout_rate",
+        "has_teams",
+        "partial_view",
+        "prey",
+        "target_motion",
+        "targets_move",
+        "view_noise_m",
+    )
+    """These are 0, and what is played where they are not is left out."""
+
+
+Options = tuple[int, ...]
+"""Whether there is code for what most scenarios do not have, as the compiler sees it: a tuple that is empty or not. The
+code for all of it takes half as long again to compile.
+"""
+NO_OPTIONS: Final[Options] = ()
+ALL_OPTIONS: Final[Options] = (0,)
+
+
+def options_of(s: Settings) -> Options:
+    """What has to be compiled for these settings."""
+    return ALL_OPTIONS if any(getattr(s, name) for name in PlainSettings.ZERO) else NO_OPTIONS
 
 
 class SeatLimits(NamedTuple):

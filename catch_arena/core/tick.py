@@ -23,7 +23,7 @@ from catch_arena.core.physics import move
 from catch_arena.core.prey import command_prey, return_prey, reward_prey
 from catch_arena.core.rewards import reward
 from catch_arena.core.spawner import spawn_through
-from catch_arena.core.state import LANES, STILL, Settings, targets_of
+from catch_arena.core.state import LANES, STILL, Options, Settings, targets_of
 from catch_arena.core.targets import command_targets
 from catch_arena.core.vectors import Width
 from catch_arena.core.workspace import Scratch, scratch_of
@@ -89,6 +89,7 @@ def play(
 def run(
     width: Width,
     view_width: Width,
+    options: Options,
     memory: Bytes,
     thread: int,
     first_block: int,
@@ -105,6 +106,7 @@ def run(
     Args:
         width: how many lanes play at a time.
         view_width: how many lanes observe at a time.
+        options: what is compiled: see `state.Options`.
         memory: see core/memory.py.
         thread: whose scratch memory is used, from 0 up.
         first_block: the first block.
@@ -116,7 +118,7 @@ def run(
         requests_by_name: of a single arena: see `catching.resolve_requests`; they are judged in place.
     """
     sections = sections_of(memory)
-    s = settings_in(sections.settings)
+    s = settings_in(sections.settings, options)
     scratch = scratch_of(sections, thread)
     for i in range(len(resets)):
         arena = int(resets[i, 0])

@@ -29,8 +29,8 @@ HALF: Final[Width] = (0,) * 4
 WIDE: Final[Width] = (0,) * 8
 """Of float32 a register of AVX2 holds eight, of float64 four."""
 PLAYED: Final = WIDE if binding.get_host_cpu_features().get("avx512vl", False) else HALF
-"""How many lanes of a batch play at a time. With AVX-512VL there are 32 registers, enough for eight float64 in two each;
-with the 16 of AVX2 and of ARM such code would keep numbers in memory.
+"""How many lanes of a batch play at a time. AVX-512VL has 32 registers, enough for eight float64 in two each; with the
+16 of AVX2 such code would keep numbers in memory.
 """
 COPIED: Final = 8
 """How many numbers `copy_eight` and `stream_eight` copy."""

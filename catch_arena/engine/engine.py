@@ -29,7 +29,7 @@ from catch_arena.core.memory import (
 from catch_arena.core.prey import PREY_PART_NAMES, PREY_RECORD_COLUMNS
 from catch_arena.core.ranking import selection_network
 from catch_arena.core.rewards import PART_NAMES
-from catch_arena.core.state import LANES, first_prey_row, slot_rows
+from catch_arena.core.state import LANES, Options, first_prey_row, slot_rows
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import BlockViews, row_of
@@ -81,12 +81,17 @@ class Engine:
         num_threads: int = 1,
         any_control: bool = False,
     ) -> None:
-        one = num_arenas == 1
-        compile_once("one arena" if one else "a batch", partial(_play_smallest, 1 if one else 2))
+        settings = settings_of(config, progress_wanted=with_infos, any_control=any_control)
+        options = state.options_of(settings)
+        few = min(num_arenas, 2)
+        compile_once(f"{few}, {options}", partial(_play_smallest, few, options))
+        self._variant = (*((SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)), options)
+        """What of `tick.run` is compiled."""
         self.config = config
         self.num_arenas = num_arenas
         self.with_infos = with_infos
         self.auto_reset = auto_reset
+        self._any_control = any_control
         hunters, seen = config.hunters, config.targets_seen
         slot, prey = slot_rows(config.targets_move), config.prey
         prey_begin = first_prey_row(hunters, config.max_targets, slot, seen)
@@ -101,9 +106,7 @@ class Engine:
         scratch = scratch_shapes(hunters, prey, num_rows, columns, team_play=team_play)
         memory, sections = lay_out(
             Sections(
-                settings=np.array(
-                    settings_of(config, progress_wanted=with_infos, any_control=any_control), dtype=np.float64
-                ),
+                settings=np.array(settings, dtype=np.float64),
                 start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
                 controls=np.tile(
                     np.array([CONTROLS[control] for control in config.controls], np.int8), (num_arenas, 1)
@@ -193,7 +196,6 @@ class Engine:
         of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
         self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if section.size]
         """What stands of each arena beside the blocks: (B, bytes) each."""
-        self._widths = (SINGLE, SINGLE) if self.num_arenas == 1 else (PLAYED, WIDE)
         self._views = BlockViews(self.config, self.blocks)
 
     # playing
@@ -250,12 +252,12 @@ class Engine:
             self._prey_commands[:] = prey_commands
         blocks, parts = len(self.blocks), self._shares
         if self.threads.size == 1:
-            tick.run(*self._widths, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
+            tick.run(*self._variant, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
             return
 
         def play(thread: int, part: int) -> None:
             first, last = part * blocks // parts, (part + 1) * blocks // parts
-            tick.run(*self._widths, self._memory, thread, first, last, _NO_RESETS, True, choices, commands, requests)
+            tick.run(*self._variant, self._memory, thread, first, last, _NO_RESETS, True, choices, commands, requests)
 
         self.threads.run(parts, play)
 
@@ -266,7 +268,7 @@ class Engine:
 
     def _observe(self, first: int, last: int, resets: NDArray[np.uint64]) -> None:
         """Begin episodes, and observe those blocks; nobody plays."""
-        tick.run(*self._widths, self._memory, 0, first, last, resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
+        tick.run(*self._variant, self._memory, 0, first, last, resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
 
     def withdraw(self, arena: int, seat: int) -> None:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
@@ -477,6 +479,7 @@ class Engine:
         twin = object.__new__(Engine)
         twin.config, twin.num_arenas = self.config, self.num_arenas
         twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
+        twin._any_control, twin._variant = self._any_control, self._variant
         twin._shares, twin.threads = self._shares, Threads(self.threads.size)
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))
@@ -487,7 +490,13 @@ class Engine:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled by what it is made from: its arrays share their memory, which a plain pickle would part."""
-        make = partial(Engine, with_infos=self.with_infos, auto_reset=self.auto_reset, num_threads=self.threads.size)
+        make = partial(
+            Engine,
+            with_infos=self.with_infos,
+            auto_reset=self.auto_reset,
+            num_threads=self.threads.size,
+            any_control=self._any_control,
+        )
         return make, (self.config, self.num_arenas), self._memory
 
     def __setstate__(self, state: Bytes) -> None:
@@ -495,8 +504,9 @@ class Engine:
         self._memory[:] = state
 
 
-def _play_smallest(num_arenas: int) -> None:
+def _play_smallest(num_arenas: int, options: Options) -> None:
     """All that an engine of one arena or of a batch calls, so that it is compiled."""
-    smallest = Engine(ArenaConfig(hunters=1, max_targets=1, initial_targets=1), num_arenas)
+    config = ArenaConfig(hunters=1, max_targets=1, initial_targets=1, view_noise_m=float(len(options)))
+    smallest = Engine(config, num_arenas)
     smallest.reset([0] * num_arenas)
     smallest.step(np.zeros((num_arenas, 1), dtype=np.int64), np.zeros((num_arenas, 1, 2), dtype=np.float32))

@@ -21,7 +21,7 @@ CONTROLS = ("target", "velocity", "full")
 def some_config(source: Random) -> ArenaConfig:
     """Settings that can be, from all over their ranges; small arenas and long reaches so that much happens."""
     pick, chance = source.choice, source.random
-    hunters = pick([1, 2, 2, 3, 3, 4, 4, 5, 6, 16])
+    hunters = pick([1, 2, 2, 3, 3, 4, 4, 5, 6, 8, 9, 9, 16])
     max_targets = pick([1, 2, 3, 5, 8, 13, 20])
     initial = source.randint(0, max_targets)
     side = pick([TURTLESIM_SIDE_M, TURTLESIM_SIDE_M, 2.0, 3.7, 16.0, 5000.0])
@@ -74,6 +74,10 @@ def some_config(source: Random) -> ArenaConfig:
     if chance() < 0.3:  # R2.7
         for name in ("max_speed_mps", "max_turn_rate_radps", "reach_m"):
             settings[name] = tuple(settings[name] * pick([0.2, 0.6, 1.0]) for _ in range(hunters))
+    if chance() < 0.2:
+        settings["spawning"] = False
+    if chance() < 0.3:  # no options: the core has code of its own for that
+        return ArenaConfig().replace(**settings)
     if chance() < 0.5:
         settings |= {
             "target_motion": pick(["wander", "flee", "flee"]),
@@ -104,8 +108,6 @@ def some_config(source: Random) -> ArenaConfig:
         }
         if settings["prey_returns_s"] is None and chance() < 0.5:  # the episode can end
             settings |= {"initial_targets": settings["prey"], "spawning": False}
-    if chance() < 0.2:
-        settings["spawning"] = False
     return ArenaConfig().replace(**settings)
 
 

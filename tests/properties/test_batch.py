@@ -12,7 +12,9 @@ import pytest
 from oracle.arithmetic import ROW_SEED, draw, key
 from properties.matches import EFFORT, seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
 
-from catch_arena.config import ArenaConfig, FaultRates
+from catch_arena.config import ArenaConfig, FaultRates, RewardWeights
+from catch_arena.core.state import ALL_OPTIONS
+from catch_arena.core.vectors import HALF, WIDE, Width
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds
 
@@ -74,6 +76,43 @@ def test_a_row_of_a_batch_equals_an_arena_alone(arenas: int) -> None:
             for row, engine in enumerate(alone):
                 engine.step(*(given[row : row + 1] for given in actions))
                 assert_rows_same(batch, row, engine, 0, f"row {row}, {where}")
+
+
+@pytest.mark.parametrize("arenas", [1, 33])
+def test_code_for_all_options_plays_the_same_without_them(monkeypatch: pytest.MonkeyPatch, arenas: int) -> None:
+    """Most scenarios are played by code that has none of the options."""
+    assert_played_the_same(monkeypatch, "catch_arena.core.state.options_of", lambda _settings: ALL_OPTIONS, arenas)
+
+
+@pytest.mark.parametrize("width", [HALF, WIDE], ids=["four", "eight"])
+def test_so_many_lanes_at_a_time_play_the_same(monkeypatch: pytest.MonkeyPatch, width: Width) -> None:
+    """As those that are best on this machine: here and on others the bits are the same."""
+    assert_played_the_same(monkeypatch, "catch_arena.engine.engine.PLAYED", width, 33)
+
+
+def assert_played_the_same(monkeypatch: pytest.MonkeyPatch, name: str, value: object, arenas: int) -> None:
+    """Engines that are made with and without something in another's place."""
+    source = Random(arenas)
+    config = ArenaConfig(
+        hunters=5,
+        control=("target", "velocity", "full", "target", "target"),
+        spawn_frequency_hz=9.0,
+        reach_m=1.0,
+        faults=FaultRates(kill_refused=0.1, spawn_refused=0.1),
+        rewards=RewardWeights(progress=1.0, lost_contest=-0.3),
+    )
+    usual = Engine(config, arenas)
+    with monkeypatch.context() as other:
+        other.setattr(name, value)
+        changed = Engine(config, arenas)
+    for engine in (usual, changed):
+        engine.reset(range(arenas))
+    for step in range(STEPS):
+        actions = some_batch_actions(source, config, arenas)
+        usual.step(*actions)
+        changed.step(*actions)
+        for row in range(arenas):
+            assert_rows_same(usual, row, changed, row, f"row {row}, step {step}")
 
 
 def test_every_row_has_its_own_outages() -> None:

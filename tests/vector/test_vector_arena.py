@@ -158,6 +158,20 @@ def test_r4_4_arenas_of_one_batch_may_differ_in_their_controls(size):
         arena.set_controls(controls[rows], rows)
 
 
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda arena: pickle.loads(pickle.dumps(arena))])  # noqa: S301
+def test_a_copy_of_arenas_that_differ_in_their_controls_plays_on_like_them(again):
+    config, source = BUSY, np.random.default_rng(SEED)
+    arena = VectorArena(config, 8, any_control=True)
+    arena.reset(seed=SEED)
+    arena.set_controls(source.integers(0, 3, (8, 5)))
+    twin = again(arena)
+    for _ in range(10):
+        actions = random_actions(config.replace(control="full"), 8, source)
+        arena.step(actions)
+        twin.step(actions)
+        assert [arena.digest(row) for row in range(8)] == [twin.digest(row) for row in range(8)]
+
+
 @pytest.mark.parametrize(
     ("controls", "arenas"), [([[0, 3]], [0]), ([[0, 0.5]], [0]), ([[0, 1], [0, 1]], [0]), ("target", None)]
 )
