@@ -47,16 +47,6 @@ def _targets_as_they_lie(
             keys[slot * LANES + lane] = slot
 
 
-@phase
-def _rivals_as_they_sit(
-    _block: Block, _seat: int, width: Width, _network: NDArray[np.int64], s: Settings, _reach_um: float, keys: Keys
-) -> None:
-    """In the place of `rank_rivals`: in the order of their seats."""
-    for other in range(s.hunters):
-        for lane in range(span(width)):
-            keys[other * LANES + lane] = other
-
-
 _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
     "intake and hosted controllers": (tick, {"apply_actions": _nothing}),
     "arbiter and commit": (tick, {"resolve_requests": _nothing}),
@@ -64,7 +54,7 @@ _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
     "spawning": (tick, {"spawn_through": _nothing}),
     "rewards": (tick, {"reward": _nothing}),
     "targets in order": (observations, {"rank_targets": _targets_as_they_lie}),
-    "rivals in order": (observations, {"rank_rivals": _rivals_as_they_sit, "resolve_ties": _nothing}),
+    "rivals in order": (observations, {"measure_rivals": _nothing, "count_ranks": _nothing}),
     "observations and masks written": (observations, {"write": _nothing}),
 }
 """What stands in each phase's place."""
