@@ -150,6 +150,15 @@ def fill_requests(
             requests[i, REQUEST_KILL_REFUSED] = int(kill_refused(seed, step, number, s.kill_refused_rate))
 
 
+@phase
+def has_verdict(requests: RequestTable, verdict: int) -> bool:
+    """Whether some request of a lane got it."""
+    found = False
+    for i in range(len(requests)):
+        found = found or requests[i, REQUEST_VERDICT] == verdict
+    return bool(found)
+
+
 @inlined
 def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable) -> None:
     """R1.4's phase 3 in one lane: the request table is judged, and the evidence noted: of each hunter its first.
@@ -164,6 +173,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
     step = block[STEP + lane]
     service_up = not kill_service_down(seed, step, s.kill_down_rate)
     judge(requests, s.policy, seed, int(step), block[ENDED + lane] != RUNNING, service_up)
+    contested = has_verdict(requests, _LOST_CONTEST)
     for i in range(len(requests) - 1, -1, -1):  # backwards: the first of a hunter's is written last
         me = seat_of(block, requests[i, REQUEST_SEAT])
         me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
@@ -171,7 +181,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
         me[DISTANCE_UM + lane] = requests[i, REQUEST_DISTANCE]
         me[WINNER + lane] = requests[i, REQUEST_WINNER]
         me[TALLIES + (requests[i, REQUEST_VERDICT] - 1) * LANES + lane] += 1.0
-        for j in range(len(requests)):
+        for j in range(len(requests) if contested else 0):
             if (
                 requests[j, REQUEST_VERDICT] == _LOST_CONTEST
                 and requests[j, REQUEST_WINNER] == requests[i, REQUEST_SEAT]
@@ -202,6 +212,8 @@ def commit(
         requests: the request table of the lane, judged.
         scratch: see `workspace.Scratch`; the progress references are renewed.
     """
+    if not has_verdict(requests, _GRANTED):  # under full control most requests are refused
+        return
     for i in range(len(requests)):
         seat_of(block, requests[i, REQUEST_SEAT])[SCORE + lane] += (
             1.0 if requests[i, REQUEST_VERDICT] == _GRANTED else 0.0
