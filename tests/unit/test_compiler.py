@@ -4,12 +4,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import numba
 import pytest
 
 from catch_arena.core import compiler
-from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
 
 ROOT = Path(__file__).parents[2]
 SMALL = """
@@ -106,6 +107,39 @@ def test_what_is_cached_is_loaded_without_the_compiler_s_libraries(tmp_path):
     )
     assert first[0] == second[0]
     assert first[1].removeprefix("True") == second[1].removeprefix("False")
+
+
+class Numbers(NamedTuple):
+    usual: int
+    extra: int
+    rate: float
+
+
+class Plain(Numbers):
+    ZERO = ("extra", "rate")
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+@pytest.mark.parametrize(
+    "part",
+    [
+        lambda numbers: numbers.missing if numbers.extra > 0 else numbers.usual,
+        lambda numbers: numbers.usual if numbers.rate == 0.0 else numbers.missing,
+        lambda numbers: numbers.missing if numbers.extra else numbers.usual,
+        lambda numbers: numbers.missing if numbers.extra and numbers.usual > 1 else numbers.usual,
+    ],
+)
+def test_a_branch_that_is_taken_for_numbers_above_zero_alone_is_not_compiled_where_they_are_zero(part):
+    """`missing` cannot be compiled: nobody has such a field."""
+    inner = phase(part)
+
+    @unkept_entry
+    def whole(numbers):
+        return inner(numbers)
+
+    assert whole(Plain(3, 0, 0.0)) == 3
+    with pytest.raises(numba.TypingError, match="missing"):
+        whole(Numbers(3, 0, 0.0))
 
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")

@@ -7,7 +7,7 @@ import pytest
 
 from catch_arena.core.jit import INTERPRETED, unkept_entry
 from catch_arena.core.memory import CACHE_LINE, DTYPES, NDIMS, Sections, lay_out, sections_of, settings_in, zeros
-from catch_arena.core.state import Settings
+from catch_arena.core.state import ALL_OPTIONS, NO_OPTIONS, Settings
 
 
 def some_sections() -> Sections:
@@ -58,15 +58,16 @@ def test_compiled_code_finds_the_same_sections():
     assert sections.masks[0, 2, 1] == 7
 
 
-def test_settings_come_back_as_they_were_whatever_their_order():
+@pytest.mark.parametrize("options", [NO_OPTIONS, ALL_OPTIONS])
+def test_settings_come_back_as_they_were_whatever_their_order(options):
     """Whole numbers as whole numbers, compiled and interpreted."""
     numbers = np.arange(len(Settings._fields)) + 0.5
 
     @unkept_entry
-    def read(numbers):
-        return settings_in(numbers)
+    def read(numbers, options):
+        return settings_in(numbers, options)
 
-    for settings in (settings_in(numbers), read(numbers)):
+    for settings in (settings_in(numbers, options), read(numbers, options)):
         assert isinstance(settings, Settings)
         for kind, number, setting in zip(Settings.__annotations__.values(), numbers, settings, strict=True):
             assert type(setting) is kind
