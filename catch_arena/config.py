@@ -377,6 +377,11 @@ class ArenaConfig:
         return self.view_radius_m is not None or self.view_angle_deg < 360.0
 
     @property
+    def limits_views(self) -> bool:
+        """R7.5, R7.6: whether hunters see less than there is, or see it blurred."""
+        return self.partial_view or self.view_noise_m > 0.0
+
+    @property
     def view_radius_um(self) -> int | None:
         """R7.5: how far a hunter sees, in whole micrometres; None is everywhere."""
         return None if self.view_radius_m is None else _micrometres(self.view_radius_m)

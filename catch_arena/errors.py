@@ -55,11 +55,20 @@ class BusError(CatchArenaError):
     """A ROS 2 bus that cannot be reached, or on which somebody cannot be answered."""
 
 
+class MissingServiceError(BusError):
+    """A service of a ROS 2 bus that was to be tried, and that nobody serves."""
+
+
 def suggest(name: object, known: Iterable[str]) -> str:
     """The tail of an «unknown name» message: the nearest right names, or all of them where none is near."""
     choices = sorted(known)
     near = get_close_matches(str(name), choices, n=3, cutoff=0.6)
     return f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(choices)}"
+
+
+def install_hint(extra: str) -> str:
+    """The tail of a message that something is not installed: the README's way to install, with this extra."""
+    return f"pip install '.[{extra}]' in the clone of Catch Arena"
 
 
 def reason(error: BaseException) -> str:

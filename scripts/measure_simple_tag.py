@@ -22,6 +22,7 @@ import numpy as np
 from catch_arena import PreyLimits, PreyView, VectorArena, parallel_env
 from catch_arena.agents.flee import steer
 from catch_arena.agents.patrol import drive
+from catch_arena.errors import install_hint
 from catch_arena.policy import Limits, View
 
 BATCH = 1024
@@ -159,7 +160,7 @@ def main() -> int:
     try:
         steppers = [stepper_of_mpe2(), stepper_of_ours(), stepper_of_batch()]
     except ImportError as error:
-        print(f"mpe2 must be installed: pip install 'catch-arena[bench]': {error}", file=sys.stderr)
+        print(f"mpe2 must be installed: {install_hint('bench')}: {error}", file=sys.stderr)
         return 2
     for step in steppers:  # loads and compiles
         step()

@@ -30,15 +30,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from catch_arena.errors import CatchArenaError, install_hint
+
 try:
     import torch
     from torch import nn
 except ModuleNotFoundError:
-    sys.exit("train_ppo: it needs torch, which is not installed: pip install 'catch-arena[train]'")
+    sys.exit(f"train_ppo: it needs torch, which is not installed: {install_hint('train')}")
 
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import RewardWeights
-from catch_arena.errors import CatchArenaError
 from catch_arena.files import whole_file, write_whole
 from catch_arena.policy import Limits
 from catch_arena.scenarios import scenario as arena_config

@@ -4,10 +4,12 @@ import argparse
 import sys
 from pathlib import Path
 
+from catch_arena.errors import install_hint
+
 try:
     from sb3_contrib import MaskablePPO
 except ModuleNotFoundError as error:
-    sys.exit(f"train_sb3: it needs {error.name}, which is not installed: pip install 'catch-arena[sb3]'")
+    sys.exit(f"train_sb3: it needs {error.name}, which is not installed: {install_hint('sb3')}")
 
 from catch_arena.training import Mlp, SB3VecEnv
 

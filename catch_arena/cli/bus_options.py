@@ -27,8 +27,17 @@ BusOption = Annotated[
         show_default="the first of them that is installed",
     ),
 ]
-Domain = Annotated[int | None, typer.Option(help="The DDS domain, from 0 to 232.", show_default="ROS_DOMAIN_ID, or 0")]
-Url = Annotated[str, typer.Option(metavar="URL", help="Where rosbridge's server listens.")]
+Domain = Annotated[
+    int | None,
+    typer.Option(
+        help="The DDS domain, from 0 to 232; not with rosbridge, whose server has its own.",
+        show_default="ROS_DOMAIN_ID, or 0",
+    ),
+]
+Url = Annotated[
+    str | None,
+    typer.Option(metavar="URL", help="Where rosbridge's server listens; only with rosbridge.", show_default=BRIDGE_URL),
+]
 Package = Annotated[
     str,
     typer.Option(
@@ -65,7 +74,7 @@ def interfaces_of(package: str, turtlesim: str) -> "Interfaces":
     return Interfaces(checked_package("--interfaces", package), checked_package("--turtlesim", turtlesim))
 
 
-def refuse_bus_options(bus: BusName | None, domain: int | None, url: str, interfaces: str, turtlesim: str) -> None:
+def refuse(bus: BusName | None, domain: int | None, url: str | None, interfaces: str, turtlesim: str) -> None:
     """Where no bus is joined, none of them would do anything.
 
     Raises:
@@ -74,7 +83,7 @@ def refuse_bus_options(bus: BusName | None, domain: int | None, url: str, interf
     given = {
         "--bus": bus is not None,
         "--domain": domain is not None,
-        "--url": url != BRIDGE_URL,
+        "--url": url is not None,
         "--interfaces": interfaces != INTERFACES,
         "--turtlesim": turtlesim != TURTLESIM,
     }
@@ -98,7 +107,7 @@ class NodeCommand(TyperCommand):
 
 
 @contextmanager
-def joined_bus(backend: BusName | None, node: str, domain: int | None, url: str) -> Iterator["Bus"]:
+def joined_bus(backend: BusName | None, node: str, domain: int | None, url: str | None) -> Iterator["Bus"]:
     """The bus of --bus, --domain and --url, which is left in the end.
 
     Raises:

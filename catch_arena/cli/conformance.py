@@ -5,18 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
+from catch_arena.cli import bus_options
 from catch_arena.cli.app import main
-from catch_arena.cli.bus_options import (
-    BRIDGE_URL,
-    INTERFACES,
-    TURTLESIM,
-    BusOption,
-    Domain,
-    Package,
-    Turtlesim,
-    Url,
-    refuse_bus_options,
-)
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.ros_nodes import names_a_service, node_under_test
 from catch_arena.cli.terminal import columns, say
@@ -61,11 +51,11 @@ def conformance(
         ),
     ] = 60.0,
     listing: Annotated[bool, typer.Option("--list", help="List the cases and play none.")] = False,
-    bus: BusOption = None,
-    domain: Domain = None,
-    url: Url = BRIDGE_URL,
-    interfaces: Package = INTERFACES,
-    turtlesim: Turtlesim = TURTLESIM,
+    bus: bus_options.BusOption = None,
+    domain: bus_options.Domain = None,
+    url: bus_options.Url = None,
+    interfaces: bus_options.Package = bus_options.INTERFACES,
+    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
 ) -> None:
     """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 
@@ -93,7 +83,7 @@ def conformance(
         with node_under_test(arbiter, bus, domain, url, interfaces, turtlesim) as node:
             report = run_on_node(node, select_cases(only or ()))
     else:
-        refuse_bus_options(bus, domain, url, interfaces, turtlesim)
+        bus_options.refuse(bus, domain, url, interfaces, turtlesim)
         report = run_conformance(
             None if arbiter is None else _function(arbiter),
             arena=None if arena is None else _made(arena),

@@ -1,5 +1,6 @@
 """`catch-arena compare` and `audit`: whether one agent is stronger than another, and whether the arena is fair."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -31,6 +32,7 @@ from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant
+    from catch_arena.tournament.statistics.intervals import Estimate
 
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")]
 
@@ -103,13 +105,8 @@ def compare(
         )
     for name, codes in found.forfeits.items():
         say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
-    share = found.share
-    points = [f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high)]
     say(f"{found.matches} matches in {found.blocks} blocks, {_opponents(Parties.of(config).group, entrants)}")
-    say(
-        f"share of {first.name}: {100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), "
-        f"{points[0]} points ({points[1]} to {points[2]})"
-    )
+    say(f"share of {first.name}: {_in_words(found.share)}")
     say(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
         f"H0 is {elo_of_share(test.share0):+.0f} points, H1 {elo_of_share(test.share1):+.0f}"
@@ -188,6 +185,20 @@ def jobs_or_all(jobs: int | None) -> int:
     from catch_arena.tournament.execution.executors import usable_cores
 
     return usable_cores() if jobs is None else jobs
+
+
+def _in_words(share: "Estimate") -> str:
+    """A share, and as points; each with its interval, where it has one."""
+    from catch_arena.tournament.statistics.sprt import elo_of_share
+
+    if math.isnan(share.margin):
+        return (
+            f"{100 * share.mean:.1f} %, {elo_of_share(share.mean):+.0f} points; an interval needs at least two blocks"
+        )
+    mean, low, high = (f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high))
+    return (
+        f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), {mean} points ({low} to {high})"
+    )
 
 
 def _opponents(group: int, entrants: Sequence["Entrant"]) -> str:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from catch_arena.cli import bus_options
 from catch_arena.cli.app import (
     MAX_FORFEITS,
     Isolation,
@@ -15,17 +16,6 @@ from catch_arena.cli.app import (
     limits_or_trust,
     main,
     say_level,
-)
-from catch_arena.cli.bus_options import (
-    BRIDGE_URL,
-    INTERFACES,
-    TURTLESIM,
-    BusOption,
-    Domain,
-    Package,
-    Turtlesim,
-    Url,
-    refuse_bus_options,
 )
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.ros_nodes import names_a_service, node_under_test
@@ -108,11 +98,11 @@ def grade(
             help="After N forfeits in a row a test has failed, and its other matches are not played. 0: play all.",
         ),
     ] = MAX_FORFEITS,
-    bus: BusOption = None,
-    domain: Domain = None,
-    url: Url = BRIDGE_URL,
-    interfaces: Package = INTERFACES,
-    turtlesim: Turtlesim = TURTLESIM,
+    bus: bus_options.BusOption = None,
+    domain: bus_options.Domain = None,
+    url: bus_options.Url = None,
+    interfaces: bus_options.Package = bus_options.INTERFACES,
+    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
 ) -> None:
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
@@ -139,7 +129,7 @@ def grade(
                 grades.append(one)
                 say(str(one))
     else:
-        refuse_bus_options(bus, domain, url, interfaces, turtlesim)
+        bus_options.refuse(bus, domain, url, interfaces, turtlesim)
         for test in exercise.tests:
             if test.cases:
                 raise ConfigError(

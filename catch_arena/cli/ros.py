@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from catch_arena.cli import bus_options
 from catch_arena.cli.app import (
     ArenaSeed,
     Isolation,
@@ -16,20 +17,6 @@ from catch_arena.cli.app import (
     enter_agents,
     limits_or_trust,
     main,
-)
-from catch_arena.cli.bus_options import (
-    BRIDGE_URL,
-    INTERFACES,
-    TURTLESIM,
-    BusOption,
-    Domain,
-    NodeCommand,
-    Package,
-    RosArgs,
-    Turtlesim,
-    Url,
-    interfaces_of,
-    joined_bus,
 )
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
@@ -59,7 +46,7 @@ NODE, HUMAN = "ros", "human"
 """The words for seats that nodes drive: one that asks for its targets, and one that only drives."""
 
 
-@ros.command(cls=NodeCommand)
+@ros.command(cls=bus_options.NodeCommand)
 def serve(
     *,
     seat: Annotated[
@@ -86,11 +73,11 @@ def serve(
         float, typer.Option(help="Simulation speed: 1 is real time; at other speeds /clock has the simulated time.")
     ] = 1.0,
     wait: Annotated[bool, typer.Option("--wait/--no-wait", help="Begin when every seat has its node.")] = True,
-    bus: BusOption = None,
-    domain: Domain = None,
-    url: Url = BRIDGE_URL,
-    interfaces: Package = INTERFACES,
-    turtlesim: Turtlesim = TURTLESIM,
+    bus: bus_options.BusOption = None,
+    domain: bus_options.Domain = None,
+    url: bus_options.Url = None,
+    interfaces: bus_options.Package = bus_options.INTERFACES,
+    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
     trusted: Trusted = False,
     limits: LimitOption = None,
     isolation: Isolation = None,
@@ -100,7 +87,7 @@ def serve(
     ] = None,
     force: Force = False,
     settings: SettingOption = None,
-    ros_args: RosArgs = None,
+    ros_args: bus_options.RosArgs = None,
 ) -> None:
     """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle (docs/ros2.md)."""
     from catch_arena.ros.middleware.parameters import NAME_PREFIX, SPAWN_FREQUENCY, arena_parameters
@@ -124,13 +111,13 @@ def serve(
     allowed = limits_or_trust(limits, isolation, list(specs.values()), trusted=trusted)
     if record is not None:
         output_file(record, force=force)
-    types = interfaces_of(interfaces, turtlesim)
+    types = bus_options.interfaces_of(interfaces, turtlesim)
     entrants = dict(zip(specs, enter_agents(list(specs.values()), allowed), strict=True)) if specs else {}
     names = [
         entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
         for number in range(config.hunters)
     ]
-    with joined_bus(bus, called, domain, url) as joined:
+    with bus_options.joined_bus(bus, called, domain, url) as joined:
         joined.declare(parameters)
         served = serve_match(
             joined,
@@ -154,7 +141,7 @@ def serve(
         say(f"replay: {record}")
 
 
-@ros.command(cls=NodeCommand)
+@ros.command(cls=bus_options.NodeCommand)
 def controller(
     agent: Annotated[
         str, typer.Argument(help="Who drives: a shipped name or a .py file, as in `catch-arena match`.")
@@ -169,16 +156,16 @@ def controller(
             show_default="/NAME/catch_turtle where it is served, else /catch_turtle",
         ),
     ] = None,
-    bus: BusOption = None,
-    domain: Domain = None,
-    url: Url = BRIDGE_URL,
-    interfaces: Package = INTERFACES,
-    turtlesim: Turtlesim = TURTLESIM,
+    bus: bus_options.BusOption = None,
+    domain: bus_options.Domain = None,
+    url: bus_options.Url = None,
+    interfaces: bus_options.Package = bus_options.INTERFACES,
+    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
     trusted: Trusted = False,
     limits: LimitOption = None,
     isolation: Isolation = None,
     settings: SettingOption = None,
-    ros_args: RosArgs = None,
+    ros_args: bus_options.RosArgs = None,
 ) -> None:
     """Drive a turtle with an agent, in turtlesim or in `ros serve`, until Ctrl-C.
 
@@ -201,12 +188,12 @@ def controller(
     turtle = checked_turtle(turtle)
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be a service's name, as /catch_turtle, got {service!r}")
-    types = interfaces_of(interfaces, turtlesim)
+    types = bus_options.interfaces_of(interfaces, turtlesim)
     entrants = enter_agents(specs, allowed)
     with (
         sandbox_for(allowed) as sandbox,
         start_players(entrants, sandbox) as players,
-        joined_bus(bus, called, domain, url) as joined,
+        bus_options.joined_bus(bus, called, domain, url) as joined,
     ):
         node = Controller(joined, players, config, turtle, types, closest_first, service=service, log=say)
         joined.declare(parameters)
@@ -220,7 +207,7 @@ def controller(
             node.stop()
 
 
-@ros.command(cls=NodeCommand)
+@ros.command(cls=bus_options.NodeCommand)
 def spawner(
     *,
     turtle: Annotated[
@@ -233,12 +220,12 @@ def spawner(
     ] = "target_turtle_",
     reach: Annotated[float, typer.Option(metavar="METRES", help="Catch distance [m].")] = 0.5,
     seed: ArenaSeed = None,
-    bus: BusOption = None,
-    domain: Domain = None,
-    url: Url = BRIDGE_URL,
-    interfaces: Package = INTERFACES,
-    turtlesim: Turtlesim = TURTLESIM,
-    ros_args: RosArgs = None,
+    bus: bus_options.BusOption = None,
+    domain: bus_options.Domain = None,
+    url: bus_options.Url = None,
+    interfaces: bus_options.Package = bus_options.INTERFACES,
+    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
+    ros_args: bus_options.RosArgs = None,
 ) -> None:
     """Spawn targets in turtlesim and judge who catches them, until Ctrl-C.
 
@@ -261,8 +248,8 @@ def spawner(
     config = arena("capstone", [f"reach_m={reach}"]).replace(
         spawn_frequency_hz=frequency.value, name_prefix=parameters[NAME_PREFIX].value
     )
-    types = interfaces_of(interfaces, turtlesim)
-    with joined_bus(bus, called, domain, url) as joined:
+    types = bus_options.interfaces_of(interfaces, turtlesim)
+    with bus_options.joined_bus(bus, called, domain, url) as joined:
         node = Spawner(joined, turtles, types, config, frequency, seed=arena_seed(seed), log=say)
         joined.declare(parameters)
         rate = Rate(DT)

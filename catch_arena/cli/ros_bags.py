@@ -12,7 +12,7 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import Fps, LayoutOption, Speed, VideoSize, print_report, width_and_height
-from catch_arena.errors import BusError
+from catch_arena.errors import BusError, install_hint
 
 
 @ros.command()
@@ -114,4 +114,4 @@ def import_(
 
 def _require_rosbags() -> None:
     if find_spec("rosbags") is None:
-        raise BusError("bags need rosbags, which is not installed: pip install 'catch-arena[ros]'")
+        raise BusError(f"bags need rosbags, which is not installed: {install_hint('ros')}")

@@ -21,7 +21,7 @@ def names_a_service(word: str) -> bool:
 
 @contextmanager
 def node_under_test(
-    word: str, bus: BusName | None, domain: int | None, url: str, interfaces: str, turtlesim: str
+    word: str, bus: BusName | None, domain: int | None, url: str | None, interfaces: str, turtlesim: str
 ) -> "Iterator[NodeUnderTest]":
     """Whoever serves it, with the arena about it on the bus.
 

@@ -108,6 +108,7 @@ def mosaic(
             show_default=f"{_MOST_IN_ONE}",
         ),
     ] = None,
+    view_of: ViewOf = None,
 ) -> None:
     """Show all matches of a folder at once, in a grid."""
     from catch_arena.cli.progress import progress_bar
@@ -129,7 +130,7 @@ def mosaic(
     _require_some(folder, len(found), len(paths))
     output_file(output_path(output), force=force)
     with progress_bar("rendering") as show:
-        report = render_mosaic(found, output, size=frame_size, fps=fps, speed=speed, progress=show)
+        report = render_mosaic(found, output, size=frame_size, fps=fps, speed=speed, view_of=view_of, progress=show)
     say(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
     print_report(report)
 
@@ -146,6 +147,7 @@ def highlights(
     ] = False,
     size: VideoSize = None,
     fps: Fps = None,
+    view_of: ViewOf = None,
 ) -> None:
     """Find the moments of a folder's matches that are worth seeing, and make a video of them.
 
@@ -173,7 +175,7 @@ def highlights(
         return
     with progress_bar("rendering") as show:
         recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
-        report = render_highlights(recorded, output, size=frame_size, fps=fps, progress=show)
+        report = render_highlights(recorded, output, size=frame_size, fps=fps, view_of=view_of, progress=show)
     print_report(report)
 
 

@@ -1,9 +1,9 @@
-"""R7.5: which targets each hunter saw, and why not the others."""
+"""R7.5: what each hunter saw, and why not the other targets."""
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from catch_arena.core.ranking import key_of
 from catch_arena.core.visibility import is_seen
 from catch_arena.engine.core_settings import settings_of
 from catch_arena.world import World
+
+_EQUAL_DIGITS: Final = 6
+"""Places are equal to a micrometre."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +63,35 @@ class SeenTargets:
             if seen
         )
         return [name for _, name in ranked[: self._config.targets_seen]]
+
+    def ranked_rivals(self, world: World, seat: int) -> list[int]:
+        """R7.1: the seats of the rivals in a seat's view by rank: the nearest first; of those equally far as `precedes`
+        in `core/ranking.py` says.
+        """
+        me = world.hunters[seat]
+        sine, cosine = sincos(me.theta)
+
+        def order(other: int) -> tuple[int, float, float, int, bool, int]:
+            rival = world.hunters[other]
+            dx, dy = rival.x - me.x, rival.y - me.y
+            left, forward = cosine * dy - sine * dx, cosine * dx + sine * dy
+            return (
+                key_of(dx, dy, 0),
+                -round(left, _EQUAL_DIGITS),
+                -round(forward, _EQUAL_DIGITS),
+                -rival.score,
+                rival.team != me.team,
+                other,
+            )
+
+        seen = (
+            other
+            for other, rival in enumerate(world.hunters)
+            if other != seat
+            and not rival.withdrawn
+            and is_seen(rival.x - me.x, rival.y - me.y, sine, cosine, self._config.reaches_um[seat], self._settings)
+        )
+        return sorted(seen, key=order)[: self._config.hunters_seen]
 
     def unseen(self, world: World, seat: int) -> list[Unseen]:
         """The targets out of a seat's sight, the nearest first."""

@@ -14,7 +14,7 @@ from typing import IO, Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.errors import ConfigError, OutputError
+from catch_arena.errors import ConfigError, OutputError, install_hint
 from catch_arena.files import regular_file, room, unwritable
 from catch_arena.render.gif_palette import ColorHistogram
 from catch_arena.render.optional_imports import cv2
@@ -172,7 +172,7 @@ def video_file(
     if av is None:
         notice = (
             f"{path} is MPEG-4 Part 2, which no browser plays: {kind.name} needs PyAV with {kind.encoder} "
-            "(pip install 'catch-arena[video]')"
+            f"({install_hint('video')})"
         )
     target = regular_file(path)
     try:

@@ -1,7 +1,7 @@
 """A video of highlights: slow motion about the decisive instant, and a caption."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -20,7 +20,7 @@ from catch_arena.render.shapes import Box, Color, Label, Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.text import text_width
 from catch_arena.render.timing import Clip, ClipSequence
-from catch_arena.render.video import RenderReport, frame_rate, frame_size, rendered_frames, write_video
+from catch_arena.render.video import RenderReport, checked_views, frame_rate, frame_size, rendered_frames, write_video
 from catch_arena.replay import Replay
 
 SLOW: Final = Fraction(1, 4)
@@ -54,14 +54,17 @@ def render_highlights(
     *,
     size: tuple[int, int] | None = None,
     fps: int | None = None,
+    view_of: int | str | None = None,
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write highlights as one video, in their order; memory holds one match at a time.
 
-    The arguments are those of `video.render_replay`. No half-written file is left.
+    The arguments are those of `video.render_replay`; where a match has no such view, nobody's is shown. No half-written
+    file is left.
 
     Raises:
-        ConfigError: for no highlights, and an ending, a size or fps that cannot be.
+        ConfigError: for no highlights, and an ending, a size or fps that cannot be; for a hunter that has no view to
+            show in any of the matches.
         OutputError: where the video cannot be written.
         ReplayError: where a match does not play as recorded.
     """
@@ -70,7 +73,11 @@ def render_highlights(
     kind = format_of(Path(path))
     fps, within = frame_rate(kind, fps), frame_size(kind, size)
     frames = sum(slow_motion(one.highlight, fps).frames for one in highlights)
-    return write_video(path, _pictures(highlights, within, fps), within, fps, frames, progress)
+    views = {}
+    if view_of is not None:
+        paths = dict.fromkeys(one.path for one in highlights)
+        views = checked_views(((str(found), Replay.load(found)) for found in paths), view_of)
+    return write_video(path, _pictures(highlights, views, within, fps), within, fps, frames, progress)
 
 
 def slow_motion(highlight: Highlight, fps: int) -> ClipSequence:
@@ -85,7 +92,9 @@ def slow_motion(highlight: Highlight, fps: int) -> ClipSequence:
     return ClipSequence(tuple(clip for clip in clips if clip.start_ms < clip.end_ms))
 
 
-def _pictures(highlights: Sequence[RecordedHighlight], size: tuple[int, int], fps: int) -> Iterator[Pixels]:
+def _pictures(
+    highlights: Sequence[RecordedHighlight], views: Mapping[str, int | None], size: tuple[int, int], fps: int
+) -> Iterator[Pixels]:
     width, height = size
     frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
     below = round(_CAPTION * height)
@@ -94,6 +103,7 @@ def _pictures(highlights: Sequence[RecordedHighlight], size: tuple[int, int], fp
         replay = Replay.load(path)
         info = MatchInfo.of_replay(replay, replay.title or path.stem)
         renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
+        renderer.view_of = views.get(str(path))
         timing = slow_motion(highlight, fps)
         where = f"{path.stem}   {number} of {len(highlights)}"
         for frame_number, pixels in enumerate(rendered_frames(replay, renderer, timing)):

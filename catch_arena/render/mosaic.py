@@ -19,6 +19,7 @@ from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
+    checked_views,
     duration_ms,
     frame_rate,
     frame_size,
@@ -96,6 +97,7 @@ def render_mosaic(
     size: tuple[int, int] | None = None,
     fps: int | None = None,
     speed: float = 1.0,
+    view_of: int | str | None = None,
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write a video in which all of these matches run at once; one that has ended shows its result until all have.
@@ -108,10 +110,12 @@ def render_mosaic(
         size: (width, height) [pixels].
         fps: frames a second, from 1 on.
         speed: seconds of the match in a second of the video.
+        view_of: as of `video.render_replay`; where a match has no such view, its cell shows nobody's.
         progress: called with (frames written, frames in all).
 
     Raises:
-        ConfigError: for too many matches or none, an ending, fps or a speed that cannot be, and too small a size.
+        ConfigError: for too many matches or none, an ending, fps or a speed that cannot be, and too small a size; for a
+            hunter that has no view to show in any of the matches.
         OutputError: where it cannot be written; no half-written file is left.
     """
     if not 1 <= len(replays) <= MOST:
@@ -126,9 +130,10 @@ def render_mosaic(
             f"size must give each of {len(replays)} arenas {LEAST_SIDE} pixels at least, "
             f"got {grid.side} in {within[0]} x {within[1]}"
         )
+    views = {} if view_of is None else checked_views(replays.items(), view_of)
     end_ms = max(_end_ms(replay, fps, pace) for replay in replays.values())
     whole = Clip(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
-    return write_video(path, _pictures(replays, grid, within, whole), within, fps, whole.frames, progress)
+    return write_video(path, _pictures(replays, views, grid, within, whole), within, fps, whole.frames, progress)
 
 
 def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
@@ -136,12 +141,14 @@ def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
     return duration_ms(replay) + math.ceil(1000 * pace / fps)
 
 
-def _pictures(replays: Mapping[str, Replay], grid: Grid, size: tuple[int, int], whole: Clip) -> Iterator[Pixels]:
+def _pictures(
+    replays: Mapping[str, Replay], views: Mapping[str, int | None], grid: Grid, size: tuple[int, int], whole: Clip
+) -> Iterator[Pixels]:
     sprites = SpriteCache()
     frame = Canvas.blank(*size, hud.PANEL, sprites)
     areas = grid.cells(len(replays), hud.Rect(0, 0, *size))
     cells = [
-        _Cell(name, replay, frame, area, whole, sprites)
+        _Cell(name, replay, views.get(name), frame, area, whole, sprites)
         for area, (name, replay) in zip(areas, replays.items(), strict=True)
     ]
     for _ in range(whole.frames):
@@ -154,7 +161,14 @@ class _Cell:
     """One match in its part of the picture."""
 
     def __init__(
-        self, name: str, replay: Replay, frame: Canvas, area: hud.Rect, whole: Clip, sprites: SpriteCache
+        self,
+        name: str,
+        replay: Replay,
+        view_of: int | None,
+        frame: Canvas,
+        area: hud.Rect,
+        whole: Clip,
+        sprites: SpriteCache,
     ) -> None:
         side = area.width
         self._name = name
@@ -164,6 +178,7 @@ class _Cell:
         picture = area._replace(height=area.height - self._label.height)
         self._picture = frame.part(picture)
         self._renderer = MatchRenderer(self._info, (picture.width, picture.height), "arena", sprites=sprites)
+        self._renderer.view_of = view_of
         clip = Clip(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
         self._frames = rendered_frames(replay, self._renderer, clip)
         self._running = True

@@ -4,7 +4,7 @@ banner; nothing opens a display but window.py.
 
 import os
 
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, install_hint
 
 __all__ = ["cv2", "pygame"]
 
@@ -18,7 +18,7 @@ try:
 except ImportError as error:
     if error.name not in ("cv2", "pygame"):  # one is there, and broken
         raise
-    raise ConfigError("pictures need OpenCV and pygame: pip install 'catch-arena[render]'") from None
+    raise ConfigError(f"pictures need OpenCV and pygame: {install_hint('render')}") from None
 finally:
     if not _was_set:  # child processes find the environment as it was
         del os.environ[_HUSH]

@@ -5,12 +5,14 @@ from collections.abc import Iterable, Sequence
 from typing import Final, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.render import hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
+from catch_arena.render.blurred_view import Belief, BlurredView
 from catch_arena.render.event_feed import EventFeed, feed_shapes
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.motion import Poses, StepMotion, poses_of, step_motion
@@ -26,6 +28,8 @@ from catch_arena.world import World
 SMALLEST: Final = 320
 LARGEST: Final = (3840, 2160)
 NOTEBOOK_SIZE: Final = (800, 450)
+_OBSERVED_AHEAD: Final = 2
+"""Steps that `motion.frame_spans` knows before it gives the first of them."""
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -60,8 +64,10 @@ class MatchRenderer:
             )
         self.info = info
         self.view_of: int | None = None
-        """The seat whose view is shown (R7.5), where hunters do not see everything."""
+        """The seat whose view is shown (R7.5, R7.6), where hunters do not see everything as it is."""
         self._seed = seed
+        self._blurred = BlurredView(info.config) if info.config.view_noise_m else None
+        self._observations: dict[int, NDArray[np.float32]] = {}
         self._by_lot = info.config.policy == "first_come"
         self._plan = hud.arrange(size, layout, len(info.names), len(info.contenders) if info.has_teams else 0)
         if sprites is None:  # renderers of the same match or size share theirs
@@ -101,6 +107,16 @@ class MatchRenderer:
         self._poses = Poses((), {})
         self._moved_ms = time_ms
         self._shown: dict[str, object] = {}
+
+    def observe(self, step: int, observations: NDArray[np.float32]) -> None:
+        """What hunters observe when so many steps have been played, (H, D): with noise the view that is shown has it.
+
+        Known of a few states at a time: told before the step that begins there is drawn, at most two steps ahead.
+        """
+        if self._blurred is not None:
+            recent = range(step - _OBSERVED_AHEAD, step)
+            self._observations = {one: self._observations[one] for one in recent if one in self._observations}
+            self._observations[step] = observations.copy()
 
     def enter(self, motion: StepMotion) -> None:
         """Begin a step: its rulings count from here on. Steps of which no instant is drawn are entered too."""
@@ -146,6 +162,7 @@ class MatchRenderer:
                 annotations=self._annotations,
                 time_ms=time_ms,
                 view_of=self.view_of,
+                beliefs=self._beliefs(self._motion.before),
                 withdrawn_prey={one.agent for one in self._standings if one.hunted and one.withdrawn},
             )
         )
@@ -155,6 +172,13 @@ class MatchRenderer:
     def draw_over(self, drawn: Iterable[Shape]) -> None:
         """Shapes over the arena, in pixels from its corner; the next `draw` takes them away."""
         self._arena.draw(drawn)
+
+    def _beliefs(self, world: World) -> list[Belief]:
+        """R7.6: where the hunter whose view is shown believes what it sees to be."""
+        observations = self._observations.get(world.step)
+        if self.view_of is None or self._blurred is None or observations is None:
+            return []
+        return self._blurred.beliefs(world, self.view_of, observations[self.view_of])
 
     def _extend_trails(self, until_ms: float) -> None:
         """Lead the trails through the ticks since the last instant, where it lies further back than a frame or two."""

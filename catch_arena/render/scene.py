@@ -9,6 +9,7 @@ from collections.abc import Collection, Sequence
 from typing import Final
 
 from catch_arena.render.annotations import Annotation, annotation_shapes
+from catch_arena.render.blurred_view import Belief
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.motion import Poses
 from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
@@ -22,6 +23,7 @@ SPAWN_MS: Final = 450.0
 PREY_PIECES: Final = 8
 """Of prey's ring: more than any agent has seats for at once."""
 _VIEW_OPACITY: Final = 0.25
+_BELIEF_OPACITY: Final = 0.8
 
 
 def ground_shapes(viewport: Viewport) -> list[Shape]:
@@ -68,14 +70,17 @@ def arena_shapes(
     annotations: Sequence[Annotation],
     time_ms: float,
     view_of: int | None = None,
+    beliefs: Sequence[Belief] = (),
     withdrawn_prey: Collection[int] = (),
 ) -> list[Shape]:
     """Everything that moves or comes and goes, from the lowest to the topmost; `view_of` is the seat whose view is
-    shown, `withdrawn_prey` are agents.
+    shown, `beliefs` is what it believes, `withdrawn_prey` are agents.
     """
     shapes: list[Shape] = []
     if view_of is not None and info.config.partial_view and not hunters[view_of].withdrawn:
         shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
+    if view_of is not None and not hunters[view_of].withdrawn:
+        shapes += [shape for one in beliefs for shape in _belief(viewport, poses, one, info.color(view_of))]
     places = dict(enumerate(poses.hunters))
     for target in targets:
         pose = poses.targets[target.number]
@@ -106,6 +111,26 @@ def _view(viewport: Viewport, info: MatchInfo, pose: Pose2D, color: Color) -> Se
         0.25 * viewport.hunter_length,
         (*viewport.to_pixels(0.0, side), *viewport.to_pixels(side, 0.0)),
     )
+
+
+def _belief(viewport: Viewport, poses: Poses, belief: Belief, color: Color) -> list[Shape]:
+    """R7.6: a ring at the place where somebody is believed to be, and a line from there to the true one. Of a target
+    that was just caught there is none.
+    """
+    pose = poses.hunters[belief.rival] if belief.rival is not None else poses.targets.get(belief.target or 0)
+    if pose is None:
+        return []
+    length = viewport.target_length if belief.rival is None else viewport.hunter_length
+    radius, width, pale = 0.32 * length, max(1.0, 0.045 * length), mix(color, WHITE, 0.5)
+    x, y = viewport.to_pixels(belief.x, belief.y)
+    true_x, true_y = viewport.to_pixels(*pose[:2])
+    shapes: list[Shape] = [Ring(x, y, radius, width, pale, _BELIEF_OPACITY, veil=0.15)]
+    away = math.hypot(true_x - x, true_y - y)
+    if away > radius:  # from the ring's edge on
+        part = radius / away
+        edge = (x + part * (true_x - x), y + part * (true_y - y))
+        shapes.insert(0, Stroke(*edge, true_x, true_y, width, mix(pale, GROUND, 1.0 - _BELIEF_OPACITY)))
+    return shapes
 
 
 def _target(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float) -> list[Shape]:

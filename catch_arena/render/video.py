@@ -142,14 +142,33 @@ def checked_view(replay: Replay, hunter: int | str) -> int:
     """The seat of a hunter whose view can be shown.
 
     Raises:
-        ConfigError: for an unknown hunter, or where hunters see everything.
+        ConfigError: for an unknown hunter, or where hunters see everything as it is.
     """
     seat = find_seat(replay, hunter)
-    if not replay.config.partial_view:
+    if not replay.config.limits_views:
         raise ConfigError(
-            f"view_of needs a match whose hunters do not see everything (view_radius_m, view_angle_deg), got {hunter!r}"
+            "view_of needs a match whose hunters do not see everything as it is "
+            f"(view_radius_m, view_angle_deg, view_noise_m), got {hunter!r}"
         )
     return seat
+
+
+def checked_views(replays: Iterable[tuple[str, Replay]], hunter: int | str) -> dict[str, int | None]:
+    """The seat of a hunter in each of several matches, by their names; None where it has no view to show.
+
+    Raises:
+        ConfigError: as of `checked_view`, where it has none in any of them.
+    """
+    found: dict[str, int | None] = {}
+    fault: ConfigError | None = None
+    for name, replay in replays:
+        try:
+            found[name] = checked_view(replay, hunter)
+        except ConfigError as error:
+            found[name], fault = None, fault or error
+    if fault is not None and all(seat is None for seat in found.values()):
+        raise fault
+    return found
 
 
 def duration_ms(replay: Replay) -> int:
@@ -159,7 +178,15 @@ def duration_ms(replay: Replay) -> int:
 
 def rendered_frames(replay: Replay, renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
     """The frames of a recorded match; see `frames_of`."""
-    return frames_of(replay.worlds(), renderer, timing)
+    return frames_of(_observed_worlds(replay, renderer), renderer, timing)
+
+
+def _observed_worlds(replay: Replay, renderer: MatchRenderer) -> Iterator[World]:
+    """As `Replay.worlds`; the renderer is told what hunters observe in each."""
+    for engine in replay.checked_engines():
+        world = engine.world()
+        renderer.observe(world.step, engine.observations[0])
+        yield world
 
 
 def frames_of(worlds: Iterable[World], renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:

@@ -121,6 +121,14 @@ class Replay(ReplayContent):
         Raises:
             ReplayError: that names the first step that differs, and in what.
         """
+        return (engine.world() for engine in self.checked_engines())
+
+    def checked_engines(self) -> Iterator[Engine]:
+        """As `engines`, each state checked against its digest.
+
+        Raises:
+            ReplayError: as of `worlds`.
+        """
         for step, engine in enumerate(self.engines()):
             if engine.digest() != self.digests[step]:
                 found = state_differences(
@@ -130,7 +138,7 @@ class Replay(ReplayContent):
                     f"the replay does not play as it was recorded: {state_name(step)} is the first that differs: "
                     f"{on_one_line(found)}"
                 )
-            yield engine.world()
+            yield engine
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the match, played in the report's player where that was imported."""

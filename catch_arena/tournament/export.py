@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import IO, Any, Final
 
 from catch_arena.config import RULESET, require_choice
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, install_hint
 from catch_arena.files import whole_file
 from catch_arena.text import spreadsheet_cell
 from catch_arena.tournament.match import MatchResult
@@ -153,4 +153,4 @@ def _require_pyarrow() -> None:
     try:
         import pyarrow.parquet  # noqa: F401
     except ImportError:
-        raise ConfigError("format parquet needs PyArrow: pip install 'catch-arena[parquet]'") from None
+        raise ConfigError(f"format parquet needs PyArrow: {install_hint('parquet')}") from None

@@ -43,7 +43,7 @@ def __getattr__(name: str) -> "Any":
         raise AttributeError(f"module 'catch_arena.training' has no attribute {name!r}")
     from importlib import import_module
 
-    from catch_arena.errors import ConfigError
+    from catch_arena.errors import ConfigError, install_hint
 
     try:
         module = import_module(f"catch_arena.training.{_HOMES[name]}")
@@ -51,9 +51,7 @@ def __getattr__(name: str) -> "Any":
         library = (error.name or "").partition(".")[0]
         if library not in _EXTRAS:
             raise
-        raise ConfigError(
-            f"{name} needs {library}, which is not installed: pip install 'catch-arena[{_EXTRAS[library]}]'"
-        ) from None
+        raise ConfigError(f"{name} needs {library}, which is not installed: {install_hint(_EXTRAS[library])}") from None
     value = getattr(module, name)
     globals()[name] = value
     return value

@@ -90,6 +90,19 @@ def test_the_readmes_commands_run_as_they_stand(tmp_path):
         subprocess.run([program, *arguments], check=True, cwd=tmp_path, stdout=subprocess.DEVNULL)
 
 
+def test_whatever_is_said_to_be_installed_is_an_extra():
+    """In the pages, and in the errors of the package and the scripts."""
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    pages = "".join(page.read_text() for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")))
+    code = "".join(file.read_text() for part in ("catch_arena", "scripts") for file in (ROOT / part).rglob("*.py"))
+    in_pages = {name for names in re.findall(r"'\.\[([a-z0-9,]+)\]'", pages) for name in names.split(",")}
+    in_errors = set(re.findall(r"""install_hint\(["']([a-z0-9]+)["']\)""", code))
+
+    assert {"ros", "video", "parquet"} <= in_pages <= extras.keys()
+    assert {"ros", "video", "train"} <= in_errors <= extras.keys()
+    assert "catch-arena[" not in pages + code  # it is on no index
+
+
 def test_the_readme_begins_with_its_two_commands():
     """That is `make demo`, then `make test`."""
     commands = [line.split("#")[0].strip() for block in blocks("sh") for line in block.splitlines() if line.strip()]

@@ -21,7 +21,9 @@ def a_world(*rulings: Ruling, places=((1.0, 2.0), (9.0, 3.0)), step: int = 5) ->
     return World(100 * step, step, 11.088889122009277, hunters, targets, rulings, 9)
 
 
-def shapes_of(world: World, annotations=(), time_ms: float = 500.0, size=(720, 720), view_of=None, **settings) -> list:
+def shapes_of(
+    world: World, annotations=(), time_ms: float = 500.0, size=(720, 720), view_of=None, beliefs=(), **settings
+) -> list:
     info = MatchInfo.of(ArenaConfig(hunters=len(world.hunters), **settings))
     viewport = Viewport(*size, world.side_m)
     return scene.arena_shapes(
@@ -33,6 +35,7 @@ def shapes_of(world: World, annotations=(), time_ms: float = 500.0, size=(720, 7
         annotations=annotations,
         time_ms=time_ms,
         view_of=view_of,
+        beliefs=beliefs,
     )
 
 

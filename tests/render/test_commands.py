@@ -124,6 +124,8 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
         (["highlights", "replays", "-o", "best.txt"], "must end in"),
         (["sheet", "replays/m0.replay", "-o", "sheet.jpg"], "must end in .png"),
         (["sheet", "no.replay"], "cannot be read"),
+        (["mosaic", "replays", "-o", "grid.mp4", "--view-of", "eve"], "unknown hunter 'eve'"),
+        (["highlights", "replays", "-o", "best.mp4", "--count", "1", "--view-of", "ann"], "do not see everything"),
     ],
 )
 def test_bad_words_are_one_line(words, said):

@@ -217,6 +217,12 @@ def test_a_view_that_cannot_be_shown_is_refused_and_writes_nothing(play, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_view_that_is_only_blurred_is_filmed(play, tmp_path):
+    match = play(max_cycles=4, view_noise_m=0.5)
+    plain, seen = (render_replay(match, tmp_path / f"{who}.gif", view_of=who, **SMALL).path for who in (None, 2))
+    assert not np.array_equal(decoded(plain)[0], decoded(seen)[0])
+
+
 def test_a_view_is_filmed(play, tmp_path):
     """By the agent's name."""
     match = play(max_cycles=4, names=("a", "b", "c", "d"), view_angle_deg=90.0)

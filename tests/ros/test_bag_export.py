@@ -293,5 +293,5 @@ def test_without_rosbags_it_says_what_to_install(monkeypatch, words):
     refused = run("ros", *words)
     assert (refused.exit_code, refused.stderr) == (
         2,
-        "catch-arena: bags need rosbags, which is not installed: pip install 'catch-arena[ros]'\n",
+        "catch-arena: bags need rosbags, which is not installed: pip install '.[ros]' in the clone of Catch Arena\n",
     )

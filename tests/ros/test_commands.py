@@ -61,6 +61,18 @@ def run(*arguments):
             ("serve", "--bus", "rosbridge", "--url", "ws://127.0.0.1:1"),
             "no rosbridge server answers at ws://127.0.0.1:1",
         ),
+        (
+            ("serve", "--bus", "rosbridge", "--domain", "7"),
+            "--domain 7 must be left out with --bus rosbridge: the server has a domain of its own",
+        ),
+        *(
+            (
+                (command, *which, "--url", "ws://x"),
+                "--url ws://x must come with --bus rosbridge, whose server listens there, got --bus cyclonedds",
+            )
+            for command in ("serve", "controller", "spawner")
+            for which in (("--bus", "cyclonedds"), ())
+        ),
         (("serve", "-s", "capstone", "--record", "x.replay"), "of another policy than capstone"),
         (("serve", "-s", "tag"), "prey must be 0 on a bus, where nobody plays it (--set prey=0), got 1"),
         (("serve", "--set", "control_period_ms=100"), "--set control_period_ms=... must be left out: on a bus each"),
@@ -89,7 +101,7 @@ def test_a_missing_extra_is_one_line_that_says_what_to_install(monkeypatch):
     monkeypatch.setattr(bus, "_is_installed", lambda _: False)
     for arguments in (("serve",), ("serve", "--bus", "cyclonedds"), ("controller", "--bus", "rosbridge")):
         status, output = run(*arguments)
-        assert (status, "pip install 'catch-arena[ros]'" in output) == (2, True), output
+        assert (status, "pip install '.[ros]' in the clone of Catch Arena" in output) == (2, True), output
 
 
 @pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")

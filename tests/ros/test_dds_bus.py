@@ -305,11 +305,15 @@ def test_so_is_one_from_the_environment(monkeypatch, word):
 def test_what_is_missing_is_one_line_that_says_what_to_install(monkeypatch):
     """For each of the back-ends, and where there is none."""
     monkeypatch.setattr(bus, "_is_installed", lambda _: False)
-    for backend, what in (("cyclonedds", "catch-arena"), ("rosbridge", "needs websockets"), ("rclpy", "source ROS")):
+    for backend, what in (
+        ("cyclonedds", "needs cyclonedds"),
+        ("rosbridge", "needs websockets"),
+        ("rclpy", "source ROS"),
+    ):
         with pytest.raises(BusError, match=what) as error:
             open_bus(backend)
         assert "\n" not in str(error.value)
-    with pytest.raises(BusError, match=r"pip install 'catch-arena\[ros\]'"):
+    with pytest.raises(BusError, match=r"pip install '\.\[ros\]' in the clone"):
         open_bus()
 
 

@@ -217,6 +217,69 @@ def test_over_rosbridge_a_right_node_passes_too():
     assert "cases: 3 passed, 0 failed" in tried.stdout
 
 
+@pytest.mark.parametrize("words", [["conformance", "--only", "names.unknown"], ["grade", "--spec", "spec.toml"]])
+def test_over_rosbridge_too_one_line_says_that_nobody_serves_it(words, tmp_path, monkeypatch):
+    """There the server tells it in its answer to the first request."""
+    monkeypatch.chdir(tmp_path)
+    Path("spec.toml").write_text(SPEC)
+    command, *rest = words
+    with running_bridge() as (_, url):
+        tried = CliRunner().invoke(main, [command, "ros:/x", *rest, "--bus", "rosbridge", "--url", url])
+    assert (tried.exit_code, tried.stdout, tried.stderr) == (
+        2,
+        "",
+        "catch-arena: nobody answers on this bus (/x: Service /x does not exist): does the node run?\n",
+    )
+
+
+@pytest.mark.parametrize("words", [["conformance"], ["grade", "--spec", "spec.toml"]])
+def test_without_a_rosbridge_server_one_line_says_so(words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("spec.toml").write_text(SPEC)
+    command, *rest = words
+    tried = CliRunner().invoke(main, [command, "ros:/x", *rest, "--bus", "rosbridge", "--url", "ws://127.0.0.1:1"])
+    assert (tried.exit_code, tried.stdout) == (2, "")
+    (line,) = tried.stderr.splitlines()
+    assert line.startswith("catch-arena: no rosbridge server answers at ws://127.0.0.1:1")
+
+
+def test_a_node_that_ends_over_rosbridge_keeps_what_it_has_earned(tmp_path):
+    """Once it has answered, a request that fails is silence."""
+    types = Interfaces()
+    (tmp_path / "spec.toml").write_text(
+        SPEC.replace('"reach.300000", "reach.299999-is-in"', '"names.unknown"').replace(
+            '"names.unknown", "names.c', '"names.c'
+        )
+    )
+
+    def serve(url, ready):
+        bus = open_bus("rosbridge", url=url, log=lambda _: None)
+        answered = []
+
+        def refuse(request):
+            request.answer(CatchTurtleResponse(False))
+            answered.append(request)
+
+        bus.serve("/catch_turtle", types.catch_turtle, refuse)
+        ready.set()
+        end = monotonic() + 60
+        while not answered and monotonic() < end:
+            bus.spin(0.05)
+        bus.close()
+
+    with running_bridge() as (_, url):
+        ready = threading.Event()
+        student = threading.Thread(target=serve, args=(url, ready))
+        student.start()
+        assert ready.wait(10)
+        words = ["grade", "ros:/catch_turtle", "--spec", str(tmp_path / "spec.toml"), "--bus", "rosbridge"]
+        tried = CliRunner().invoke(main, [*words, "--url", url])
+        student.join(10)
+    assert tried.exit_code == 1, tried.output
+    assert "passed  4/4  within reach: 1 of 1 case" in tried.stdout
+    assert tried.stdout.endswith("The referee: ros:/catch_turtle has 4 of 6 points\n")
+
+
 @pytest.mark.parametrize("word", ["ros:", "ros:catch_turtle", "ros:/catch turtle", "ros:/", "ros:/1a"])
 def test_what_no_service_is_called_is_one_line(word):
     refused = CliRunner().invoke(main, ["conformance", word])

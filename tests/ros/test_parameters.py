@@ -153,7 +153,7 @@ def test_a_file_that_cannot_be_is_one_line(tmp_path, text, why):
 def test_where_nothing_reads_yaml_it_says_what_to_install(monkeypatch):
     """Over rclpy the extra may not be there."""
     monkeypatch.setitem(sys.modules, "ruamel.yaml", None)
-    with pytest.raises(BusError, match=r"pip install 'catch-arena\[ros\]'"):
+    with pytest.raises(BusError, match=r"pip install '\.\[ros\]' in the clone"):
         given("-p", f"{FREQUENCY}:=2.0")
 
 

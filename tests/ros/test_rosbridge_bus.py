@@ -43,6 +43,11 @@ def until(joined, ready, seconds=10.0):
     raise AssertionError(f"it does not come; said: {joined[1]}")
 
 
+def subscriptions(bridge):
+    """How many the server has heard of: it hears each client in a thread of its own."""
+    return sum(frame["op"] == "subscribe" for frame in bridge[0].frames)
+
+
 def student(url):
     """Another client of the server, which speaks JSON."""
     return connect(url)
@@ -105,7 +110,7 @@ def test_a_topic_is_heard_no_more_when_it_was_unsubscribed(bridge, joined):
     until(joined, lambda: len(bridge[0].frames) == 3)
     assert bridge[0].frames[-1] == {"op": "unsubscribe", "topic": "/a"}
     bridge[0].hang_up()
-    until(joined, lambda: "rosbridge: the server is back" in said)
+    until(joined, lambda: "rosbridge: the server is back" in said and subscriptions(bridge) == 3)
     with student(bridge[1]) as socket:
         for topic in ("/a", "/b"):
             send(socket, op="advertise", topic=topic, type=TWIST.name)
@@ -140,7 +145,7 @@ def test_it_goes_on_when_the_server_is_back(bridge, joined):
     until(joined, lambda: len(bridge[0].frames) == 1)
     bridge[0].hang_up()
     ours.publisher("/x", TWIST)(TwistMessage.of(0.0, 0.0))  # nobody is there
-    until(joined, lambda: "rosbridge: the server is back" in said)
+    until(joined, lambda: "rosbridge: the server is back" in said and subscriptions(bridge) == 2)
     assert said[0] == "warning: rosbridge: the connection is lost; it is tried again every second"
     with student(bridge[1]) as socket:
         send(socket, op="advertise", topic="/turtle1/cmd_vel", type=TWIST.name)

@@ -59,7 +59,7 @@ def test_without_torch_a_line_says_what_to_install(script):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert len(done.stderr.splitlines()) == 1
-    assert "which is not installed: pip install 'catch-arena[" in done.stderr
+    assert "which is not installed: pip install '.[" in done.stderr
 
 
 @pytest.mark.torch

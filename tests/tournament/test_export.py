@@ -123,8 +123,8 @@ def test_a_missing_extra_is_one_line(store, tmp_path, monkeypatch):
         monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")  # which it would set for this process
     with pytest.raises(
-        ConfigError, match=re.escape("format parquet needs PyArrow: pip install 'catch-arena[parquet]'")
+        ConfigError, match=re.escape("format parquet needs PyArrow: pip install '.[parquet]' in the clone")
     ):
         export(store, "parquet", tmp_path / "m")
-    with pytest.raises(ConfigError, match=re.escape("executor ray needs Ray: pip install 'catch-arena[ray]'")):
+    with pytest.raises(ConfigError, match=re.escape("executor ray needs Ray: pip install '.[ray]' in the clone")):
         RayExecutor(None, 1)

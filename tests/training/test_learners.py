@@ -177,7 +177,7 @@ def test_a_library_that_is_missing_is_named_in_one_line(name, library, monkeypat
     monkeypatch.setitem(sys.modules, library, None)
     monkeypatch.delitem(sys.modules, f"catch_arena.training.{training._HOMES[name]}", raising=False)
     monkeypatch.delitem(training.__dict__, name, raising=False)
-    with pytest.raises(ConfigError, match=rf"{name} needs \w+, which is not installed: pip install 'catch-arena\["):
+    with pytest.raises(ConfigError, match=rf"{name} needs \w+, which is not installed: pip install '\.\["):
         getattr(training, name)
 
 

@@ -17,13 +17,19 @@ from catch_arena.ros.bags.service_events import (
     ServiceEvent,
     event_of,
 )
+from catch_arena.ros.middleware.graph_names import (
+    ALIVE_TURTLES,
+    CATCH_TURTLE,
+    RULINGS,
+    TURTLE,
+    catch_turtle_of,
+    pose_of,
+)
 from catch_arena.ros.middleware.interfaces import RULING, Interfaces, MessageType, Time
 from catch_arena.ros.nodes.rulings import ruling_message
 from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, World
 
-ALIVE: Final = "/alive_turtles"
-RULINGS: Final = "/rulings"
 _NS: Final = 1_000_000
 """In a millisecond."""
 
@@ -33,18 +39,18 @@ class BusTopics:
 
     def __init__(self, replay: Replay, interfaces: Interfaces) -> None:
         hunters = replay.config.hunter_names
-        turtles = ("turtle1",) if len(hunters) == 1 else hunters
+        turtles = (TURTLE,) if len(hunters) == 1 else hunters
         self.hunters = hunters
-        self.poses = tuple(f"/{turtle}/pose" for turtle in turtles)
-        services = ("",) if len(hunters) == 1 else tuple(f"/{hunter}" for hunter in hunters)
-        self.requests = tuple(f"{service}/catch_turtle{TOPIC}" for service in services)
+        self.poses = tuple(pose_of(turtle) for turtle in turtles)
+        services = (CATCH_TURTLE,) if len(hunters) == 1 else tuple(map(catch_turtle_of, hunters))
+        self.requests = tuple(f"{service}{TOPIC}" for service in services)
         self.pose, self.alive = interfaces.pose, interfaces.turtle_array
         self.request = event_of(interfaces.catch_turtle)
 
     def all(self) -> Iterator[tuple[str, MessageType]]:
         """Each with its type."""
         yield from ((topic, self.pose) for topic in self.poses)
-        yield ALIVE, self.alive
+        yield ALIVE_TURTLES, self.alive
         yield from ((topic, self.request) for topic in self.requests)
         yield RULINGS, RULING
 
@@ -93,7 +99,7 @@ def bus_messages(
     worlds = replay.worlds()
     before = next(worlds)
     yield from _poses(topics, 0, before.hunters, [(hunter.x, hunter.y, hunter.theta) for hunter in before.hunters])
-    yield TimedMessage(0, ALIVE, topics.alive, before.alive_turtles)
+    yield TimedMessage(0, ALIVE_TURTLES, topics.alive, before.alive_turtles)
     numbers = [0] * len(topics.hunters)
     for after in worlds:
         motion = step_motion(before, after)
@@ -165,4 +171,4 @@ def _alive(topics: BusTopics, motion: StepMotion, time_ms: int) -> TimedMessage:
         for target in motion.after.targets
         if target.spawned_ms <= time_ms
     )
-    return TimedMessage(time_ms * _NS, ALIVE, topics.alive, TurtleArray(turtles))
+    return TimedMessage(time_ms * _NS, ALIVE_TURTLES, topics.alive, TurtleArray(turtles))

@@ -25,12 +25,12 @@ from catch_arena.ros.bags.service_events import (
     TOPIC,
     event_of,
 )
+from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, POSE, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType
 from catch_arena.text import one_line
 
 LONGEST_MS: Final = 24 * 3_600_000
 """As a replay's."""
-_ALIVE: Final = "alive_turtles"
 _OUTSIDE_M: Final = 0.01
 """A pose may lie so far beyond a wall; turtlesim clamps."""
 _GONE_MS: Final = 250.0
@@ -153,7 +153,7 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
 
 def _contents(path: Path, heard: _BagListener, unreadable: Mapping[str, str]) -> BagContents:
     for topic, why in unreadable.items():
-        if topic.endswith(_ALIVE) and not heard.lists:
+        if topic.endswith(ALIVE_TURTLES) and not heard.lists:
             raise ReplayError(
                 f"{path}: {topic}: none of its messages can be read as TurtleArray with string name, float64 x, y, "
                 f"theta: {one_line(why)}"
@@ -163,7 +163,7 @@ def _contents(path: Path, heard: _BagListener, unreadable: Mapping[str, str]) ->
         raise ReplayError(f"{path}: holds no pose that can be read{why}")
     hunters = _hunters(heard)
     if not hunters:
-        raise ReplayError(f"{path}: holds poses of targets alone: record /turtle1/pose too")
+        raise ReplayError(f"{path}: holds poses of targets alone: record {pose_of(TURTLE)} too")
     targets = {name: track for name, track in heard.tracks.items() if name not in hunters and name in heard.listed}
     asked = list(heard.called.values()) if heard.called else heard.left
     if not heard.lists:
@@ -185,12 +185,12 @@ def _hunters(heard: _BagListener) -> dict[str, Track]:
     if own:
         free = own
     elif not heard.lists:
-        free = [name for name in free if name == "turtle1"]
+        free = [name for name in free if name == TURTLE]
     return {name: heard.tracks[name] for name in free}
 
 
 def _named(name: str) -> str:
-    return "hunter" if name == "turtle1" or _OWN_HUNTER.fullmatch(name) else name
+    return "hunter" if name == TURTLE or _OWN_HUNTER.fullmatch(name) else name
 
 
 def _silenced(heard: _BagListener, hunters: Mapping[str, Track], targets: Mapping[str, Track]) -> list[RecordedRequest]:
@@ -241,11 +241,11 @@ def _handlers(path: Path, heard: _BagListener, connections: "list[Connection]") 
     poses = 0
     for one in connections:
         package, _, kind = one.msgtype.rpartition("/")
-        if kind == "Pose" and package in {"turtlesim/msg", "turtlesim_msgs/msg"} and one.topic.endswith("/pose"):
-            name = one.topic.strip("/").removesuffix("/pose")
+        if kind == "Pose" and package in {"turtlesim/msg", "turtlesim_msgs/msg"} and one.topic.endswith(POSE):
+            name = one.topic.strip("/").removesuffix(POSE)
             found[one.topic] = _decoder(plain.pose), _pose_handler(heard, name)
             poses += 1
-        elif one.topic in lists and (one.topic.endswith(f"/{_ALIVE}") or len(lists) == 1):
+        elif one.topic in lists and (one.topic.endswith(ALIVE_TURTLES) or len(lists) == 1):
             found[one.topic] = _lists_decoder(path, one), heard.on_list
         elif kind == "CatchTurtle_Event" and one.topic.endswith(TOPIC):
             hunter = one.topic.strip("/").removesuffix(TOPIC).rpartition("/")[0] or None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any, Final, Literal, Protocol, get_args
 
-from catch_arena.errors import BusError, ConfigError
+from catch_arena.errors import BusError, ConfigError, install_hint
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
 from catch_arena.ros.middleware.parameters import Parameters
 
@@ -21,7 +21,7 @@ HIGHEST_DOMAIN: Final = 232
 """The ports of the domains above it do not exist."""
 BRIDGE_URL: Final = "ws://127.0.0.1:9090"
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
-_INSTALL: Final = "pip install 'catch-arena[ros]'"
+_INSTALL: Final = install_hint("ros")
 _SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
@@ -85,8 +85,10 @@ class Bus(Protocol):
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
 
-    def client(self, service: str, kind: ServiceType) -> Client:
-        """Call a service."""
+    def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> Client:
+        """Call a service; `on_failure` takes the line in which rosbridge says that no response will come, which
+        otherwise is logged.
+        """
 
     def declare(self, parameters: Parameters) -> None:
         """Let others read and change the node's parameters, as `ros2 param` does. Over rosbridge there is no node of
@@ -109,7 +111,7 @@ def open_bus(
     node: str = "catch_arena",
     domain: int | None = None,
     localhost: bool | None = None,
-    url: str = BRIDGE_URL,
+    url: str | None = None,
     log: Log = print,
 ) -> Bus:
     """Join a ROS 2 bus.
@@ -120,21 +122,31 @@ def open_bus(
         domain: DDS's, from 0 to 232; None is ROS_DOMAIN_ID, or 0. rosbridge has that of its server.
         localhost: whether cyclonedds keeps to this machine; None is as ROS_LOCALHOST_ONLY and
             ROS_AUTOMATIC_DISCOVERY_RANGE say.
-        url: rosbridge's server.
+        url: rosbridge's server; None is BRIDGE_URL.
         log: takes one line whenever there is something that people should know.
 
     Raises:
-        ConfigError: for a domain that cannot be.
+        ConfigError: for a domain that cannot be; for a domain or a url that this back-end has no use for.
         BusError: where what it needs is not installed, or where the bus cannot be reached.
     """
     number = _checked_domain(domain)
+    is_asked_for = backend is not None
     if backend is None:
         backend = next((one for one in BACKENDS if _is_installed(one)), None)
         if backend is None:
             raise BusError(f"a ROS 2 bus needs cyclonedds, websockets or rclpy: {_INSTALL}")
-        log(f"bus: {backend}")
     elif not _is_installed(backend):
         raise BusError(_missing(backend))
+    if backend == "rosbridge" and domain is not None:
+        raise ConfigError(
+            f"--domain {domain} must be left out with --bus rosbridge: the server has a domain of its own"
+        )
+    if backend != "rosbridge" and url is not None:
+        raise ConfigError(
+            f"--url {url} must come with --bus rosbridge, whose server listens there, got --bus {backend}"
+        )
+    if not is_asked_for:
+        log(f"bus: {backend}")
     if backend == "cyclonedds":
         from catch_arena.ros.middleware.dds_bus import DdsBus
 
@@ -142,7 +154,7 @@ def open_bus(
     if backend == "rosbridge":
         from catch_arena.ros.middleware.rosbridge_bus import RosbridgeBus
 
-        return RosbridgeBus(url, log=log)
+        return RosbridgeBus(BRIDGE_URL if url is None else url, log=log)
     from catch_arena.ros.middleware.rclpy_bus import RclpyBus
 
     return RclpyBus(node, number, log=log)

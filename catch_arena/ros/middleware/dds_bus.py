@@ -124,8 +124,9 @@ class DdsBus:
         """
         serve_parameters(partial(self._serve, at_once=1), self._node, parameters)
 
-    def client(self, service: str, kind: ServiceType) -> "_DdsClient":
+    def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_DdsClient":
         """Call a service."""
+        del on_failure  # DDS does not tell
         user = Policy.Userdata(f"clientid={self._next_id()};".encode())
         name = _absolute(service)
         writer = self._writer(f"rq{name}Request", kind.request, user, header=True)

@@ -85,8 +85,9 @@ class RclpyBus:
 
         self._node.create_service(ros_class(kind.name), service, handle)
 
-    def client(self, service: str, kind: ServiceType) -> "_RclpyClient":
+    def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_RclpyClient":
         """Call a service."""
+        del on_failure  # rclpy does not tell
         return _RclpyClient(self._node.create_client(ros_class(kind.name), service), kind)
 
     def declare(self, parameters: Parameters) -> None:

@@ -122,9 +122,9 @@ class RosbridgeBus:
         self._handle(("call_service", service), _REQUESTS, handle)
         self._announce({"op": "advertise_service", "service": service, "type": kind.name})
 
-    def client(self, service: str, kind: ServiceType) -> "_BridgeClient":
+    def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_BridgeClient":
         """Call a service."""
-        client = _BridgeClient(service, kind, self._send, self._ids, self._complain)
+        client = _BridgeClient(service, kind, self._send, self._ids, on_failure or self._complain)
         self._handle(("service_response", service), _REQUESTS, client.handle)
         return client
 
@@ -255,9 +255,9 @@ class _BridgeClient:
         kind: ServiceType,
         send: Callable[[dict[str, Any]], None],
         ids: "count[int]",
-        complain: Callable[[str], None],
+        on_failure: Log,
     ) -> None:
-        self._service, self._kind, self._send, self._ids, self._complain = service, kind, send, ids, complain
+        self._service, self._kind, self._send, self._ids, self._on_failure = service, kind, send, ids, on_failure
         self._calls: dict[str, Call] = {}
 
     @property
@@ -283,7 +283,7 @@ class _BridgeClient:
         if frame.get("result"):
             call.response = from_json(self._kind.response, frame.get("values"))
         else:
-            self._complain(f"{self._service}: {frame.get('values')}")
+            self._on_failure(one_line(f"{self._service}: {frame.get('values')}"))
 
 
 def to_json(kind: MessageType, message: Any) -> dict[str, Any]:

@@ -16,7 +16,8 @@ from catch_arena.conformance.comparison import REFUSED, Call, Strictness, compar
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, Result
 from catch_arena.errors import BusError
-from catch_arena.ros.node_tests.node_under_test import ANSWER_S, TURTLE, NodeUnderTest, Place
+from catch_arena.ros.middleware.graph_names import TURTLE
+from catch_arena.ros.node_tests.node_under_test import ANSWER_S, NodeUnderTest, Place
 from catch_arena.verdicts import Ruling, Verdict
 
 _SETTLE_S: Final = 0.15

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from catch_arena.conformance.answers import counted
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.report import Report
-from catch_arena.errors import BusError, ConfigError
+from catch_arena.errors import BusError, ConfigError, MissingServiceError
 from catch_arena.ros.node_tests.cases import can_be_asked, run_on_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
@@ -43,7 +43,7 @@ def grade_node(spec: Spec, node: NodeUnderTest) -> Iterator[NodeGrade]:
 
     Raises:
         ConfigError: for a test without cases that can be asked of a service, before any is asked.
-        BusError: where the service is not there.
+        MissingServiceError: where the service is not there.
     """
     tests = [(test, _cases(test)) for test in spec.tests]
     node.meet()
@@ -52,6 +52,8 @@ def grade_node(spec: Spec, node: NodeUnderTest) -> Iterator[NodeGrade]:
         if lost is None:
             try:
                 report = run_on_node(node, cases)
+            except MissingServiceError:
+                raise
             except BusError as error:
                 lost = error
             else:

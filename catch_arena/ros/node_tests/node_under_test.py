@@ -5,16 +5,14 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from catch_arena.core.physics import DT
-from catch_arena.errors import BusError
+from catch_arena.errors import BusError, MissingServiceError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
 from catch_arena.ros.middleware.bus import Bus, Log, Peer, Request
+from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, KILL, SPAWN, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import Empty, Interfaces, Name
 
-TURTLE: Final = "turtle1"
-"""The hunter, as the exercise knows it."""
 ANSWER_S: Final = 2.0
 """So long a node may take to answer."""
-_ALIVE: Final = "/alive_turtles"
 _THERE_S: Final = 10.0
 """So long a node may take to appear, or to list a target."""
 _LOOK_S: Final = 0.5
@@ -39,15 +37,16 @@ class NodeUnderTest:
 
     def __init__(self, bus: Bus, service: str, interfaces: Interfaces, log: Log) -> None:
         self._bus, self._service, self._interfaces, self._log = bus, service, interfaces, log
-        self._pose = bus.publisher(f"/{TURTLE}/pose", interfaces.pose)
-        bus.subscribe(_ALIVE, interfaces.turtle_array, self._on_list)
-        bus.serve("/kill", interfaces.kill, lambda request: request.answer(Empty()))
-        bus.serve("/spawn", interfaces.spawn, self._on_spawn)
-        self._client = bus.client(service, interfaces.catch_turtle)
+        self._pose = bus.publisher(pose_of(TURTLE), interfaces.pose)
+        bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, self._on_list)
+        bus.serve(KILL, interfaces.kill, lambda request: request.answer(Empty()))
+        bus.serve(SPAWN, interfaces.spawn, self._on_spawn)
+        self._client = bus.client(service, interfaces.catch_turtle, self._on_failure)
         self._spawned = 1
         self._heard: TurtleArray | None = None
         self._position = Pose(0.0, 0.0, 0.0, 0.0, 0.0), TurtleArray(())
-        self._met = False
+        self._met = self._answered = False
+        self._failure = ""
         self._alive: Callable[[TurtleArray], None] | None = None
         self.keeps_the_list = False
         """Whether the node publishes /alive_turtles itself."""
@@ -61,21 +60,26 @@ class NodeUnderTest:
         """Wait until the service is there, and see who keeps the list.
 
         Raises:
-            BusError: where nobody serves it, or somebody who cannot answer over this bus.
+            MissingServiceError: where nobody serves it.
+            BusError: where somebody does who cannot answer over this bus.
         """
         if self._met:
             return
         end = time.monotonic() + _THERE_S
         while not self._client.ready:
             if time.monotonic() > end:
-                raise BusError(f"nobody serves {self._service} on this bus: does the node run, in the same domain?")
+                raise MissingServiceError(
+                    f"nobody serves {self._service} on this bus: does the node run, in the same domain?"
+                )
             self._bus.spin(0.05)
-        self._spin(_LOOK_S if self._bus.publishers_of(_ALIVE) is not None else _LISTEN_S)
-        self.keeps_the_list = bool(self._bus.publishers_of(_ALIVE)) or self._heard is not None
+        self._spin(_LOOK_S if self._bus.publishers_of(ALIVE_TURTLES) is not None else _LISTEN_S)
+        self.keeps_the_list = bool(self._bus.publishers_of(ALIVE_TURTLES)) or self._heard is not None
         if self.keeps_the_list:
-            self._log(f"the node publishes {_ALIVE} itself: it is asked for its own targets, one after the other")
+            self._log(
+                f"the node publishes {ALIVE_TURTLES} itself: it is asked for its own targets, one after the other"
+            )
         else:
-            self._alive = self._bus.publisher(_ALIVE, self._interfaces.turtle_array)
+            self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
         self._met = True
 
     def wait_for_target(self) -> None:
@@ -87,11 +91,16 @@ class NodeUnderTest:
         end = time.monotonic() + _THERE_S
         while not self.listed:
             if time.monotonic() > end:
-                raise BusError(f"the node lists no target on {_ALIVE} for {_THERE_S:g} s: does it call /spawn?")
+                raise BusError(f"the node lists no target on {ALIVE_TURTLES} for {_THERE_S:g} s: does it call {SPAWN}?")
             self._publish_for(DT)
 
     def ask(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
-        """Stand there among these targets for a while, and ask for one: the answer, None without one in time."""
+        """Stand there among these targets for a while, and ask for one: the answer, None without one in time.
+
+        Raises:
+            MissingServiceError: where the middleware says that the very first request cannot be answered. `meet` is not
+                told by rosbridge whether anybody serves it.
+        """
         turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
         self._position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
         self._publish_for(settle_s)
@@ -99,6 +108,9 @@ class NodeUnderTest:
         end = time.monotonic() + ANSWER_S
         while call.response is None and time.monotonic() < end:
             self._publish_for(DT)
+            if self._failure and not self._answered:
+                raise MissingServiceError(f"nobody answers on this bus ({self._failure}): does the node run?")
+        self._answered = self._answered or call.response is not None
         return None if call.response is None else bool(call.response.success)
 
     def ask_nothing(self, seconds: float) -> None:
@@ -123,6 +135,11 @@ class NodeUnderTest:
         del peer
         if not self._met or self.keeps_the_list:
             self._heard = message
+
+    def _on_failure(self, why: str) -> None:
+        self._failure = why
+        if self._answered:
+            self._log(f"warning: {why}")
 
     def _on_spawn(self, request: Request) -> None:
         """As turtlesim: every name is free here."""

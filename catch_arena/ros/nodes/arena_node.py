@@ -7,6 +7,7 @@ from typing import Any, Final
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ActionError, BusError, EpisodeError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse
+from catch_arena.ros.middleware import graph_names
 from catch_arena.ros.middleware.bus import Bus, Log, Request
 from catch_arena.ros.middleware.interfaces import (
     CLOCK,
@@ -88,26 +89,28 @@ class ArenaNode:
         self._logged: set[str] = set()
         self._ticks = 0
         self._scores: tuple[int, ...] = ()
-        self._topics = {seat.hunter: [f"/{seat.hunter}/cmd_vel"] for seat in self.seats}
-        poses = {hunter: [f"/{hunter}/pose"] for hunter in hunters}
+        self._topics = {seat.hunter: [graph_names.cmd_vel_of(seat.hunter)] for seat in self.seats}
+        poses = {hunter: [graph_names.pose_of(hunter)] for hunter in hunters}
         if len(self.seats) == 1:  # the exercise's own names
             (only,) = self.seats
-            self._topics[only.hunter].append("/turtle1/cmd_vel")
-            poses[only.hunter].append("/turtle1/pose")
+            self._topics[only.hunter].append(graph_names.cmd_vel_of(graph_names.TURTLE))
+            poses[only.hunter].append(graph_names.pose_of(graph_names.TURTLE))
         self._poses = [[bus.publisher(topic, interfaces.pose) for topic in poses[hunter]] for hunter in hunters]
-        self._alive = bus.publisher("/alive_turtles", interfaces.turtle_array)
-        self._rulings = self._optional_publisher("/rulings", RULING)
-        self._standings = self._optional_publisher("/standings", STANDING)
-        self._clock = bus.publisher("/clock", CLOCK) if clock else None
+        self._alive = bus.publisher(graph_names.ALIVE_TURTLES, interfaces.turtle_array)
+        self._rulings = self._optional_publisher(graph_names.RULINGS, RULING)
+        self._standings = self._optional_publisher(graph_names.STANDINGS, STANDING)
+        self._clock = bus.publisher(graph_names.CLOCK, CLOCK) if clock else None
         for seat in self.seats:
             for topic in self._topics[seat.hunter]:
                 bus.subscribe(topic, TWIST, seat.on_twist)
-            bus.serve(f"/{seat.hunter}/catch_turtle", interfaces.catch_turtle, self._catch_turtle_callback(seat))
-        bus.serve("/catch_turtle", interfaces.catch_turtle, self._on_catch_turtle)
-        bus.serve("/spawn", interfaces.spawn, self._on_spawn)
-        bus.serve("/kill", interfaces.kill, self._on_kill)
-        bus.serve("/clear", EMPTY, lambda request: request.answer(Empty()))  # there is no drawing
-        bus.serve("/reset", EMPTY, self._on_reset)
+            bus.serve(
+                graph_names.catch_turtle_of(seat.hunter), interfaces.catch_turtle, self._catch_turtle_callback(seat)
+            )
+        bus.serve(graph_names.CATCH_TURTLE, interfaces.catch_turtle, self._on_catch_turtle)
+        bus.serve(graph_names.SPAWN, interfaces.spawn, self._on_spawn)
+        bus.serve(graph_names.KILL, interfaces.kill, self._on_kill)
+        bus.serve(graph_names.CLEAR, EMPTY, lambda request: request.answer(Empty()))  # there is no drawing
+        bus.serve(graph_names.RESET, EMPTY, self._on_reset)
         service.subscribe(self._alive)
 
     def begin(self, seed: int | None) -> None:
@@ -253,12 +256,12 @@ class ArenaNode:
             name = self._service.spawn(x, y, asked.theta)
             if not name:
                 most = self._service.config.max_targets
-                self._warn_once(f"/spawn: the arena is full, with {most} targets: nothing is spawned")
+                self._warn_once(f"{graph_names.SPAWN}: the arena is full, with {most} targets: nothing is spawned")
             elif asked.name not in {"", name}:
                 names = f"{name} for {one_line(asked.name[:40])}"
-                self._warn_once(f"/spawn: the arena gives its targets names of its own: {names}", "names")
+                self._warn_once(f"{graph_names.SPAWN}: the arena gives its targets names of its own: {names}", "names")
         except (ActionError, EpisodeError) as error:
-            self._warn_once(f"/spawn: {error}", "spawn")
+            self._warn_once(f"{graph_names.SPAWN}: {error}", "spawn")
             name = ""
         request.answer(Name(name))
 
@@ -266,12 +269,12 @@ class ArenaNode:
         try:
             self._service.kill(request.message.name)
         except EpisodeError as error:
-            self._warn_once(f"/kill: {error}")
+            self._warn_once(f"{graph_names.KILL}: {error}")
         request.answer(Empty())
 
     def _on_reset(self, request: Request) -> None:
         if self._service.is_recorded:
-            self._warn_once("/reset: a recorded match goes on to its end")
+            self._warn_once(f"{graph_names.RESET}: a recorded match goes on to its end")
         else:
             self.begin(None)
         request.answer(Empty())

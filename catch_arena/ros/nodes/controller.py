@@ -18,6 +18,7 @@ from catch_arena.layout import columns
 from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
 from catch_arena.policy import Limits
 from catch_arena.ros.middleware.bus import Bus, Call, Log, Peer
+from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, catch_turtle_of, cmd_vel_of, pose_of
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessage
 from catch_arena.ros.middleware.parameters import Parameter
 from catch_arena.tournament.players import Players
@@ -84,13 +85,13 @@ class Controller:
         self._warned = self._unserved = False
         self.caught = 0
         """How often /catch_turtle said yes."""
-        self._cmd_vel: Callable[[TwistMessage], None] = bus.publisher(f"/{turtle}/cmd_vel", TWIST)
-        self._services = ["/catch_turtle"] if service is None else [service]
+        self._cmd_vel: Callable[[TwistMessage], None] = bus.publisher(cmd_vel_of(turtle), TWIST)
+        self._services = [CATCH_TURTLE] if service is None else [service]
         if service is None and bus.backend != "rosbridge":  # which does not tell who serves what
-            self._services.insert(0, f"/{turtle}/catch_turtle")
+            self._services.insert(0, catch_turtle_of(turtle))
         self._clients = [bus.client(name, interfaces.catch_turtle) for name in self._services]
-        bus.subscribe(f"/{turtle}/pose", interfaces.pose, self._on_pose)
-        bus.subscribe("/alive_turtles", interfaces.turtle_array, self._on_turtles)
+        bus.subscribe(pose_of(turtle), interfaces.pose, self._on_pose)
+        bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, self._on_turtles)
         self._engine.reset([0])
         limits = replace(Limits.of(config), control_period_ms=config.control_period_ms)
         seats = range(len(players.controls))

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from catch_arena.errors import BusError, ConfigError
+from catch_arena.errors import BusError, ConfigError, install_hint
 from catch_arena.ros.middleware.bus import Log
 from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import in_short, one_line
@@ -114,7 +114,7 @@ def _load(text: str, where: str) -> Any:
         from ruamel.yaml import YAML
         from ruamel.yaml.error import YAMLError
     except ImportError:
-        raise BusError("--ros-args needs ruamel.yaml, which is not installed: pip install 'catch-arena[ros]'") from None
+        raise BusError(f"--ros-args needs ruamel.yaml, which is not installed: {install_hint('ros')}") from None
     try:
         return YAML(typ="safe", pure=True).load(text)
     except (YAMLError, ValueError, RecursionError) as error:

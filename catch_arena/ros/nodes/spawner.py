@@ -12,6 +12,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.physics import DT, TICK_MS
 from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
 from catch_arena.ros.middleware.bus import Bus, Call, Log, Peer, Request
+from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, KILL, SPAWN, catch_turtle_of, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces, Name, SpawnRequest
 from catch_arena.ros.middleware.parameters import Parameter
 
@@ -71,12 +72,12 @@ class Spawner:
         self._number = self._ticks = 0
         self._spawning: tuple[Call, SpawnRequest, int] | None = None
         self.scores = [0] * len(turtles)
-        self._spawn = bus.client("/spawn", interfaces.spawn)
-        self._kill = bus.client("/kill", interfaces.kill)
-        self._referee = bus.client("/catch_turtle", interfaces.catch_turtle)
+        self._spawn = bus.client(SPAWN, interfaces.spawn)
+        self._kill = bus.client(KILL, interfaces.kill)
+        self._referee = bus.client(CATCH_TURTLE, interfaces.catch_turtle)
         self._publish: Callable[[Any], None] | None = None
         for turtle in turtles:
-            bus.subscribe(f"/{turtle}/pose", interfaces.pose, self._pose_callback(turtle))
+            bus.subscribe(pose_of(turtle), interfaces.pose, self._pose_callback(turtle))
 
     @property
     def ready(self) -> bool:
@@ -86,13 +87,13 @@ class Spawner:
     def begin(self) -> None:
         """Referee, unless somebody does."""
         if self._bus.backend != "rosbridge" and self._referee.ready:  # rosbridge does not tell
-            self._log("/catch_turtle is answered already: this node spawns, and no more")
+            self._log(f"{CATCH_TURTLE} is answered already: this node spawns, and no more")
             return
-        self._publish = self._bus.publisher("/alive_turtles", self._interfaces.turtle_array)
+        self._publish = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
         for seat, turtle in enumerate(self._turtles):
-            self._bus.serve(f"/{turtle}/catch_turtle", self._interfaces.catch_turtle, self._catch_turtle_callback(seat))
+            self._bus.serve(catch_turtle_of(turtle), self._interfaces.catch_turtle, self._catch_turtle_callback(seat))
         if len(self._turtles) == 1:
-            self._bus.serve("/catch_turtle", self._interfaces.catch_turtle, self._catch_turtle_callback(0))
+            self._bus.serve(CATCH_TURTLE, self._interfaces.catch_turtle, self._catch_turtle_callback(0))
 
     def tick(self) -> None:
         """16 ms: what was asked meanwhile is judged together (R5.1)."""
@@ -157,11 +158,11 @@ class Spawner:
                 return
             self._refused = 0
             self._alive[name] = Turtle(name, asked.x, asked.y, asked.theta)
-            self._bus.subscribe(f"/{name}/pose", self._interfaces.pose, self._target_callback(name))
+            self._bus.subscribe(pose_of(name), self._interfaces.pose, self._target_callback(name))
             self._publish_alive()
         elif self._ticks > since + _ANSWER_TICKS:
             self._spawning = None
-            self._log("warning: /spawn does not answer")
+            self._log(f"warning: {SPAWN} does not answer")
 
     def _target_callback(self, name: str) -> Callable[[Pose, Peer | None], None]:
         def callback(pose: Pose, peer: Peer | None) -> None:
@@ -186,7 +187,7 @@ class Spawner:
     def _forget(self, name: str) -> None:
         del self._alive[name]
         self._heard.pop(name, None)
-        self._bus.unsubscribe(f"/{name}/pose")
+        self._bus.unsubscribe(pose_of(name))
 
     def _judge(self) -> None:
         asked, self._pending = self._pending, []

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from catch_arena.engine import Engine
-from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost, reason
+from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost, install_hint, reason
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import fresh_process, require_jobs
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
@@ -41,7 +41,7 @@ class RayExecutor:
         try:
             import ray
         except ImportError:
-            raise ConfigError("executor ray needs Ray: pip install 'catch-arena[ray]'") from None
+            raise ConfigError(f"executor ray needs Ray: {install_hint('ray')}") from None
         if address is None:
             Engine(worker.config)  # compiled once here, and read from the cache there
         before = signal.getsignal(signal.SIGTERM)
