@@ -510,8 +510,7 @@ def write(
     compute_ages(block, targets, width, slots, s, scratch.ages)
     compute_time_left(block, s, width, time_left)
     target_width = MOVING_TARGET_WIDTH if s.targets_move else TARGET_WIDTH
-    rivals_at = SELF_WIDTH + s.targets_seen * target_width
-    columns = rivals_at + s.hunters_seen * rival_width(s)
+    columns = SELF_WIDTH + s.targets_seen * target_width + s.hunters_seen * rival_width(s)
     few_of_many = s.hunters > _MANY * s.hunters_seen
     stride = s.hunters * columns
     for first in range(0, span(width), len(width)):
@@ -539,32 +538,22 @@ def write(
                 if not few_of_many:
                     blur_rivals(block, seat, rivals_seen, first, width, s, teams, scratch.rival_features)
             for lane in range(first, first + len(width)):
-                at = begin + (lane - first) * stride + seat * columns
-                write_ranked(
-                    targets_seen,
-                    s.targets_seen,
-                    s.hunters_seen == 0,
-                    lane,
-                    scratch.target_features,
-                    width,
-                    target_width,
-                    to,
-                    at + SELF_WIDTH,
-                )
-                if few_of_many:
-                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, s, teams, to, at + rivals_at)
-                else:
+                at = begin + (lane - first) * stride + seat * columns + SELF_WIDTH
+                alone, rivals = s.hunters_seen == 0, scratch.rival_features
+                # a call for each width, so that the compiler knows it
+                if s.targets_move:
                     write_ranked(
-                        rivals_seen,
-                        s.hunters_seen,
-                        True,
-                        lane,
-                        scratch.rival_features,
-                        width,
-                        rival_width(s),
-                        to,
-                        at + rivals_at,
+                        targets_seen, s.targets_seen, alone, lane, features, width, MOVING_TARGET_WIDTH, to, at
                     )
+                else:
+                    write_ranked(targets_seen, s.targets_seen, alone, lane, features, width, TARGET_WIDTH, to, at)
+                at += s.targets_seen * target_width
+                if few_of_many:
+                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, s, teams, to, at)
+                elif s.has_teams:
+                    write_ranked(rivals_seen, s.hunters_seen, True, lane, rivals, width, TEAM_RIVAL_WIDTH, to, at)
+                else:
+                    write_ranked(rivals_seen, s.hunters_seen, True, lane, rivals, width, RIVAL_WIDTH, to, at)
         if apart:
             copy_to_observations(
                 scratch.staging, min(len(width), lanes - first) * stride, out, (arena + first) * stride
