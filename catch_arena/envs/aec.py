@@ -2,14 +2,26 @@
 gives it.
 """
 
+import copy
+from dataclasses import dataclass
 from typing import Any
 
 from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from catch_arena.config import ArenaConfig
-from catch_arena.envs.parallel import CatchArenaEnv, Infos, parallel_env
-from catch_arena.errors import ActionError, EpisodeError
+from catch_arena.envs.parallel import CatchArenaEnv, Infos, SavedEpisode, parallel_env
+from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.text import in_short
+
+
+@dataclass(frozen=True, slots=True)
+class SavedTurn:
+    """What `CatchArenaAecEnv.save` gives: as many can be kept, and pickled, as one likes."""
+
+    episode: SavedEpisode
+    turns: dict[str, Any]
+    """Whose turn it is, which actions have been given and not yet played, and what the last step told."""
 
 
 class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
@@ -48,6 +60,35 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         result: tuple[Any, float, bool, bool, dict[str, Any]] = super().last(observe)
         return result
 
+    def save(self) -> SavedTurn:
+        """R10.2: the episode as it stands, between two turns too; `restore` takes it back, here or in an env of an
+        equal config, at any time and as often as one likes.
+
+        Raises:
+            EpisodeError: before the first reset.
+        """
+        return SavedTurn(self._parallel.save(), self.env.save_turns())
+
+    def restore(self, saved: SavedTurn) -> None:
+        """Go on from a saved episode, bit for bit; `last` gives what it gave then.
+
+        Raises:
+            ConfigError: for what `save` did not give, or did for another config.
+        """
+        if not isinstance(saved, SavedTurn):
+            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+        self._parallel.restore(saved.episode)
+        self.env.restore_turns(saved.turns)
+        self._has_reset = self._has_updated = True
+
+    def clone(self) -> "CatchArenaAecEnv":
+        """An env of its own in the same state, as `copy.deepcopy` makes it too; without a window."""
+        return copy.deepcopy(self)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A loop over the turns may begin with what was copied or unpickled, as with what was reset."""
+        self.__dict__.update(state, _has_updated=True)
+
     def _require_turn(self, what: str) -> None:
         if not self._has_reset:
             raise EpisodeError(f"{what} must follow a reset: no episode has begun")
@@ -59,6 +100,18 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
     """The wrapper keeps the actions until the last seat's turn; a bad one would be refused to somebody else."""
 
     env: CatchArenaEnv
+
+    def __init__(self, parallel: CatchArenaEnv) -> None:
+        super().__init__(parallel)
+        self._unchanging = frozenset(vars(self)) | {"_unchanging"}
+
+    def save_turns(self) -> dict[str, Any]:
+        """All that an episode has changed here."""
+        return copy.deepcopy({name: value for name, value in vars(self).items() if name not in self._unchanging})
+
+    def restore_turns(self, saved: dict[str, Any]) -> None:
+        """Take it back, and forget what came after it."""
+        self.__dict__ = {name: vars(self)[name] for name in self._unchanging} | copy.deepcopy(saved)
 
     @property
     def unwrapped(self) -> "_Unwrapped":

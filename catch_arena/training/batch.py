@@ -3,7 +3,9 @@
 The adapters for libraries stand on this.
 """
 
+import copy
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -12,12 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.envs.vector import VectorArena
+from catch_arena.envs.vector import SavedState, VectorArena
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import Column, columns
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
-from catch_arena.training.opponents import Opponents, Pool
+from catch_arena.text import in_short
+from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
 
 Figures = dict[str, NDArray[np.float32]]
 
@@ -46,6 +49,20 @@ class LearnerStep(NamedTuple):
     opponents also `opponents`, who they were as places in `opponents.names`, and `opponent_scores`, by seat: (E, S).
     Empty without auto_reset.
     """
+
+
+@dataclass(frozen=True, slots=True)
+class SavedLearners:
+    """What `LearnerBatch.save` gives: as many can be kept, and pickled, as one likes."""
+
+    arena: SavedState
+    opponents: SavedOpponents | None
+    seats: NDArray[np.int64]
+    """In which the learners sit: (B, learners)."""
+    rotation: NDArray[np.int64]
+    """By how many seats they have moved on: (B,)."""
+    rng: Mapping[str, Any]
+    """The state of the generator."""
 
 
 class LearnerBatch:
@@ -174,8 +191,9 @@ class LearnerBatch:
             given = self._of_arenas(actions)
         else:
             self._place(actions)
-            self.opponents.act(self._seen, self._masks, self._choices, self._commands)
             given = {"cmd_vel": self._commands, "catch": self._choices}
+            self.arena.check_actions(given)  # now: opponents that have acted cannot take it back
+            self.opponents.act(self._seen, self._masks, self._choices, self._commands)
         seats = self._seats  # of the episodes that end here
         observations, rewards, terminations, truncations, infos = self.arena.step(given)
         self._take(observations, infos)
@@ -209,6 +227,51 @@ class LearnerBatch:
             figures,
         )
 
+    def save(self) -> SavedLearners:
+        """R10.2: all arenas, the opponents with all that they remember, and what will be drawn; `restore` takes it
+        back, here or in a batch made with the same arguments. What an agent keeps outside itself is not kept.
+
+        Raises:
+            AgentError: that names an opponent that cannot be copied.
+            EpisodeError: before the first reset.
+        """
+        return SavedLearners(
+            arena=self.arena.save(),
+            opponents=None if self.opponents is None else self.opponents.save(),
+            seats=self.seats,
+            rotation=self._rotation.copy(),
+            rng=self._rng.bit_generator.state,
+        )
+
+    def restore(self, saved: SavedLearners) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Go on from a saved state, bit for bit, with the pool of that time.
+
+        Returns:
+            observations and masks, as `reset`.
+
+        Raises:
+            ConfigError: for what was not saved from as many arenas of an equal config, with as many learners.
+        """
+        if not isinstance(saved, SavedLearners):
+            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+        if saved.seats.shape[1] != self.learners:  # of as many there are opponents in both or in none
+            raise ConfigError(f"saved must come from a batch with learners={self.learners}, got {saved.seats.shape[1]}")
+        observations, infos = self.arena.restore(saved.arena)
+        if self.opponents is not None and saved.opponents is not None:
+            self.opponents.restore(saved.opponents)
+        self._seats, self._rotation = saved.seats.copy(), saved.rotation.copy()
+        self._rng.bit_generator.state = saved.rng
+        self._take(observations, infos)
+        return self._observations(observations), self._masks_of(self._masks)
+
+    def clone(self) -> "LearnerBatch":
+        """A batch of its own in the same state, as `copy.deepcopy` makes it too.
+
+        Raises:
+            AgentError: that names an opponent that cannot be copied.
+        """
+        return copy.deepcopy(self)
+
     def _take(self, observations: NDArray[np.float32], infos: Mapping[str, Any]) -> None:
         self._seen = observations
         self._masks = infos.get("action_mask", self._masks)
@@ -232,19 +295,24 @@ class LearnerBatch:
         """(N, ...) as (B, H, ...)."""
         if isinstance(actions, Mapping):
             return {name: self._of_arenas(value) for name, value in actions.items()}
-        given = np.asarray(actions)
+        try:
+            given = np.asarray(actions)
+        except ValueError:
+            raise ActionError(f"actions must be rows of equal length, got {in_short(actions)}") from None
         if given.shape[:1] != (self.num_rows,):
             raise ActionError(f"actions must be those of {self.num_rows} learners, got the shape {given.shape}")
         return given.reshape(self.num_envs, self.learners, *given.shape[1:])
 
     def _place(self, actions: Any) -> None:
-        """The learners' actions at their seats; the arena checks them."""
-        named = actions if self._control == CONTROLS["full"] else {}
+        """The learners' actions at their seats, and zeros elsewhere; the arena checks them."""
+        self._choices.fill(0)
+        self._commands.fill(0)
+        named = actions
         if self._control == CONTROLS["target"]:
             named = {"catch": actions}
         elif self._control == CONTROLS["velocity"]:
             named = {"cmd_vel": actions}
-        if not isinstance(named, Mapping) or not set(named) <= {"cmd_vel", "catch"}:
+        elif not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
             raise ActionError(f"actions must be a mapping with cmd_vel and catch, got {type(actions).__name__}")
         for name, table in (("catch", self._choices), ("cmd_vel", self._commands)):
             if name not in named:
@@ -257,7 +325,8 @@ class LearnerBatch:
             if given.shape[2:] != table.shape[2:]:
                 wanted = (self.num_rows, *table.shape[2:])
                 raise ActionError(f"actions must have the shape {wanted}, got {np.shape(named[name])}")
-            table[self._rows, self._seats] = given
+            with np.errstate(over="ignore"):  # what becomes infinite is refused
+                table[self._rows, self._seats] = given
 
     def _observations(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         own: NDArray[np.float32] = self._flat(observations[self._rows, self._seats])

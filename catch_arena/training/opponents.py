@@ -31,6 +31,15 @@ class _Opponent(NamedTuple):
     in_batches: bool
 
 
+class SavedOpponents(NamedTuple):
+    """What `Opponents.save` gives: copies of its own of the agents, with all that they remember."""
+
+    pool: tuple[_Opponent, ...]
+    instances: dict[tuple[int, int], Any]
+    weights: NDArray[np.float64] | None
+    who: NDArray[np.int64]
+
+
 class Opponents:
     """A pool of agents, of which each free seat gets one in each episode.
 
@@ -147,12 +156,32 @@ class Opponents:
                 continue
             for row, place in np.argwhere(chosen == number).tolist():
                 arena, seat = int(arenas[row]), int(seats[row, place])
-                instance = copy.deepcopy(opponent.policy)
+                instance = _copied(opponent, {})
                 self._instances[arena, seat] = instance
                 self._call(
                     opponent._replace(policy=instance), "reset", _where(arena, seat), int(rng.integers(_SEED_LIMIT))
                 )
         return chosen
+
+    def save(self) -> SavedOpponents:
+        """R10.2: the pool, who plays where, and all that the agents remember; `restore` takes it back.
+
+        Raises:
+            AgentError: that names an agent that cannot be copied.
+        """
+        return _kept(SavedOpponents(tuple(self._pool), self._instances, self._weights, self._who))
+
+    def restore(self, saved: SavedOpponents) -> None:
+        """Go on from what `save` gave, here or in opponents of an arena of equal config and size."""
+        pool, self._instances, self._weights, self._who = _kept(saved)
+        self._pool = list(pool)
+        for control in set(self.controls.tolist()):
+            self._know(control)
+
+    def __deepcopy__(self, _memo: dict[int, Any]) -> "Opponents":
+        twin = copy.copy(self)
+        twin.restore(self.save())
+        return twin
 
     def act(
         self,
@@ -271,6 +300,25 @@ def _opponent(agent: object) -> _Opponent:
         if not callable(getattr(policy, method, None)):
             raise AgentError(f"opponent {name}: must have reset and act_batch, or reset and act, got no {method}")
     return _Opponent(name, policy, CONTROLS[control_of(policy)], in_batches)
+
+
+def _kept(state: SavedOpponents) -> SavedOpponents:
+    """A copy of it all. Agents that share something share it afterwards too."""
+    memo: dict[int, Any] = {}
+    pool = tuple(opponent._replace(policy=_copied(opponent, memo)) for opponent in state.pool)
+    instances = {
+        place: _copied(state.pool[state.who[place]]._replace(policy=instance), memo)
+        for place, instance in state.instances.items()
+    }
+    return SavedOpponents(pool, instances, None if state.weights is None else state.weights.copy(), state.who.copy())
+
+
+def _copied(opponent: _Opponent, memo: dict[int, Any]) -> Any:
+    """The agent once more, with all that it remembers."""
+    try:
+        return copy.deepcopy(opponent.policy, memo)
+    except Exception as error:  # a stranger's code may raise anything
+        raise AgentError(f"opponent {opponent.name}: copying it raised {reason(error)}") from error
 
 
 def _with_control(limits: Limits, control: int) -> Limits:
