@@ -512,7 +512,7 @@ def _require_number(
 
 def require_choice(name: str, value: object, choices: Sequence[str | None]) -> None:
     """Raise ConfigError, with the nearest right words, unless the value is one of the choices."""
-    if value not in choices:
+    if not isinstance(value, str | None) or value not in choices:  # an array is equal to nothing, nor unequal
         words = [str(choice) for choice in choices]
         meant = did_you_mean(value, words)
         raise ConfigError(f"{name} must be one of {', '.join(words)}, got {value!r}{'; ' if meant else ''}{meant}")

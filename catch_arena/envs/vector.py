@@ -320,7 +320,8 @@ class VectorArena:
 
         Returns:
             observations (B, H, D) float32, rewards (B, H) float32, terminations (B,) and truncations (B,) bool, infos;
-            where there is prey, observations and rewards of each side.
+            where there is prey, observations and rewards of each side. Without `copy=True` the next call writes into
+            the same arrays: copy what you keep.
 
         Raises:
             ActionError: that names the first arena and agent whose action is not legal; nothing has moved then.

@@ -137,13 +137,21 @@ class LearnerBatch:
         self._seats = np.tile(np.arange(self.learners), (self.num_envs, 1))
         self._rows = np.arange(self.num_envs)[:, None]
         self._rng = np.random.default_rng(0)
-        self._seen: NDArray[np.float32] | None = None
+        self._begun = False
+        self._seen: NDArray[np.float32] = np.zeros((*shape, len(self.columns)), np.float32)
         self._masks: NDArray[np.int8] = np.ones((*shape, 0), np.int8)
 
     @property
     def seats(self) -> NDArray[np.int64]:
         """The seats in which learners sit in the episodes under way: (B, learners)."""
         return self._seats.copy()
+
+    @property
+    def masks(self) -> NDArray[np.bool_]:
+        """The choices that are legal now: (N, K + 1); (N, 0) under velocity control."""
+        if self._control == CONTROLS["velocity"]:
+            return np.ones((self.num_rows, 0), np.bool_)
+        return self._flat(self._masks[self._rows, self._seats]).astype(np.bool_)
 
     def close(self) -> None:
         """End the threads that were started."""
@@ -161,17 +169,21 @@ class LearnerBatch:
         Returns:
             the observations (N, D) and masks (N, K + 1) of all learners.
         """
-        if arenas is None and (seed is not None or self._seen is None):
+        if arenas is not None:
+            self._require_begun("reset of single arenas")
+        elif seed is not None or not self._begun:
             seed = fresh_seed() if seed is None else checked_seed(seed)
             self._rng = np.random.default_rng(seed)
             self._rotation = np.arange(self.num_envs) - 1
             if self.opponents is not None:
                 self.opponents.begin(self._rng)
         observations, infos = self.arena.reset(seed, arenas)
-        chosen = np.arange(self.num_envs) if arenas is None else np.arange(self.num_envs)[np.asarray(arenas)]
+        rows = np.arange(self.num_envs)
+        chosen = rows if arenas is None else rows[np.asarray(arenas) if np.size(arenas) else []]
         self._take(observations, infos)
         self._seat(chosen)
-        return self._observations(observations), self._masks_of(self._masks)
+        self._begun = True
+        return self._observations(observations), self.masks
 
     def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> LearnerStep:
         """R1.4: one step of every arena.
@@ -182,11 +194,11 @@ class LearnerBatch:
 
         Raises:
             ActionError: for an action that is not legal; nothing has moved then.
-            AgentError: for an opponent that raised, or whose action is not legal; nothing has moved then.
+            AgentError: for an opponent that raised, or whose action is not legal; nothing has moved then. After one
+                that raised as a new episode began, all must be reset.
             EpisodeError: before the first reset.
         """
-        if self._seen is None:
-            raise EpisodeError("step must follow a reset: no episode has begun")
+        self._require_begun("step")
         if self.opponents is None:
             given = self._of_arenas(actions)
         else:
@@ -217,7 +229,7 @@ class LearnerBatch:
                 final /= self.scale
         return LearnerStep(
             self._observations(observations),
-            self._masks_of(self._masks),
+            self.masks,
             rewards[self._rows, seats].reshape(-1),
             np.repeat(terminations, self.learners),
             np.repeat(truncations, self.learners),
@@ -235,6 +247,7 @@ class LearnerBatch:
             AgentError: that names an opponent that cannot be copied.
             EpisodeError: before the first reset.
         """
+        self._require_begun("save")
         return SavedLearners(
             arena=self.arena.save(),
             opponents=None if self.opponents is None else self.opponents.save(),
@@ -262,7 +275,8 @@ class LearnerBatch:
         self._seats, self._rotation = saved.seats.copy(), saved.rotation.copy()
         self._rng.bit_generator.state = saved.rng
         self._take(observations, infos)
-        return self._observations(observations), self._masks_of(self._masks)
+        self._begun = True
+        return self._observations(observations), self.masks
 
     def clone(self) -> "LearnerBatch":
         """A batch of its own in the same state, as `copy.deepcopy` makes it too.
@@ -280,6 +294,7 @@ class LearnerBatch:
         """Learners move on by a seat, and the other seats draw their opponents."""
         if self.opponents is None:
             return
+        self._begun = False  # until each opponent has begun: one that raises leaves seats that nobody plays
         hunters = self.config.hunters
         self._rotation[arenas] += 1
         order = (np.arange(hunters) + self._rotation[arenas, None]) % hunters
@@ -290,6 +305,11 @@ class LearnerBatch:
         controls = np.full((len(arenas), hunters), self._control, dtype=np.int8)
         np.put_along_axis(controls, others, self.opponents.controls[drawn], axis=1)
         self.arena.set_controls(controls, arenas)
+        self._begun = True
+
+    def _require_begun(self, what: str) -> None:
+        if not self._begun:
+            raise EpisodeError(f"{what} must follow a reset: no episode has begun")
 
     def _of_arenas(self, actions: Any) -> Any:
         """(N, ...) as (B, H, ...)."""
@@ -333,11 +353,6 @@ class LearnerBatch:
         if self.scale is not None:
             own /= self.scale
         return own
-
-    def _masks_of(self, masks: NDArray[np.int8]) -> NDArray[np.bool_]:
-        if self._control == CONTROLS["velocity"]:
-            return np.ones((self.num_rows, 0), np.bool_)
-        return self._flat(masks[self._rows, self._seats]).astype(np.bool_)
 
     @staticmethod
     def _flat(table: NDArray[Any]) -> NDArray[Any]:

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS, FULL_CONTROL, TARGET_CONTROL, VELOCITY_CONTROL
-from catch_arena.errors import AgentError, ConfigError, reason
+from catch_arena.envs.spaces import checked_choice, checked_command, checked_full
+from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import in_short
 from catch_arena.tournament.entrants import create_policy, resolve_spec
@@ -200,12 +201,11 @@ class Opponents:
             if not len(arenas):
                 continue
             if not opponent.in_batches:
-                for arena, seat in zip(arenas.tolist(), seats.tolist(), strict=True):
-                    limits = self._limits[opponent.control][seat]
-                    view = View(observations[arena, seat].tolist(), masks[arena, seat].tolist(), limits)
-                    own = opponent._replace(policy=self._instances[arena, seat])
-                    answer = _alone(self._call(own, "act", _where(arena, seat), view))
-                    self._write(opponent, "act", answer, np.array([arena]), np.array([seat]), choices, commands)
+                for place in zip(arenas.tolist(), seats.tolist(), strict=True):
+                    view = View(
+                        observations[place].tolist(), masks[place].tolist(), self._limits[opponent.control][place[1]]
+                    )
+                    choices[place], commands[place] = self._act_alone(opponent, place, view)
                 continue
             of_seat = self._limits[opponent.control]
             groups = [slice(None)] if self._alike[opponent.control] else [seats == seat for seat in np.unique(seats)]
@@ -213,7 +213,20 @@ class Opponents:
                 some, own_seats = arenas[group], seats[group]
                 batch = BatchView(observations[some, own_seats], masks[some, own_seats], of_seat[int(own_seats[0])])
                 answer = self._call(opponent, "act_batch", "", batch)
-                self._write(opponent, "act_batch", answer, some, own_seats, choices, commands)
+                self._write(opponent, answer, some, own_seats, choices, commands)
+
+    def _act_alone(self, opponent: _Opponent, place: tuple[int, int], view: View) -> tuple[int, tuple[float, float]]:
+        """The choice and the command of one hunter, whose answer is judged as in an env of one arena."""
+        where, name, ranks = _where(*place), f"opponent {opponent.name}", self._config.targets_seen
+        answer = self._call(opponent._replace(policy=self._instances[place]), "act", where, view)
+        try:
+            if opponent.control == FULL_CONTROL:
+                return checked_full(name, answer, ranks)
+            if opponent.control == VELOCITY_CONTROL:
+                return 0, checked_command(name, "an action", answer)
+            return checked_choice(name, "an action", answer, ranks), (0.0, 0.0)
+        except ActionError as error:
+            raise AgentError(f"{error}{where}") from None
 
     def _call(self, opponent: _Opponent, method: str, where: str, argument: object) -> Any:
         try:
@@ -224,15 +237,14 @@ class Opponents:
     def _write(
         self,
         opponent: _Opponent,
-        method: str,
         answer: Any,
         arenas: NDArray[np.int64],
         seats: NDArray[np.int64],
         choices: NDArray[np.int64],
         commands: NDArray[np.float32],
     ) -> None:
-        """Check an answer against the actions that there are, and write it to its places."""
-        said, count = f"opponent {opponent.name}: {method}", len(arenas)
+        """Check an answer for many hunters against the actions that there are, and write it to its places."""
+        said, count = f"opponent {opponent.name}: act_batch", len(arenas)
         ranks, velocities = answer, answer
         if opponent.control == FULL_CONTROL:
             if not isinstance(answer, Mapping) or set(answer) != {"cmd_vel", "catch"}:
@@ -334,13 +346,6 @@ def _numbers(said: str, given: Any, kinds: str, wanted: str, shape: tuple[int, .
         what = f"an array of {numbers.dtype} of the shape {numbers.shape}" if numbers.shape else in_short(given)
         raise AgentError(f"{said} must give {wanted}, got {what}")
     return numbers
-
-
-def _alone(answer: Any) -> Any:
-    """An answer for one hunter in the form of one for a batch."""
-    if isinstance(answer, Mapping):
-        return {name: [value] for name, value in answer.items()}
-    return [answer]
 
 
 def _where(arena: int, seat: int) -> str:

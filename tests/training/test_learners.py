@@ -69,6 +69,7 @@ def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
     assert result.truncations.all()
     assert (result.final_observations == result.observations).all()
     seats = batch.seats
+    assert (batch.reset(arenas=[])[0] == result.observations).all()
     observations, _ = batch.reset(arenas=np.array([False, True, False]))
     assert (observations[[0, 2]] == result.observations[[0, 2]]).all()
     assert batch.arena.world(1).step == 0
@@ -240,6 +241,7 @@ def test_a_restored_batch_gives_what_its_learners_saw():
         observations, masks = batch.restore(saved)
         assert (observations == step.observations).all()
         assert (masks == step.masks).all()
+        assert (batch.masks == step.masks).all()
 
 
 class Locked(Counting):
@@ -274,7 +276,7 @@ def test_an_opponent_that_cannot_be_copied_is_named():
 def test_what_a_batch_cannot_go_on_from_is_refused():
     """And nothing changes."""
     batch = LearnerBatch("standard", 2, opponents="random", learners=2)
-    with pytest.raises(EpisodeError, match="must follow a reset: no episode has begun"):
+    with pytest.raises(EpisodeError, match="save must follow a reset: no episode has begun"):
         batch.save()
     batch.reset(seed=1)
     before = played(batch.clone(), 1)
