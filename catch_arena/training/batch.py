@@ -107,7 +107,13 @@ class LearnerBatch:
                 raise ConfigError(f"{name} must be True or False, got {value!r}")
         if len(set(config.controls)) > 1:
             raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
+        if config.prey:
+            raise ConfigError(
+                f"prey must be 0 for learners (VectorArena has the arrays of both sides), got {config.prey}"
+            )
         most = config.hunters - (opponents is not None)
+        if not most:
+            raise ConfigError("hunters must be at least 2 where there are opponents, got 1")
         if isinstance(learners, bool) or not isinstance(learners, int) or not 1 <= learners <= most:
             raise ConfigError(f"learners must be a whole number from 1 to {most}, beside an opponent, got {learners!r}")
         self.learners: Final = config.hunters if opponents is None else learners

@@ -81,6 +81,8 @@ def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
     [
         ({"learners": 2, "opponents": "nearest"}, "learners must be a whole number from 1 to 1, beside an opponent"),
         ({"learners": 0}, "learners must be a whole number from 1 to 2"),
+        ({"hunters": 1, "opponents": "nearest"}, "hunters must be at least 2 where there are opponents, got 1"),
+        ({"prey": 2}, r"prey must be 0 for learners \(VectorArena has the arrays of both sides\), got 2"),
         ({"normalise": 1}, "normalise must be True or False, got 1"),
         ({"control": ("target", "full")}, "control must be one word, that of the learners"),
         ({"num_envs": 10**8}, "num_envs must fit into this machine's memory, got 100000000"),
