@@ -220,6 +220,26 @@ def test_a_loop_over_turns_begins_with_a_copy_and_with_what_was_restored():
         assert turns == 5 + 2  # and those after the end
 
 
+def test_what_callers_write_into_does_not_change_what_is_saved():
+    """Actions that have not been played yet, and what agents were told, also on their last turn."""
+    env = catch_arena.env("duel", control="velocity", max_cycles=2)
+    env.reset(seed=3)
+    for turn in range(5):
+        action = np.array([1.0, 0.5])
+        over = env.terminations[env.agent_selection] or env.truncations[env.agent_selection]
+        env.step(None if over else action)
+        saved, expected = env.save(), seen([{"last": env.last()}])
+        for _ in range(2):
+            action[:] = 0.0
+            observation, *_, info = env.last()
+            observation[:] = 9.0
+            info["reward_parts"]["catch"] = 9.0
+            env.restore(saved)
+            assert seen([{"last": env.last()}]) == expected
+        if turn == 0:
+            assert env.unwrapped._actions["hunter_0"].tolist() == [1.0, 0.5]
+
+
 def test_what_an_aec_env_cannot_go_on_from_is_refused():
     """In the words of the parallel env, and nothing changes."""
     env, other = catch_arena.env("duel"), catch_arena.env("standard")
