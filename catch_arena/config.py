@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal, get_args
 
-from catch_arena.errors import ConfigError, suggest
+from catch_arena.errors import ConfigError, did_you_mean, suggest
 
 Control = Literal["target", "velocity", "full"]
 """How a hunter is driven: R4.1, R4.4."""
@@ -510,7 +510,9 @@ def _require_number(
         raise ConfigError(f"{name} must be {low} and at most {at_most:g}, got {value!r}")
 
 
-def require_choice(name: str, value: object, choices: Sequence[str]) -> None:
+def require_choice(name: str, value: object, choices: Sequence[str | None]) -> None:
     """Raise ConfigError, with the nearest right words, unless the value is one of the choices."""
-    if value not in choices:
-        raise ConfigError(f"{name} must be one of {', '.join(choices)}, got {value!r}; {suggest(value, choices)}")
+    if not isinstance(value, str | None) or value not in choices:  # an array is equal to nothing, nor unequal
+        words = [str(choice) for choice in choices]
+        meant = did_you_mean(value, words)
+        raise ConfigError(f"{name} must be one of {', '.join(words)}, got {value!r}{'; ' if meant else ''}{meant}")

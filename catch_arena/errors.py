@@ -3,7 +3,7 @@
 Each message names the field, the requirement and the value.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 
@@ -62,8 +62,13 @@ class MissingServiceError(BusError):
 def suggest(name: object, known: Iterable[str]) -> str:
     """The tail of an «unknown name» message: the nearest right names, or all of them where none is near."""
     choices = sorted(known)
-    near = get_close_matches(str(name), choices, n=3, cutoff=0.6)
-    return f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(choices)}"
+    return did_you_mean(name, choices) or f"known: {', '.join(choices)}"
+
+
+def did_you_mean(name: object, known: Sequence[str]) -> str:
+    """The nearest right names as a question; nothing where none is near."""
+    near = get_close_matches(str(name), known, n=3, cutoff=0.6)
+    return f"did you mean {' or '.join(near)}?" if near else ""
 
 
 def install_hint(extra: str) -> str:

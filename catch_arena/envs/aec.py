@@ -2,14 +2,29 @@
 gives it.
 """
 
-from typing import Any
+import copy
+from dataclasses import dataclass
+from typing import Any, Final
 
 from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from catch_arena.config import ArenaConfig
-from catch_arena.envs.parallel import CatchArenaEnv, Infos, parallel_env
-from catch_arena.errors import ActionError, EpisodeError
+from catch_arena.envs.parallel import CatchArenaEnv, Infos, SavedEpisode, parallel_env
+from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.text import in_short
+
+_CALLERS: Final = ("_actions", "_observations", "infos")
+"""What holds things that belong to the caller, who may write into them."""
+
+
+@dataclass(frozen=True, slots=True)
+class SavedTurn:
+    """What `CatchArenaAecEnv.save` gives: as many can be kept, and pickled, as one likes."""
+
+    episode: SavedEpisode
+    turns: dict[str, Any]
+    """Whose turn it is, which actions have been given and not yet played, and what the last step told."""
 
 
 class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
@@ -48,6 +63,34 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         result: tuple[Any, float, bool, bool, dict[str, Any]] = super().last(observe)
         return result
 
+    def save(self) -> SavedTurn:
+        """R10.2: the episode as it stands, between two turns too; `restore` takes it back, here or in an env of an
+        equal config, at any time and as often as one likes.
+
+        Raises:
+            EpisodeError: before the first reset.
+        """
+        return SavedTurn(self._parallel.save(), self.env.save_turns())
+
+    def restore(self, saved: SavedTurn) -> None:
+        """Go on from a saved episode, bit for bit; `last` gives what it gave then.
+
+        Raises:
+            ConfigError: for what `save` did not give, or did for another config.
+        """
+        if not isinstance(saved, SavedTurn):
+            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+        self.env.restore_turns(saved.turns, *self._parallel.restore(saved.episode))
+        self._has_reset = self._has_updated = True
+
+    def clone(self) -> "CatchArenaAecEnv":
+        """An env of its own in the same state, as `copy.deepcopy` makes it too; without a window."""
+        return copy.deepcopy(self)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A loop over the turns may begin with what was copied or unpickled, as with what was reset."""
+        self.__dict__.update(state, _has_updated=True)
+
     def _require_turn(self, what: str) -> None:
         if not self._has_reset:
             raise EpisodeError(f"{what} must follow a reset: no episode has begun")
@@ -59,6 +102,27 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
     """The wrapper keeps the actions until the last seat's turn; a bad one would be refused to somebody else."""
 
     env: CatchArenaEnv
+
+    def __init__(self, parallel: CatchArenaEnv) -> None:
+        super().__init__(parallel)
+        self._unchanging = frozenset(vars(self)) | {"_unchanging"}
+
+    def save_turns(self) -> dict[str, Any]:
+        """All that an episode has changed here, but for what the agents in play were told: the env tells it again."""
+        kept = {name: copy.copy(value) for name, value in vars(self).items() if name not in self._unchanging}
+        gone = [agent for agent in self.agents if agent not in self.env.agents]
+        told = [{agent: those[agent] for agent in gone} for those in (self._observations, self.infos)]
+        return kept | dict(zip(_CALLERS, copy.deepcopy([self._actions, *told]), strict=True))
+
+    def restore_turns(
+        self, saved: dict[str, Any], observations: dict[str, Any], infos: dict[str, dict[str, Any]]
+    ) -> None:
+        """Take it back, and forget what came after it."""
+        self.__dict__ = {name: vars(self)[name] for name in self._unchanging}
+        self.__dict__.update((name, copy.copy(value)) for name, value in saved.items())
+        self._actions, observations_of_gone, infos_of_gone = copy.deepcopy([saved[name] for name in _CALLERS])
+        self._observations = observations_of_gone | observations
+        self.infos = infos_of_gone | infos if infos_of_gone else infos  # which are made when somebody asks for them
 
     @property
     def unwrapped(self) -> "_Unwrapped":

@@ -129,11 +129,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def __init__(self, config: ArenaConfig, render_mode: str | None = None, infos: Infos = "full") -> None:
         require_choice("infos", infos, get_args(Infos))
-        if render_mode is not None and render_mode not in RENDER_MODES:
-            raise ConfigError(
-                f"render_mode must be None, rgb_array or human, got {render_mode!r}; "
-                f"{suggest(render_mode, RENDER_MODES)}"
-            )
+        require_choice("render_mode", render_mode, (None, *RENDER_MODES))
         if render_mode is not None:
             import catch_arena.render.optional_imports  # noqa: F401 - where they are missing, it is said now
         self.config = config

@@ -41,6 +41,8 @@ class SavedState(NamedTuple):
     """The digest of the arena's config."""
     num_envs: int | None
     """Of the batch; None for a single row."""
+    controls: NDArray[np.int8]
+    """How hunters are driven, as `set_controls` takes it: (B, H), or (H,) of a row."""
     memory: NDArray[np.uint8]
     """As the engine keeps it; what only auto_reset keeps comes last."""
 
@@ -318,7 +320,8 @@ class VectorArena:
 
         Returns:
             observations (B, H, D) float32, rewards (B, H) float32, terminations (B,) and truncations (B,) bool, infos;
-            where there is prey, observations and rewards of each side.
+            where there is prey, observations and rewards of each side. Without `copy=True` the next call writes into
+            the same arrays: copy what you keep.
 
         Raises:
             ActionError: that names the first arena and agent whose action is not legal; nothing has moved then.
@@ -327,15 +330,7 @@ class VectorArena:
         if not self._begun:
             raise EpisodeError("step must follow a reset: no episode has begun")
         engine = self._engine
-        if self.num_prey:
-            if not isinstance(actions, Mapping) or set(actions) != {"hunter", "prey"}:
-                raise ActionError(f"actions must be a mapping with hunter and prey, got {_named(actions)}")
-            hunters = self._checked_actions("actions['hunter']", actions["hunter"])
-            engine.step(
-                *hunters, self._checked_commands("actions['prey']", actions["prey"], self._prey_commands, "prey")
-            )
-        else:
-            engine.step(*self._checked_actions("actions", actions))
+        engine.step(*self._checked(actions))
         self._update_ends()
         return self._handed_out(
             (
@@ -347,6 +342,10 @@ class VectorArena:
             )
         )
 
+    def check_actions(self, actions: ArrayLike | Mapping[str, Any]) -> None:
+        """Raise the ActionError that `step` would raise for these actions; nothing moves."""
+        self._checked(actions)
+
     def set_controls(self, controls: ArrayLike, arenas: ArrayLike | None = None) -> None:
         """R4.1, R4.4: how hunters are driven from now on; the arena plays what a one-arena env of such a config does.
 
@@ -357,19 +356,31 @@ class VectorArena:
         Raises:
             ConfigError: for other numbers, or where the arena was made without `any_control`.
         """
-        if len(self._kinds) < len(CONTROLS):
-            raise ConfigError("any_control must be True for arenas to have controls of their own, got False")
+        self._require_any_control()
         chosen, given = self._rows(arenas), np.asarray(controls)
         shape = (len(chosen), self.num_hunters)
         if given.shape != shape or given.dtype.kind not in "iu" or not np.isin(given, list(CONTROLS.values())).all():
             raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {_named(given)}")
         self._engine.controls[chosen] = given
 
+    def _require_any_control(self) -> None:
+        if len(self._kinds) < len(CONTROLS):
+            raise ConfigError("any_control must be True for arenas to have controls of their own, got False")
+
     def _update_ends(self) -> None:
         ends = self._engine.ends
         np.equal(ends, _TERMINATED, out=self._terminations)
         np.equal(ends, _TRUNCATED, out=self._truncations)
         np.logical_or(self._terminations, self._truncations, out=self._ended)
+
+    def _checked(self, actions: Any) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32] | None]:
+        """What the engine is handed."""
+        if not self.num_prey:
+            return *self._checked_actions("actions", actions), None
+        if not isinstance(actions, Mapping) or set(actions) != {"hunter", "prey"}:
+            raise ActionError(f"actions must be a mapping with hunter and prey, got {_named(actions)}")
+        hunters = self._checked_actions("actions['hunter']", actions["hunter"])
+        return *hunters, self._checked_commands("actions['prey']", actions["prey"], self._prey_commands, "prey")
 
     def _checked_actions(self, what: str, actions: Any) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
         controls = self._kinds
@@ -458,7 +469,8 @@ class VectorArena:
             EpisodeError: before the first reset.
         """
         self._require_begun()
-        return SavedState(self._config_digest, self.num_envs, self._engine.save())
+        engine = self._engine
+        return SavedState(self._config_digest, self.num_envs, engine.controls.copy(), engine.save())
 
     def restore(self, saved: SavedState) -> Begun:
         """Go on from a saved state, bit for bit, the figures of past episodes included.
@@ -469,14 +481,17 @@ class VectorArena:
         Raises:
             ConfigError: for what was not saved from as many arenas of an equal config.
         """
-        self._engine.restore(self._memory_of(saved, self.num_envs))
+        memory = self._memory_of(saved, self.num_envs, self._engine.controls)
+        self._engine.restore(memory)
+        self._engine.controls[:] = saved.controls
         self._begun = True
         self._update_ends()
         return self._begun_with()
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: the state of one arena, which any row of an arena of equal config can take."""
-        return SavedState(self._config_digest, None, self._engine.save_row(self._row(arena)))
+        arena, engine = self._row(arena), self._engine
+        return SavedState(self._config_digest, None, engine.controls[arena].copy(), engine.save_row(arena))
 
     def restore_row(self, arena: int, saved: SavedState) -> Begun:
         """Go on, in one arena, from a saved row.
@@ -488,7 +503,9 @@ class VectorArena:
             ConfigError: for a row that is not there, and what is no saved row of an equal config.
         """
         arena = self._row(arena)
-        self._engine.restore_row(arena, self._memory_of(saved, None))
+        memory = self._memory_of(saved, None, self._engine.controls[arena])
+        self._engine.restore_row(arena, memory)
+        self._engine.controls[arena] = saved.controls
         self._update_ends()
         return self._begun_with()
 
@@ -496,7 +513,7 @@ class VectorArena:
     def _config_digest(self) -> str:
         return self.config.digest
 
-    def _memory_of(self, saved: SavedState, num_envs: int | None) -> NDArray[np.uint8]:
+    def _memory_of(self, saved: SavedState, num_envs: int | None, controls: NDArray[np.int8]) -> NDArray[np.uint8]:
         if not isinstance(saved, SavedState) or saved.config != self._config_digest:
             raise ConfigError("a saved state must come from an arena of equal config, got another's")
         if saved.num_envs != num_envs:
@@ -505,6 +522,8 @@ class VectorArena:
         sizes = self._engine.saved_sizes(alone=num_envs is None)
         if len(saved.memory) not in sizes:  # kept by another version of this package
             raise ConfigError(f"a saved state must have {sizes[-1]} bytes, got {len(saved.memory)}")
+        if (saved.controls != controls).any():
+            self._require_any_control()
         return saved.memory
 
     def clone(self) -> "VectorArena":

@@ -7,9 +7,9 @@ from typing import Final, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.config import ArenaConfig
+from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.core.physics import TICK_MS
-from catch_arena.errors import ConfigError, suggest
+from catch_arena.errors import ConfigError
 from catch_arena.render import hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.blurred_view import Belief, BlurredView
@@ -58,10 +58,7 @@ class MatchRenderer:
         seed: int | None = None,
         sprites: SpriteCache | None = None,
     ) -> None:
-        if layout not in get_args(hud.Layout):
-            raise ConfigError(
-                f"layout must be broadcast or arena, got {layout!r}; {suggest(layout, get_args(hud.Layout))}"
-            )
+        require_choice("layout", layout, get_args(hud.Layout))
         self.info = info
         self.view_of: int | None = None
         """The seat whose view is shown (R7.5, R7.6), where hunters do not see everything as it is."""

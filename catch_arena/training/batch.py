@@ -3,7 +3,9 @@
 The adapters for libraries stand on this.
 """
 
+import copy
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -12,12 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.envs.vector import VectorArena
+from catch_arena.envs.vector import SavedState, VectorArena
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import Column, columns
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
-from catch_arena.training.opponents import Opponents, Pool
+from catch_arena.text import in_short
+from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
 
 Figures = dict[str, NDArray[np.float32]]
 
@@ -46,6 +49,20 @@ class LearnerStep(NamedTuple):
     opponents also `opponents`, who they were as places in `opponents.names`, and `opponent_scores`, by seat: (E, S).
     Empty without auto_reset.
     """
+
+
+@dataclass(frozen=True, slots=True)
+class SavedLearners:
+    """What `LearnerBatch.save` gives: as many can be kept, and pickled, as one likes."""
+
+    arena: SavedState
+    opponents: SavedOpponents | None
+    seats: NDArray[np.int64]
+    """In which the learners sit: (B, learners)."""
+    rotation: NDArray[np.int64]
+    """By how many seats they have moved on: (B,)."""
+    rng: Mapping[str, Any]
+    """The state of the generator."""
 
 
 class LearnerBatch:
@@ -90,7 +107,13 @@ class LearnerBatch:
                 raise ConfigError(f"{name} must be True or False, got {value!r}")
         if len(set(config.controls)) > 1:
             raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
+        if config.prey:
+            raise ConfigError(
+                f"prey must be 0 for learners (VectorArena has the arrays of both sides), got {config.prey}"
+            )
         most = config.hunters - (opponents is not None)
+        if not most:
+            raise ConfigError("hunters must be at least 2 where there are opponents, got 1")
         if isinstance(learners, bool) or not isinstance(learners, int) or not 1 <= learners <= most:
             raise ConfigError(f"learners must be a whole number from 1 to {most}, beside an opponent, got {learners!r}")
         self.learners: Final = config.hunters if opponents is None else learners
@@ -120,13 +143,21 @@ class LearnerBatch:
         self._seats = np.tile(np.arange(self.learners), (self.num_envs, 1))
         self._rows = np.arange(self.num_envs)[:, None]
         self._rng = np.random.default_rng(0)
-        self._seen: NDArray[np.float32] | None = None
+        self._begun = False
+        self._seen: NDArray[np.float32] = np.zeros((*shape, len(self.columns)), np.float32)
         self._masks: NDArray[np.int8] = np.ones((*shape, 0), np.int8)
 
     @property
     def seats(self) -> NDArray[np.int64]:
         """The seats in which learners sit in the episodes under way: (B, learners)."""
         return self._seats.copy()
+
+    @property
+    def masks(self) -> NDArray[np.bool_]:
+        """The choices that are legal now: (N, K + 1); (N, 0) under velocity control."""
+        if self._control == CONTROLS["velocity"]:
+            return np.ones((self.num_rows, 0), np.bool_)
+        return self._flat(self._masks[self._rows, self._seats]).astype(np.bool_)
 
     def close(self) -> None:
         """End the threads that were started."""
@@ -144,17 +175,21 @@ class LearnerBatch:
         Returns:
             the observations (N, D) and masks (N, K + 1) of all learners.
         """
-        if arenas is None and (seed is not None or self._seen is None):
+        if arenas is not None:
+            self._require_begun("reset of single arenas")
+        elif seed is not None or not self._begun:
             seed = fresh_seed() if seed is None else checked_seed(seed)
             self._rng = np.random.default_rng(seed)
             self._rotation = np.arange(self.num_envs) - 1
             if self.opponents is not None:
                 self.opponents.begin(self._rng)
         observations, infos = self.arena.reset(seed, arenas)
-        chosen = np.arange(self.num_envs) if arenas is None else np.arange(self.num_envs)[np.asarray(arenas)]
+        rows = np.arange(self.num_envs)
+        chosen = rows if arenas is None else rows[np.asarray(arenas) if np.size(arenas) else []]
         self._take(observations, infos)
         self._seat(chosen)
-        return self._observations(observations), self._masks_of(self._masks)
+        self._begun = True
+        return self._observations(observations), self.masks
 
     def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> LearnerStep:
         """R1.4: one step of every arena.
@@ -165,17 +200,18 @@ class LearnerBatch:
 
         Raises:
             ActionError: for an action that is not legal; nothing has moved then.
-            AgentError: for an opponent that raised, or whose action is not legal; nothing has moved then.
+            AgentError: for an opponent that raised, or whose action is not legal; nothing has moved then. After one
+                that raised as a new episode began, all must be reset.
             EpisodeError: before the first reset.
         """
-        if self._seen is None:
-            raise EpisodeError("step must follow a reset: no episode has begun")
+        self._require_begun("step")
         if self.opponents is None:
             given = self._of_arenas(actions)
         else:
             self._place(actions)
-            self.opponents.act(self._seen, self._masks, self._choices, self._commands)
             given = {"cmd_vel": self._commands, "catch": self._choices}
+            self.arena.check_actions(given)  # now: opponents that have acted cannot take it back
+            self.opponents.act(self._seen, self._masks, self._choices, self._commands)
         seats = self._seats  # of the episodes that end here
         observations, rewards, terminations, truncations, infos = self.arena.step(given)
         self._take(observations, infos)
@@ -199,7 +235,7 @@ class LearnerBatch:
                 final /= self.scale
         return LearnerStep(
             self._observations(observations),
-            self._masks_of(self._masks),
+            self.masks,
             rewards[self._rows, seats].reshape(-1),
             np.repeat(terminations, self.learners),
             np.repeat(truncations, self.learners),
@@ -209,6 +245,53 @@ class LearnerBatch:
             figures,
         )
 
+    def save(self) -> SavedLearners:
+        """R10.2: all arenas, the opponents with all that they remember, and what will be drawn; `restore` takes it
+        back, here or in a batch made with the same arguments. What an agent keeps outside itself is not kept.
+
+        Raises:
+            AgentError: that names an opponent that cannot be copied.
+            EpisodeError: before the first reset.
+        """
+        self._require_begun("save")
+        return SavedLearners(
+            arena=self.arena.save(),
+            opponents=None if self.opponents is None else self.opponents.save(),
+            seats=self.seats,
+            rotation=self._rotation.copy(),
+            rng=self._rng.bit_generator.state,
+        )
+
+    def restore(self, saved: SavedLearners) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Go on from a saved state, bit for bit, with the pool of that time.
+
+        Returns:
+            observations and masks, as `reset`.
+
+        Raises:
+            ConfigError: for what was not saved from as many arenas of an equal config, with as many learners.
+        """
+        if not isinstance(saved, SavedLearners):
+            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+        if saved.seats.shape[1] != self.learners:  # of as many there are opponents in both or in none
+            raise ConfigError(f"saved must come from a batch with learners={self.learners}, got {saved.seats.shape[1]}")
+        observations, infos = self.arena.restore(saved.arena)
+        if self.opponents is not None and saved.opponents is not None:
+            self.opponents.restore(saved.opponents)
+        self._seats, self._rotation = saved.seats.copy(), saved.rotation.copy()
+        self._rng.bit_generator.state = saved.rng
+        self._take(observations, infos)
+        self._begun = True
+        return self._observations(observations), self.masks
+
+    def clone(self) -> "LearnerBatch":
+        """A batch of its own in the same state, as `copy.deepcopy` makes it too.
+
+        Raises:
+            AgentError: that names an opponent that cannot be copied.
+        """
+        return copy.deepcopy(self)
+
     def _take(self, observations: NDArray[np.float32], infos: Mapping[str, Any]) -> None:
         self._seen = observations
         self._masks = infos.get("action_mask", self._masks)
@@ -217,6 +300,7 @@ class LearnerBatch:
         """Learners move on by a seat, and the other seats draw their opponents."""
         if self.opponents is None:
             return
+        self._begun = False  # until each opponent has begun: one that raises leaves seats that nobody plays
         hunters = self.config.hunters
         self._rotation[arenas] += 1
         order = (np.arange(hunters) + self._rotation[arenas, None]) % hunters
@@ -227,24 +311,34 @@ class LearnerBatch:
         controls = np.full((len(arenas), hunters), self._control, dtype=np.int8)
         np.put_along_axis(controls, others, self.opponents.controls[drawn], axis=1)
         self.arena.set_controls(controls, arenas)
+        self._begun = True
+
+    def _require_begun(self, what: str) -> None:
+        if not self._begun:
+            raise EpisodeError(f"{what} must follow a reset: no episode has begun")
 
     def _of_arenas(self, actions: Any) -> Any:
         """(N, ...) as (B, H, ...)."""
         if isinstance(actions, Mapping):
             return {name: self._of_arenas(value) for name, value in actions.items()}
-        given = np.asarray(actions)
+        try:
+            given = np.asarray(actions)
+        except ValueError:
+            raise ActionError(f"actions must be rows of equal length, got {in_short(actions)}") from None
         if given.shape[:1] != (self.num_rows,):
             raise ActionError(f"actions must be those of {self.num_rows} learners, got the shape {given.shape}")
         return given.reshape(self.num_envs, self.learners, *given.shape[1:])
 
     def _place(self, actions: Any) -> None:
-        """The learners' actions at their seats; the arena checks them."""
-        named = actions if self._control == CONTROLS["full"] else {}
+        """The learners' actions at their seats, and zeros elsewhere; the arena checks them."""
+        self._choices.fill(0)
+        self._commands.fill(0)
+        named = actions
         if self._control == CONTROLS["target"]:
             named = {"catch": actions}
         elif self._control == CONTROLS["velocity"]:
             named = {"cmd_vel": actions}
-        if not isinstance(named, Mapping) or not set(named) <= {"cmd_vel", "catch"}:
+        elif not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
             raise ActionError(f"actions must be a mapping with cmd_vel and catch, got {type(actions).__name__}")
         for name, table in (("catch", self._choices), ("cmd_vel", self._commands)):
             if name not in named:
@@ -257,18 +351,14 @@ class LearnerBatch:
             if given.shape[2:] != table.shape[2:]:
                 wanted = (self.num_rows, *table.shape[2:])
                 raise ActionError(f"actions must have the shape {wanted}, got {np.shape(named[name])}")
-            table[self._rows, self._seats] = given
+            with np.errstate(over="ignore"):  # what becomes infinite is refused
+                table[self._rows, self._seats] = given
 
     def _observations(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         own: NDArray[np.float32] = self._flat(observations[self._rows, self._seats])
         if self.scale is not None:
             own /= self.scale
         return own
-
-    def _masks_of(self, masks: NDArray[np.int8]) -> NDArray[np.bool_]:
-        if self._control == CONTROLS["velocity"]:
-            return np.ones((self.num_rows, 0), np.bool_)
-        return self._flat(masks[self._rows, self._seats]).astype(np.bool_)
 
     @staticmethod
     def _flat(table: NDArray[Any]) -> NDArray[Any]:

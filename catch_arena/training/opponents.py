@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS, FULL_CONTROL, TARGET_CONTROL, VELOCITY_CONTROL
-from catch_arena.errors import AgentError, ConfigError, reason
+from catch_arena.envs.spaces import checked_choice, checked_command, checked_full
+from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import in_short
 from catch_arena.tournament.entrants import create_policy, resolve_spec
@@ -29,6 +30,15 @@ class _Opponent(NamedTuple):
     """With `act_batch` one for all hunters; else what is copied for each of them."""
     control: int
     in_batches: bool
+
+
+class SavedOpponents(NamedTuple):
+    """What `Opponents.save` gives: copies of its own of the agents, with all that they remember."""
+
+    pool: tuple[_Opponent, ...]
+    instances: dict[tuple[int, int], Any]
+    weights: NDArray[np.float64] | None
+    who: NDArray[np.int64]
 
 
 class Opponents:
@@ -147,12 +157,32 @@ class Opponents:
                 continue
             for row, place in np.argwhere(chosen == number).tolist():
                 arena, seat = int(arenas[row]), int(seats[row, place])
-                instance = copy.deepcopy(opponent.policy)
+                instance = _copied(opponent, {})
                 self._instances[arena, seat] = instance
                 self._call(
                     opponent._replace(policy=instance), "reset", _where(arena, seat), int(rng.integers(_SEED_LIMIT))
                 )
         return chosen
+
+    def save(self) -> SavedOpponents:
+        """R10.2: the pool, who plays where, and all that the agents remember; `restore` takes it back.
+
+        Raises:
+            AgentError: that names an agent that cannot be copied.
+        """
+        return _kept(SavedOpponents(tuple(self._pool), self._instances, self._weights, self._who))
+
+    def restore(self, saved: SavedOpponents) -> None:
+        """Go on from what `save` gave, here or in opponents of an arena of equal config and size."""
+        pool, self._instances, self._weights, self._who = _kept(saved)
+        self._pool = list(pool)
+        for control in set(self.controls.tolist()):
+            self._know(control)
+
+    def __deepcopy__(self, _memo: dict[int, Any]) -> "Opponents":
+        twin = copy.copy(self)
+        twin.restore(self.save())
+        return twin
 
     def act(
         self,
@@ -171,12 +201,11 @@ class Opponents:
             if not len(arenas):
                 continue
             if not opponent.in_batches:
-                for arena, seat in zip(arenas.tolist(), seats.tolist(), strict=True):
-                    limits = self._limits[opponent.control][seat]
-                    view = View(observations[arena, seat].tolist(), masks[arena, seat].tolist(), limits)
-                    own = opponent._replace(policy=self._instances[arena, seat])
-                    answer = _alone(self._call(own, "act", _where(arena, seat), view))
-                    self._write(opponent, "act", answer, np.array([arena]), np.array([seat]), choices, commands)
+                for place in zip(arenas.tolist(), seats.tolist(), strict=True):
+                    view = View(
+                        observations[place].tolist(), masks[place].tolist(), self._limits[opponent.control][place[1]]
+                    )
+                    choices[place], commands[place] = self._act_alone(opponent, place, view)
                 continue
             of_seat = self._limits[opponent.control]
             groups = [slice(None)] if self._alike[opponent.control] else [seats == seat for seat in np.unique(seats)]
@@ -184,7 +213,20 @@ class Opponents:
                 some, own_seats = arenas[group], seats[group]
                 batch = BatchView(observations[some, own_seats], masks[some, own_seats], of_seat[int(own_seats[0])])
                 answer = self._call(opponent, "act_batch", "", batch)
-                self._write(opponent, "act_batch", answer, some, own_seats, choices, commands)
+                self._write(opponent, answer, some, own_seats, choices, commands)
+
+    def _act_alone(self, opponent: _Opponent, place: tuple[int, int], view: View) -> tuple[int, tuple[float, float]]:
+        """The choice and the command of one hunter, whose answer is judged as in an env of one arena."""
+        where, name, ranks = _where(*place), f"opponent {opponent.name}", self._config.targets_seen
+        answer = self._call(opponent._replace(policy=self._instances[place]), "act", where, view)
+        try:
+            if opponent.control == FULL_CONTROL:
+                return checked_full(name, answer, ranks)
+            if opponent.control == VELOCITY_CONTROL:
+                return 0, checked_command(name, "an action", answer)
+            return checked_choice(name, "an action", answer, ranks), (0.0, 0.0)
+        except ActionError as error:
+            raise AgentError(f"{error}{where}") from None
 
     def _call(self, opponent: _Opponent, method: str, where: str, argument: object) -> Any:
         try:
@@ -195,15 +237,14 @@ class Opponents:
     def _write(
         self,
         opponent: _Opponent,
-        method: str,
         answer: Any,
         arenas: NDArray[np.int64],
         seats: NDArray[np.int64],
         choices: NDArray[np.int64],
         commands: NDArray[np.float32],
     ) -> None:
-        """Check an answer against the actions that there are, and write it to its places."""
-        said, count = f"opponent {opponent.name}: {method}", len(arenas)
+        """Check an answer for many hunters against the actions that there are, and write it to its places."""
+        said, count = f"opponent {opponent.name}: act_batch", len(arenas)
         ranks, velocities = answer, answer
         if opponent.control == FULL_CONTROL:
             if not isinstance(answer, Mapping) or set(answer) != {"cmd_vel", "catch"}:
@@ -273,6 +314,25 @@ def _opponent(agent: object) -> _Opponent:
     return _Opponent(name, policy, CONTROLS[control_of(policy)], in_batches)
 
 
+def _kept(state: SavedOpponents) -> SavedOpponents:
+    """A copy of it all. Agents that share something share it afterwards too."""
+    memo: dict[int, Any] = {}
+    pool = tuple(opponent._replace(policy=_copied(opponent, memo)) for opponent in state.pool)
+    instances = {
+        place: _copied(state.pool[state.who[place]]._replace(policy=instance), memo)
+        for place, instance in state.instances.items()
+    }
+    return SavedOpponents(pool, instances, None if state.weights is None else state.weights.copy(), state.who.copy())
+
+
+def _copied(opponent: _Opponent, memo: dict[int, Any]) -> Any:
+    """The agent once more, with all that it remembers."""
+    try:
+        return copy.deepcopy(opponent.policy, memo)
+    except Exception as error:  # a stranger's code may raise anything
+        raise AgentError(f"opponent {opponent.name}: copying it raised {reason(error)}") from error
+
+
 def _with_control(limits: Limits, control: int) -> Limits:
     return dataclasses.replace(limits, control=_WORDS[control])
 
@@ -286,13 +346,6 @@ def _numbers(said: str, given: Any, kinds: str, wanted: str, shape: tuple[int, .
         what = f"an array of {numbers.dtype} of the shape {numbers.shape}" if numbers.shape else in_short(given)
         raise AgentError(f"{said} must give {wanted}, got {what}")
     return numbers
-
-
-def _alone(answer: Any) -> Any:
-    """An answer for one hunter in the form of one for a batch."""
-    if isinstance(answer, Mapping):
-        return {name: [value] for name, value in answer.items()}
-    return [answer]
 
 
 def _where(arena: int, seat: int) -> str:

@@ -39,13 +39,12 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
             raise ConfigError("control must be target or velocity for stable-baselines3, got 'full'")
         self.render_mode = None
         super().__init__(self.batch.num_rows, self.batch.observation_space, self.batch.action_space)
-        self._masks: NDArray[np.bool_] = np.ones((self.num_envs, 0), np.bool_)
         self._actions: NDArray[Any] | None = None
         self._began = time.monotonic()
 
     def reset(self) -> NDArray[np.float32]:
         """Begin all episodes, from the first of the seeds that `seed` was given: observations (N, D) float32."""
-        observations, self._masks = self.batch.reset(self._seeds[0])
+        observations, _ = self.batch.reset(self._seeds[0])
         self._reset_seeds()
         self._reset_options()
         self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
@@ -60,7 +59,6 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """R1.4: one step of every row: observations (N, D) and rewards (N,) float32, dones (N,) bool, and N infos."""
         step = self.batch.step(self._actions if self._actions is not None else [])
-        self._masks = step.masks
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         if len(step.ended):
             self._tell_ends(step, infos)
@@ -85,7 +83,7 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
 
     def action_masks(self) -> NDArray[np.bool_]:
         """The legal choices of every row: (N, K + 1)."""
-        return self._masks
+        return self.batch.masks
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
         """What each of the rows answers; sb3-contrib asks for `action_masks` in this way."""

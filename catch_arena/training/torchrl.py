@@ -18,7 +18,16 @@ GROUP = "hunters"
 """The key under which the learners' tensors stand: (B, learners, ...) each."""
 
 
-class TorchRLEnv(EnvBase):  # type: ignore[misc]  # torchrl need not be there
+class _AsksForResets(type(EnvBase)):  # type: ignore[misc]  # torchrl need not be there
+    """TorchRL's own class of classes takes `auto_reset` away, and then never resets arenas that have ended."""
+
+    def __call__(cls, *arguments: Any, auto_reset: bool = False, **settings: Any) -> Any:
+        if auto_reset is not False:
+            raise ConfigError(f"auto_reset must be False for TorchRL, which asks for resets, got {auto_reset!r}")
+        return super().__call__(*arguments, **settings)
+
+
+class TorchRLEnv(EnvBase, metaclass=_AsksForResets):  # type: ignore[misc]  # torchrl need not be there
     """B arenas. For the learners of each `("hunters", "observation")`, `("hunters", "action_mask")` (not under velocity
     control), `("hunters", "action")` and `("hunters", "reward")`; for each arena `done`, `terminated`, `truncated`.
 

@@ -84,7 +84,7 @@ BAD_CONFIGS = [
     ({"prey_rewards": {"eaten": 1}}, "unknown setting prey_rewards.eaten"),
     ({"prey_rewards": 3}, "prey_rewards must be PreyRewardWeights(...) or a mapping, got 3"),
     ({"rewards": {"mate_catch": NAN}}, "rewards.mate_catch must be a finite number"),
-    ({"render_mode": "rgb"}, "render_mode must be None, rgb_array or human, got 'rgb'"),
+    ({"render_mode": "rgb"}, "render_mode must be one of None, rgb_array, human, got 'rgb'"),
 ]
 
 
@@ -93,6 +93,14 @@ def test_a_config_that_cannot_be_is_refused(overrides, message):
     """The message names the setting, the requirement and the value."""
     with pytest.raises(ConfigError, match=re.escape(message)):
         catch_arena.parallel_env(**overrides)
+
+
+def test_a_word_that_is_none_of_the_choices_is_told_them_once():
+    """With a suggestion where one is near."""
+    for word, tail in (("telepathy", ""), ("targets", "; did you mean target?")):
+        with pytest.raises(ConfigError) as caught:
+            catch_arena.parallel_env(control=word)
+        assert str(caught.value) == f"control must be one of target, velocity, full, got {word!r}{tail}"
 
 
 def test_an_unknown_scenario_gets_suggestions():

@@ -57,7 +57,7 @@ def test_masks_that_are_told_alone_are_the_callers_own():
     assert env.step(dict.fromkeys(env.agents, 1))[-1]["hunter_0"]["action_mask"][0] == 1
 
 
-@pytest.mark.parametrize("infos", ["masks", None, True, ["mask"]])
+@pytest.mark.parametrize("infos", ["masks", None, True, ["mask"], np.array(["mask", "none"])])
 def test_infos_of_an_unknown_kind_are_refused(infos):
     """With the kinds that there are."""
     for make in (catch_arena.parallel_env, catch_arena.env):

@@ -36,17 +36,31 @@ def test_the_readmes_python_runs(code, tmp_path, monkeypatch):
 
 TRAINING = re.findall(r"```python(?: file=(\S+))?\n(.*?)```", (ROOT / "docs" / "training.md").read_text(), re.DOTALL)
 """(file, code): what the page has the reader save, and what he runs."""
+(SEARCH,) = (code for _, code in TRAINING if "def searched" in code)
 LIBRARIES = ("sb3_contrib", "stable_baselines3")
 
 
 @pytest.mark.large
 @pytest.mark.parametrize(
-    "code", [code for file, code in TRAINING if not file and not any(x in code for x in LIBRARIES)]
+    "code",
+    [code for file, code in TRAINING if not file and code != SEARCH and not any(x in code for x in LIBRARIES)],
 )
 def test_the_code_on_the_page_about_training_runs(code, tmp_path, monkeypatch):
     """What needs a library of others runs in `make compat`."""
     monkeypatch.chdir(tmp_path)
     exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
+
+
+@pytest.mark.large
+def test_the_search_on_the_page_about_training_gains_what_the_page_says(capsys):
+    """Without it that hunter loses; with it, it wins."""
+    exec(SEARCH, {"__name__": "__main__"})  # noqa: S102 - ours
+    printed = capsys.readouterr().out.strip()
+    own, rivals, own_searching, rivals_then = map(int, re.findall(r"\d+", printed))
+
+    assert SEARCH.rstrip().endswith(f"  # {printed}")
+    assert own < rivals
+    assert own_searching > rivals_then
 
 
 def test_the_page_about_training_makes_an_agent_that_plays(tmp_path, monkeypatch):

@@ -10,6 +10,7 @@ from properties.matches import some_config, some_seed
 
 import catch_arena
 from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError, EpisodeError
 
 MATCHES = 12
 
@@ -164,19 +165,94 @@ def test_a_state_goes_between_arenas_that_reset_by_themselves_and_that_do_not():
         one.restore(other.save())
 
 
-@pytest.mark.parametrize("again", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])  # noqa: S301 - our own
-def test_an_aec_env_is_copied_and_pickled_between_two_turns(again):
-    """With the actions that have been given and not yet played."""
-    env = catch_arena.env("standard")
+def played_turns(env, source, turns):
+    """So many turns, through the ends of episodes, and all that the hunters and the prey saw."""
+    found = []
+    for _ in range(turns):
+        if not env.agents:
+            env.reset(seed=7)
+        agent = env.agent_selection
+        *told, terminated, truncated, info = env.last()
+        found.append((agent, terminated, truncated, seen([{"told": told}, {"info": info}]), env.digest()))
+        env.step(None if terminated or truncated else some_action(source, env.unwrapped, agent))
+        found.append((dict(env.rewards), dict(env.terminations), dict(env.truncations), list(env.agents)))
+    return found
+
+
+@pytest.mark.rule("R10.2")
+@pytest.mark.parametrize("match", range(MATCHES))
+def test_r10_2_an_aec_env_goes_on_from_any_turn(match):
+    """Between two turns of a step too, with the actions that have been given and not yet played, and among the last
+    turns of agents that have been terminated.
+    """
+    source = Random(match)
+    config = some_config(source).replace(max_cycles=source.randrange(2, 9))
+    env, other = catch_arena.env(config), catch_arena.env(config)
+    env.reset(seed=some_seed(source))
+    for _ in range(8):
+        played_turns(env, source, source.randrange(1, 9))
+        saved, twins = env.save(), [env.clone(), copy.deepcopy(env), pickle.loads(pickle.dumps(env))]  # noqa: S301
+        turns, choices = source.randrange(1, 40), source.getstate()
+        expected = played_turns(env, source, turns)
+        for restored in (env, other, env):
+            restored.restore(pickle.loads(pickle.dumps(saved)))  # noqa: S301
+        for again in (env, other, *twins):
+            source.setstate(choices)
+            assert played_turns(again, source, turns) == expected
+
+
+def test_a_loop_over_turns_begins_with_a_copy_and_with_what_was_restored():
+    """PettingZoo lets a loop begin after a reset or a step alone; a search plays on from the middle of a loop."""
+    env = catch_arena.env("duel", max_cycles=5)
     env.reset(seed=3)
-    for _ in range(4 * 5 + 2):
+    for turn, _ in enumerate(env.agent_iter()):
+        if turn == 5:
+            root, twin = env.save(), env.clone()
+            break
         env.step(1)
-    twin = again(env)
-    for one in (env, twin):
-        assert one.agent_selection == "hunter_2"
-        for _ in range(10):
-            one.step(2)
-    assert env.unwrapped.digest() == twin.unwrapped.digest() == twin.digest()
-    assert twin.world().step == 8
-    twin.step(1)
-    assert env.agent_selection != twin.agent_selection
+    other = catch_arena.env("duel", max_cycles=5)
+    other.restore(root)
+    for again in (twin, other):
+        turns = 0
+        for agent in again.agent_iter():
+            again.step(None if again.terminations[agent] or again.truncations[agent] else 1)
+            turns += 1
+        assert turns == 5 + 2  # and those after the end
+
+
+def test_what_callers_write_into_does_not_change_what_is_saved():
+    """Actions that have not been played yet, and what agents were told, also on their last turn."""
+    env = catch_arena.env("duel", control="velocity", max_cycles=2)
+    env.reset(seed=3)
+    for turn in range(5):
+        action = np.array([1.0, 0.5])
+        over = env.terminations[env.agent_selection] or env.truncations[env.agent_selection]
+        env.step(None if over else action)
+        saved, expected = env.save(), seen([{"last": env.last()}])
+        for _ in range(2):
+            action[:] = 0.0
+            observation, *_, info = env.last()
+            observation[:] = 9.0
+            info["reward_parts"]["catch"] = 9.0
+            env.restore(saved)
+            assert seen([{"last": env.last()}]) == expected
+        if turn == 0:
+            assert env.unwrapped._actions["hunter_0"].tolist() == [1.0, 0.5]
+
+
+def test_what_an_aec_env_cannot_go_on_from_is_refused():
+    """In the words of the parallel env, and nothing changes."""
+    env, other = catch_arena.env("duel"), catch_arena.env("standard")
+    with pytest.raises(EpisodeError, match="save must follow a reset: no episode has begun"):
+        env.save()
+    for one in (env, other):
+        one.reset(seed=1)
+        one.step(1)
+    before = env.digest()
+    with pytest.raises(ConfigError, match="saved must be what save gives, got 3"):
+        env.restore(3)
+    with pytest.raises(ConfigError, match="saved must be what save gives"):
+        env.restore(env.unwrapped.save())
+    with pytest.raises(ConfigError, match="saved must come from an arena of equal config"):
+        env.restore(other.save())
+    assert (env.digest(), env.agent_selection) == (before, "hunter_1")

@@ -152,7 +152,7 @@ def test_an_end_after_the_end_is_the_end(match):
         ({"start_s": -1.0}, r"the start must lie in the match, \[0, 3\] s, got -1.0"),
         ({"start_s": 2.0, "end_s": 1.0}, r"the end must lie after the start, 2 s, got 1.0"),
         ({"end_s": float("nan")}, r"the end must lie after the start, 0 s, got nan"),
-        ({"layout": "brodcast"}, "layout must be broadcast or arena, got 'brodcast'; did you mean broadcast"),
+        ({"layout": "brodcast"}, "layout must be one of broadcast, arena, got 'brodcast'; did you mean broadcast"),
     ],
 )
 def test_settings_that_cannot_be(match, tmp_path, settings, message):

@@ -1,7 +1,10 @@
 """What learners get: rows of their own, normalised where that is asked for, by Gymnasium's vector interface too."""
 
+import copy
+import pickle
 import re
 import sys
+import threading
 
 import gymnasium
 import numpy as np
@@ -11,7 +14,7 @@ from gymnasium.wrappers import vector as wrappers
 
 import catch_arena
 from catch_arena import training
-from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.errors import ActionError, AgentError, ConfigError, EpisodeError
 from catch_arena.training import GymnasiumVectorEnv, LearnerBatch, Mlp
 
 
@@ -66,6 +69,7 @@ def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
     assert result.truncations.all()
     assert (result.final_observations == result.observations).all()
     seats = batch.seats
+    assert (batch.reset(arenas=[])[0] == result.observations).all()
     observations, _ = batch.reset(arenas=np.array([False, True, False]))
     assert (observations[[0, 2]] == result.observations[[0, 2]]).all()
     assert batch.arena.world(1).step == 0
@@ -77,6 +81,8 @@ def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
     [
         ({"learners": 2, "opponents": "nearest"}, "learners must be a whole number from 1 to 1, beside an opponent"),
         ({"learners": 0}, "learners must be a whole number from 1 to 2"),
+        ({"hunters": 1, "opponents": "nearest"}, "hunters must be at least 2 where there are opponents, got 1"),
+        ({"prey": 2}, r"prey must be 0 for learners \(VectorArena has the arrays of both sides\), got 2"),
         ({"normalise": 1}, "normalise must be True or False, got 1"),
         ({"control": ("target", "full")}, "control must be one word, that of the learners"),
         ({"num_envs": 10**8}, "num_envs must fit into this machine's memory, got 100000000"),
@@ -108,6 +114,187 @@ def test_bad_actions_of_learners_are_refused_and_nothing_moves():
     for bad in (np.zeros((6, 2)), {"cmd_vel": np.zeros((6, 2)), "rank": np.zeros(6, int)}):
         with pytest.raises(ActionError, match="actions must be a mapping with cmd_vel and catch"):
             batch.step(bad)
+
+
+class Counting:
+    """Counts its calls, and plays by the count."""
+
+    def __init__(self, control):
+        self.control, self.calls = control, 0
+
+    def reset(self, seed):
+        """Nothing to forget."""
+
+    def act_batch(self, view):
+        self.calls += 1
+        ranks, commands = np.full(len(view.observations), self.calls % 2), np.zeros((len(view.observations), 2))
+        return {"target": ranks, "velocity": commands, "full": {"cmd_vel": commands, "catch": ranks}}[self.control]
+
+
+@pytest.mark.parametrize(
+    ("control", "bad"),
+    [
+        ("target", [0, 9, 0]),
+        ("target", [0, -1, 0]),
+        ("target", [0.0, 1.0, 0.0]),
+        ("target", [0, 0]),
+        ("target", [[0], [1, 2], [3]]),
+        ("target", {"catch": [0, 0, 0]}),
+        ("velocity", [[0, 0], [0, 1.5], [0, 0]]),
+        ("velocity", [[0, 0], [float("nan"), 0], [0, 0]]),
+        ("velocity", [[0, 0], [1e300, 0], [0, 0]]),
+        ("velocity", [0, 0, 0]),
+        ("full", {"catch": [0, 0, 0]}),
+        ("full", {"cmd_vel": [[0, 0]] * 3, "catch": [0, 0, 9]}),
+        ("full", [0, 0, 0]),
+        ("full", {"cmd_vel": {}, "catch": [0, 0, 0]}),
+    ],
+)
+@pytest.mark.parametrize("other", ["target", "velocity", "full"])
+def test_no_opponent_acts_in_a_step_that_is_refused(control, bad, other):
+    """One that remembers would have acted twice; and what was refused is forgotten when seats change."""
+    opponent = Counting(other)
+    batch = LearnerBatch("duel", 3, opponents=[opponent], control=control)
+    batch.reset(seed=1)
+    before = batch.arena.digest(1)
+    for _ in range(2):
+        with pytest.raises(ActionError) as caught:
+            batch.step(bad)
+        assert "\n" not in str(caught.value)
+    assert (opponent.calls, batch.arena.digest(1)) == (0, before)
+    batch.reset()
+    good = np.zeros(3, int), np.zeros((3, 2))
+    batch.step({"target": good[0], "velocity": good[1], "full": {"catch": good[0], "cmd_vel": good[1]}}[control])
+    assert opponent.calls == 1
+
+
+def drawn_action(batch, rng):
+    """Any legal one of each learner."""
+    return rng.integers(0, batch.config.targets_seen + 1, batch.num_rows)
+
+
+def played(batch, seed, steps=50):
+    """All that so many steps gave, and who sat where."""
+    rng, found = np.random.default_rng(seed), []
+    for _ in range(steps):
+        step = batch.step(drawn_action(batch, rng))
+        found.append([array.tobytes() for array in step[:-1]])
+        found.append({name: table.tobytes() for name, table in step.figures.items()})
+        found.append(batch.seats.tolist())
+        if batch.opponents is not None:
+            found.append((batch.opponents.seated.tolist(), batch.opponents.names))
+    return found
+
+
+class Wandering:
+    """Keeps a count and a generator of its own, and draws from it for all hunters at once."""
+
+    def reset(self, seed):
+        self.rng, self.steps = np.random.default_rng(seed), 0
+
+    def act_batch(self, view):
+        self.steps += 1
+        ranks = self.rng.integers(0, 9, len(view.observations))
+        return np.where(self.steps % 3, ranks, 0)
+
+
+POOLS = [None, "nearest", ["random", "patrol"], [Wandering, "random", "search"], {"random": 3, "idle": 1}]
+TAKEN_ALONG = [lambda saved: saved, copy.deepcopy, lambda saved: pickle.loads(pickle.dumps(saved))]  # noqa: S301
+
+
+@pytest.mark.rule("R10.2")
+@pytest.mark.parametrize("carry", TAKEN_ALONG, ids=["as it is", "copied", "pickled"])
+@pytest.mark.parametrize("pool", POOLS, ids=str)
+def test_r10_2_a_batch_of_learners_goes_on_from_any_point(pool, carry):
+    """Restored, restored elsewhere, cloned, copied and pickled: through the ends of episodes, with opponents that
+    remember, and with a pool that has grown meanwhile.
+    """
+    arguments = {"opponents": pool, "learners": 4 if pool is None else 2, "normalise": True, "max_cycles": 12}
+    batch = LearnerBatch("standard", 3, **arguments)
+    batch.reset(seed=4)
+    played(batch, 1, 7)
+    saved = carry(batch.save())
+    twins = [batch.clone(), carry(batch)]
+    expected = played(batch, 2)
+    if pool is not None:
+        batch.opponents.add("tour")
+        batch.opponents.weigh([*np.ones(len(batch.opponents.names) - 1), 9])
+        played(batch, 3, 14)
+    other = LearnerBatch("standard", 3, **arguments)
+    for again in (batch, other):
+        for _ in range(2):
+            observations, masks = again.restore(saved)
+            assert observations.shape == (batch.num_rows, 71)
+            assert masks.shape == (batch.num_rows, 9)
+            assert played(again, 2) == expected
+    if carry is not TAKEN_ALONG[0]:
+        assert played(twins[1], 2) == expected
+    assert played(twins[0], 2) == expected
+
+
+def test_a_restored_batch_gives_what_its_learners_saw():
+    """Observations and masks, as the step before had given them."""
+    batch = LearnerBatch("evasive", 4, opponents=["random", "nearest"])
+    batch.reset(seed=9)
+    for _ in range(10):
+        step = batch.step(np.ones(4, int))
+        saved = batch.save()
+        batch.step(np.zeros(4, int))
+        observations, masks = batch.restore(saved)
+        assert (observations == step.observations).all()
+        assert (masks == step.masks).all()
+        assert (batch.masks == step.masks).all()
+
+
+class Locked(Counting):
+    """Holds what cannot be copied."""
+
+    def __init__(self):
+        super().__init__("target")
+        self.lock = threading.Lock()
+
+
+class LockedAlone(Locked):
+    """It is made anew for each hunter, by copying."""
+
+    act_batch = None
+
+    def act(self, _view):
+        """Hold."""
+        return 0
+
+
+def test_an_opponent_that_cannot_be_copied_is_named():
+    """Where it would have to be: when it is kept, and where each hunter has an instance of its own."""
+    batch = LearnerBatch("duel", 2, opponents=["nearest", Locked])
+    batch.reset(seed=1)
+    for keep in (batch.save, batch.clone):
+        with pytest.raises(AgentError, match=r"opponent Locked: copying it raised TypeError: cannot pickle '_thread"):
+            keep()
+    with pytest.raises(AgentError, match="opponent LockedAlone: copying it raised TypeError"):
+        LearnerBatch("duel", 2, opponents=LockedAlone).reset(seed=1)
+
+
+def test_what_a_batch_cannot_go_on_from_is_refused():
+    """And nothing changes."""
+    batch = LearnerBatch("standard", 2, opponents="random", learners=2)
+    with pytest.raises(EpisodeError, match="save must follow a reset: no episode has begun"):
+        batch.save()
+    batch.reset(seed=1)
+    before = played(batch.clone(), 1)
+    for message, num_envs, arguments in (
+        ("saved must come from a batch with learners=2, got 1", 2, {"opponents": "random"}),
+        ("saved must come from a batch with learners=2, got 4", 2, {}),
+        ("must be one of 2 arenas here, got one of 3 arenas", 3, {"opponents": "random", "learners": 2}),
+        ("must come from an arena of equal config", 2, {"opponents": "random", "learners": 2, "max_cycles": 9}),
+    ):
+        other = LearnerBatch("standard", num_envs, **arguments)
+        other.reset(seed=1)
+        with pytest.raises(ConfigError, match=message):
+            batch.restore(other.save())
+    with pytest.raises(ConfigError, match="saved must be what save gives, got 'state'"):
+        batch.restore("state")
+    assert played(batch, 1) == before
 
 
 def test_gymnasiums_vector_wrappers_fit():

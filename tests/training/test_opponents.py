@@ -8,7 +8,7 @@ import pytest
 
 import catch_arena
 from catch_arena.batch_policy import BatchPolicy, BatchView
-from catch_arena.errors import AgentError, ConfigError
+from catch_arena.errors import AgentError, ConfigError, EpisodeError
 from catch_arena.policy import Limits, View
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.training import LearnerBatch
@@ -276,6 +276,74 @@ def test_an_opponent_that_acts_alone_and_fails_is_told_with_its_place():
         batch.step(hold(batch))
     with pytest.raises(AgentError, match="opponent Late: act raised ValueError: no more ideas for hunter_1 in arena 0"):
         batch.step(hold(batch))
+
+
+@pytest.mark.parametrize(
+    ("control", "answer", "message"),
+    [
+        (
+            "target",
+            None,
+            "opponent Says: an action must be a whole number from 0 to 8, got None for hunter_1 in arena 0",
+        ),
+        ("target", 9, "an action must be a whole number from 0 to 8, got 9 for hunter_1 in arena 0"),
+        ("target", True, "an action must be a whole number from 0 to 8, got True for hunter_1 in arena 0"),
+        (
+            "velocity",
+            (0.0, 1.5),
+            r"an action must be two numbers in \[-1, 1\], got \(0.0, 1.5\) for hunter_1 in arena 0",
+        ),
+        ("velocity", 0.5, r"an action must be two numbers in \[-1, 1\], got 0.5 for hunter_1 in arena 0"),
+        ("full", 3, "an action must be a mapping with cmd_vel and catch, got 3 for hunter_1 in arena 0"),
+        ("full", {"cmd_vel": (0, 0), "catch": -1}, "catch must be a whole number from 0 to 8, got -1 for hunter_1"),
+    ],
+)
+def test_the_answer_of_an_agent_that_acts_alone_is_judged_as_in_one_arena(control, answer, message):
+    """In the same words, with its name and place; and what is legal there is legal here."""
+
+    class Says(Fixed):
+        def act(self, _view):
+            return answer
+
+    Says.control = control
+    batch = LearnerBatch("duel", 3, opponents=Says)
+    batch.reset(seed=1)
+    before = batch.arena.digest(0)
+    with pytest.raises(AgentError, match=message) as caught:
+        batch.step(hold(batch))
+    assert "\n" not in str(caught.value)
+    assert batch.arena.digest(0) == before
+    answer = {"target": np.array([1]), "velocity": np.array([1.0, 0.5], np.float32)}.get(control)
+    answer = {"cmd_vel": [1, 0.5], "catch": np.int8(1)} if answer is None else answer
+    batch.step(hold(batch))
+    seats = batch.opponents.seated >= 0
+    if control != "velocity":
+        assert (batch._choices[seats] == 1).all()
+    if control != "target":
+        assert (batch._commands[seats] == [1, 0.5]).all()
+
+
+def test_after_an_opponent_that_cannot_begin_an_episode_all_must_be_reset():
+    """Seats would be without a player."""
+
+    class Tires(Fixed):
+        def reset(self, _seed):
+            if Tires.made == 4:
+                raise ValueError("tired")
+            super().reset(_seed)
+
+    Tires.made = 0
+    batch = LearnerBatch("duel", 3, opponents=Tires, max_cycles=2)
+    batch.reset(seed=1)
+    batch.step(hold(batch))
+    with pytest.raises(AgentError, match="opponent Tires: reset raised ValueError: tired for hunter_1 in arena 1"):
+        batch.step(hold(batch))
+    for call in (lambda: batch.step(hold(batch)), lambda: batch.reset(arenas=[0]), batch.save):
+        with pytest.raises(EpisodeError, match="must follow a reset"):
+            call()
+    Tires.made = 0
+    batch.reset(seed=1)
+    batch.step(hold(batch))
 
 
 @pytest.mark.parametrize(

@@ -39,12 +39,14 @@ from catch_arena import (
     scenario,
 )
 from catch_arena.batch_policy import BatchPolicy
+from catch_arena.envs.aec import CatchArenaAecEnv, SavedTurn
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import Column
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray, Twist
 from catch_arena.policy import SeenBody, SeenHunter, SeenTarget
 from catch_arena.testing import Failure, Report, run_conformance
+from catch_arena.training import LearnerBatch
 from catch_arena.world import HunterState, TargetState
 
 
@@ -88,6 +90,10 @@ def one_arena() -> None:
     assert_type(env.render(), NDArray[np.uint8] | None)
     assert_type(env.clone(), CatchArenaEnv)
     assert_type(env.restore(env.save()), tuple[dict[str, Any], dict[str, dict[str, Any]]])
+    turns = catch_arena.env("standard")
+    assert_type(turns.clone(), CatchArenaAecEnv)
+    assert_type(turns.save(), SavedTurn)
+    turns.restore(env.save())  # pyright: ignore[reportArgumentType]
     parallel_env(infos="masks")  # pyright: ignore[reportArgumentType]
     assert_type(env.replay(), Replay)
     env.step([1, 1])  # pyright: ignore[reportArgumentType]
@@ -132,6 +138,13 @@ def many_arenas() -> None:
     assert_type(arena.clone(), VectorArena)
     assert_type(columns(arena.config), tuple[Column, ...])
     arena.num_envs = 5  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def learners() -> None:
+    batch = LearnerBatch("duel", num_envs=4, opponents=["nearest"])
+    assert_type(batch.clone(), LearnerBatch)
+    assert_type(batch.restore(batch.save()), tuple[NDArray[np.float32], NDArray[np.bool_]])
+    assert_type(batch.step(np.ones(4, dtype=np.int64)).rewards, NDArray[np.float32])
 
 
 def the_engine() -> None:

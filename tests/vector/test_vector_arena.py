@@ -184,6 +184,50 @@ def test_controls_that_cannot_be_are_refused(controls, arenas):
         VectorArena("duel", 3).set_controls([[0, 0]] * 3)
 
 
+def test_controls_are_kept_with_a_state():
+    """Of all arenas and of a single one; an arena whose controls cannot differ takes no others."""
+    arena = VectorArena("duel", 3, any_control=True)
+    arena.reset(seed=SEED)
+    arena.set_controls([[0, 1], [1, 2], [2, 0]])
+    saved, row = arena.save(), arena.save_row(1)
+    actions = {"cmd_vel": np.full((3, 2, 2), 0.5), "catch": np.ones((3, 2), int)}
+    arena.step(actions)
+    expected = [arena.digest(number) for number in range(3)]
+    for again in (arena, VectorArena("duel", 3, any_control=True)):
+        again.reset(seed=1)
+        again.set_controls([[1, 1], [0, 0], [1, 1]])
+        again.restore(saved)
+        again.step(actions)
+        assert [again.digest(number) for number in range(3)] == expected
+        again.restore_row(2, row)
+        again.step(actions)
+        assert again.digest(2) == expected[1]
+    plain = VectorArena("duel", 3)
+    plain.reset(seed=1)
+    for take in (lambda: plain.restore(saved), lambda: plain.restore_row(0, row)):
+        with pytest.raises(ConfigError, match="any_control must be True for arenas to have controls of their own"):
+            take()
+    arena.restore(plain.save())
+    assert (arena._engine.controls == 0).all()
+
+
+@pytest.mark.parametrize("scenario", ["duel", "herd"])
+def test_actions_can_be_checked_before_they_are_given(scenario):
+    """As `step` checks them, and nothing moves."""
+    arena = VectorArena(scenario, 2)
+    arena.reset(seed=SEED)
+    before = arena.digest(0)
+    good = np.ones((2, arena.num_hunters), int)
+    bad = good.copy()
+    bad[1, 1] = 99
+    both = [{"hunter": those, "prey": np.zeros((2, 4, 2))} if arena.num_prey else those for those in (good, bad)]
+    assert arena.check_actions(both[0]) is None
+    for give in (arena.check_actions, arena.step):
+        with pytest.raises(ActionError, match=r"must be a whole number from 0 to 8, got 99 in arena 1 for hunter_1"):
+            give(both[1])
+    assert arena.digest(0) == before
+
+
 @pytest.mark.large
 @pytest.mark.parametrize("threads", [2, 3, 16])
 def test_threads_do_not_change_anything(threads):

@@ -1,5 +1,7 @@
 """TorchRL: the specs of the parallel and the AEC env, and masked PPO over `TorchRLEnv` with opponents."""
 
+import contextlib
+
 import torch
 from tensordict.nn import TensorDictModule
 from tensordict.nn.probabilistic import InteractionType
@@ -11,6 +13,7 @@ from torchrl.objectives import ClipPPOLoss
 from torchrl.objectives.value import GAE
 
 import catch_arena
+from catch_arena.errors import ConfigError
 from catch_arena.training import TorchRLEnv
 from catch_arena.training.torchrl import GROUP
 
@@ -28,6 +31,10 @@ check_env_specs(agents)
 agents.rollout(30)
 for settings in ({}, {"opponents": ["nearest", "patrol"], "learners": 2, "normalise": True}, {"control": "velocity"}):
     check_env_specs(TorchRLEnv("standard", 3, max_cycles=20, **settings))
+
+with contextlib.suppress(ConfigError):  # an arena that has ended stands still until TorchRL asks for its reset
+    TorchRLEnv("duel", 2, auto_reset=True)
+    raise AssertionError("an env that never resets was made")
 
 env = TorchRLEnv("standard", 16, opponents=["nearest", "patrol"], normalise=True, max_cycles=60)
 seen, choices = env.batch.observation_space.shape[0], int(env.batch.action_space.n)
