@@ -125,7 +125,7 @@ def fill_requests(
         s: the settings.
         lane: the lane.
         targets: the slots of the block.
-        limits: (H, 4): see `memory.Sections`.
+        limits: (H, 5): see `memory.Sections`.
         requests: the request table of the lane, whose seats and slots are there; the columns from REQUEST_NUMBER to
             REQUEST_REACH are written.
     """
@@ -208,7 +208,7 @@ def commit(
         s: the settings.
         lane: the lane.
         targets: the slots of the block.
-        limits: (H, 4): see `memory.Sections`.
+        limits: (H, 5): see `memory.Sections`.
         requests: the request table of the lane, judged.
         scratch: see `workspace.Scratch`; the progress references are renewed.
     """

@@ -328,7 +328,7 @@ def apply_actions(
         width: how many lanes a group has.
         lanes: how many lanes are arenas.
         controls: (lanes, H): TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
-        limits: (H, 4): see `memory.Sections`.
+        limits: (H, 5): see `memory.Sections`.
         choices: (lanes, H), ranks from 1 up, or 0 to hold.
         commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
         scratch: see `workspace.Scratch`; the progress references are set.

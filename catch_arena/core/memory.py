@@ -39,7 +39,7 @@ class Sections(NamedTuple):
     controls: Annotated[NDArray[np.int8], 2]
     """(B, H): see `controllers`."""
     limits: Annotated[NDArray[np.float64], 2]
-    """(H, 4): `SeatLimits`, in the order of its fields."""
+    """(H, 5): `SeatLimits`, in the order of its fields."""
     teams: Annotated[NDArray[np.int64], 1]
     """(H,): the lowest seat of each seat's team, which stands for that (R11.1)."""
     target_network: Annotated[NDArray[np.int64], 2]

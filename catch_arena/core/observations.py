@@ -588,12 +588,12 @@ def observe(
             update_heading(body_of(targets, slot, s), width)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        reach_um = limits_of(sections.limits, seat).reach_um
-        rank_targets(block, me, targets, width, slots, sections.target_network, s, reach_um, scratch.keys)
+        reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
+        rank_targets(block, me, targets, width, slots, sections.target_network, s, reach_limit_m2, scratch.keys)
         pack_order(scratch.keys, slots, s.targets_seen, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
             order = rival_order_of(scratch, seat)
-            measure_rivals(block, seat, width, s, reach_um, scratch.keys)
+            measure_rivals(block, seat, width, s, reach_limit_m2, scratch.keys)
             if s.hunters <= RANKS_PER_WORD:
                 count_ranks(block, seat, width, s, sections.teams, scratch.keys, scratch.rows, order)
             else:

@@ -204,55 +204,6 @@ def pack_order(keys: Keys, there: int, ranks: int, width: Width, packed: Block) 
 
 
 @phase
-def hide_targets(me: Block, targets: Block, width: Width, slots: int, s: Settings, reach_um: float, keys: Keys) -> None:
-    """R7.5: what a hunter does not see has no rank.
-
-    Args:
-        me: the rows of its seat; SEEN is written: how many have a rank.
-        targets: the slots of the block.
-        width: how many lanes a group has.
-        slots: how many slots are in use in any lane.
-        s: the settings.
-        reach_um: the seat's own [micrometres].
-        keys: by slot, rows of LANES.
-    """
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
-        seen = 0.0
-        for slot in range(slots):
-            at = slot * s.slot_size + lane
-            key = keys[slot * LANES + lane]
-            there = key < FAR
-            there = there & is_seen(targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y, sine, cosine, reach_um, s)
-            keys[slot * LANES + lane] = select(there, key, FAR)
-            seen = seen + select(there, 1.0, 0.0)
-        me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
-
-
-@phase
-def hide_rivals(block: Block, seat: int, width: Width, s: Settings, reach_um: float, keys: Keys) -> None:
-    """R7.5: nor has a rival.
-
-    Args:
-        block: the block.
-        seat: who sees.
-        width: how many lanes a group has.
-        s: the settings.
-        reach_um: the seat's own [micrometres].
-        keys: by seat, rows of LANES.
-    """
-    me = seat_of(block, seat)
-    for other in range(s.hunters):
-        rival = seat_of(block, other)
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
-            there = is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], reach_um, s)
-            keys[other * LANES + lane] = select(there, keys[other * LANES + lane], FAR)
-
-
-@phase
 def rank_targets(
     block: Block,
     me: Block,
@@ -261,7 +212,7 @@ def rank_targets(
     slots: int,
     network: NDArray[np.int64],
     s: Settings,
-    reach_um: float,
+    reach_limit_m2: float,
     keys: Keys,
 ) -> None:
     """R7.1, R7.5: the alive targets by distance, then by spawn number; slots are in spawning order.
@@ -274,27 +225,30 @@ def rank_targets(
         slots: how many slots are in use in any lane.
         network: (comparators, 2): see `selection_network`.
         s: the settings.
-        reach_um: the seat's own [micrometres].
+        reach_limit_m2: the seat's own: see `visibility.is_seen`.
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        x, y = me[X + lane], me[Y + lane]
+        x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
         alive = truncate(block[ALIVE + lane])
+        hidden = 0.0
         for slot in range(slots):
             at = slot * s.slot_size + lane
-            keys[slot * LANES + lane] = select(
-                alive > slot, key_of(targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y, slot), FAR
-            )
-        seen = block[ALIVE + lane]
+            dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
+            there = alive > slot
+            if s.partial_view:
+                in_view = is_seen(dx, dy, sine, cosine, reach_limit_m2, s)
+                hidden = hidden + select(there, select(in_view, 0.0, 1.0), 0.0)
+                there = there & in_view
+            keys[slot * LANES + lane] = select(there, key_of(dx, dy, slot), FAR)
+        seen = block[ALIVE + lane] - hidden
         me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
-    if s.partial_view:
-        hide_targets(me, targets, width, slots, s, reach_um, keys)
     sort_keys(keys, network, width, slots)
 
 
 @phase
-def measure_rivals(block: Block, seat: int, width: Width, s: Settings, reach_um: float, keys: Keys) -> None:
+def measure_rivals(block: Block, seat: int, width: Width, s: Settings, reach_limit_m2: float, keys: Keys) -> None:
     """R7.1, R7.5, R1.6: how far the other hunters are, of those who are seen.
 
     Args:
@@ -302,7 +256,7 @@ def measure_rivals(block: Block, seat: int, width: Width, s: Settings, reach_um:
         seat: who sees them.
         width: how many lanes a group has.
         s: the settings.
-        reach_um: the seat's own [micrometres].
+        reach_limit_m2: the seat's own: see `visibility.is_seen`.
         keys: the result, by seat, rows of LANES.
     """
     me = seat_of(block, seat)
@@ -310,11 +264,13 @@ def measure_rivals(block: Block, seat: int, width: Width, s: Settings, reach_um:
         rival = seat_of(block, other)
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
-            key = key_of(rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane], other)
+            dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
             unseen = (rival[WITHDRAWN + lane] > 0.0) | (other == seat)
-            keys[other * LANES + lane] = select(unseen, FAR, key)
-    if s.partial_view:
-        hide_rivals(block, seat, width, s, reach_um, keys)
+            key = select(unseen, FAR, key_of(dx, dy, other))
+            if s.partial_view:
+                in_view = is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], reach_limit_m2, s)
+                key = select(in_view, key, FAR)
+            keys[other * LANES + lane] = key
 
 
 @phase

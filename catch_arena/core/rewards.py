@@ -88,7 +88,7 @@ def renew_progress_reference(
         dx = targets[TARGET_X + at] - me[X + lane]
         dy = targets[TARGET_Y + at] - me[Y + lane]
         key = key_of(dx, dy, slot)
-        if key < nearest and is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], limits.reach_um, s):
+        if key < nearest and is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], limits.reach_limit_m2, s):
             nearest = key
             reference[lane] = targets[TARGET_X + at]
             reference[LANES + lane] = targets[TARGET_Y + at]

@@ -169,7 +169,7 @@ class Settings(NamedTuple):
     prey_returns_ms: float
     prey_distance_wanted: int
     partial_view: int
-    view_radius_um: float
+    view_limit_m2: float
     view_cosine: float
     view_noise_m: float
     dropout_rate: float
@@ -221,12 +221,15 @@ def options_of(s: Settings) -> Options:
 
 
 class SeatLimits(NamedTuple):
-    """R2.5, R2.7, R5.3: what one hunter can: speeds [m/s], a turn rate [rad/s], a reach [micrometres]."""
+    """R2.5, R2.7, R5.3: what one hunter can: speeds [m/s], a turn rate [rad/s], a reach [micrometres], and the same as
+    `visibility.is_seen` has it [m2].
+    """
 
     max_speed: float
     min_speed: float
     max_turn_rate: float
     reach_um: float
+    reach_limit_m2: float
 
 
 RANKS_PER_WORD: Final = 8
@@ -264,7 +267,7 @@ def first_prey_row(hunters: int, max_targets: int, rows_of_slot: int, targets_se
 @inlined
 def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
     """What one hunter can, from the section of all."""
-    return SeatLimits(limits[seat, 0], limits[seat, 1], limits[seat, 2], limits[seat, 3])
+    return SeatLimits(limits[seat, 0], limits[seat, 1], limits[seat, 2], limits[seat, 3], limits[seat, 4])
 
 
 @inlined

@@ -1,10 +1,11 @@
 """Rulebook R7.5, R7.6: what a hunter sees of the arena, and how blurred."""
 
+import math
 from typing import Final
 
 import numpy as np
 
-from catch_arena.core.arbiter import measure_um, within_reach
+from catch_arena.core.arbiter import to_micrometres
 from catch_arena.core.jit import rule
 from catch_arena.core.random import VIEW_NOISE, draw, fraction, stream
 from catch_arena.core.state import Settings
@@ -12,11 +13,13 @@ from catch_arena.core.vectors import sqrt
 
 TARGET_KIND: Final = np.uint64(0)
 RIVAL_KIND: Final = np.uint64(1)
+ALL_ROUND: Final = -2.0
+"""Instead of the cosine of half the angle of view: nothing is behind."""
 _SPREAD: Final = 1.7320508075688772
 
 
 @rule
-def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s: Settings) -> bool:
+def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_limit_m2: float, s: Settings) -> bool:
     """R7.5: whether a hunter sees what is dx, dy [m] from it: near enough and in front of it, or within its reach.
 
     Args:
@@ -24,12 +27,28 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s
         dy: north of it [m].
         sine: of the hunter's heading.
         cosine: of the same.
-        reach_um: its own reach [micrometres].
+        reach_limit_m2: of its own reach: see `squared_limit`.
         s: the settings.
     """
-    distance_um = measure_um(dx, dy)
-    in_front = cosine * dx + sine * dy >= sqrt(dx * dx + dy * dy) * s.view_cosine
-    return ((distance_um < s.view_radius_um) & in_front) | within_reach(distance_um, reach_um)
+    square = dx * dx + dy * dy
+    seen = square < s.view_limit_m2
+    if s.view_cosine > ALL_ROUND:
+        seen = seen & (cosine * dx + sine * dy >= sqrt(square) * s.view_cosine)
+    return seen | (square < reach_limit_m2)
+
+
+def squared_limit(limit_um: float) -> float:
+    """R5.3, R7.5: the least square [m2] of a distance that is not less than so many whole micrometres.
+
+    Squares are compared with it in place of distances, which takes no root, and is the same in every bit: each step
+    from a square to micrometres keeps the order.
+    """
+    limit = (max(limit_um - 0.5, 0.0) / 1e6) ** 2
+    while limit > 0.0 and to_micrometres(math.sqrt(limit)) >= limit_um:
+        limit = math.nextafter(limit, 0.0)
+    while to_micrometres(math.sqrt(limit)) < limit_um:
+        limit = math.nextafter(limit, math.inf)
+    return limit
 
 
 @rule

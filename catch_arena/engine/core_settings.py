@@ -12,9 +12,8 @@ from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
 from catch_arena.core.state import LANES, MOTIONS, SeatLimits, Settings, slot_rows
+from catch_arena.core.visibility import ALL_ROUND, squared_limit
 
-_SEES_ALL_ROUND: Final = -2.0
-"""Below every cosine."""
 _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
@@ -58,10 +57,8 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool, any_control: bool
         prey_returns_ms=math.inf if config.prey_returns_ms is None else float(config.prey_returns_ms),
         prey_distance_wanted=int(progress_wanted or config.prey_rewards.gained != 0.0),
         partial_view=int(config.partial_view),
-        view_radius_um=math.inf if config.view_radius_um is None else float(config.view_radius_um),
-        view_cosine=_SEES_ALL_ROUND
-        if config.view_angle_deg == 360.0
-        else sincos(config.view_angle_deg * PI / 360.0)[1],
+        view_limit_m2=math.inf if config.view_radius_um is None else squared_limit(config.view_radius_um),
+        view_cosine=ALL_ROUND if config.view_angle_deg == 360.0 else sincos(config.view_angle_deg * PI / 360.0)[1],
         view_noise_m=float(config.view_noise_m),
         dropout_rate=float(config.dropout_rate),
         kill_down_rate=float(config.faults.kill_down),
@@ -93,7 +90,7 @@ def _spawned_in_full(config: ArenaConfig) -> float:
 
 
 def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
-    """R2.5, R2.7: the limits of every seat, as the core reads them: (H, 4)."""
+    """R2.5, R2.7: the limits of every seat, as the core reads them: (H, 5)."""
     limits = zip(config.max_speeds, config.max_turn_rates, config.reaches_um, strict=True)
     return np.array(
         [
@@ -102,6 +99,7 @@ def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
                 min_speed=-float(speed) if config.reverse else 0.0,
                 max_turn_rate=float(turn_rate),
                 reach_um=float(reach_um),
+                reach_limit_m2=squared_limit(reach_um),
             )
             for speed, turn_rate, reach_um in limits
         ]

@@ -12,7 +12,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.arbiter import measure_um
 from catch_arena.core.math import sincos
 from catch_arena.core.ranking import key_of
-from catch_arena.core.visibility import is_seen
+from catch_arena.core.visibility import is_seen, squared_limit
 from catch_arena.engine.core_settings import settings_of
 from catch_arena.world import World
 
@@ -40,6 +40,7 @@ class SeenTargets:
     def __init__(self, config: ArenaConfig) -> None:
         self._config = config
         self._settings = settings_of(config, progress_wanted=False)
+        self._reach_limits_m2 = [squared_limit(um) for um in config.reaches_um]
 
     def of(self, world: World, seat: int) -> NDArray[np.bool_]:
         """Which of a world's targets a seat sees: (targets,), in the order of `world.targets`. Of a withdrawn
@@ -48,10 +49,10 @@ class SeenTargets:
         me = world.hunters[seat]
         x, y = np.array([(target.x, target.y) for target in world.targets]).reshape(-1, 2).T
         sine, cosine = sincos(me.theta)
-        # the core's own rule, of all targets at once: it compares and combines, and does not branch
+        # the core's own rule, of all targets at once: it branches by the settings alone
         rule = cast("Any", is_seen)
         return cast(
-            "NDArray[np.bool_]", rule(x - me.x, y - me.y, sine, cosine, self._config.reaches_um[seat], self._settings)
+            "NDArray[np.bool_]", rule(x - me.x, y - me.y, sine, cosine, self._reach_limits_m2[seat], self._settings)
         )
 
     def ranked(self, world: World, seat: int) -> list[str]:
@@ -89,7 +90,7 @@ class SeenTargets:
             for other, rival in enumerate(world.hunters)
             if other != seat
             and not rival.withdrawn
-            and is_seen(rival.x - me.x, rival.y - me.y, sine, cosine, self._config.reaches_um[seat], self._settings)
+            and is_seen(rival.x - me.x, rival.y - me.y, sine, cosine, self._reach_limits_m2[seat], self._settings)
         )
         return sorted(seen, key=order)[: self._config.hunters_seen]
 

@@ -38,7 +38,7 @@ def _targets_as_they_lie(
     slots: int,
     _network: NDArray[np.int64],
     _s: Settings,
-    _reach_um: float,
+    _reach_limit_m2: float,
     keys: Keys,
 ) -> None:
     """In the place of `rank_targets`: in the order of their slots."""
