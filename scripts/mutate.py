@@ -60,6 +60,7 @@ KILLERS = (
     "tests/unit/test_ranking.py",
     "tests/unit/test_selection_network.py",
     "tests/unit/test_targets.py",
+    "tests/unit/test_visibility.py",
     "tests/conformance/test_adjudicators.py::test_an_arena_of_ours_answers_every_case_that_it_can_play[engine]",
     f"{MATCHES}[0]",
     "tests/rulebook/test_ch4_control.py",
