@@ -5,8 +5,10 @@ from random import Random
 
 import pytest
 
+from catch_arena.config import ArenaConfig
 from catch_arena.core.arbiter import measure_um
-from catch_arena.core.visibility import squared_limit
+from catch_arena.core.visibility import is_seen, squared_limit
+from catch_arena.engine.core_settings import settings_of
 
 LIMITS_UM = [0, 1, 2, 3, 7, 300_000, 500_000, 2_500_000, 11_088_889, 7_071_067_812, 10**10]
 
@@ -35,3 +37,14 @@ def test_r7_5_a_place_is_within_a_limit_where_its_distance_is() -> None:
         for um in range(-3, 4):
             dx, dy = ((2.5 + um / 1e6) * turn(math.radians(degree)) for turn in (math.cos, math.sin))
             assert (dx * dx + dy * dy < limit) == (measure_um(dx, dy) < 2_500_000)
+
+
+@pytest.mark.rule("R7.5")
+def test_r7_5_what_is_at_the_very_limit_is_not_within_it() -> None:
+    """In all directions, and of the reach as well; 1.5 and 2.5 m have squares without rounding."""
+    s = settings_of(ArenaConfig(view_radius_m=9.0), progress_wanted=False)._replace(view_limit_m2=6.25)
+    for dx, dy, seen in ((2.5, 0.0, False), (-2.5, 0.0, False), (0.0, 1.5, True), (1.5, 2.0, False)):
+        assert is_seen(dx, dy, 0.0, 1.0, 0.0, s) == seen
+    near = s._replace(view_limit_m2=0.0)
+    for dx, seen in ((1.5, False), (1.4999999999999998, True)):
+        assert is_seen(dx, 0.0, 0.0, 1.0, 2.25, near) == seen
