@@ -2,12 +2,13 @@
 
 Numba optimises each function and makes machine code of it, then links it into its callers and does so again there.
 All functions of ours are inlined in what Python calls, so the work on each alone is for nothing. Here the parts are
-only translated; the whole is linked, optimised and emitted once. The same instructions reach LLVM, with the same
-flags: no bit depends on this file (R10.1), only the time to compile.
+only translated; the whole is linked, optimised and emitted once; and branches that are never taken, since a setting is
+0, are left out. What is calculated reaches LLVM as it is in Numba's own way: no bit depends on this file (R10.1), only
+the time to compile.
 
 The passes come from Numba's public `CompilerBase`. What is not public, and may change from one Numba to the next, is
-the library below and `quick_typing`; `USABLE` is false where Numba has not what they need, and then all is compiled
-in Numba's own way.
+the library below, what `_Zeros` writes into, and `quick_typing`; `USABLE` is false where Numba has not what they need,
+and then all is compiled in Numba's own way.
 """
 
 from collections.abc import Iterator
@@ -43,10 +44,9 @@ _flags_on_top: Any = ConfigStack.top_or_none
 _Library: Any = codegen.JITCodeLibrary
 _NEEDED: Final[dict[Any, str]] = {
     _Library: "add_linking_library add_llvm_module enable_object_caching finalize get_function get_pointer_to_function "
-    "_ensure_finalized _finalize_final_module _get_module_for_linking _optimize_final_module _optimize_functions "
-    "_raise_if_finalized",
+    "_ensure_finalized _finalize_final_module _get_module_for_linking _raise_if_finalized",
     numba.core.caching.Cache: "_guard_against_spurious_io_errors _load_overload",
-    codegen.CPUCodegen: "_check_llvm_bugs",
+    codegen.CPUCodegen: "_check_llvm_bugs _module_pass_manager",
     compiler.CompilerBase: "define_pipelines",
     compiler.DefaultPassBuilder: "define_nopython_lowering_pipeline define_typed_pipeline define_untyped_pipeline",
     compiler.Flags: "no_compile __hash__",
@@ -96,6 +96,7 @@ class _Whole(_Translated):
                 waiting += library._linking_libraries  # noqa: SLF001
             self._reload_init.update(library._reload_init)  # noqa: SLF001
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)  # noqa: SLF001
+        self._final_module.data_layout = self._codegen._data_layout  # noqa: SLF001
         # once, where Numba does so three times; and without the search for loops that could be vectors
         manager, builder = self._codegen._module_pass_manager(opt=2, loop_vectorize=False, slp_vectorize=False)  # noqa: SLF001
         manager.run(self._final_module, builder)
