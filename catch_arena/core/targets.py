@@ -41,8 +41,12 @@ from catch_arena.core.vectors import Width, any_of, floor, group, select, sqrt
 
 STEERING_GAIN: Final = 6.0
 """R3.9, R3.10: turn rate for each radian of bearing error [1/s]."""
-_NO_THREAT_UM: Final = 1e300
-"""How far a threat is that is none [micrometres]."""
+_NO_THREAT: Final = 1e300
+"""How far a threat is that is none, in micrometres or squared."""
+_TIED_M: Final = 4e-6
+"""For each metre of the side: the squares of two distances in the arena that round to the same micrometre differ by
+less, as one of them is less than a micrometre longer, and neither is longer than 1.5 sides.
+"""
 
 
 @rule
@@ -123,7 +127,7 @@ def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step, number = block[STEP + lane], targets[NUMBER + at]
     chosen = -1
-    nearest = _NO_THREAT_UM
+    nearest = _NO_THREAT
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         if me[WITHDRAWN + lane] > 0.0:
@@ -145,27 +149,28 @@ def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Setti
         width: how many lanes a group has.
         slot: which target.
         s: the settings.
-        threats: the result, three rows: how far it is [micrometres], and where the target is from it, east and north
-            [m].
+        threats: the result, three rows: the square of its distance [m2], and where the target is from it, east and
+            north [m].
     """
+    margin = _TIED_M * s.side_m
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         x, y = targets[slot * s.slot_size + TARGET_X + lane], targets[slot * s.slot_size + TARGET_Y + lane]
-        nearest, east, north = 0.0 * x + _NO_THREAT_UM, 0.0 * x, 0.0 * x
-        tied = nearest < 0.0
+        nearest, second, east, north = 0.0 * x + _NO_THREAT, 0.0 * x + _NO_THREAT, 0.0 * x, 0.0 * x
         for seat in range(s.hunters):
             me = seat_of(block, seat)
             dx, dy = x - me[X + lane], y - me[Y + lane]
-            um = select(me[WITHDRAWN + lane] > 0.0, _NO_THREAT_UM, measure_um(dx, dy))
-            nearer = um < nearest
-            tied = (tied | (um == nearest)) & (um >= nearest)
+            square = select(me[WITHDRAWN + lane] > 0.0, _NO_THREAT, dx * dx + dy * dy)
+            nearer = square < nearest
+            second = select(nearer, nearest, select(square < second, square, second))
             east = select(nearer, dx, east)
             north = select(nearer, dy, north)
-            nearest = select(nearer, um, nearest)
+            nearest = select(nearer, square, nearest)
         threats[lane] = nearest
         threats[LANES + lane] = east
         threats[2 * LANES + lane] = north
-        if any_of(tied & (nearest < s.alarm_um) & (block[ALIVE + lane] > slot)):
+        may_tie = second - nearest < margin
+        if any_of(may_tie & (nearest < s.alarm_limit_m2) & (block[ALIVE + lane] > slot)):
             for each in range(first, first + len(width)):
                 at = slot * s.slot_size + each
                 seat = nearest_hunter(block, targets, each, at, s)
@@ -197,7 +202,7 @@ def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, th
         speed = s.target_speed_mps
         steers = held
         if s.target_motion == FLEEING:
-            threatened = threats[lane] < s.alarm_um
+            threatened = threats[lane] < s.alarm_limit_m2
             dx, dy = threats[LANES + lane], threats[2 * LANES + lane]
             distance = sqrt(dx * dx + dy * dy)
             apart = distance > 0.0

@@ -51,7 +51,7 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool, any_control: bool
         target_speed_mps=float(config.target_speed_mps),
         target_turn_rate_radps=float(config.target_turn_rate_radps),
         wander_period_ms=float(config.wander_period_ms),
-        alarm_um=float(config.alarm_um),
+        alarm_limit_m2=squared_limit(config.alarm_um),
         prey=config.prey,
         prey_min_speed_mps=-float(config.target_speed_mps) if config.reverse else 0.0,
         prey_returns_ms=math.inf if config.prey_returns_ms is None else float(config.prey_returns_ms),
