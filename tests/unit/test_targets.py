@@ -88,3 +88,18 @@ def test_each_row_keeps_its_draws_and_its_walls(motion):
     place(batch, oracles, [(1.0, 1.0, 0.0)], [(10.5, 5.0), (10.9, 1.0), (5.0, 10.9), (1.2, 1.1), (0.1, 6.0)])
     play_on(batch, oracles, 9)
     assert len({oracle.time for oracle in oracles}) == ROWS
+
+
+def test_those_whose_distances_round_to_the_same_micrometre_draw_lots_however_far_they_are():
+    """R3.10: 0.9 micrometres apart at 7 m, in directions that differ: the squares of the distances do so by 13 mm2."""
+    hunters = tuple(
+        (0.5 + (7.0 + um * 1e-6) * np.cos(angle), 0.5 + (7.0 + um * 1e-6) * np.sin(angle), 0.0)
+        for um, angle in ((-0.45, 0.1), (0.45, 1.4))
+    )
+    drawn = set()
+    for order in (hunters, hunters[::-1]):
+        batch, oracles = rows_with_oracles(hunters=2, target_motion="flee", alarm_m=20.0)
+        place(batch, oracles, order, [(0.5, 0.5)] * 8)
+        drawn |= {threat.seat for oracle in oracles for one in oracle.alive if (threat := oracle._threat(one))}
+        play_on(batch, oracles, 1)
+    assert drawn == {0, 1}
