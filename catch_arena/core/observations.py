@@ -512,6 +512,7 @@ def write(
     target_width = MOVING_TARGET_WIDTH if s.targets_move else TARGET_WIDTH
     columns = SELF_WIDTH + s.targets_seen * target_width + s.hunters_seen * rival_width(s)
     few_of_many = s.hunters > _MANY * s.hunters_seen
+    alone = s.hunters_seen == 0
     stride = s.hunters * columns
     for first in range(0, span(width), len(width)):
         if first >= lanes:
@@ -526,20 +527,19 @@ def write(
                 rival_order_of(scratch, seat),
             )
             write_self(me, time_left, first, width, to, begin + seat * columns, stride)
-            ages, features = scratch.ages, scratch.target_features
+            ages, features, rivals = scratch.ages, scratch.target_features, scratch.rival_features
             if s.targets_move:
                 compute_moving_target_features(me, targets, ages, first, width, slots, s, features)
             else:
                 compute_target_features(me, targets, ages, first, width, slots, s, features)
             if not few_of_many:
-                compute_rival_features(block, seat, first, width, s, teams, scratch.rival_features)
+                compute_rival_features(block, seat, first, width, s, teams, rivals)
             if s.view_noise_m > 0.0:
                 blur_targets(block, seat, targets, targets_seen, first, width, s, features)
                 if not few_of_many:
-                    blur_rivals(block, seat, rivals_seen, first, width, s, teams, scratch.rival_features)
+                    blur_rivals(block, seat, rivals_seen, first, width, s, teams, rivals)
             for lane in range(first, first + len(width)):
                 at = begin + (lane - first) * stride + seat * columns + SELF_WIDTH
-                alone, rivals = s.hunters_seen == 0, scratch.rival_features
                 # a call for each width, so that the compiler knows it
                 if s.targets_move:
                     write_ranked(

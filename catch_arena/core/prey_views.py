@@ -116,14 +116,14 @@ def rank_bodies(
     last = min(ranks, count - 1)
     for first in range(0, span(width), len(width)):
         if some_tied(keys, last, group(first, width)):
-            for lane in range(first, min(first + len(width), lanes)):
-                if some_tied(keys, last, lane):
-                    sort_tied_bodies(me, others, size, lane, gather_ties(lane, last, count, keys), keys)
+            sort_tied_bodies(me, others, size, first, min(first + len(width), lanes), last, count, keys)
 
 
 @rare
-def sort_tied_bodies(me: Block, others: Block, size: int, lane: int, count: int, keys: Keys) -> None:
-    """R12.4: those of one lane's sorted bodies that are equally far are put in order among themselves, by insertion.
+def sort_tied_bodies(
+    me: Block, others: Block, size: int, first: int, last: int, ranks: int, count: int, keys: Keys
+) -> None:
+    """R12.4: in each lane the sorted bodies that are equally far are put in order among themselves, by insertion.
 
     `ranking.sort_ties` does the same with rivals, which differ in catches, team and seat too; bodies have none.
 
@@ -131,21 +131,26 @@ def sort_tied_bodies(me: Block, others: Block, size: int, lane: int, count: int,
         me: the rows of the observer.
         others: the rows of all bodies.
         size: how many numbers there are of each.
-        lane: the lane.
-        count: of how many keys the order is put right.
+        first: the first lane.
+        last: the lane behind the last.
+        ranks: see `ranking.some_tied`.
+        count: how many bodies.
         keys: sorted by distance, rows of LANES.
     """
-    for last in range(1, count):
-        key = keys[last * LANES + lane]
-        body = others[item_of(key) * size :]
-        at = last
-        while at > 0:
-            before = keys[(at - 1) * LANES + lane]
-            if not equally_far(before, key) or lead(me, body, others[item_of(before) * size :], lane) <= 0.0:
-                break
-            keys[at * LANES + lane] = before
-            at -= 1
-        keys[at * LANES + lane] = key
+    for lane in range(first, last):
+        if not some_tied(keys, ranks, lane):
+            continue
+        for newest in range(1, gather_ties(lane, ranks, count, keys)):
+            key = keys[newest * LANES + lane]
+            body = others[item_of(key) * size :]
+            at = newest
+            while at > 0:
+                before = keys[(at - 1) * LANES + lane]
+                if not equally_far(before, key) or lead(me, body, others[item_of(before) * size :], lane) <= 0.0:
+                    break
+                keys[at * LANES + lane] = before
+                at -= 1
+            keys[at * LANES + lane] = key
 
 
 @phase

@@ -38,7 +38,7 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_limit_m2: fl
 
 
 def squared_limit(limit_um: float) -> float:
-    """R5.3, R7.5: the least square [m2] of a distance that is not less than so many whole micrometres.
+    """R3.10, R5.3, R7.5: the least square [m2] of a distance that is not less than so many whole micrometres.
 
     Squares are compared with it in place of distances, which takes no root, and is the same in every bit: each step
     from a square to micrometres keeps the order.

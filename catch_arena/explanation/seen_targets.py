@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Final, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,10 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.arbiter import measure_um
 from catch_arena.core.math import sincos
 from catch_arena.core.ranking import key_of
-from catch_arena.core.visibility import is_seen, squared_limit
-from catch_arena.engine.core_settings import settings_of
+from catch_arena.core.state import SeatLimits
+from catch_arena.core.visibility import is_seen
+from catch_arena.engine.core_settings import limits_by_seat, settings_of
 from catch_arena.world import World
-
-_EQUAL_DIGITS: Final = 6
-"""Places are equal to a micrometre."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +38,7 @@ class SeenTargets:
     def __init__(self, config: ArenaConfig) -> None:
         self._config = config
         self._settings = settings_of(config, progress_wanted=False)
-        self._reach_limits_m2 = [squared_limit(um) for um in config.reaches_um]
+        self._reach_limits_m2 = limits_by_seat(config)[:, SeatLimits._fields.index("reach_limit_m2")].tolist()
 
     def of(self, world: World, seat: int) -> NDArray[np.bool_]:
         """Which of a world's targets a seat sees: (targets,), in the order of `world.targets`. Of a withdrawn
@@ -72,14 +70,17 @@ class SeenTargets:
         me = world.hunters[seat]
         sine, cosine = sincos(me.theta)
 
-        def order(other: int) -> tuple[int, float, float, int, bool, int]:
+        def order(other: int) -> tuple[float, ...]:
             rival = world.hunters[other]
             dx, dy = rival.x - me.x, rival.y - me.y
-            left, forward = cosine * dy - sine * dx, cosine * dx + sine * dy
+            its_sine, its_cosine = sincos(rival.theta)
             return (
                 key_of(dx, dy, 0),
-                -round(left, _EQUAL_DIGITS),
-                -round(forward, _EQUAL_DIGITS),
+                sine * dx - cosine * dy,
+                -cosine * dx - sine * dy,
+                -its_cosine * cosine - its_sine * sine,
+                its_cosine * sine - its_sine * cosine,
+                -rival.linear_velocity,
                 -rival.score,
                 rival.team != me.team,
                 other,

@@ -6,16 +6,18 @@ import re
 from collections import Counter
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from oracle.arithmetic import draw, key
 from typer.testing import CliRunner
 
-from catch_arena import Verdict, arbitrate, explain, explain_step
+from catch_arena import Engine, Verdict, arbitrate, explain, explain_step, scenario
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import step_at
 from catch_arena.explanation.formatting import short_length
 from catch_arena.explanation.seen_targets import SeenTargets
+from catch_arena.layout import columns
 
 TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
 CLOSE = {"hunters": 3, "hunter_poses": TIED, "initial_targets": 3, "reach_m": 3.0, "max_cycles": 20}
@@ -447,3 +449,19 @@ def test_a_refusal_tells_the_hunters_own_reach(play):
         assert (
             f" OUT_OF_REACH, the target is out of reach (R5.3); {limit}" in explain_step(match, step, seat).lines()[1]
         )
+
+
+def test_rivals_are_ranked_as_the_engine_ranks_them_also_where_they_stand_in_one_place():
+    """All chase the nearest target, and most rivals are equally far in the end; the observation says who has a rank."""
+    engine = Engine(scenario("standard"))
+    engine.reset([3])
+    sight = SeenTargets(engine.config)
+    places = {column.name: place for place, column in enumerate(columns(engine.config))}
+    for _ in range(engine.config.max_steps - 1):
+        engine.step(np.ones((1, 4), np.int64), np.zeros((1, 4, 2), np.float32))
+        world = engine.world()
+        for seat, me in enumerate(world.hunters):
+            scores = [world.hunters[rival].score - me.score for rival in sight.ranked_rivals(world, seat)]
+            ranks = range(1, len(scores) + 1)
+            told = [engine.observations[0, seat, places[f"rival_{rank}.score_difference"]] for rank in ranks]
+            assert told == scores
