@@ -5,8 +5,8 @@ BIN := $(VENV)/bin
 # By files, since the tests of one share what is slow to make; where a single file is most of the work, test by test.
 WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SPREAD := --numprocesses 2 --dist worksteal
-USUAL := not nightly and not extras and not hostile and not torch
-MEASURED := not nightly and not large and not hostile and not torch
+USUAL := not nightly and not extras and not hostile and not torch and not cgroups
+MEASURED := not nightly and not large and not hostile and not torch and not cgroups
 RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
 # The docs first: one of their tests is the longest.
 QUICK := tests/docs $(RULES) tests/agents tests/conformance tests/contract tests/vector
@@ -19,7 +19,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
+.PHONY: help card cgroups compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
 	clean setup always
 
 help: ## list the targets
@@ -45,6 +45,10 @@ train: $(VENV)/ready-torch ## the scripts that train, for a minute (torch: gigab
 
 hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and each other, at each level of isolation
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
+
+# In a group that systemd delegates to us; root on a machine without systemd is in the root of all groups, and needs none.
+cgroups: $(VENV)/ready-dev ## what the kernel bounds by control groups: needs systemd, or root and cgroup v2 mounted
+	$(if $(wildcard /run/systemd/system),systemd-run --user --scope --quiet -p Delegate=yes) $(BIN)/pytest -m cgroups tests
 
 nightly: long laws interpreted boundscheck coverage mutate train compat ## what takes long: the six targets that follow, train, and compat
 

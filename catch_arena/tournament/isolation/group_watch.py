@@ -13,12 +13,10 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.descendants import family
+from catch_arena.tournament.isolation.control_groups import TOGETHER
 from catch_arena.tournament.isolation.limits import AgentLimits
 
 _MEMORY: Final = ("RssAnon:", "VmSwap:", "VmPTE:")
-_TOGETHER: Final = 2
-"""Memory of all, for each byte that one may have: a page that processes share, since they were forked, counts for each.
-"""
 _KIB_IN_MIB: Final = 1024
 _BYTES_IN_KIB: Final = 1024
 _SHARED: Final = re.compile(rb"^(\w+)-(\w+) \S\S\Ss (\w+) (\S+ \d+) +/dev/zero \(deleted\)$", re.MULTILINE)
@@ -40,7 +38,7 @@ def exceeded(root: int, limits: AgentLimits, in_memory: Iterable[Path] = ()) -> 
     """
     tasks = own_kib = addresses_kib = 0
     shared_kib = 0.0
-    most_kib = _TOGETHER * limits.memory_mib * _KIB_IN_MIB
+    most_kib = TOGETHER * limits.memory_mib * _KIB_IN_MIB
     pids: list[int] = []
     for pid in _members(root):
         pids.append(pid)
@@ -56,7 +54,7 @@ def exceeded(root: int, limits: AgentLimits, in_memory: Iterable[Path] = ()) -> 
     if own_kib + shared_kib <= most_kib < addresses_kib:  # a process may hold what it shares without having it at hand
         shared_kib = max(shared_kib, _shared_kib(pids))
     if own_kib + shared_kib > most_kib:
-        return f"its processes together held more than twice {limits.memory_mib} MiB (memory_mib)"
+        return too_much_memory(limits)
     for folder in in_memory:
         try:
             found = os.statvfs(f"/proc/{root}/root{folder}")
@@ -65,6 +63,11 @@ def exceeded(root: int, limits: AgentLimits, in_memory: Iterable[Path] = ()) -> 
         if found.f_files - found.f_ffree > _FILES:
             return f"it made more than {_FILES} files"
     return None
+
+
+def too_much_memory(limits: AgentLimits) -> str:
+    """That an agent's processes held more memory together than they may."""
+    return f"its processes together held more than twice {limits.memory_mib} MiB (memory_mib)"
 
 
 def _shared_kib(pids: Iterable[int]) -> float:

@@ -1,6 +1,7 @@
 """The two levels at which agents are held apart, and which of them this machine can hold."""
 
 from catch_arena.errors import ConfigError
+from catch_arena.tournament.isolation.control_groups import delegated_group
 from catch_arena.tournament.isolation.limits import Level
 from catch_arena.tournament.isolation.namespaces import namespaces_missing
 
@@ -25,5 +26,6 @@ def level_here(asked: Level | None = None) -> Level:
 
 
 def level_line(level: Level) -> str:
-    """What people are told of it."""
-    return f"isolation: {level}" if level == "namespaces" else f"isolation: {level}, see docs/isolation.md"
+    """What people are told of how agents are held apart, and of what bounds them."""
+    line = f"isolation: {level}" if level == "namespaces" else f"isolation: {level}, see docs/isolation.md"
+    return line if delegated_group() is None else f"{line}; control groups bound memory and processes"

@@ -15,7 +15,8 @@ from typing import BinaryIO, Final
 
 from catch_arena.descendants import LINUX, family, kill_all
 from catch_arena.tournament.isolation import fork_server
-from catch_arena.tournament.isolation.group_watch import exceeded
+from catch_arena.tournament.isolation.control_groups import AgentGroup
+from catch_arena.tournament.isolation.group_watch import exceeded, too_much_memory
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.namespaces import PROGRAM, WRITABLE, bubblewrap_words
 from catch_arena.tournament.isolation.processes import die_with
@@ -27,6 +28,8 @@ _STOP_S: Final = 5.0
 _OPTIONS, _INFO = 3, 4
 _FIRST_FREE: Final = 10
 _PART: Final = 4096
+_IN_GROUP: Final = ("/bin/sh", "-c", 'echo 0 >"$0" && exec "$@"')
+"""A program that becomes another one in the group whose door is named first: bubblewrap's first fork is in it too."""
 _MAIN: Final = f"import sys; sys.path[:] = sys.argv[1:]; from {fork_server.__name__} import main; main()"
 
 
@@ -36,24 +39,31 @@ class Server:
     Args:
         pid: its process; where it has namespaces of its own, the one that made them.
         limits: its agent's.
+        group: its control group, where it has one.
         inner: the first process in these namespaces.
     """
 
-    def __init__(self, pid: int, limits: AgentLimits, inner: int | None = None) -> None:
+    def __init__(self, pid: int, limits: AgentLimits, group: AgentGroup | None, inner: int | None = None) -> None:
         self.pid = pid
         self.pids = {pid} if inner is None else {pid, inner}
         """Those that live on from match to match."""
-        self.excess: str | None = None
-        """The limit for which it was ended, in words."""
+        self._excess: str | None = None
         self._limits = limits
+        self._group = group
         self._inner = inner
+
+    def excess(self) -> str | None:
+        """The limit for which it was ended, in words; None if it was not."""
+        if self._excess is None and self._group is not None and self._group.excess():
+            self._excess = too_much_memory(self._limits)
+        return self._excess
 
     def look(self) -> None:
         """End it where all its processes together take too much."""
-        if self.excess is None:
+        if self.excess() is None:
             root, in_memory = (self.pid, ()) if self._inner is None else (self._inner, WRITABLE)
-            self.excess = exceeded(root, self._limits, in_memory)
-            if self.excess is not None:
+            self._excess = exceeded(root, self._limits, in_memory)
+            if self._excess is not None:
                 self.end()
 
     def end(self) -> bool:
@@ -61,6 +71,8 @@ class Server:
         if not LINUX:
             self.end_group()
             return True
+        if self._group is not None:
+            self._group.kill()
         doomed: set[int] = set()
         patience = time.monotonic() + _STOP_S
         while (more := self._family() - doomed) and time.monotonic() < patience:
@@ -68,7 +80,10 @@ class Server:
                 with suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGKILL if pid == self._inner else signal.SIGSTOP)
             doomed |= more
-        return kill_all(lambda: family(os.getpid()) & doomed)
+        ended = kill_all(lambda: family(os.getpid()) & doomed)
+        if self._group is not None:
+            self._group.remove()
+        return ended
 
     def _family(self) -> set[int]:
         """Itself and its descendants, but none that has got its number since it ended."""
@@ -80,20 +95,23 @@ class Server:
             os.killpg(self.pid, signal.SIGKILL)
 
 
-def fork_it(channel: int, limits: AgentLimits, ours: Collection[int]) -> Server:
+def fork_it(channel: int, limits: AgentLimits, group: AgentGroup | None, ours: Collection[int]) -> Server:
     """A fork server that is only a process.
 
     Args:
         channel: its socket.
         limits: its agent's.
+        group: its control group, where it has one.
         ours: the files of this process that it must not have.
     """
     supervisor = os.getpid()
     pid = os.fork()
     if pid:
-        return Server(pid, limits)
+        return Server(pid, limits, group)
     try:
         die_with(supervisor)
+        if group is not None:
+            group.door.write_text("0")
         for usual in (signal.SIGCHLD, signal.SIGTERM):
             signal.signal(usual, signal.SIG_DFL)
         os.setsid()
@@ -108,7 +126,7 @@ def fork_it(channel: int, limits: AgentLimits, ours: Collection[int]) -> Server:
         os._exit(0)
 
 
-def start_in_namespaces(channel: int, errors: int, spec: str, limits: AgentLimits) -> Server:
+def start_in_namespaces(channel: int, errors: int, spec: str, limits: AgentLimits, group: AgentGroup | None) -> Server:
     """A fork server in namespaces of its own.
 
     Args:
@@ -116,12 +134,16 @@ def start_in_namespaces(channel: int, errors: int, spec: str, limits: AgentLimit
         errors: where bubblewrap says why it fails.
         spec: its agent's.
         limits: its agent's.
+        group: its control group, where it has one.
 
     Raises:
         OSError: where bubblewrap cannot be started.
     """
     words = bubblewrap_words(visible_files(spec, limits.entrants, limits.hidden), limits.file_mib << 20)
-    program = [PROGRAM, "--args", f"{_OPTIONS}", "--info-fd", f"{_INFO}", "--", sys.executable, "-c", _MAIN, *sys.path]
+    program = [shutil.which(PROGRAM) or PROGRAM, "--args", f"{_OPTIONS}", "--info-fd", f"{_INFO}", "--"]
+    program += [sys.executable, "-c", _MAIN, *sys.path]
+    if group is not None:
+        program = [*_IN_GROUP, str(group.door), *program]
     options = os.memfd_create("options")
     info_read, info_write = os.pipe()
     null = os.open(os.devnull, os.O_RDWR)
@@ -132,7 +154,7 @@ def start_in_namespaces(channel: int, errors: int, spec: str, limits: AgentLimit
         os.write(options, b"".join(os.fsencode(word) + b"\0" for word in words))
         os.lseek(options, 0, os.SEEK_SET)
         pid = os.posix_spawn(
-            shutil.which(PROGRAM) or PROGRAM,
+            program[0],
             program,
             os.environ,
             file_actions=[(os.POSIX_SPAWN_DUP2, end, number) for number, end in enumerate(ends)],
@@ -146,7 +168,7 @@ def start_in_namespaces(channel: int, errors: int, spec: str, limits: AgentLimit
         for file in (options, info_write, null, *ends):
             os.close(file)
     with os.fdopen(info_read, "rb") as info:
-        return Server(pid, limits, _first_process(info))
+        return Server(pid, limits, group, _first_process(info))
 
 
 def _first_process(info: BinaryIO) -> int | None:

@@ -18,6 +18,7 @@ from typing import Any, Final, NoReturn
 
 from catch_arena.descendants import LINUX, family, kill_all
 from catch_arena.tournament.isolation import group_watch
+from catch_arena.tournament.isolation.control_groups import AgentGroup, ControlGroups
 from catch_arena.tournament.isolation.folders import empty
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.processes import adopt_orphans, close_to_others
@@ -39,18 +40,19 @@ def main() -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # the dead need no burial
     signal.signal(signal.SIGTERM, _leave)
     folder = Path(tempfile.mkdtemp(prefix="catch-arena-agents-"))
+    groups = ControlGroups.here()
     servers: _Servers = {}
     try:
         send(control, folder=str(folder))
         while (request := _next_request(control, parent, servers)) is not None:
             message, files = request
             if "serve" in message:
-                send(control, **_start(control, servers, message, files))
+                send(control, **_start(control, servers, groups, message, files))
             elif "end" in message:
                 ended = servers.pop(message["end"], None)
                 send(control, done=ended is None or ended.end())
             elif "excess" in message:
-                send(control, excess=servers[message["excess"]].excess)
+                send(control, excess=servers[message["excess"]].excess())
             else:
                 done = _sweep(servers)
                 _empty(folder)
@@ -88,23 +90,34 @@ def _end_strays(servers: _Servers) -> None:
             os.kill(pid, signal.SIGKILL)
 
 
-def _start(control: socket.socket, servers: _Servers, message: dict[str, Any], files: list[int]) -> dict[str, Any]:
+def _start(
+    control: socket.socket,
+    servers: _Servers,
+    groups: ControlGroups | None,
+    message: dict[str, Any],
+    files: list[int],
+) -> dict[str, Any]:
     """Start a fork server; what is answered.
 
     Args:
         control: this process's socket.
         servers: those that run.
+        groups: where control groups are made, if they are.
         message: who is to be served, and how.
         files: its socket, and where bubblewrap says why it fails.
     """
     channel, errors = files
     limits = AgentLimits(**message["limits"])
+    group: AgentGroup | None = None
     try:
+        group = None if groups is None else groups.make(limits)
         if limits.level == "namespaces":
-            server = start_in_namespaces(channel, errors, message["serve"], limits)
+            server = start_in_namespaces(channel, errors, message["serve"], limits, group)
         else:
-            server = fork_it(channel, limits, (control.fileno(), errors))
+            server = fork_it(channel, limits, group, (control.fileno(), errors))
     except OSError as error:
+        if group is not None:
+            group.remove()
         return {"pid": None, "error": str(error)}
     finally:
         for file in files:

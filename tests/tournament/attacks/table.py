@@ -15,7 +15,9 @@ NOT_STOPPED: Final = "not stopped"
 BY_LUCK: Final = "not stopped, where it has luck"
 BY_SOME_KERNELS: Final = "not stopped by all kernels"
 AS_ROOT: Final = "stopped, but not where the tournament runs as root"
-ROOT_STOPS: Final = "not stopped, but where the tournament runs as root"
+ROOT_STOPS: Final = "not stopped, but where the tournament runs as root or has control groups"
+GROUPS_STOP: Final = "not stopped, but where the tournament has control groups"
+NEITHER_ROOT_NOR_GROUPS: Final = "stopped, but not where the tournament runs as root or has control groups"
 IMPATIENT: Final = {"step_ms": 1500, "bank_s": 0.5}
 """For agents that somebody stops, and that are late then."""
 
@@ -162,7 +164,7 @@ ATTACKS: Final = (
     quiet(resources.raises_its_own_limits, done, AS_ROOT, STOPPED),
     quiet(files.makes_a_device, done, AS_ROOT, STOPPED),
     quiet(files.opens_a_disk_of_this_machine, done, AS_ROOT, STOPPED),
-    quiet(files.finds_a_control_group_that_it_may_change, done, AS_ROOT, STOPPED),
+    quiet(files.finds_a_control_group_that_it_may_change, done, NEITHER_ROOT_NOR_GROUPS, STOPPED),
     # files of others
     quiet(files.reads_the_rivals_files, leaked, NOT_STOPPED, STOPPED),
     attack(
@@ -248,7 +250,7 @@ ATTACKS: Final = (
     hidden_memory(resources.takes_memory_by_system_v_messages, STOPPED, STOPPED),
     hidden_memory(resources.takes_memory_by_pages_that_lie_in_pipes, STOPPED, STOPPED),
     hidden_memory(resources.takes_memory_by_rings_of_the_kernel, STOPPED, STOPPED),
-    hidden_memory(resources.takes_memory_by_connections_that_nobody_reads, NOT_STOPPED, NOT_STOPPED),
+    hidden_memory(resources.takes_memory_by_connections_that_nobody_reads, GROUPS_STOP, GROUPS_STOP),
     attack(resources.runs_away_by_forking_for_ever, beaten, STOPPED, STOPPED),
     # what it says
     attack(resources.prints_for_ever_while_it_plays, beaten, STOPPED, STOPPED),
