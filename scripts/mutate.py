@@ -3,8 +3,9 @@
 A mutant is one such change in one of the modules below. It is made in memory, in a process of its own that runs
 the tests without the compiler (NUMBA_DISABLE_JIT=1) until one fails; the files stay as they are. Tests that do not call
 the changed function cannot notice it, and are not asked. Mutants that no test can notice stand in
-tests/mutation/equivalent.toml, each with its reason; every other one must be noticed, and an entry there that no longer
-fits fails the run too. Needs os.fork: Linux or macOS.
+tests/mutation/equivalent.toml, each with its reason; every other one must be noticed, and an entry there that fits no
+mutant fails the run too. Those listed are not tried, since each would take all the tests that there are: half of the
+time. `--equivalents` tries them alone, and fails for each that a test notices. Needs os.fork: Linux or macOS.
 """
 
 import argparse
@@ -31,8 +32,7 @@ from pathlib import Path
 from types import CodeType
 from typing import Any
 
-from rich.console import Console
-from rich.progress import track
+from catch_arena.cli.progress import progress_bar
 
 ROOT = Path(__file__).parent.parent
 CORE = ROOT / "catch_arena" / "core"
@@ -416,17 +416,21 @@ def survivors(mutants: Sequence[Mutant], processes: int, run_tests: Callable[[Mu
 
     running: dict[int, Mutant] = {}
     found = []
-    waiting = iter(track(mutants, "mutants", console=Console(stderr=True)))
-    while True:
-        for mutant in itertools.islice(waiting, processes - len(running)):
-            running[begin(partial(try_out, mutant))] = mutant
-        if not running:
-            return found
-        process, status = os.wait()
-        mutant = running.pop(process)
-        if status == 0:
-            print(f"no test notices: {mutant.name}", file=sys.stderr)
-            found.append(mutant.name)
+    done = 0
+    waiting = iter(mutants)
+    with progress_bar("mutants", len(mutants)) as show:
+        while True:
+            for mutant in itertools.islice(waiting, processes - len(running)):
+                running[begin(partial(try_out, mutant))] = mutant
+            if not running:
+                return found
+            process, status = os.wait()
+            mutant = running.pop(process)
+            done += 1
+            show(done, len(mutants))
+            if status == 0:
+                print(f"no test notices: {mutant.name}", file=sys.stderr)
+                found.append(mutant.name)
 
 
 def known_equivalents() -> list[Name]:
@@ -444,6 +448,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", default="", metavar="TEXT", help="mutants whose name or text contains this")
     parser.add_argument("--module", action="append", choices=MODULES, help="those of this module; may be given again")
+    parser.add_argument(
+        "--equivalents", action="store_true", help="try those that are listed as equivalent, and no others"
+    )
     parser.add_argument("--processes", type=int, default=2, metavar="N", help="how many mutants are tried at a time")
     options = parser.parse_args()
     modules: Sequence[str] = options.module or MODULES
@@ -460,25 +467,30 @@ def main() -> None:
     import pytest  # noqa: F401
 
     started = time.monotonic()
-    mutants = [mutant for module in modules for mutant in mutants_of(module) if asked_for(mutant.name)]
+    possible = [mutant for module in modules for mutant in mutants_of(module) if asked_for(mutant.name)]
+    listed = [name for name in known_equivalents() if asked_for(name)]
+    mutants = [mutant for mutant in possible if (mutant.name in listed) == options.equivalents]
     # constants first: collecting the tests for all the others imports the modules here, for good
     found = survivors([mutant for mutant in mutants if not mutant.function], options.processes, on_constants)
     within = [mutant for mutant in mutants if mutant.function]
-    if run_pytest(OnEveryMutant(within, options.processes, found)):
+    if within and run_pytest(OnEveryMutant(within, options.processes, found)):
         sys.exit(1)
 
-    names, alive = {mutant.name for mutant in mutants}, set(found)
-    listed = [name for name in known_equivalents() if asked_for(name)]
-    complaints = [f"no test notices: {name}" for name in found if name not in listed]
-    complaints += [f"listed as equivalent, but a test notices it: {name}" for name in listed if name in names - alive]
+    alive = set(found)
+    if options.equivalents:
+        noticed = [mutant.name for mutant in mutants if mutant.name not in alive]
+        complaints = [f"listed as equivalent, but a test notices it: {name}" for name in noticed]
+    else:
+        complaints = [f"no test notices: {name}" for name in found]
+    names = {mutant.name for mutant in possible}
     complaints += [f"listed as equivalent, but there is no such mutant: {name}" for name in listed if name not in names]
     complaints += [f"listed twice: {name}" for name, count in Counter(listed).items() if count > 1]
     for complaint in complaints:
         print(complaint)
     minutes = (time.monotonic() - started) / 60
     print(
-        f"{len(mutants)} mutants in {minutes:.1f} minutes: {len(mutants) - len(alive)} noticed, "
-        f"{len(alive & set(listed))} equivalent, {len(alive - set(listed))} survive"
+        f"{len(mutants)} mutants in {minutes:.1f} minutes: {len(mutants) - len(alive)} noticed, {len(alive)} not; "
+        f"{len(listed)} are listed as equivalent"
     )
     sys.exit(1 if complaints else 0)
 
