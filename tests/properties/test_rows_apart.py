@@ -63,6 +63,7 @@ CONFIGS = {
         "teams": ((0, 2), (1, 3, 4)),
         "view_noise_m": 0.1,
     },
+    "dropouts": {"dropout_rate": 0.2, "initial_targets": 9, "reach_m": 1.5, "spawn_frequency_hz": 9.0},
     "wide views": {"initial_targets": 9, "view_angle_deg": 350.0, "spawning": False},
 }
 """Much happens in each."""
