@@ -185,7 +185,7 @@ def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rew
         lanes: how many lanes are arenas.
         snapshot: the block before the step.
         rewards: (lanes, H), or none; those of arenas that had ended become 0.
-        parts: (lanes, H, 8), or none; the same.
+        parts: (lanes, H, 1 + parts), or none; the same.
     """
     for lane in range(lanes):
         if snapshot[ENDED + lane] == RUNNING:

@@ -43,9 +43,6 @@ from catch_arena.core.targets import nearest_hunter
 from catch_arena.core.vectors import sqrt
 from catch_arena.core.workspace import Scratch, prey_reference_of
 
-PREY_PART_NAMES: Final = ("caught", "survived", "gained")
-"""R12.5's parts of prey's reward, in the order in which they are written."""
-
 # columns of a record: one prey's episode in figures
 PREY_LENGTH: Final = 0  # steps
 PREY_TIMES_CAUGHT: Final = 1
@@ -187,7 +184,7 @@ def reward_prey(
         targets: the slots of the block.
         scratch: see `workspace.Scratch`.
         rewards: (lanes, P), or none.
-        parts: (lanes, P, 4), the sum and the parts in the order of `PREY_PART_NAMES`, or none.
+        parts: (lanes, P, 1 + parts), the sum and the parts in the order of `state.PREY_PART_NAMES`, or none.
     """
     for index in range(s.prey):
         me = prey_of(block, index, s)

@@ -11,6 +11,7 @@ from catch_arena.core.state import (
     ALIVE,
     COSINE,
     LANES,
+    PART_NAMES,
     REWARD_SUM,
     SEEN,
     SINE,
@@ -31,16 +32,13 @@ from catch_arena.core.visibility import is_seen
 from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
-PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time", "mate_catch")
-"""R6.2's parts of the reward, in the order in which they are written."""
-
 _LOST_CONTEST: Final = float(Verdict.LOST_CONTEST)
 _GRANTED: Final = float(Verdict.GRANTED)
 
 Rewards = NDArray[np.float32]
 """(lanes, H): the sum."""
 Parts = NDArray[np.float64]
-"""(lanes, H, 8): the sum, and R6.2's parts in the order of `PART_NAMES`."""
+"""(lanes, H, 1 + parts): the sum, and R6.2's parts in the order of `state.PART_NAMES`."""
 
 
 @phase

@@ -126,6 +126,11 @@ MOTIONS: Final = {"still": STILL, "wander": WANDERING, "flee": FLEEING}
 
 NO_TARGET: Final = -1
 
+PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time", "mate_catch")
+"""R6.2's parts of a hunter's reward, in the order in which they are written."""
+PREY_PART_NAMES: Final = ("caught", "survived", "gained")
+"""R12.5's parts of prey's reward, in the order in which they are written."""
+
 RUNNING: Final = 0.0
 TERMINATED: Final = 1.0
 TRUNCATED: Final = 2.0

@@ -27,10 +27,9 @@ from catch_arena.core.memory import (
     whole_lines,
     zeros,
 )
-from catch_arena.core.prey import PREY_PART_NAMES, PREY_RECORD_COLUMNS
+from catch_arena.core.prey import PREY_RECORD_COLUMNS
 from catch_arena.core.ranking import selection_network
-from catch_arena.core.rewards import PART_NAMES
-from catch_arena.core.state import LANES, Options, first_prey_row, slot_rows
+from catch_arena.core.state import LANES, PART_NAMES, PREY_PART_NAMES, Options, first_prey_row, slot_rows
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import BlockViews, row_of
@@ -161,8 +160,8 @@ class Engine:
         self.rewards: NDArray[Any] = sections.parts[:, :, 0] if self.with_infos else sections.rewards
         """R6.2: (B, H), float64 with the parts and float32 without."""
         self.parts = sections.parts[:, :, 1:]
-        """R6.2: the parts of the last reward, unweighted, in the order of `rewards.PART_NAMES`: (B, H, 7), or (0, H, 7)
-        without infos.
+        """R6.2: the parts of the last reward, unweighted, in the order of `state.PART_NAMES`: (B, H, parts), or
+        (0, H, parts) without infos.
         """
         self.ends = sections.ends
         """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
@@ -177,8 +176,8 @@ class Engine:
         self.prey_rewards: NDArray[Any] = sections.prey_parts[:, :, 0] if self.with_infos else sections.prey_rewards
         """R12.5: (B, P), as `rewards`."""
         self.prey_parts = sections.prey_parts[:, :, 1:]
-        """R12.5: the parts of the last reward, unweighted, in the order of `prey.PREY_PART_NAMES`: (B, P, 3), or
-        (0, P, 3) without infos.
+        """R12.5: the parts of the last reward, unweighted, in the order of `state.PREY_PART_NAMES`: (B, P, parts),
+        or (0, P, parts) without infos.
         """
         self.prey_final_observations = sections.prey_final_observations
         """With auto_reset as `final_observations`: (B, P, E)."""

@@ -18,8 +18,7 @@ from pettingzoo import ParallelEnv
 
 from catch_arena.config import ArenaConfig, Control, require_choice
 from catch_arena.core import state
-from catch_arena.core.prey import PREY_PART_NAMES
-from catch_arena.core.rewards import PART_NAMES
+from catch_arena.core.state import PART_NAMES, PREY_PART_NAMES
 from catch_arena.engine import Engine
 from catch_arena.engine.block_views import row_of
 from catch_arena.engine.episode_seeds import episode_seed
@@ -680,7 +679,7 @@ def _named_parts(
     time: float,
     mate_catch: float,
 ) -> dict[str, float]:
-    """`rewards.PART_NAMES` to their values, in half the time that dict(zip(...)) takes."""
+    """`state.PART_NAMES` to their values, in half the time that dict(zip(...)) takes."""
     return {
         "catch": catch,
         "rival_catch": rival_catch,

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from oracle.arena import Command, OracleArena
+from oracle.arena import PART_NAMES, Command, OracleArena
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import EpisodeError
@@ -454,7 +454,7 @@ class EnvAdjudicator(Adjudicator):
     rewards = property(lambda self: self._of_seats(self.results[1], 0.0))
     parts = property(
         lambda self: [
-            tuple(info["reward_parts"].values()) if info else (0.0,) * 7
+            tuple(info["reward_parts"].values()) if info else (0.0,) * len(PART_NAMES)
             for info in self._of_seats(self.results[4], None)
         ]
     )
