@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core.features import body_at
 from catch_arena.core.jit import Block, phase, rare, rule
 from catch_arena.core.state import (
     ABSENT,
@@ -18,7 +19,6 @@ from catch_arena.core.state import (
     SCORE,
     SEEN,
     SINE,
-    SPEED,
     TARGET_X,
     TARGET_Y,
     WITHDRAWN,
@@ -30,7 +30,6 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
 from catch_arena.core.visibility import is_seen
-from catch_arena.layout import BodyFeatures, TeamRivalFeatures
 
 Keys = NDArray[np.int32]
 
@@ -107,53 +106,6 @@ def _sorting_network(wires: int) -> list[tuple[int, int]]:
             d, q, r = q - p, q >> 1, p
         p >>= 1
     return comparators
-
-
-@rule
-def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
-    """R7.1, R12.4: what one body sees of another; both begin with the rows of a body.
-
-    Args:
-        me: the rows of the observer.
-        other: the rows of the body that it sees.
-        lane: the lane.
-    """
-    sine, cosine = me[SINE + lane], me[COSINE + lane]
-    other_sine, other_cosine = other[SINE + lane], other[COSINE + lane]
-    dx, dy = other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane]
-    return BodyFeatures(
-        forward=cosine * dx + sine * dy,
-        left=cosine * dy - sine * dx,
-        present=1.0,
-        heading_cos=other_cosine * cosine + other_sine * sine,
-        heading_sin=other_sine * cosine - other_cosine * sine,
-        linear_velocity=other[SPEED + lane],
-    )
-
-
-@rule
-def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.int64]) -> TeamRivalFeatures:
-    """R7.1, R7.4: what one seat sees of another hunter.
-
-    Args:
-        block: the block.
-        seat: who sees.
-        other: the seat that is seen.
-        lane: the lane.
-        teams: see `memory.Sections`.
-    """
-    me, rival = seat_of(block, seat), seat_of(block, other)
-    seen = body_at(me, rival, lane)
-    return TeamRivalFeatures(
-        forward=seen.forward,
-        left=seen.left,
-        present=seen.present,
-        heading_cos=seen.heading_cos,
-        heading_sin=seen.heading_sin,
-        linear_velocity=seen.linear_velocity,
-        score_difference=rival[SCORE + lane] - me[SCORE + lane],
-        mate=1.0 if teams[seat] == teams[other] else 0.0,
-    )
 
 
 @phase

@@ -137,7 +137,11 @@ TRUNCATED: Final = 2.0
 
 
 class Settings(NamedTuple):
-    """The config as the core reads it: scalars, each in the unit that its name ends in; flags are 0 or 1."""
+    """The config as the core reads it: scalars, each in the unit that its name ends in; flags are 0 or 1.
+
+    They are handed on as a parameter of their own, and never within another tuple: what `PlainSettings.ZERO` names is
+    left out only where a field of a parameter is read (`compiler._Zeros`).
+    """
 
     hunters: int
     max_targets: int
