@@ -1,8 +1,8 @@
 """The rules as compiled functions over arrays: numpy and numba only, no frameworks, no validation.
 
-A *rule* is scalars in, scalars out, and cites its clause. A *phase* is one block: the loop over its lanes; to a *rare*
-phase few steps come. An *inlined* function is phases in their order. An *entry* is what Python calls: it walks the
-blocks.
+A *rule* is scalars in, scalars out, and cites its clause. A *phase* is one block: the loop over its lanes; an
+*outlined* one is called, and not written out where it is used. An *inlined* function is phases in their order. An
+*entry* is what Python calls: it walks the blocks.
 
 - tick: one step, phase by phase: begin to read here. episodes: how an episode begins and ends.
 - What is kept: state (an arena's rows), memory (an engine's bytes), workspace (scratch).

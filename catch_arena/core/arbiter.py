@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import entry, rare, rule
+from catch_arena.core.jit import entry, outlined, rule
 from catch_arena.core.random import service_lot, tie_lot
 from catch_arena.core.vectors import floor, sqrt
 from catch_arena.verdicts import Verdict
@@ -198,7 +198,7 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
             decide_contest(requests, i, policy, seed, step)
 
 
-@rare
+@outlined
 def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uint64, step: int) -> None:
     """R5.4 to R5.7: the verdicts of all requests that may catch the same target as one of them.
 

@@ -230,7 +230,7 @@ def commit(
                 catch_prey(block, s, lane, slot, catcher)
             remove_target(block, targets, lane, slot, s)
             removed += 1
-    if removed > 0 and s.progress_wanted:
+    if removed > 0 and s.needs_progress:
         for seat in range(s.hunters):
             reference = progress_reference_of(scratch, seat)
             renew_progress_reference(block, seat_of(block, seat), targets, lane, s, limits_of(limits, seat), reference)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import NO_SUCH_RANK, measure_um, to_micrometres, within_reach
-from catch_arena.core.jit import Block, inlined, phase, rare, rule
+from catch_arena.core.jit import Block, inlined, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.rewards import set_progress_reference
 from catch_arena.core.state import (
@@ -254,7 +254,7 @@ def steer_seat(
         drive_by_command(me, commands[:, seat], width, lanes, limits)
 
 
-@rare
+@outlined
 def steer_lane_by_lane(
     me: Block,
     order: Block,
@@ -343,5 +343,5 @@ def apply_actions(
         else:
             control = controls[0, seat]
             steer_seat(me, order, targets, seat, control, width, lanes, choices, commands, s, own, goals)
-        if s.progress_wanted:
+        if s.needs_progress:
             set_progress_reference(me, order, targets, lanes, s, progress_reference_of(scratch, seat))

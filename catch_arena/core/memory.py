@@ -71,7 +71,7 @@ class Sections(NamedTuple):
     blocks: Annotated[NDArray[np.float64], 2]
     """(blocks, rows * LANES): see `state`."""
     # ---- what envs copy in one piece after each step, up to `ends`: see `Engine.outputs` ----
-    parts: Annotated[NDArray[np.float64], 3]
+    breakdowns: Annotated[NDArray[np.float64], 3]
     """(B, H, 1 + parts): the reward, and R6.2's parts in the order of `state.PART_NAMES`; or none, and then
     `rewards`.
     """
@@ -81,7 +81,7 @@ class Sections(NamedTuple):
     """R7.1: (B, H, D)."""
     masks: Annotated[NDArray[np.int8], 3]
     """R7.2: (B, H, K + 1)."""
-    prey_parts: Annotated[NDArray[np.float64], 3]
+    prey_breakdowns: Annotated[NDArray[np.float64], 3]
     """(B, P, 1 + parts): the reward, and R12.5's parts in the order of `state.PREY_PART_NAMES`; or none, and
     then `prey_rewards`.
     """
@@ -91,9 +91,9 @@ class Sections(NamedTuple):
     ends: Annotated[NDArray[np.int8], 1]
     """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED, (B,)."""
     rewards: Annotated[NDArray[np.float32], 2]
-    """(B, H), or none where there are parts."""
+    """(B, H), or none where there are breakdowns."""
     prey_rewards: Annotated[NDArray[np.float32], 2]
-    """(B, P), or none where there are parts."""
+    """(B, P), or none where there are breakdowns."""
     # ---- what only auto_reset keeps: last, since engines without it take a saved state up to here ----
     final_observations: Annotated[NDArray[np.float32], 3]
     """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.features import moving_target_at, rival_at, target_at
-from catch_arena.core.jit import Block, inlined, phase, rare, rule
+from catch_arena.core.jit import Block, inlined, outlined, phase, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey_views import observe_as_prey
@@ -167,7 +167,7 @@ def compute_moving_target_features(
         put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 
 
-@rare
+@outlined
 def blur_targets(
     block: Block, seat: int, targets: Block, order: Block, first: int, width: Width, s: Settings, features: Numbers
 ) -> None:
@@ -194,7 +194,7 @@ def blur_targets(
             write_blurred(draw(key, number), seen.forward, seen.left, s, features, at)
 
 
-@rare
+@outlined
 def blur_rivals(
     block: Block,
     seat: int,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.features import body_at
-from catch_arena.core.jit import Block, inlined, phase, rare
+from catch_arena.core.jit import Block, inlined, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import (
     FAR,
@@ -57,7 +57,7 @@ _NOT_AMONG_THEM: Final = -1
 """Instead of an index: the observer is not one of the bodies that are ranked."""
 
 
-@rare
+@outlined
 def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, scratch: Scratch) -> None:
     """The bodies of all prey, from their slots; those of prey that is out are zero, and hidden like a withdrawn hunter.
 
@@ -168,7 +168,7 @@ def rank_bodies(me: Block, bodies: Bodies, width: Width, lanes: int, keys: Keys)
             sort_tied_bodies(me, bodies, first, min(first + len(width), lanes), last, keys)
 
 
-@rare
+@outlined
 def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: int, keys: Keys) -> None:
     """R12.4: in each lane the sorted bodies that are equally far are put in order among themselves, by insertion.
 
@@ -272,7 +272,7 @@ def copy_lanes(staging: Numbers, columns: int, lanes: int, stride: int, out: Num
             out[at + lane * stride + column] = staging[lane * stride + column]
 
 
-@rare
+@outlined
 def observe_as_prey(
     block: Block, s: Settings, width: Width, arena: int, lanes: int, sections: Sections, scratch: Scratch
 ) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.features import body_at
-from catch_arena.core.jit import Block, phase, rare, rule
+from catch_arena.core.jit import Block, outlined, phase, rule
 from catch_arena.core.state import (
     ABSENT,
     ALIVE,
@@ -364,7 +364,7 @@ def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
     return count
 
 
-@rare
+@outlined
 def sort_ties(
     block: Block, seat: int, first: int, last: int, s: Settings, ranks: int, teams: NDArray[np.int64], keys: Keys
 ) -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from catch_arena.core.jit import Block, entry, phase, rare, rule
+from catch_arena.core.jit import Block, entry, outlined, phase, rule
 from catch_arena.core.math import TAU, wrap
 from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
@@ -77,7 +77,7 @@ def add_target(
     block[SPAWNED + lane] += 1.0
 
 
-@rare
+@outlined
 def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
     """R8.2: one target leaves the alive list; those behind it move up, so that the order stays.
 

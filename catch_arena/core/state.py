@@ -148,7 +148,7 @@ class Settings(NamedTuple):
     targets_seen: int
     hunters_seen: int
     policy: int
-    progress_wanted: int
+    needs_progress: int
     any_control: int
     target_budget: float
     spawned_in_full: float
@@ -176,7 +176,7 @@ class Settings(NamedTuple):
     prey: int
     prey_min_speed_mps: float
     prey_returns_ms: float
-    prey_distance_wanted: int
+    needs_gain: int
     partial_view: int
     view_limit_m2: float
     view_cosine: float

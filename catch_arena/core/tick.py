@@ -58,7 +58,7 @@ def play(
     """
     lanes = last - first
     targets = targets_of(block, s)
-    rewards, parts = sections.rewards[first:last], sections.parts[first:last]
+    rewards, breakdowns = sections.rewards[first:last], sections.breakdowns[first:last]
     had_ended = some_ended(block, lanes)
     if had_ended:
         take_snapshot(block, scratch.snapshot)
@@ -76,12 +76,12 @@ def play(
     if s.prey > 0:
         return_prey(block, s, lanes, targets)
     end_test(block, s, width)
-    reward(block, s, width, lanes, sections.teams, scratch, rewards, parts)
+    reward(block, s, width, lanes, sections.teams, scratch, rewards, breakdowns)
     if had_ended:
-        restore_finished(block, s, lanes, scratch.snapshot, rewards, parts)
+        restore_finished(block, s, lanes, scratch.snapshot, rewards, breakdowns)
     if s.prey > 0:
-        prey_rewards, prey_parts = sections.prey_rewards[first:last], sections.prey_parts[first:last]
-        reward_prey(block, s, lanes, had_ended, targets, scratch, prey_rewards, prey_parts)
+        prey_rewards, prey_breakdowns = sections.prey_rewards[first:last], sections.prey_breakdowns[first:last]
+        reward_prey(block, s, lanes, had_ended, targets, scratch, prey_rewards, prey_breakdowns)
     write_ends(block, lanes, sections.ends[first:last])
 
 

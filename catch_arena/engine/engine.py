@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core import spawner, state, tick
+from catch_arena.core import dropouts, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import RECORD_COLUMNS
@@ -27,7 +27,7 @@ from catch_arena.core.memory import (
     whole_lines,
     zeros,
 )
-from catch_arena.core.prey import PREY_RECORD_COLUMNS
+from catch_arena.core.prey import PREY_RECORD_COLUMNS, withdraw_prey_at
 from catch_arena.core.ranking import selection_network
 from catch_arena.core.state import LANES, PART_NAMES, PREY_PART_NAMES, Options, first_prey_row, slot_rows
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
@@ -45,7 +45,7 @@ from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
 _HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
-_HUNTERS_A_PART: Final = 4096
+_HUNTERS_A_CHUNK: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 _NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
@@ -81,7 +81,7 @@ class Engine:
         num_threads: int = 1,
         any_control: bool = False,
     ) -> None:
-        settings = settings_of(config, progress_wanted=with_infos, any_control=any_control)
+        settings = settings_of(config, with_parts=with_infos, any_control=any_control)
         options = state.options_of(settings)
         few = min(num_arenas, 2)
         compile_once(f"{few}, {options}", partial(_play_smallest, few, options))
@@ -96,8 +96,8 @@ class Engine:
         slot, prey = slot_rows(config.targets_move), config.prey
         prey_begin = first_prey_row(hunters, config.max_targets, slot, seen)
         num_blocks, num_rows = -(-num_arenas // LANES), prey_begin + prey * state.PREY_ROWS
-        self._shares = num_blocks * LANES * hunters // _HUNTERS_A_PART
-        self.threads = Threads(max(1, min(num_threads, self._shares)))
+        self._chunks = num_blocks * LANES * hunters // _HUNTERS_A_CHUNK
+        self.threads = Threads(max(1, min(num_threads, self._chunks)))
         rows_with_infos = num_arenas if with_infos else 0
         kept = num_arenas if auto_reset else 0
         seen_by_prey = prey_observation_size(config)
@@ -122,11 +122,11 @@ class Engine:
                 else _NO_NETWORK,
                 prey_network=_network(prey, min(prey, prey_seen_by_prey(config) + 1)) if prey else _NO_NETWORK,
                 blocks=zeros(num_blocks, num_rows * LANES),
-                parts=zeros(rows_with_infos, hunters, 1 + len(PART_NAMES)),
+                breakdowns=zeros(rows_with_infos, hunters, 1 + len(PART_NAMES)),
                 evidence=zeros(rows_with_infos, hunters, len(state.EVIDENCE)),
                 observations=zeros(num_arenas, hunters, observation_size(config), dtype=np.float32),
                 masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
-                prey_parts=zeros(rows_with_infos, prey, 1 + len(PREY_PART_NAMES)),
+                prey_breakdowns=zeros(rows_with_infos, prey, 1 + len(PREY_PART_NAMES)),
                 prey_observations=zeros(num_arenas, prey, seen_by_prey, dtype=np.float32),
                 ends=zeros(num_arenas, dtype=np.int8),
                 rewards=zeros(num_arenas - rows_with_infos, hunters, dtype=np.float32),
@@ -145,7 +145,7 @@ class Engine:
         self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
 
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
-        """Give the parts of the memory their names."""
+        """Give the memory's sections their names."""
         self._memory = memory
         self.blocks = sections.blocks
         """The arenas' memory: see core/state.py."""
@@ -157,9 +157,9 @@ class Engine:
         """R7.1: (B, H, D)."""
         self.masks = sections.masks
         """R7.2: (B, H, K + 1)."""
-        self.rewards: NDArray[Any] = sections.parts[:, :, 0] if self.with_infos else sections.rewards
+        self.rewards: NDArray[Any] = sections.breakdowns[:, :, 0] if self.with_infos else sections.rewards
         """R6.2: (B, H), float64 with the parts and float32 without."""
-        self.parts = sections.parts[:, :, 1:]
+        self.parts = sections.breakdowns[:, :, 1:]
         """R6.2: the parts of the last reward, unweighted, in the order of `state.PART_NAMES`: (B, H, parts), or
         (0, H, parts) without infos.
         """
@@ -173,9 +173,11 @@ class Engine:
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
         self.prey_observations = sections.prey_observations
         """R12.4: (B, P, E)."""
-        self.prey_rewards: NDArray[Any] = sections.prey_parts[:, :, 0] if self.with_infos else sections.prey_rewards
+        self.prey_rewards: NDArray[Any] = (
+            sections.prey_breakdowns[:, :, 0] if self.with_infos else sections.prey_rewards
+        )
         """R12.5: (B, P), as `rewards`."""
-        self.prey_parts = sections.prey_parts[:, :, 1:]
+        self.prey_parts = sections.prey_breakdowns[:, :, 1:]
         """R12.5: the parts of the last reward, unweighted, in the order of `state.PREY_PART_NAMES`: (B, P, parts),
         or (0, P, parts) without infos.
         """
@@ -184,10 +186,9 @@ class Engine:
         self.prey_records = sections.prey_records
         """With auto_reset as `records`, in the columns of core/prey.py: (B, P, PREY_RECORD_COLUMNS)."""
         self._prey_commands = sections.prey_commands
-        begin, end = offset_of("parts", memory), offset_of("ends", memory)
+        begin, end = offset_of("breakdowns", memory), offset_of("ends", memory)
         self.outputs = self._memory[begin:end].view(np.float32)
-        """`parts`, `evidence`, `observations`, `masks`, `prey_parts` and `prey_observations` as they lie one behind the
-        other: copied, all at once.
+        """What `Sections` has from `breakdowns` to `prey_observations`, one behind the other: copied, all at once.
         """
         self.evidence = sections.evidence
         """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
@@ -250,16 +251,16 @@ class Engine:
         """
         if prey_commands is not None:
             self._prey_commands[:] = prey_commands
-        blocks, parts = len(self.blocks), self._shares
+        blocks, chunks = len(self.blocks), self._chunks
         if self.threads.size == 1:
             tick.run(*self._variant, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
             return
 
-        def play(thread: int, part: int) -> None:
-            first, last = part * blocks // parts, (part + 1) * blocks // parts
+        def play(thread: int, chunk: int) -> None:
+            first, last = chunk * blocks // chunks, (chunk + 1) * blocks // chunks
             tick.run(*self._variant, self._memory, thread, first, last, _NO_RESETS, True, choices, commands, requests)
 
-        self.threads.run(parts, play)
+        self.threads.run(chunks, play)
 
     def stepper(
         self,
@@ -297,20 +298,12 @@ class Engine:
 
     def withdraw(self, arena: int, seat: int) -> None:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
-        me = self.hunter_rows(arena)[seat]  # as core/dropouts.py does it, which compiled code alone can call
-        me[row_of(state.WITHDRAWN)] = 1.0
-        for offset in state.AT_REST:
-            me[row_of(offset)] = 0.0
+        dropouts.withdraw_at(self._memory, arena, seat)
         self.observe(arena)
 
     def withdraw_prey(self, arena: int, index: int) -> None:
         """R12.5: the prey stands still from now on."""
-        me = self.prey_rows(arena)[index]
-        me[row_of(state.PREY_WITHDRAWN)] = 1.0
-        slot = int(me[row_of(state.PREY_SLOT)])
-        if slot != state.NO_TARGET:
-            for offset in (state.SPEED, state.TURN_RATE):
-                self._views.targets[arena // LANES, slot, row_of(state.BODY + offset), arena % LANES] = 0.0
+        withdraw_prey_at(self._memory, arena, index)
         self.observe(arena)
 
     def place(
@@ -505,7 +498,7 @@ class Engine:
         twin.config, twin.num_arenas = self.config, self.num_arenas
         twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
         twin._any_control, twin._variant = self._any_control, self._variant
-        twin._shares, twin.threads = self._shares, Threads(self.threads.size)
+        twin._chunks, twin.threads = self._chunks, Threads(self.threads.size)
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))
         return twin

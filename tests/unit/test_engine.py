@@ -129,7 +129,7 @@ def test_what_is_kept_together_lies_together():
     config = scenario("duel", prey=1, target_motion="wander")
     engine, plain = Engine(config, 2, auto_reset=True), Engine(config, 2)
     sections, others = sections_of(engine._memory), sections_of(plain._memory)
-    outputs = ("parts", "evidence", "observations", "masks", "prey_parts", "prey_observations")
+    outputs = ("breakdowns", "evidence", "observations", "masks", "prey_breakdowns", "prey_observations")
     told = (*outputs, "ends")
     of_auto_reset = ("final_observations", "final_masks", "records", "prey_final_observations", "prey_records")
 

@@ -91,7 +91,7 @@ def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sor
     way says the same: Python's own sort.
     """
     rng = np.random.default_rng(hunters)
-    s = settings_of(ArenaConfig(hunters=hunters), progress_wanted=False)
+    s = settings_of(ArenaConfig(hunters=hunters), with_parts=False)
     lanes = LANES if len(width) > 1 else 1
     network = selection_network(hunters, min(hunters, s.hunters_seen + 1))
     tied = 0
