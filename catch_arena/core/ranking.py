@@ -14,6 +14,7 @@ from catch_arena.core.state import (
     ALIVE,
     COSINE,
     LANES,
+    MOST,
     RANK_BITS,
     RANKS_PER_WORD,
     SCORE,
@@ -33,7 +34,7 @@ from catch_arena.core.visibility import is_seen
 
 Keys = NDArray[np.int32]
 
-_SLOTS: Final = 63
+_SLOTS: Final = MOST - 1
 FAR: Final = 0x7F800000
 """The key of what is not there: above any other, since it is that of an infinite distance."""
 
@@ -46,7 +47,7 @@ def key_of(dx: float, dy: float, item: int) -> int:
     Args:
         dx: east of the observer [m].
         dy: north of it [m].
-        item: the slot or seat, 0 to 63.
+        item: the slot or seat, below MOST.
     """
     return ((single_bits(dx * dx + dy * dy) + 32) & ~_SLOTS) | item
 

@@ -24,12 +24,13 @@ from catch_arena.core.memory import (
     lay_out,
     offset_of,
     sections_of,
+    settings_in,
     whole_lines,
     zeros,
 )
 from catch_arena.core.prey import PREY_RECORD_COLUMNS, withdraw_prey_at
 from catch_arena.core.ranking import selection_network
-from catch_arena.core.state import LANES, PART_NAMES, PREY_PART_NAMES, Options, first_prey_row, slot_rows
+from catch_arena.core.state import LANES, PART_NAMES, PREY_PART_NAMES, Options
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import BlockViews, row_of
@@ -92,10 +93,8 @@ class Engine:
         self.with_infos = with_infos
         self.auto_reset = auto_reset
         self._any_control = any_control
-        hunters, seen = config.hunters, config.targets_seen
-        slot, prey = slot_rows(config.targets_move), config.prey
-        prey_begin = first_prey_row(hunters, config.max_targets, slot, seen)
-        num_blocks, num_rows = -(-num_arenas // LANES), prey_begin + prey * state.PREY_ROWS
+        hunters, prey, seen = config.hunters, config.prey, config.targets_seen
+        num_blocks, num_rows = -(-num_arenas // LANES), row_of(state.regions_of(settings).end)
         self._chunks = num_blocks * LANES * hunters // _HUNTERS_A_CHUNK
         self.threads = Threads(max(1, min(num_threads, self._chunks)))
         rows_with_infos = num_arenas if with_infos else 0
@@ -197,7 +196,8 @@ class Engine:
         of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
         self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if section.size]
         """What stands of each arena beside the blocks: (B, bytes) each."""
-        self._views = BlockViews(self.config, self.blocks)
+        settings = settings_in(sections.settings, state.ALL_OPTIONS)
+        self._views = BlockViews(self.config, state.regions_of(settings), self.blocks)
 
     # playing
 
