@@ -1,4 +1,6 @@
-"""Rulebook R7.1, R7.4, R12.4: what is seen of one target, rival or other body, in the order of layout.py's table."""
+"""Rulebook R7.1, R7.4, R12.4: what is seen of one target, rival or other body, in the order of layout.py's table;
+and of the time.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,8 @@ from catch_arena.core.state import (
     SPEED,
     TARGET_X,
     TARGET_Y,
+    TIME,
+    Settings,
     X,
     Y,
     seat_of,
@@ -59,6 +63,20 @@ def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.i
     body = body_at(me, rival, lane)[:]  # Numba unpacks plain tuples only
     mate = 1.0 if teams[seat] == teams[other] else 0.0
     return TeamRivalFeatures(*body, rival[SCORE + lane] - me[SCORE + lane], mate)
+
+
+@rule
+def time_left_at(block: Block, s: Settings, lane: int) -> float:
+    """R7.1, R12.4: until the time limit [s].
+
+    Args:
+        block: the block, for its row TIME [ms].
+        s: the settings.
+        lane: the lane.
+    """
+    remaining = s.time_limit_ms - block[TIME + lane]
+    seconds: float = select(remaining > 0.0, remaining / 1000.0, 0.0)
+    return seconds
 
 
 @rule

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.features import moving_target_at, rival_at, target_at
+from catch_arena.core.features import moving_target_at, rival_at, target_at, time_left_at
 from catch_arena.core.jit import Block, inlined, outlined, phase, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
@@ -59,7 +59,6 @@ from catch_arena.core.vectors import (
     copy_four,
     group,
     put_rows,
-    select,
     single,
     stream_eight,
 )
@@ -129,8 +128,7 @@ def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block)
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        remaining = s.time_limit_ms - block[TIME + lane]
-        time_left[lane] = select(remaining > 0.0, remaining / 1000.0, 0.0)
+        time_left[lane] = time_left_at(block, s, lane)
 
 
 @phase

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.features import body_at
+from catch_arena.core.features import body_at, time_left_at
 from catch_arena.core.jit import Block, inlined, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import (
@@ -33,7 +33,6 @@ from catch_arena.core.state import (
     SEAT_SIZE,
     SINE,
     SPEED,
-    TIME,
     TIMES_CAUGHT,
     TURN_RATE,
     WITHDRAWN,
@@ -240,7 +239,6 @@ def write_self(block: Block, caught: Block, me: Block, s: Settings, first: int, 
         place: see `Place`.
     """
     lane = group(first, width)
-    remaining = s.time_limit_ms - block[TIME + lane]
     own = PreySelfFeatures(
         x=me[X + lane],
         y=me[Y + lane],
@@ -248,7 +246,7 @@ def write_self(block: Block, caught: Block, me: Block, s: Settings, first: int, 
         heading_sin=me[SINE + lane],
         linear_velocity=me[SPEED + lane],
         angular_velocity=me[TURN_RATE + lane],
-        time_left=select(remaining > 0.0, remaining / 1000.0, 0.0),
+        time_left=time_left_at(block, s, lane),
         times_caught=caught[lane],
         alive=1.0 - me[WITHDRAWN + lane],
     )

@@ -221,16 +221,7 @@ class Engine:
             self.parts[chosen] = 0.0
             self.prey_parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
-        if arenas is None:
-            self._observe(0, len(self.blocks), resets)
-            return
-        if not len(chosen):
-            return
-        resets = resets[np.argsort(chosen)]
-        gaps = np.flatnonzero(np.diff(resets[:, 0] // LANES) > 1) + 1
-        for some in np.split(resets, gaps):  # one call for blocks that adjoin; the others keep what they observe
-            first, last = (some[[0, -1], 0] // LANES).tolist()
-            self._observe(first, last + 1, some)
+        self._observe_blocks_of(chosen, resets)
 
     def step(
         self,
@@ -296,6 +287,14 @@ class Engine:
         """Begin episodes, and observe those blocks; nobody plays."""
         tick.run(*self._variant, self._memory, 0, first, last, resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
 
+    def _observe_blocks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
+        """The same of the blocks in which these arenas are; the others keep what they observe."""
+        blocks = np.unique(arenas // LANES)
+        gaps = np.flatnonzero(np.diff(blocks) > 1) + 1
+        for adjoining in np.split(blocks, gaps) if len(blocks) else ():  # one call for each run of blocks
+            self._observe(adjoining[0], adjoining[-1] + 1, resets)
+            resets = _NO_RESETS  # all have begun
+
     def withdraw(self, arena: int, seat: int) -> None:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
         dropouts.withdraw_at(self._memory, arena, seat)
@@ -343,7 +342,7 @@ class Engine:
         self.ends[arenas] = 0
         for told in (self.rewards, self.parts, self.evidence):
             told[arenas[: len(told)]] = 0.0
-        self.observe()
+        self._observe_blocks_of(arenas)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: a target outside the timer, with the next number, which is returned; 0 in a full arena (R3.5)."""
@@ -352,7 +351,9 @@ class Engine:
         return number
 
     def kill(self, arena: int, number: int) -> bool:
-        """R8.1: an alive target leaves uncaught and no longer counts as spawned (R5.8). False where it is not alive."""
+        """R8.1: an alive target leaves uncaught and no longer counts as spawned (R5.8). False where it is not alive,
+        and for one that prey plays, which is never killed.
+        """
         killed = spawner.kill(self._memory, arena, number)
         self.observe(arena)
         return killed

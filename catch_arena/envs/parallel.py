@@ -16,7 +16,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from catch_arena.config import ArenaConfig, Control, require_choice
+from catch_arena.config import RULESET, ArenaConfig, Control, require_choice
 from catch_arena.core import state
 from catch_arena.core.state import PART_NAMES, PREY_PART_NAMES
 from catch_arena.engine import Engine
@@ -124,7 +124,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
     """
 
-    metadata: dict[str, Any] = {"name": "catch_arena_v1", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
+    metadata: dict[str, Any] = {"name": RULESET, "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
 
     def __init__(self, config: ArenaConfig, render_mode: str | None = None, infos: Infos = "full") -> None:
         require_choice("infos", infos, get_args(Infos))
@@ -367,7 +367,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self.config.target_name(number) if number else ""
 
     def kill(self, name: str) -> bool:
-        """R8.1: an alive target leaves uncaught; false without one of that name. A recorded episode takes none."""
+        """R8.1: an alive target leaves uncaught; false without one of that name, and for one that prey plays, which is
+        never killed. A recorded episode takes none.
+        """
         self._require_changeable("kill")
         numbers = {target.name: target.number for target in self._engine.world().targets}
         return name in numbers and self._engine.kill(0, numbers[name])
