@@ -360,19 +360,6 @@ class Engine:
 
     # reading
 
-    @property
-    def terminated(self) -> NDArray[np.bool_]:
-        """R1.5: (B,)."""
-        return np.equal(self._ended(), state.TERMINATED)
-
-    @property
-    def truncated(self) -> NDArray[np.bool_]:
-        """R1.5: (B,)."""
-        return np.equal(self._ended(), state.TRUNCATED)
-
-    def _ended(self) -> NDArray[np.float64]:
-        return self._views.fields[:, row_of(state.ENDED)].reshape(-1)[: self.num_arenas]
-
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
         """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
         return self._views.hunter_rows(arena)

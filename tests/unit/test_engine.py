@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from catch_arena.core.memory import Sections, sections_of
-from catch_arena.core.state import RUNNING, TRUNCATED
+from catch_arena.core.state import RUNNING, TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
@@ -22,11 +22,11 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     """R5.2: its requests are MATCH_OVER, its rewards zero, its state as it was; a reset of that row revives it."""
     engine = Engine(scenario("standard", target_budget=1, initial_targets=1, time_limit_s=6), num_arenas=5)
     engine.reset(range(5))
-    while not engine.terminated.any():
+    while not engine.ends.any():
         engine.step(*actions(engine))
-    row = int(np.flatnonzero(engine.terminated)[0])
+    row = int(np.flatnonzero(engine.ends == TERMINATED)[0])
     before, observed = engine.state(row), engine.observations[row].copy()
-    others = [engine.digest(other) for other in range(5) if not engine.terminated[other]]
+    others = [engine.digest(other) for other in range(5) if not engine.ends[other]]
     engine.step(*actions(engine))
 
     assert (engine.state(row) == before).all()
@@ -34,7 +34,7 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     assert (engine.rewards[row] == 0).all()
     assert (engine.parts[row] == 0).all()
     assert {ruling.verdict for ruling in engine.rulings(row)} == {Verdict.MATCH_OVER}
-    assert all(engine.digest(r) not in others for r in range(5) if not engine.terminated[r])
+    assert all(engine.digest(r) not in others for r in range(5) if not engine.ends[r])
 
     engine.reset([77], arenas=[row])
     alone = Engine(engine.config)
