@@ -81,7 +81,7 @@ class Bodies(NamedTuple):
     """What one prey may see: all hunters, or all prey."""
 
     rows: Block
-    """Of one body behind the other."""
+    """Of all of them, one body behind the other."""
     size: int
     """How many numbers there are of each."""
     total: int

@@ -221,7 +221,10 @@ class Engine:
             self.parts[chosen] = 0.0
             self.prey_parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
-        self._observe_blocks_of(chosen, resets)
+        if arenas is None:
+            self._observe(0, len(self.blocks), resets)
+        else:
+            self._observe_blocks_of(chosen, resets)
 
     def step(
         self,
