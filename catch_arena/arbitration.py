@@ -9,7 +9,7 @@ from typing import Any, Final, get_args
 import numpy as np
 
 from catch_arena.config import ArbitrationPolicy, require_choice
-from catch_arena.core import arbiter
+from catch_arena.core import arbiter, state
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.seeding import checked_seed
 from catch_arena.verdicts import Ruling
@@ -100,10 +100,10 @@ def arbitrate(
 def target_asked_for(name: object, alive: Mapping[str, int], gone: Collection[str]) -> int:
     """What stands in a request table for a name: the alive target's number or slot, or the code for none (R5.2)."""
     if not isinstance(name, str) or len(name) > _LONGEST_NAME:
-        return arbiter.NO_SUCH_RANK
+        return state.MALFORMED_REQUEST
     if name in alive:
         return alive[name]
-    return arbiter.ALREADY_GONE if name in gone else arbiter.NEVER_SPAWNED
+    return state.ALREADY_GONE if name in gone else state.NEVER_SPAWNED
 
 
 def rulings_of(table: arbiter.RequestTable, names: Sequence[object], step: int) -> list[Ruling]:

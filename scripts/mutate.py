@@ -41,6 +41,7 @@ MODULES = (
     "catching",
     "controllers",
     "dropouts",
+    "features",
     "physics",
     "prey",
     "prey_views",

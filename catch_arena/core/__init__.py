@@ -1,13 +1,14 @@
 """The rules as compiled functions over arrays: numpy and numba only, no frameworks, no validation.
 
-A *rule* is scalars in, scalars out, and cites its clause. A *phase* is one block: the loop over its lanes; to a *rare*
-phase few steps come. An *inlined* function is phases in their order. An *entry* is what Python calls: it walks the
-blocks.
+A *rule* is scalars in, scalars out, and cites its clause. A *phase* is one block: the loop over its lanes; an
+*outlined* one is called, and not written out where it is used. An *inlined* function is phases in their order. An
+*entry* is what Python calls: it walks the blocks.
 
 - tick: one step, phase by phase: begin to read here. episodes: how an episode begins and ends.
 - What is kept: state (an arena's rows), memory (an engine's bytes), workspace (scratch).
 - The phases: controllers, targets, dropouts, catching with arbiter, physics, spawner, rewards; prey: chapter 12's.
-- What is seen: observations, ranking (in which order), visibility (how far, how blurred), prey_views.
+- What is seen: observations, features (of each thing), ranking (in which order), visibility (how far, how blurred),
+  prey_views.
 - math, random: functions and random numbers with the same bits on every machine.
 - jit, compiler, vectors: how it is compiled, and several arenas in one instruction.
 """

@@ -11,8 +11,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import entry, rare, rule
+from catch_arena.core.jit import entry, outlined, rule
 from catch_arena.core.random import service_lot, tie_lot
+from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED
 from catch_arena.core.vectors import floor, sqrt
 from catch_arena.verdicts import Verdict
 
@@ -20,7 +21,7 @@ RequestTable = NDArray[np.int64]
 """(requests, REQUEST_COLUMNS)."""
 
 REQUEST_SEAT: Final = 0
-REQUEST_TARGET: Final = 1  # which target is asked for: any number that tells targets apart, or one of the three below
+REQUEST_TARGET: Final = 1  # which target is asked for: any number that tells targets apart, or a code of core/state.py
 REQUEST_NUMBER: Final = 2  # its spawn number, for the lot
 REQUEST_DISTANCE: Final = 3  # [micrometres]; `judge` writes -1 where reach was not tested
 REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn
@@ -29,10 +30,6 @@ REQUEST_REACH: Final = 6  # [micrometres]: of the hunter that asks
 REQUEST_VERDICT: Final = 7  # output
 REQUEST_WINNER: Final = 8  # output: seat, -1 for none
 REQUEST_COLUMNS: Final = 9
-
-NO_SUCH_RANK: Final = -2
-NEVER_SPAWNED: Final = -3
-ALREADY_GONE: Final = -4
 
 NEAREST: Final = 0
 FIRST_COME: Final = 1
@@ -76,7 +73,7 @@ def common_checks(target: int, inactive: bool, over: bool) -> int:
     """R5.2, R9.1: the first test that a request fails of those that all policies share; 0 where none."""
     if over:
         return _MATCH_OVER
-    if target == NO_SUCH_RANK:
+    if target == MALFORMED_REQUEST:
         return _MALFORMED
     if inactive:
         return _HUNTER_INACTIVE
@@ -90,7 +87,7 @@ def first_failed_test(
     """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way.
 
     Args:
-        target: the slot or number asked for, or a code: NO_SUCH_RANK, NEVER_SPAWNED, ALREADY_GONE.
+        target: the slot or number asked for, or a code: MALFORMED_REQUEST, NEVER_SPAWNED, ALREADY_GONE.
         distance_um: [micrometres].
         reach_um: [micrometres].
         inactive: whether the hunter is withdrawn.
@@ -198,7 +195,7 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
             decide_contest(requests, i, policy, seed, step)
 
 
-@rare
+@outlined
 def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uint64, step: int) -> None:
     """R5.4 to R5.7: the verdicts of all requests that may catch the same target as one of them.
 

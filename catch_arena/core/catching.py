@@ -230,7 +230,7 @@ def commit(
                 catch_prey(block, s, lane, slot, catcher)
             remove_target(block, targets, lane, slot, s)
             removed += 1
-    if removed > 0 and s.progress_wanted:
+    if removed > 0 and s.needs_progress:
         for seat in range(s.hunters):
             reference = progress_reference_of(scratch, seat)
             renew_progress_reference(block, seat_of(block, seat), targets, lane, s, limits_of(limits, seat), reference)
@@ -244,7 +244,7 @@ def resolve_requests(
     lanes: int,
     targets: Block,
     limits: NDArray[np.float64],
-    requests_by_name: RequestTable,
+    given_requests: RequestTable,
     scratch: Scratch,
 ) -> None:
     """R1.4's phases 3 and 4 in every lane in which somebody asks for a target.
@@ -256,18 +256,18 @@ def resolve_requests(
         lanes: how many lanes are arenas.
         targets: the slots of the block.
         limits: see `memory.Sections`.
-        requests_by_name: requests that are judged instead of what the hunters ask for, in a block of one arena: their
-            seats and slots, or the codes of `arbiter`; or none.
+        given_requests: requests that are judged instead of what the hunters ask for, in a block of one arena: their
+            seats and slots, or the codes instead of a slot; or none.
         scratch: see `workspace.Scratch`.
     """
     counts = scratch.rows[:LANES]
     clear_evidence(block, s, width)
     count_requests(block, s, width, counts)
     for lane in range(lanes):
-        if len(requests_by_name) == 0 and counts[lane] == 0.0:
+        if len(given_requests) == 0 and counts[lane] == 0.0:
             continue
-        requests = requests_by_name
-        if len(requests_by_name) == 0:
+        requests = given_requests
+        if len(given_requests) == 0:
             requests = scratch.requests[: collect_requests(block, s, lane, scratch.requests)]
         fill_requests(block, s, lane, targets, limits, requests)
         judge_requests(block, s, lane, requests)

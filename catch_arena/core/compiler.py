@@ -184,10 +184,10 @@ _SKIPPED: Final = {
 
 
 @_machinery.register_pass(mutates_CFG=True, analysis_only=False)
-class _LowerRare(_LowerPart):
-    """Rare code: one copy of it, made small and not fast."""
+class _LowerOutlined(_LowerPart):
+    """One copy of the code, made small and not fast."""
 
-    _name = "catch_arena_lower_rare"
+    _name = "catch_arena_lower_outlined"
 
     def run_pass(self, state: Any) -> bool:
         super().run_pass(state)
@@ -220,10 +220,10 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
         return [manager]
 
 
-class RareCompiler(_Compiler):
-    """For phases that seldom run: a part that stays a function."""
+class OutlinedCompiler(_Compiler):
+    """For outlined phases: a part that stays a function."""
 
-    lowering = _LowerRare
+    lowering = _LowerOutlined
 
 
 class PartCompiler(_Compiler):

@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.arbiter import NO_SUCH_RANK, measure_um, to_micrometres, within_reach
-from catch_arena.core.jit import Block, inlined, phase, rare, rule
+from catch_arena.core.arbiter import measure_um, to_micrometres, within_reach
+from catch_arena.core.jit import Block, inlined, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.rewards import set_progress_reference
 from catch_arena.core.state import (
@@ -15,6 +15,7 @@ from catch_arena.core.state import (
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
+    MALFORMED_REQUEST,
     NO_TARGET,
     NUMBER,
     REQUESTED_SLOT,
@@ -77,8 +78,8 @@ def choose(
     s: Settings,
     goals: Block,
 ) -> None:
-    """R4.1: the slots that belong to the ranks chosen, NO_TARGET for hold and NO_SUCH_RANK for a rank without a target;
-    and where the target is to which each lane drives, x and y, and its number, 0 for none.
+    """R4.1: the slots that belong to the ranks chosen, NO_TARGET for hold and MALFORMED_REQUEST for a rank without a
+    target; and where the target is to which each lane drives, x and y, and its number, 0 for none.
 
     One lane after the other, since the targets are anywhere.
 
@@ -99,7 +100,7 @@ def choose(
         seen = (rank > 0) & (rank <= there)
         slot = select(seen, slot_at_rank(order, select(seen, rank - 1, 0), lane), 0)
         at = np.uint64(slot) * np.uint64(s.slot_size) + np.uint64(lane)
-        unseen = select(rank > there, float(NO_SUCH_RANK), float(NO_TARGET))
+        unseen = select(rank > there, float(MALFORMED_REQUEST), float(NO_TARGET))
         me[REQUESTED_SLOT + lane] = select(seen, float(slot), unseen)
         goals[lane] = targets[np.uint64(TARGET_X) + at]
         goals[LANES + lane] = targets[np.uint64(TARGET_Y) + at]
@@ -203,7 +204,7 @@ def drive_by_command(me: Block, commands: NDArray[np.float32], width: Width, lan
         me[TURN_RATE + lane] = np.float64(commands[lane, 1]) * limits.max_turn_rate
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        holds = (me[REQUESTED_SLOT + lane] == float(NO_SUCH_RANK)) | (me[WITHDRAWN + lane] > 0.0)
+        holds = (me[REQUESTED_SLOT + lane] == float(MALFORMED_REQUEST)) | (me[WITHDRAWN + lane] > 0.0)
         speed = clamp(me[SPEED + lane], limits.min_speed, limits.max_speed)
         turn_rate = clamp(me[TURN_RATE + lane], -limits.max_turn_rate, limits.max_turn_rate)
         me[SPEED + lane] = select(holds, 0.0, speed)
@@ -254,7 +255,7 @@ def steer_seat(
         drive_by_command(me, commands[:, seat], width, lanes, limits)
 
 
-@rare
+@outlined
 def steer_lane_by_lane(
     me: Block,
     order: Block,
@@ -343,5 +344,5 @@ def apply_actions(
         else:
             control = controls[0, seat]
             steer_seat(me, order, targets, seat, control, width, lanes, choices, commands, s, own, goals)
-        if s.progress_wanted:
+        if s.needs_progress:
             set_progress_reference(me, order, targets, lanes, s, progress_reference_of(scratch, seat))

@@ -1,9 +1,11 @@
-"""Rulebook R1.7: hunters that drop out by chance."""
+"""Rulebook R1.6, R1.7: hunters that are withdrawn, and that drop out by chance."""
 
-from catch_arena.core.jit import Block, rare
+from catch_arena.core.jit import Block, entry, outlined
+from catch_arena.core.memory import Bytes, sections_of
 from catch_arena.core.random import drops_out, seed_of
 from catch_arena.core.state import (
     AT_REST,
+    LANES,
     SEED_HIGH,
     SEED_LOW,
     STEP,
@@ -13,7 +15,7 @@ from catch_arena.core.state import (
 )
 
 
-@rare
+@outlined
 def withdraw(me: Block, lane: int) -> None:
     """R1.6: a hunter stands still from now on, and the others do not see it; `me` has the rows of its seat."""
     me[WITHDRAWN + lane] = 1.0
@@ -21,7 +23,7 @@ def withdraw(me: Block, lane: int) -> None:
         me[offset + lane] = 0.0
 
 
-@rare
+@outlined
 def drop_out(block: Block, s: Settings, lanes: int) -> None:
     """R1.7: before everything else, whoever drops out in this step is withdrawn."""
     for lane in range(lanes):
@@ -30,3 +32,15 @@ def drop_out(block: Block, s: Settings, lanes: int) -> None:
             me = seat_of(block, seat)
             if me[WITHDRAWN + lane] == 0.0 and drops_out(seed, block[STEP + lane], seat, s.dropout_rate):
                 withdraw(me, lane)
+
+
+@entry
+def withdraw_at(memory: Bytes, arena: int, seat: int) -> None:
+    """R1.6: the hunter in one seat is withdrawn.
+
+    Args:
+        memory: see core/memory.py.
+        arena: which of the batch.
+        seat: whose.
+    """
+    withdraw(seat_of(sections_of(memory).blocks[arena // LANES], seat), arena % LANES)

@@ -5,12 +5,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, phase, rare
+from catch_arena.core.jit import Block, inlined, outlined, phase
 from catch_arena.core.math import PI, TAU, sincos, wrap
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey import begin_prey, write_prey_records
 from catch_arena.core.random import START, draw, fraction, next_seed, seed_of, stream
-from catch_arena.core.rewards import Parts, Rewards
+from catch_arena.core.rewards import Breakdowns, Rewards
 from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
     ALIVE,
@@ -57,7 +57,7 @@ RECORD_COLUMNS: Final = FINAL_TALLIES + len(Verdict)
 _MATCH_OVER: Final = float(Verdict.MATCH_OVER)
 
 
-@rare
+@outlined
 def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64], record: NDArray[np.float32]) -> None:
     """An episode in figures, as it stands in one lane.
 
@@ -87,7 +87,7 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
             record[seat, column] = me[CONTESTS_WON + (column - FINAL_CONTESTS_WON) * LANES + lane]
 
 
-@rare
+@outlined
 def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64], seed: np.uint64) -> None:
     """R2.6, R3.1, A.6: one arena at the beginning of an episode.
 
@@ -175,7 +175,9 @@ def take_snapshot(block: Block, snapshot: Block) -> None:
 
 
 @inlined
-def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rewards: Rewards, parts: Parts) -> None:
+def restore_finished(
+    block: Block, s: Settings, lanes: int, snapshot: Block, rewards: Rewards, breakdowns: Breakdowns
+) -> None:
     """R5.2: arenas that had ended are played with the others of their block, and then put back as they were kept:
     nothing moves after the end, and every request is MATCH_OVER.
 
@@ -185,7 +187,7 @@ def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rew
         lanes: how many lanes are arenas.
         snapshot: the block before the step.
         rewards: (lanes, H), or none; those of arenas that had ended become 0.
-        parts: (lanes, H, 8), or none; the same.
+        breakdowns: (lanes, H, 1 + parts), or none; the same.
     """
     for lane in range(lanes):
         if snapshot[ENDED + lane] == RUNNING:
@@ -197,15 +199,15 @@ def restore_finished(block: Block, s: Settings, lanes: int, snapshot: Block, rew
             then[VERDICT + lane] = 0.0 if now[REQUESTED_SLOT + lane] == NO_TARGET else _MATCH_OVER
             then[DISTANCE_UM + lane] = -1.0
             then[WINNER + lane] = -1.0
-            if len(parts) == 0:
+            if len(breakdowns) == 0:
                 rewards[lane, seat] = 0.0
-            for column in range(parts.shape[2] if len(parts) > 0 else 0):
-                parts[lane, seat, column] = 0.0
+            for column in range(breakdowns.shape[2] if len(breakdowns) > 0 else 0):
+                breakdowns[lane, seat, column] = 0.0
         for row in range(len(block) // LANES):
             block[row * LANES + lane] = snapshot[row * LANES + lane]
 
 
-@rare
+@outlined
 def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
     """The observations or masks of one arena, (agents, columns), as the last ones.
 

@@ -28,7 +28,7 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
-from catch_arena.core.compiler import USABLE, PartCompiler, RareCompiler, WholeCompiler
+from catch_arena.core.compiler import USABLE, OutlinedCompiler, PartCompiler, WholeCompiler
 
 _numba: Any = numba.core.config
 """Numba's settings; the module fills itself, so that type checkers see none of them."""
@@ -46,7 +46,7 @@ _WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": WholeCompiler} if U
 _ALONE: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """What only compiled code calls needs no entry point for Python: that halves the time to compile."""
 _INNER: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": PartCompiler} if USABLE else _ALONE
-_RARE: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": RareCompiler} if USABLE else _ALONE
+_OUTLINED: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": OutlinedCompiler} if USABLE else _ALONE
 _MOST_KEPT: Final = 16
 """How many states of the sources."""
 
@@ -122,9 +122,12 @@ def inlined(function: F) -> F:
     return phase(function)
 
 
-def rare(function: F) -> F:
-    """A phase that few steps come to: compiled once, small, and called. Not for what reads or writes every lane."""
-    return _inner(function, forceinline=False, **_RARE)
+def outlined(function: F) -> F:
+    """A phase that is compiled once, small, and called: since few steps come to it; or since few scenarios have it, and
+    it goes lane by lane, so that it would take longer to compile and hardly be faster. Not for what all steps do with
+    every lane.
+    """
+    return _inner(function, forceinline=False, **_OUTLINED)
 
 
 def _inner(function: F, **options: Any) -> F:

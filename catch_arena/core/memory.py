@@ -29,8 +29,11 @@ CACHE_LINE: Final = 64
 class Sections(NamedTuple):
     """B arenas in blocks, H hunters, D columns, K targets seen; P prey, of E columns; T threads.
 
-    Of each array its type and how many dimensions it has. What a scenario or a batch does not need has no numbers.
+    Of each array its type and how many dimensions it has. What a scenario or a batch does not need has no numbers. The
+    order matters where a line says so: sections are saved and copied together with those that lie next to them.
     """
+
+    # ---- tables and scratch: not saved ----
 
     settings: Annotated[NDArray[np.float64], 1]
     """`Settings`, in the order of its fields."""
@@ -64,28 +67,34 @@ class Sections(NamedTuple):
     snapshot: Annotated[NDArray[np.float64], 2]
     prey_commands: Annotated[NDArray[np.float32], 3]
     """R12.2: (B, P, 2), the actions of the step that is played."""
+    # ---- saved, from here to the end; all but the blocks have a row for each arena ----
     blocks: Annotated[NDArray[np.float64], 2]
     """(blocks, rows * LANES): see `state`."""
-    parts: Annotated[NDArray[np.float64], 3]
-    """(B, H, 8): the reward, and R6.2's parts in the order of `rewards.PART_NAMES`; or none, and then `rewards`."""
+    # ---- what envs copy in one piece after each step, up to `ends`: see `Engine.outputs` ----
+    breakdowns: Annotated[NDArray[np.float64], 3]
+    """(B, H, 1 + parts): the reward, and R6.2's parts in the order of `state.PART_NAMES`; or none, and then
+    `rewards`.
+    """
     evidence: Annotated[NDArray[np.float64], 3]
     """(B, H, 4): the answer to each hunter's request, in the order of `state.EVIDENCE`; or none."""
     observations: Annotated[NDArray[np.float32], 3]
     """R7.1: (B, H, D)."""
     masks: Annotated[NDArray[np.int8], 3]
     """R7.2: (B, H, K + 1)."""
-    prey_parts: Annotated[NDArray[np.float64], 3]
-    """(B, P, 4): the reward, and R12.5's parts in the order of `prey.PREY_PART_NAMES`; or none, and then
-    `prey_rewards`.
+    prey_breakdowns: Annotated[NDArray[np.float64], 3]
+    """(B, P, 1 + parts): the reward, and R12.5's parts in the order of `state.PREY_PART_NAMES`; or none, and
+    then `prey_rewards`.
     """
     prey_observations: Annotated[NDArray[np.float32], 3]
     """R12.4: (B, P, E)."""
+    # ---- what they read in place ----
     ends: Annotated[NDArray[np.int8], 1]
     """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED, (B,)."""
     rewards: Annotated[NDArray[np.float32], 2]
-    """(B, H), or none where there are parts."""
+    """(B, H), or none where there are breakdowns."""
     prey_rewards: Annotated[NDArray[np.float32], 2]
-    """(B, P), or none where there are parts."""
+    """(B, P), or none where there are breakdowns."""
+    # ---- what only auto_reset keeps: last, since engines without it take a saved state up to here ----
     final_observations: Annotated[NDArray[np.float32], 3]
     """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""
     final_masks: Annotated[NDArray[np.int8], 3]

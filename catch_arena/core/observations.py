@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, phase, rare, rule
+from catch_arena.core.features import moving_target_at, rival_at, target_at, time_left_at
+from catch_arena.core.jit import Block, inlined, outlined, phase, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey_views import observe_as_prey
@@ -16,15 +17,12 @@ from catch_arena.core.ranking import (
     pack_order,
     rank_targets,
     resolve_ties,
-    rival_at,
     sort_keys,
 )
 from catch_arena.core.state import (
     ABSENT,
-    ACTIVE,
     APPEARED,
     BEARING_INTEGRAL,
-    BODY,
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
@@ -37,8 +35,6 @@ from catch_arena.core.state import (
     SINE,
     SPEED,
     STEP,
-    TARGET_X,
-    TARGET_Y,
     THETA,
     TIME,
     TURN_RATE,
@@ -63,7 +59,6 @@ from catch_arena.core.vectors import (
     copy_four,
     group,
     put_rows,
-    select,
     single,
     stream_eight,
 )
@@ -133,30 +128,7 @@ def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block)
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        remaining = s.time_limit_ms - block[TIME + lane]
-        time_left[lane] = select(remaining > 0.0, remaining / 1000.0, 0.0)
-
-
-@rule
-def target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> TargetFeatures:
-    """R7.1: what a seat sees of the target at `at`, which is that old [s].
-
-    Args:
-        me: the rows of the seat.
-        targets: the slots of the block.
-        at: where in `targets` the slot begins, its lane or group of lanes included.
-        lane: the lane.
-        age: of the target [s].
-    """
-    sine, cosine = me[SINE + lane], me[COSINE + lane]
-    dx, dy = targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]
-    return TargetFeatures(
-        forward=cosine * dx + sine * dy,
-        left=cosine * dy - sine * dx,
-        present=1.0,
-        age=age,
-        active=select(targets[NUMBER + at] == me[ACTIVE + lane], 1.0, 0.0),
-    )
+        time_left[lane] = time_left_at(block, s, lane)
 
 
 @phase
@@ -188,25 +160,12 @@ def compute_moving_target_features(
 ) -> None:
     """R7.4: the same where targets move, with the columns of `layout.MovingTargetFeatures`."""
     lane = group(first, width)
-    sine, cosine = me[SINE + lane], me[COSINE + lane]
     for slot in range(slots):
-        at = slot * s.slot_size + lane
-        target_sine, target_cosine = targets[BODY + SINE + at], targets[BODY + COSINE + at]
-        still = target_at(me, targets, at, lane, ages[slot * LANES + lane])
-        seen = MovingTargetFeatures(
-            forward=still.forward,
-            left=still.left,
-            present=still.present,
-            age=still.age,
-            active=still.active,
-            heading_cos=target_cosine * cosine + target_sine * sine,
-            heading_sin=target_sine * cosine - target_cosine * sine,
-            linear_velocity=targets[BODY + SPEED + at],
-        )
+        seen = moving_target_at(me, targets, slot * s.slot_size + lane, lane, ages[slot * LANES + lane])
         put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 
 
-@rare
+@outlined
 def blur_targets(
     block: Block, seat: int, targets: Block, order: Block, first: int, width: Width, s: Settings, features: Numbers
 ) -> None:
@@ -233,7 +192,7 @@ def blur_targets(
             write_blurred(draw(key, number), seen.forward, seen.left, s, features, at)
 
 
-@rare
+@outlined
 def blur_rivals(
     block: Block,
     seat: int,

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from catch_arena.core.jit import Block, inlined, phase, rare, rule
+from catch_arena.core.jit import Block, inlined, outlined, phase, rule
 from catch_arena.core.math import clamp, sincos, wrap
 from catch_arena.core.state import (
     AT_WALL,
@@ -119,7 +119,7 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
         me[AT_WALL + lane] = select(at_wall, 1.0, 0.0)
 
 
-@rare
+@outlined
 def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -> None:
     """R2.4: what the watchdog leaves, where it fired in this step; it stops whatever moved.
 

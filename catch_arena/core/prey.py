@@ -8,12 +8,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, rare
+from catch_arena.core.jit import Block, entry, outlined, rule
 from catch_arena.core.math import clamp
+from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.random import seed_of
 from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
     ALIVE,
+    ALL_OPTIONS,
     BODY,
     CAUGHT_AT,
     CAUGHT_BY,
@@ -38,13 +40,11 @@ from catch_arena.core.state import (
     Y,
     prey_of,
     seat_of,
+    targets_of,
 )
 from catch_arena.core.targets import nearest_hunter
 from catch_arena.core.vectors import sqrt
 from catch_arena.core.workspace import Scratch, prey_reference_of
-
-PREY_PART_NAMES: Final = ("caught", "survived", "gained")
-"""R12.5's parts of prey's reward, in the order in which they are written."""
 
 # columns of a record: one prey's episode in figures
 PREY_LENGTH: Final = 0  # steps
@@ -60,7 +60,7 @@ HUNTER_X: Final = 2 * LANES  # [m] where that was
 HUNTER_Y: Final = 3 * LANES
 
 
-@rare
+@outlined
 def begin_prey(block: Block, s: Settings, lane: int) -> None:
     """R12.1: the first targets are prey's, by index."""
     for index in range(s.prey):
@@ -70,7 +70,7 @@ def begin_prey(block: Block, s: Settings, lane: int) -> None:
         me[CAUGHT_BY + lane] = -1.0
 
 
-@rare
+@outlined
 def command_prey(
     block: Block, s: Settings, lanes: int, targets: Block, commands: NDArray[np.float32], scratch: Scratch
 ) -> None:
@@ -106,7 +106,7 @@ def command_prey(
             driven = me[PREY_WITHDRAWN + lane] == 0.0
             targets[BODY + SPEED + at] = speed if driven else 0.0
             targets[BODY + TURN_RATE + at] = turn_rate if driven else 0.0
-            if s.prey_distance_wanted:
+            if s.needs_gain:
                 seat = nearest_hunter(block, targets, lane, at, s)
                 if seat >= 0:
                     x, y = seat_of(block, seat)[X + lane], seat_of(block, seat)[Y + lane]
@@ -115,7 +115,7 @@ def command_prey(
                     reference[HUNTER_DISTANCE + lane] = distance(targets, at, x, y)
 
 
-@rare
+@rule
 def distance(targets: Block, at: int, x: float, y: float) -> float:
     """Between a target and a position [m].
 
@@ -129,7 +129,7 @@ def distance(targets: Block, at: int, x: float, y: float) -> float:
     return sqrt(dx * dx + dy * dy)
 
 
-@rare
+@outlined
 def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> None:
     """R12.3: whoever plays the target in one slot is out, caught by that seat; before the target leaves.
 
@@ -149,7 +149,7 @@ def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> No
             me[CAUGHT_BY + lane] = seat
 
 
-@rare
+@outlined
 def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
     """R12.3: after all firings of a step, whoever was out long enough plays the next target, where there is room."""
     for index in range(s.prey):
@@ -166,7 +166,30 @@ def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
                 spawn_next(block, targets, lane, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), s, now)
 
 
-@rare
+@rule
+def prey_parts(me: Block, reference: Block, targets: Block, lane: int, s: Settings) -> tuple[float, float, float]:
+    """R12.5: the parts of what one prey gets that is not withdrawn, in the order of `state.PREY_PART_NAMES`.
+
+    Args:
+        me: the rows of the prey.
+        reference: see `workspace.prey_reference_of`.
+        targets: the slots of the block.
+        lane: the lane.
+        s: the settings.
+    """
+    if me[CAUGHT_BY + lane] >= 0.0:
+        return 1.0, 0.0, 0.0
+    if reference[IN_PLAY + lane] == 0.0:
+        return 0.0, 0.0, 0.0
+    gained = 0.0
+    if reference[HUNTER_DISTANCE + lane] >= 0.0:
+        at = int(me[PREY_SLOT + lane]) * s.slot_size + lane
+        x, y = reference[HUNTER_X + lane], reference[HUNTER_Y + lane]
+        gained = distance(targets, at, x, y) - reference[HUNTER_DISTANCE + lane]
+    return 0.0, s.period_s, gained
+
+
+@outlined
 def reward_prey(
     block: Block,
     s: Settings,
@@ -175,7 +198,7 @@ def reward_prey(
     targets: Block,
     scratch: Scratch,
     rewards: NDArray[np.float32],
-    parts: NDArray[np.float64],
+    breakdowns: NDArray[np.float64],
 ) -> None:
     """R12.5: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not.
 
@@ -187,7 +210,7 @@ def reward_prey(
         targets: the slots of the block.
         scratch: see `workspace.Scratch`.
         rewards: (lanes, P), or none.
-        parts: (lanes, P, 4), the sum and the parts in the order of `PREY_PART_NAMES`, or none.
+        breakdowns: (lanes, P, 1 + parts), the sum and the parts in the order of `state.PREY_PART_NAMES`, or none.
     """
     for index in range(s.prey):
         me = prey_of(block, index, s)
@@ -197,26 +220,19 @@ def reward_prey(
             if had_ended and scratch.snapshot[ENDED + lane] != RUNNING:
                 me[CAUGHT_BY + lane] = -1.0
             elif me[PREY_WITHDRAWN + lane] == 0.0:
-                if me[CAUGHT_BY + lane] >= 0.0:
-                    caught = 1.0
-                elif reference[IN_PLAY + lane] > 0.0:
-                    survived = s.period_s
-                    if reference[HUNTER_DISTANCE + lane] >= 0.0:
-                        at = int(me[PREY_SLOT + lane]) * s.slot_size + lane
-                        x, y = reference[HUNTER_X + lane], reference[HUNTER_Y + lane]
-                        gained = distance(targets, at, x, y) - reference[HUNTER_DISTANCE + lane]
+                caught, survived, gained = prey_parts(me, reference, targets, lane, s)
                 total = s.caught_weight * caught + s.survived_weight * survived + s.gained_weight * gained
                 me[PREY_REWARD_SUM + lane] += total
-            if len(parts) == 0:
+            if len(breakdowns) == 0:
                 rewards[lane, index] = np.float32(total)
             else:
-                parts[lane, index, 0] = total
-                parts[lane, index, 1] = caught
-                parts[lane, index, 2] = survived
-                parts[lane, index, 3] = gained
+                breakdowns[lane, index, 0] = total
+                breakdowns[lane, index, 1] = caught
+                breakdowns[lane, index, 2] = survived
+                breakdowns[lane, index, 3] = gained
 
 
-@rare
+@rule
 def is_ahead(one: Block, other: Block, lane: int) -> bool:
     """R12.5: whether one prey ranks before another: withdrawn prey is last, else the fewest catches come first.
 
@@ -230,7 +246,7 @@ def is_ahead(one: Block, other: Block, lane: int) -> bool:
     return bool(one[TIMES_CAUGHT + lane] < other[TIMES_CAUGHT + lane])
 
 
-@rare
+@outlined
 def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
     """An episode in figures, as it stands in one lane.
 
@@ -249,3 +265,23 @@ def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.
         record[index, PREY_TIMES_CAUGHT] = me[TIMES_CAUGHT + lane]
         record[index, PREY_RANK] = rank
         record[index, PREY_FINAL_REWARD_SUM] = me[PREY_REWARD_SUM + lane]
+
+
+@entry
+def withdraw_prey_at(memory: Bytes, arena: int, index: int) -> None:
+    """R12.5: prey is withdrawn: it stands still from now on.
+
+    Args:
+        memory: see core/memory.py.
+        arena: which of the batch.
+        index: which prey.
+    """
+    sections = sections_of(memory)
+    s = settings_in(sections.settings, ALL_OPTIONS)
+    block, lane = sections.blocks[arena // LANES], arena % LANES
+    me, targets = prey_of(block, index, s), targets_of(block, s)
+    me[PREY_WITHDRAWN + lane] = 1.0
+    slot = int(me[PREY_SLOT + lane])
+    if slot != NO_TARGET:
+        targets[slot * s.slot_size + BODY + SPEED + lane] = 0.0
+        targets[slot * s.slot_size + BODY + TURN_RATE + lane] = 0.0

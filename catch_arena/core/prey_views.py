@@ -4,17 +4,17 @@ Prey's bodies lie in slots that differ by lane. They are gathered first, with ro
 prey are seen by the same code.
 """
 
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, phase, rare
+from catch_arena.core.features import body_at, time_left_at
+from catch_arena.core.jit import Block, inlined, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import (
     FAR,
     Keys,
-    body_at,
     equally_far,
     gather_ties,
     item_of,
@@ -33,7 +33,6 @@ from catch_arena.core.state import (
     SEAT_SIZE,
     SINE,
     SPEED,
-    TIME,
     TIMES_CAUGHT,
     TURN_RATE,
     WITHDRAWN,
@@ -57,7 +56,7 @@ _NOT_AMONG_THEM: Final = -1
 """Instead of an index: the observer is not one of the bodies that are ranked."""
 
 
-@rare
+@outlined
 def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, scratch: Scratch) -> None:
     """The bodies of all prey, from their slots; those of prey that is out are zero, and hidden like a withdrawn hunter.
 
@@ -78,75 +77,120 @@ def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, scratch: 
                 gathered[row + lane] = 0.0 if slot == NO_TARGET else targets[at + row]
 
 
+class Bodies(NamedTuple):
+    """What one prey may see: all hunters, or all prey."""
+
+    rows: Block
+    """Of all of them, one body behind the other."""
+    size: int
+    """How many numbers there are of each."""
+    total: int
+    myself: int
+    """Which of them is the observer, or _NOT_AMONG_THEM."""
+    ranks: int
+    """How many are seen."""
+    network: NDArray[np.int64]
+    """(comparators, 2): see `ranking.selection_network`."""
+    first_column: int
+    """Of rank 1, in the observation of one prey."""
+    exactly: bool
+    """Whether the last rank is copied only so far as it goes, since nothing is written behind it."""
+
+
+class Place(NamedTuple):
+    """Where the observations of a group of lanes are written."""
+
+    out: Numbers
+    """Observations, flat."""
+    at: int
+    """Where those of the first lane begin."""
+    stride: int
+    """How far behind them those of the next lane begin."""
+
+
+@inlined
+def bodies_of(
+    block: Block, s: Settings, of_hunters: bool, index: int, sections: Sections, gathered_prey: Block
+) -> Bodies:
+    """R12.4: the hunters, or the prey, as one prey looks at them.
+
+    Args:
+        block: the block.
+        s: the settings.
+        of_hunters: whether it is the hunters.
+        index: which prey looks.
+        sections: see `memory.Sections`.
+        gathered_prey: see `workspace.Scratch`.
+    """
+    hunters_seen, prey_seen = min(s.hunters, MOST_SEEN_BY_PREY), min(s.prey - 1, MOST_SEEN_BY_PREY)
+    exactly = not of_hunters or prey_seen == 0
+    return Bodies(
+        rows=block[seat_at(0) : seat_at(s.hunters)] if of_hunters else gathered_prey,
+        size=SEAT_SIZE if of_hunters else GATHERED_SIZE,
+        total=s.hunters if of_hunters else s.prey,
+        myself=_NOT_AMONG_THEM if of_hunters else index,
+        ranks=hunters_seen if of_hunters else prey_seen,
+        network=sections.hunter_network if of_hunters else sections.prey_network,
+        first_column=_SELF_WIDTH + (0 if of_hunters else hunters_seen * _BODY_WIDTH),
+        exactly=exactly,
+    )
+
+
+@inlined
+def body_in(bodies: Bodies, item: int) -> Block:
+    """The rows of one of them."""
+    return bodies.rows[item * bodies.size : (item + 1) * bodies.size]
+
+
 @phase
-def rank_bodies(
-    me: Block,
-    others: Block,
-    size: int,
-    count: int,
-    myself: int,
-    width: Width,
-    lanes: int,
-    ranks: int,
-    network: NDArray[np.int64],
-    keys: Keys,
-) -> None:
+def rank_bodies(me: Block, bodies: Bodies, width: Width, lanes: int, keys: Keys) -> None:
     """R12.4: bodies by distance, then as R7.1 has rivals.
 
     Args:
         me: the rows of the observer.
-        others: the rows of all bodies.
-        size: how many numbers there are of each.
-        count: how many bodies.
-        myself: which of them is the observer, or _NOT_AMONG_THEM.
+        bodies: see `Bodies`.
         width: how many lanes a group has.
         lanes: how many lanes are arenas.
-        ranks: how many are seen.
-        network: (comparators, 2): see `ranking.selection_network`.
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
-    for item in range(count):
-        other = others[item * size : (item + 1) * size]
+    for item in range(bodies.total):
+        other = body_in(bodies, item)
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
             key = key_of(other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane], item)
-            unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == myself)
+            unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.myself)
             keys[item * LANES + lane] = select(unseen, FAR, key)
-    sort_keys(keys, network, width, count)
-    last = min(ranks, count - 1)
+    sort_keys(keys, bodies.network, width, bodies.total)
+    last = min(bodies.ranks, bodies.total - 1)
     for first in range(0, span(width), len(width)):
         if some_tied(keys, last, group(first, width)):
-            sort_tied_bodies(me, others, size, first, min(first + len(width), lanes), last, count, keys)
+            sort_tied_bodies(me, bodies, first, min(first + len(width), lanes), last, keys)
 
 
-@rare
-def sort_tied_bodies(
-    me: Block, others: Block, size: int, first: int, last: int, ranks: int, count: int, keys: Keys
-) -> None:
+@outlined
+def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: int, keys: Keys) -> None:
     """R12.4: in each lane the sorted bodies that are equally far are put in order among themselves, by insertion.
 
     `ranking.sort_ties` does the same with rivals, which differ in catches, team and seat too; bodies have none.
 
     Args:
         me: the rows of the observer.
-        others: the rows of all bodies.
-        size: how many numbers there are of each.
+        bodies: see `Bodies`.
         first: the first lane.
         last: the lane behind the last.
         ranks: see `ranking.some_tied`.
-        count: how many bodies.
         keys: sorted by distance, rows of LANES.
     """
     for lane in range(first, last):
         if not some_tied(keys, ranks, lane):
             continue
-        for newest in range(1, gather_ties(lane, ranks, count, keys)):
+        for newest in range(1, gather_ties(lane, ranks, bodies.total, keys)):
             key = keys[newest * LANES + lane]
-            body = others[item_of(key) * size :]
+            body = body_in(bodies, item_of(key))
             at = newest
             while at > 0:
                 before = keys[(at - 1) * LANES + lane]
-                if not equally_far(before, key) or lead(me, body, others[item_of(before) * size :], lane) <= 0.0:
+                if not equally_far(before, key) or lead(me, body, body_in(bodies, item_of(before)), lane) <= 0.0:
                     break
                 keys[at * LANES + lane] = before
                 at -= 1
@@ -154,64 +198,35 @@ def sort_tied_bodies(
 
 
 @phase
-def write_bodies(
-    me: Block,
-    others: Block,
-    size: int,
-    count: int,
-    first: int,
-    width: Width,
-    ranks: int,
-    exactly: bool,
-    keys: Keys,
-    features: Numbers,
-    out: Numbers,
-    at: int,
-    stride: int,
-) -> None:
+def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, scratch: Scratch, place: Place) -> None:
     """R12.4: what one prey sees of bodies, in the lanes of one group.
 
     Args:
         me: the rows of the observer.
-        others: the rows of all bodies.
-        size: how many numbers there are of each.
-        count: how many bodies.
+        bodies: see `Bodies`.
         first: the first lane of the group.
         width: how many lanes the group has.
-        ranks: how many are seen.
-        exactly: whether the last one is copied only so far as it goes, since nothing is written behind it.
-        keys: as `rank_bodies` leaves them.
-        features: room for the columns of all bodies: see `observations.compute_target_features`.
-        out: observations, flat.
-        at: where in `out` the columns of rank 1 begin, of the first lane.
-        stride: how far behind them those of the next lane begin.
+        scratch: see `workspace.Scratch`; its keys are as `rank_bodies` leaves them.
+        place: see `Place`.
     """
-    for item in range(count):
-        seen = body_at(me, others[item * size :], group(first, width))
+    features = scratch.rival_features
+    for item in range(bodies.total):
+        seen = body_at(me, body_in(bodies, item), group(first, width))
         put_rows(features, item * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
     for mine in range(len(width)):
-        for rank in range(ranks):
-            source = (item_of(keys[rank * LANES + first + mine]) * len(width) + mine) * FEATURE_STRIDE
-            to = at + mine * stride + rank * _BODY_WIDTH
-            if exactly and rank == ranks - 1:
-                copy_four(out, to, features, source)
-                copy_four(out, to + _BODY_WIDTH - 4, features, source + _BODY_WIDTH - 4)
+        for rank in range(bodies.ranks):
+            item = item_of(scratch.keys[rank * LANES + first + mine])
+            source = (item * len(width) + mine) * FEATURE_STRIDE
+            to = place.at + mine * place.stride + bodies.first_column + rank * _BODY_WIDTH
+            if bodies.exactly and rank == bodies.ranks - 1:
+                copy_four(place.out, to, features, source)
+                copy_four(place.out, to + _BODY_WIDTH - 4, features, source + _BODY_WIDTH - 4)
             else:
-                copy_eight(out, to, features, source)
+                copy_eight(place.out, to, features, source)
 
 
 @phase
-def write_self(
-    block: Block,
-    caught: Block,
-    me: Block,
-    s: Settings,
-    first: int,
-    width: Width,
-    out: Numbers,
-    at: int,
-    stride: int,
-) -> None:
+def write_self(block: Block, caught: Block, me: Block, s: Settings, first: int, width: Width, place: Place) -> None:
     """R12.4: what one prey knows of itself, in the lanes of one group.
 
     Args:
@@ -221,12 +236,9 @@ def write_self(
         s: the settings.
         first: the first lane of the group.
         width: how many lanes the group has.
-        out: observations, flat.
-        at: where in `out` its columns begin, of the first lane.
-        stride: how far behind them those of the next lane begin.
+        place: see `Place`.
     """
     lane = group(first, width)
-    remaining = s.time_limit_ms - block[TIME + lane]
     own = PreySelfFeatures(
         x=me[X + lane],
         y=me[Y + lane],
@@ -234,14 +246,31 @@ def write_self(
         heading_sin=me[SINE + lane],
         linear_velocity=me[SPEED + lane],
         angular_velocity=me[TURN_RATE + lane],
-        time_left=select(remaining > 0.0, remaining / 1000.0, 0.0),
+        time_left=time_left_at(block, s, lane),
         times_caught=caught[lane],
         alive=1.0 - me[WITHDRAWN + lane],
     )
-    put_rows(out, at, stride, own)
+    put_rows(place.out, place.at, place.stride, own)
 
 
-@rare
+@phase
+def copy_lanes(staging: Numbers, columns: int, lanes: int, stride: int, out: Numbers, at: int) -> None:
+    """What was put together apart, since the group has lanes that are no arenas.
+
+    Args:
+        staging: see `workspace.Scratch`.
+        columns: how many are there, from the first on.
+        lanes: how many lanes are arenas.
+        stride: see `Place`.
+        out: observations, flat.
+        at: where in `out` that of the first lane begins.
+    """
+    for lane in range(lanes):
+        for column in range(columns):
+            out[at + lane * stride + column] = staging[lane * stride + column]
+
+
+@outlined
 def observe_as_prey(
     block: Block, s: Settings, width: Width, arena: int, lanes: int, sections: Sections, scratch: Scratch
 ) -> None:
@@ -258,59 +287,23 @@ def observe_as_prey(
     """
     gather_prey(block, s, lanes, targets_of(block, s), scratch)
     out = sections.prey_observations.reshape(-1)
-    hunters_seen, prey_seen = min(s.hunters, MOST_SEEN_BY_PREY), min(s.prey - 1, MOST_SEEN_BY_PREY)
-    columns = _SELF_WIDTH + (hunters_seen + prey_seen) * _BODY_WIDTH
+    columns = sections.prey_observations.shape[2]
     stride = s.prey * columns
-    hunters = block[seat_at(0) : seat_at(s.hunters)]
     for index in range(s.prey):
         me, caught = gathered_of(scratch, index), prey_of(block, index, s)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
-        for side in range(2):
+        for side in range(2):  # in a loop, so that what it calls is compiled once
             of_hunters = side == 0
-            others = hunters if of_hunters else scratch.gathered_prey
-            size, count = (SEAT_SIZE, s.hunters) if of_hunters else (GATHERED_SIZE, s.prey)
-            ranks = hunters_seen if of_hunters else prey_seen
-            network = sections.hunter_network if of_hunters else sections.prey_network
-            at = _SELF_WIDTH + (0 if of_hunters else hunters_seen * _BODY_WIDTH)
-            if ranks == 0:
+            bodies = bodies_of(block, s, of_hunters, index, sections, scratch.gathered_prey)
+            if bodies.ranks == 0:
                 continue
-            rank_bodies(
-                me,
-                others,
-                size,
-                count,
-                _NOT_AMONG_THEM if of_hunters else index,
-                width,
-                lanes,
-                ranks,
-                network,
-                scratch.keys,
-            )
-            exactly = not of_hunters or prey_seen == 0
-            for first in range(0, span(width), len(width)):
-                if first >= lanes:
-                    break
+            rank_bodies(me, bodies, width, lanes, scratch.keys)
+            for first in range(0, lanes, len(width)):
                 apart = lanes - first < len(width)
-                to = scratch.staging if apart else out
-                begin = (0 if apart else (arena + first) * stride) + index * columns
+                begin = (arena + first) * stride + index * columns
+                place = Place(scratch.staging if apart else out, 0 if apart else begin, stride)
                 if of_hunters:
-                    write_self(block, caught, me, s, first, width, to, begin, stride)
-                write_bodies(
-                    me,
-                    others,
-                    size,
-                    count,
-                    first,
-                    width,
-                    ranks,
-                    exactly,
-                    scratch.keys,
-                    scratch.rival_features,
-                    to,
-                    begin + at,
-                    stride,
-                )
+                    write_self(block, caught, me, s, first, width, place)
+                write_bodies(me, bodies, first, width, scratch, place)
                 if apart:
-                    for lane in range(first, lanes):
-                        for column in range(at if not of_hunters else 0, at + ranks * _BODY_WIDTH):
-                            source = (lane - first) * stride + index * columns + column
-                            out[(arena + lane) * stride + index * columns + column] = scratch.staging[source]
+                    written = bodies.first_column + bodies.ranks * _BODY_WIDTH
+                    copy_lanes(scratch.staging, written, lanes - first, stride, out, begin)

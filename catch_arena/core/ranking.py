@@ -7,18 +7,19 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, phase, rare, rule
+from catch_arena.core.features import body_at
+from catch_arena.core.jit import Block, outlined, phase, rule
 from catch_arena.core.state import (
     ABSENT,
     ALIVE,
     COSINE,
     LANES,
+    MOST,
     RANK_BITS,
     RANKS_PER_WORD,
     SCORE,
     SEEN,
     SINE,
-    SPEED,
     TARGET_X,
     TARGET_Y,
     WITHDRAWN,
@@ -30,11 +31,10 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
 from catch_arena.core.visibility import is_seen
-from catch_arena.layout import BodyFeatures, TeamRivalFeatures
 
 Keys = NDArray[np.int32]
 
-_SLOTS: Final = 63
+_SLOTS: Final = MOST - 1
 FAR: Final = 0x7F800000
 """The key of what is not there: above any other, since it is that of an infinite distance."""
 
@@ -47,7 +47,7 @@ def key_of(dx: float, dy: float, item: int) -> int:
     Args:
         dx: east of the observer [m].
         dy: north of it [m].
-        item: the slot or seat, 0 to 63.
+        item: the slot or seat, below MOST.
     """
     return ((single_bits(dx * dx + dy * dy) + 32) & ~_SLOTS) | item
 
@@ -107,53 +107,6 @@ def _sorting_network(wires: int) -> list[tuple[int, int]]:
             d, q, r = q - p, q >> 1, p
         p >>= 1
     return comparators
-
-
-@rule
-def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
-    """R7.1, R12.4: what one body sees of another; both begin with the rows of a body.
-
-    Args:
-        me: the rows of the observer.
-        other: the rows of the body that it sees.
-        lane: the lane.
-    """
-    sine, cosine = me[SINE + lane], me[COSINE + lane]
-    other_sine, other_cosine = other[SINE + lane], other[COSINE + lane]
-    dx, dy = other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane]
-    return BodyFeatures(
-        forward=cosine * dx + sine * dy,
-        left=cosine * dy - sine * dx,
-        present=1.0,
-        heading_cos=other_cosine * cosine + other_sine * sine,
-        heading_sin=other_sine * cosine - other_cosine * sine,
-        linear_velocity=other[SPEED + lane],
-    )
-
-
-@rule
-def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.int64]) -> TeamRivalFeatures:
-    """R7.1, R7.4: what one seat sees of another hunter.
-
-    Args:
-        block: the block.
-        seat: who sees.
-        other: the seat that is seen.
-        lane: the lane.
-        teams: see `memory.Sections`.
-    """
-    me, rival = seat_of(block, seat), seat_of(block, other)
-    seen = body_at(me, rival, lane)
-    return TeamRivalFeatures(
-        forward=seen.forward,
-        left=seen.left,
-        present=seen.present,
-        heading_cos=seen.heading_cos,
-        heading_sin=seen.heading_sin,
-        linear_velocity=seen.linear_velocity,
-        score_difference=rival[SCORE + lane] - me[SCORE + lane],
-        mate=1.0 if teams[seat] == teams[other] else 0.0,
-    )
 
 
 @phase
@@ -412,7 +365,7 @@ def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
     return count
 
 
-@rare
+@outlined
 def sort_ties(
     block: Block, seat: int, first: int, last: int, s: Settings, ranks: int, teams: NDArray[np.int64], keys: Keys
 ) -> None:

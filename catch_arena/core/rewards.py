@@ -5,12 +5,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, phase, rare
+from catch_arena.core.jit import Block, inlined, outlined, phase
 from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
     ALIVE,
     COSINE,
     LANES,
+    PART_NAMES,
     REWARD_SUM,
     SEEN,
     SINE,
@@ -31,16 +32,13 @@ from catch_arena.core.visibility import is_seen
 from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
-PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time", "mate_catch")
-"""R6.2's parts of the reward, in the order in which they are written."""
-
 _LOST_CONTEST: Final = float(Verdict.LOST_CONTEST)
 _GRANTED: Final = float(Verdict.GRANTED)
 
 Rewards = NDArray[np.float32]
 """(lanes, H): the sum."""
-Parts = NDArray[np.float64]
-"""(lanes, H, 8): the sum, and R6.2's parts in the order of `PART_NAMES`."""
+Breakdowns = NDArray[np.float64]
+"""(lanes, H, 1 + parts): the sum, and R6.2's parts in the order of `state.PART_NAMES`."""
 
 
 @phase
@@ -66,7 +64,7 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
         reference[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), -1.0)
 
 
-@rare
+@outlined
 def renew_progress_reference(
     block: Block, me: Block, targets: Block, lane: int, s: Settings, limits: SeatLimits, reference: Block
 ) -> None:
@@ -95,7 +93,7 @@ def renew_progress_reference(
             reference[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
 
 
-@rare
+@outlined
 def count_team_catches(block: Block, s: Settings, width: Width, teams: NDArray[np.int64], team_rows: Block) -> None:
     """R11.2: how many grants each team has in this step, by the seat that stands for it.
 
@@ -117,7 +115,7 @@ def count_team_catches(block: Block, s: Settings, width: Width, teams: NDArray[n
             team_rows[at + lane] = before
 
 
-@rare
+@outlined
 def share_rewards(
     block: Block,
     s: Settings,
@@ -126,7 +124,7 @@ def share_rewards(
     teams: NDArray[np.int64],
     team_rows: Block,
     rewards: Rewards,
-    parts: Parts,
+    breakdowns: Breakdowns,
 ) -> None:
     """R11.2: what each seat gets of what its team has earned, instead of what it has earned by itself.
 
@@ -138,7 +136,7 @@ def share_rewards(
         teams: see `memory.Sections`.
         team_rows: see `workspace.Scratch`; what each seat has earned is there, and what it gets is written over it.
         rewards: the result, or none.
-        parts: the result in its first column, or none.
+        breakdowns: the result in its first column, or none.
     """
     earned = team_rows[s.hunters * LANES :]
     for first in range(s.hunters):
@@ -163,8 +161,8 @@ def share_rewards(
                     earned[seat * LANES + lane] = shared
     for seat in range(s.hunters):
         for lane in range(lanes):
-            if len(parts) > 0:
-                parts[lane, seat, 0] = earned[seat * LANES + lane]
+            if len(breakdowns) > 0:
+                breakdowns[lane, seat, 0] = earned[seat * LANES + lane]
             else:
                 rewards[lane, seat] = np.float32(earned[seat * LANES + lane])
 
@@ -179,7 +177,7 @@ def reward_hunters(
     in_teams: bool,
     scratch: Scratch,
     rewards: Rewards,
-    parts: Parts,
+    breakdowns: Breakdowns,
 ) -> None:
     """R6.2: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not.
 
@@ -192,11 +190,11 @@ def reward_hunters(
         in_teams: whether there are teams: as it stands where this is called, so that nothing asks for it in the loops.
         scratch: see `workspace.Scratch`.
         rewards: the result, or none.
-        parts: the result, or none.
+        breakdowns: the result, or none.
     """
     catches = scratch.rows[:LANES]
     amounts = scratch.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
-    parts_wanted = len(parts) > 0
+    parts_wanted = len(breakdowns) > 0
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         granted = 0.0
@@ -219,7 +217,7 @@ def reward_hunters(
             refused = (verdict > 0.0) & (verdict < _GRANTED) & (verdict != _LOST_CONTEST)
             rejected = select(refused, counts, 0.0)
             progress = 0.0
-            if s.progress_wanted:
+            if s.needs_progress:
                 dx = reference[lane] - me[X + lane]
                 dy = reference[LANES + lane] - me[Y + lane]
                 gained = reference[2 * LANES + lane] - sqrt(dx * dx + dy * dy)
@@ -255,10 +253,10 @@ def reward_hunters(
                 rewards[lane, seat] = np.float32(amounts[lane])
                 continue
             for column in range(1 + len(PART_NAMES)):
-                parts[lane, seat, column] = amounts[column * LANES + lane]
+                breakdowns[lane, seat, column] = amounts[column * LANES + lane]
 
 
-@rare
+@outlined
 def reward_teams(
     block: Block,
     s: Settings,
@@ -267,13 +265,13 @@ def reward_teams(
     teams: NDArray[np.int64],
     scratch: Scratch,
     rewards: Rewards,
-    parts: Parts,
+    breakdowns: Breakdowns,
 ) -> None:
     """R11.2: the same where there are teams; arguments as of `reward_hunters`."""
     count_team_catches(block, s, width, teams, scratch.team_rows)
-    reward_hunters(block, s, width, lanes, teams, True, scratch, rewards, parts)
+    reward_hunters(block, s, width, lanes, teams, True, scratch, rewards, breakdowns)
     if s.team_share > 0.0:
-        share_rewards(block, s, width, lanes, teams, scratch.team_rows, rewards, parts)
+        share_rewards(block, s, width, lanes, teams, scratch.team_rows, rewards, breakdowns)
 
 
 @inlined
@@ -285,10 +283,10 @@ def reward(
     teams: NDArray[np.int64],
     scratch: Scratch,
     rewards: Rewards,
-    parts: Parts,
+    breakdowns: Breakdowns,
 ) -> None:
     """R6.2, R11.2: what each hunter gets for this step; arguments as of `reward_hunters`."""
     if s.has_teams:
-        reward_teams(block, s, width, lanes, teams, scratch, rewards, parts)
+        reward_teams(block, s, width, lanes, teams, scratch, rewards, breakdowns)
     else:
-        reward_hunters(block, s, width, lanes, teams, False, scratch, rewards, parts)
+        reward_hunters(block, s, width, lanes, teams, False, scratch, rewards, breakdowns)

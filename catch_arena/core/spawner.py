@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from catch_arena.core.jit import Block, entry, phase, rare, rule
+from catch_arena.core.jit import Block, entry, outlined, phase, rule
 from catch_arena.core.math import TAU, wrap
 from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
@@ -13,8 +13,8 @@ from catch_arena.core.state import (
     BODY,
     FIRINGS,
     LANES,
+    LAST_NUMBER,
     NUMBER,
-    NUMBERS,
     PREY_SLOT,
     SEED_HIGH,
     SEED_LOW,
@@ -68,7 +68,7 @@ def add_target(
         time_ms: when it appears [ms] since reset.
     """
     slot = int(block[ALIVE + lane]) * s.slot_size + lane
-    targets[slot + NUMBER] = block[NUMBERS + lane]
+    targets[slot + NUMBER] = block[LAST_NUMBER + lane]
     targets[slot + APPEARED] = time_ms
     targets[slot + BODY + X] = x
     targets[slot + BODY + Y] = y
@@ -77,7 +77,7 @@ def add_target(
     block[SPAWNED + lane] += 1.0
 
 
-@rare
+@outlined
 def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
     """R8.2: one target leaves the alive list; those behind it move up, so that the order stays.
 
@@ -112,8 +112,8 @@ def spawn_next(block: Block, targets: Block, lane: int, seed: np.uint64, s: Sett
         s: the settings.
         time_ms: when it appears [ms] since reset.
     """
-    block[NUMBERS + lane] += 1.0
-    x, y, theta = spawn_pose(seed, block[NUMBERS + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
+    block[LAST_NUMBER + lane] += 1.0
+    x, y, theta = spawn_pose(seed, block[LAST_NUMBER + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
     add_target(block, targets, lane, s, x, y, theta, time_ms)
 
 
@@ -135,8 +135,8 @@ def fire(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) 
         block[SKIPPED_FULL + lane] += 1.0
     elif spawn_service_down(seed, block[FIRINGS + lane], s.spawn_down_rate):
         block[SKIPPED_DOWN + lane] += 1.0
-    elif spawn_refused(seed, block[NUMBERS + lane] + 1.0, s.spawn_refused_rate):
-        block[NUMBERS + lane] += 1.0
+    elif spawn_refused(seed, block[LAST_NUMBER + lane] + 1.0, s.spawn_refused_rate):
+        block[LAST_NUMBER + lane] += 1.0
         block[SPAWNS_REFUSED + lane] += 1.0
     else:
         spawn_next(block, targets, lane, seed, s, block[FIRINGS + lane] * s.spawn_period_ms)
@@ -179,9 +179,9 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
     block, lane = sections.blocks[arena // LANES], arena % LANES
     if block[ALIVE + lane] >= s.max_targets:
         return 0
-    block[NUMBERS + lane] += 1.0
+    block[LAST_NUMBER + lane] += 1.0
     add_target(block, targets_of(block, s), lane, s, x, y, theta, block[TIME + lane])
-    return int(block[NUMBERS + lane])
+    return int(block[LAST_NUMBER + lane])
 
 
 @entry

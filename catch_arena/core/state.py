@@ -33,7 +33,7 @@ def span(width: Width) -> int:
 TIME: Final = 0 * LANES  # [ms] since reset
 STEP: Final = 1 * LANES  # steps played
 SPAWNED: Final = 2 * LANES  # targets that appeared
-NUMBERS: Final = 3 * LANES  # numbers used up
+LAST_NUMBER: Final = 3 * LANES  # the spawn number given last
 FIRINGS: Final = 4 * LANES  # of the spawn timer
 SKIPPED_FULL: Final = 5 * LANES  # R3.5
 SKIPPED_DOWN: Final = 6 * LANES  # R3.6
@@ -64,7 +64,7 @@ ACTIVE: Final = 10 * LANES  # number of the active target, 0 for none
 SCORE: Final = 11 * LANES  # granted catches
 WITHDRAWN: Final = 12 * LANES  # R1.6's flag
 SEEN: Final = 13 * LANES  # how many targets it sees: those have a rank
-REQUESTED_SLOT: Final = 14 * LANES  # slot requested in this step, NO_TARGET or NO_SUCH_RANK
+REQUESTED_SLOT: Final = 14 * LANES  # slot requested in this step, NO_TARGET or MALFORMED_REQUEST
 REQUESTED_NUMBER: Final = 15 * LANES  # number of the target requested, 0 for none
 VERDICT: Final = 16 * LANES  # R5.2, 0 for no request
 DISTANCE_UM: Final = 17 * LANES  # the verdict's evidence [micrometres], -1 for none
@@ -124,7 +124,16 @@ FLEEING: Final = 2
 MOTIONS: Final = {"still": STILL, "wander": WANDERING, "flee": FLEEING}
 """R3.8."""
 
-NO_TARGET: Final = -1
+# instead of a slot, or of what else tells targets apart
+NO_TARGET: Final = -1  # nothing is asked for; prey is out
+MALFORMED_REQUEST: Final = -2  # what is asked for is no rank with a target, or not even a name
+NEVER_SPAWNED: Final = -3  # no target has had the name
+ALREADY_GONE: Final = -4  # a target had it
+
+PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time", "mate_catch")
+"""R6.2's parts of a hunter's reward, in the order in which they are written."""
+PREY_PART_NAMES: Final = ("caught", "survived", "gained")
+"""R12.5's parts of prey's reward, in the order in which they are written."""
 
 RUNNING: Final = 0.0
 TERMINATED: Final = 1.0
@@ -132,14 +141,18 @@ TRUNCATED: Final = 2.0
 
 
 class Settings(NamedTuple):
-    """The config as the core reads it: scalars, each in the unit that its name ends in; flags are 0 or 1."""
+    """The config as the core reads it: scalars, each in the unit that its name ends in; flags are 0 or 1.
+
+    They are handed on as a parameter of their own, and never within another tuple: what `PlainSettings.ZERO` names is
+    left out only where a field of a parameter is read (`compiler._Zeros`).
+    """
 
     hunters: int
     max_targets: int
     targets_seen: int
     hunters_seen: int
     policy: int
-    progress_wanted: int
+    needs_progress: int
     any_control: int
     target_budget: float
     spawned_in_full: float
@@ -167,7 +180,7 @@ class Settings(NamedTuple):
     prey: int
     prey_min_speed_mps: float
     prey_returns_ms: float
-    prey_distance_wanted: int
+    needs_gain: int
     partial_view: int
     view_limit_m2: float
     view_cosine: float
@@ -232,11 +245,13 @@ class SeatLimits(NamedTuple):
     reach_limit_m2: float
 
 
+MOST: Final = 64
+"""Of hunters and of targets, in one arena: a key of `ranking` has room for as many."""
 RANKS_PER_WORD: Final = 8
 """Slots or seats in an order are kept eight to a number, a byte each, the first in the lowest bits."""
 RANK_BITS: Final = 8
-ABSENT: Final = 64
-"""Instead of a slot or seat: nothing has this rank. There are at most as many of each."""
+ABSENT: Final = MOST
+"""Instead of a slot or seat: nothing has this rank."""
 
 
 @rule
@@ -251,17 +266,24 @@ def slot_rows(targets_move: bool) -> int:
     return MOVING_SLOT_ROWS if targets_move else STILL_SLOT_ROWS
 
 
-@rule
-def first_prey_row(hunters: int, max_targets: int, rows_of_slot: int, targets_seen: int) -> int:
-    """The row with which those of prey begin; as many come before.
+class Regions(NamedTuple):
+    """Where in a block the rows of a kind begin, behind each other, and where the last ones end: offsets."""
 
-    Args:
-        hunters: H.
-        max_targets: how many slots there are.
-        rows_of_slot: see `slot_rows`.
-        targets_seen: K.
-    """
-    return ARENA_ROWS + hunters * HUNTER_ROWS + max_targets * rows_of_slot + hunters * target_order_rows(targets_seen)
+    hunters: int
+    targets: int
+    target_orders: int
+    prey: int
+    end: int
+
+
+@rule
+def regions_of(s: Settings) -> Regions:
+    """The map of a block."""
+    hunters = ARENA_ROWS * LANES
+    targets = hunters + s.hunters * SEAT_SIZE
+    target_orders = targets + s.max_targets * s.slot_size
+    prey = target_orders + s.hunters * target_order_rows(s.targets_seen) * LANES
+    return Regions(hunters, targets, target_orders, prey, prey + s.prey * PREY_SIZE)
 
 
 @inlined
@@ -273,8 +295,8 @@ def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
 @inlined
 def targets_of(block: Block, s: Settings) -> Block:
     """The target slots of a block: slot n begins at n * s.slot_size."""
-    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS) * LANES
-    return block[first : first + s.max_targets * s.slot_size]
+    regions = regions_of(s)
+    return block[regions.targets : regions.target_orders]
 
 
 @phase
@@ -309,16 +331,16 @@ def seat_of(block: Block, seat: int) -> Block:
 @inlined
 def prey_of(block: Block, index: int, s: Settings) -> Block:
     """The rows of one prey."""
-    first = first_prey_row(s.hunters, s.max_targets, s.slot_size // LANES, s.targets_seen) * LANES + index * PREY_SIZE
+    first = regions_of(s).prey + index * PREY_SIZE
     return block[first : first + PREY_SIZE]
 
 
 @inlined
 def target_order_of(block: Block, seat: int, s: Settings) -> Block:
     """The targets in the order in which one seat sees them: see `slot_at_rank`."""
-    rows = target_order_rows(s.targets_seen)
-    first = (ARENA_ROWS + s.hunters * HUNTER_ROWS + seat * rows) * LANES + s.max_targets * s.slot_size
-    return block[first : first + rows * LANES]
+    size = target_order_rows(s.targets_seen) * LANES
+    first = regions_of(s).target_orders + seat * size
+    return block[first : first + size]
 
 
 @rule

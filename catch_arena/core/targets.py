@@ -6,7 +6,7 @@ Blocks of LANES arenas; metres, radians, seconds.
 from typing import Final
 
 from catch_arena.core.arbiter import measure_um
-from catch_arena.core.jit import Block, inlined, phase, rare, rule
+from catch_arena.core.jit import Block, inlined, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.random import seed_of, threat_lot, wander_draw
 from catch_arena.core.state import (
@@ -75,7 +75,7 @@ def steered(east: float, north: float, sine: float, cosine: float, most: float) 
     return clamp(STEERING_GAIN * error, -most, most)
 
 
-@rare
+@outlined
 def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) -> None:
     """R3.9: the draw of the period that a target is in, where its last one has ended; it is kept until it ends.
 
@@ -113,7 +113,7 @@ def keep_wandering(block: Block, targets: Block, width: Width, slot: int, s: Set
                     renew_wander(block, targets, each, at, s)
 
 
-@rare
+@outlined
 def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings) -> int:
     """R3.10, R12.5: the seat nearest to one target, by lot where several are equally near; -1 where all are withdrawn.
 

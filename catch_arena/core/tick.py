@@ -38,7 +38,7 @@ def play(
     last: int,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
-    requests_by_name: RequestTable,
+    given_requests: RequestTable,
     sections: Sections,
     scratch: Scratch,
 ) -> None:
@@ -52,13 +52,13 @@ def play(
         last: the arena behind its last.
         choices: see `run`.
         commands: see `run`.
-        requests_by_name: see `run`.
+        given_requests: see `run`.
         sections: see `memory.Sections`.
         scratch: see `workspace.Scratch`.
     """
     lanes = last - first
     targets = targets_of(block, s)
-    rewards, parts = sections.rewards[first:last], sections.parts[first:last]
+    rewards, breakdowns = sections.rewards[first:last], sections.breakdowns[first:last]
     had_ended = some_ended(block, lanes)
     if had_ended:
         take_snapshot(block, scratch.snapshot)
@@ -70,18 +70,18 @@ def play(
         command_targets(block, s, width, lanes, targets, scratch.rows)
     if s.prey > 0:
         command_prey(block, s, lanes, targets, sections.prey_commands[first:last], scratch)
-    resolve_requests(block, s, width, lanes, targets, limits, requests_by_name, scratch)
+    resolve_requests(block, s, width, lanes, targets, limits, given_requests, scratch)
     move(block, s, width, lanes, targets, scratch.rows)
     spawn_through(block, targets, lanes, s)
     if s.prey > 0:
         return_prey(block, s, lanes, targets)
     end_test(block, s, width)
-    reward(block, s, width, lanes, sections.teams, scratch, rewards, parts)
+    reward(block, s, width, lanes, sections.teams, scratch, rewards, breakdowns)
     if had_ended:
-        restore_finished(block, s, lanes, scratch.snapshot, rewards, parts)
+        restore_finished(block, s, lanes, scratch.snapshot, rewards, breakdowns)
     if s.prey > 0:
-        prey_rewards, prey_parts = sections.prey_rewards[first:last], sections.prey_parts[first:last]
-        reward_prey(block, s, lanes, had_ended, targets, scratch, prey_rewards, prey_parts)
+        prey_rewards, prey_breakdowns = sections.prey_rewards[first:last], sections.prey_breakdowns[first:last]
+        reward_prey(block, s, lanes, had_ended, targets, scratch, prey_rewards, prey_breakdowns)
     write_ends(block, lanes, sections.ends[first:last])
 
 
@@ -98,7 +98,7 @@ def run(
     playing: bool,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
-    requests_by_name: RequestTable,
+    given_requests: RequestTable,
 ) -> None:
     """Episodes begin where that is asked for, then one step of every arena (R1.4) where there is play, and then all
     observe.
@@ -115,7 +115,7 @@ def run(
         playing: whether a step is played, or the arenas only observe.
         choices: (B, H), ranks or 0; may be empty where no seat's control reads them.
         commands: (B, H, 2), fractions of the limits in [-1, 1]; may be empty in the same way.
-        requests_by_name: of a single arena: see `catching.resolve_requests`; they are judged in place.
+        given_requests: of a single arena: see `catching.resolve_requests`; they are judged in place.
     """
     sections = sections_of(memory)
     s = settings_in(sections.settings, options)
@@ -128,7 +128,7 @@ def run(
         first = index * LANES
         last = min(first + LANES, len(sections.ends))
         if playing:
-            play(block, s, width, first, last, choices, commands, requests_by_name, sections, scratch)
+            play(block, s, width, first, last, choices, commands, given_requests, sections, scratch)
         renewing = playing and len(sections.records) > 0 and some_ended(block, last - first)
         # where episodes have ended, the first pass observes their last states, the second the new ones; in a loop, so
         # that `observe` is compiled once

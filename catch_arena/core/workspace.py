@@ -8,18 +8,16 @@ from numpy.typing import NDArray
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.jit import Block, inlined
 from catch_arena.core.memory import Sections
-from catch_arena.core.state import ABSENT, LANES, RANKS_PER_WORD, WITHDRAWN
+from catch_arena.core.state import ABSENT, LANES, MOST, PART_NAMES, RANKS_PER_WORD, WITHDRAWN
 from catch_arena.core.vectors import COPIED, WIDE
 
-_MOST: Final = 64
-"""Of hunters and of targets, in one arena."""
-_ROWS: Final = 9
-"""As many as `rewards.reward` needs."""
+_ROWS: Final = max(2 + len(PART_NAMES), RANKS_PER_WORD)
+"""As many as `rewards.reward_hunters` and `ranking.count_ranks` need, which need the most."""
 FEATURE_STRIDE: Final = 8
 """How many numbers there is room for of one thing that is seen: at least as many as are copied (`vectors.COPIED`)."""
 _FEATURES: Final = (ABSENT + 1) * FEATURE_STRIDE * len(WIDE)
 """Of all slots or seats, and of what is absent: zeros."""
-_ORDER_ROWS: Final = _MOST // RANKS_PER_WORD
+_ORDER_ROWS: Final = MOST // RANKS_PER_WORD
 _REFERENCE_ROWS: Final = 3
 _PREY_REFERENCE_ROWS: Final = 4
 GATHERED_SIZE: Final = WITHDRAWN + LANES
@@ -65,8 +63,8 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
     """
     staging = len(WIDE) * columns + COPIED  # with room for what is written too much
     return {
-        "keys": (_MOST * LANES,),
-        "ages": (_MOST * LANES,),
+        "keys": (MOST * LANES,),
+        "ages": (MOST * LANES,),
         "target_features": (_FEATURES,),
         "rival_features": (_FEATURES,),
         "staging": (-(-staging // LANES) * LANES,),  # whole cache lines: no two threads write to the same one
@@ -85,19 +83,19 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
 def scratch_of(sections: Sections, thread: int) -> Scratch:
     """The scratch memory of one thread."""
     return Scratch(
-        sections.keys[thread],
-        sections.ages[thread],
-        sections.target_features[thread],
-        sections.rival_features[thread],
-        sections.staging[thread],
-        sections.requests[thread],
-        sections.rows[thread],
-        sections.rival_orders[thread],
-        sections.progress_references[thread],
-        sections.team_rows[thread],
-        sections.prey_references[thread],
-        sections.gathered_prey[thread],
-        sections.snapshot[thread],
+        keys=sections.keys[thread],
+        ages=sections.ages[thread],
+        target_features=sections.target_features[thread],
+        rival_features=sections.rival_features[thread],
+        staging=sections.staging[thread],
+        requests=sections.requests[thread],
+        rows=sections.rows[thread],
+        rival_orders=sections.rival_orders[thread],
+        progress_references=sections.progress_references[thread],
+        team_rows=sections.team_rows[thread],
+        prey_references=sections.prey_references[thread],
+        gathered_prey=sections.gathered_prey[thread],
+        snapshot=sections.snapshot[thread],
     )
 
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
-from catch_arena.core.state import LANES, slot_rows, target_order_rows
+from catch_arena.core.state import LANES, Regions, slot_rows, target_order_rows
 
 
 def row_of(offset: int) -> int:
@@ -18,27 +18,26 @@ class BlockViews:
 
     Args:
         config: the arenas' settings.
+        regions: where in a block its rows are.
         blocks: (number of blocks, rows * LANES).
     """
 
-    def __init__(self, config: ArenaConfig, blocks: NDArray[np.float64]) -> None:
+    def __init__(self, config: ArenaConfig, regions: Regions, blocks: NDArray[np.float64]) -> None:
         hunters, prey = config.hunters, config.prey
-        num_blocks, num_rows = len(blocks), blocks.shape[1] // LANES
+        num_blocks, num_rows = len(blocks), row_of(regions.end)
         slot = slot_rows(config.targets_move)
-        first = state.ARENA_ROWS + hunters * state.HUNTER_ROWS
-        orders = first + config.max_targets * slot
-        prey_begin = num_rows - prey * state.PREY_ROWS
+        first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
         self.fields = blocks.reshape(num_blocks, num_rows, LANES)
         """All rows; the arena's own come first."""
-        self.hunters = self.fields[:, state.ARENA_ROWS : first].reshape(num_blocks, hunters, state.HUNTER_ROWS, LANES)
+        self.hunters = self.fields[:, first_hunter:first_target].reshape(num_blocks, hunters, state.HUNTER_ROWS, LANES)
         """[block, seat, row, lane]."""
-        self.targets = self.fields[:, first:orders].reshape(num_blocks, config.max_targets, slot, LANES)
+        self.targets = self.fields[:, first_target:first_order].reshape(num_blocks, config.max_targets, slot, LANES)
         """[block, slot, row, lane]."""
-        self.target_orders = self.fields[:, orders:prey_begin].reshape(
+        self.target_orders = self.fields[:, first_order:first_prey].reshape(
             num_blocks, hunters, target_order_rows(config.targets_seen), LANES
         )
         """In which order each seat sees the targets: [block, seat, word, lane], see RANKS_PER_WORD."""
-        self.prey = self.fields[:, prey_begin:].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
+        self.prey = self.fields[:, first_prey:end].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
         """[block, index, row, lane]."""
 
         digest = state.MOVING_TARGET_DIGEST if config.targets_move else state.TARGET_DIGEST

@@ -18,7 +18,7 @@ _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
 
-def settings_of(config: ArenaConfig, *, progress_wanted: bool, any_control: bool = False) -> Settings:
+def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = False) -> Settings:
     """The scalars of a config, as the core reads them."""
     high = config.side_m - _SPAWN_WALL_M
     return Settings(
@@ -27,7 +27,7 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool, any_control: bool
         targets_seen=config.targets_seen,
         hunters_seen=config.hunters_seen,
         policy=POLICIES[config.policy],
-        progress_wanted=int(progress_wanted or config.rewards.progress != 0.0),
+        needs_progress=int(with_parts or config.rewards.progress != 0.0),
         any_control=int(any_control),
         target_budget=math.inf if config.target_budget is None else float(config.target_budget),
         spawned_in_full=_spawned_in_full(config),
@@ -55,7 +55,7 @@ def settings_of(config: ArenaConfig, *, progress_wanted: bool, any_control: bool
         prey=config.prey,
         prey_min_speed_mps=-float(config.target_speed_mps) if config.reverse else 0.0,
         prey_returns_ms=math.inf if config.prey_returns_ms is None else float(config.prey_returns_ms),
-        prey_distance_wanted=int(progress_wanted or config.prey_rewards.gained != 0.0),
+        needs_gain=int(with_parts or config.prey_rewards.gained != 0.0),
         partial_view=int(config.partial_view),
         view_limit_m2=math.inf if config.view_radius_um is None else squared_limit(config.view_radius_um),
         view_cosine=ALL_ROUND if config.view_angle_deg == 360.0 else sincos(config.view_angle_deg * PI / 360.0)[1],

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core import spawner, state, tick
+from catch_arena.core import dropouts, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import RECORD_COLUMNS
@@ -24,13 +24,13 @@ from catch_arena.core.memory import (
     lay_out,
     offset_of,
     sections_of,
+    settings_in,
     whole_lines,
     zeros,
 )
-from catch_arena.core.prey import PREY_PART_NAMES, PREY_RECORD_COLUMNS
+from catch_arena.core.prey import PREY_RECORD_COLUMNS, withdraw_prey_at
 from catch_arena.core.ranking import selection_network
-from catch_arena.core.rewards import PART_NAMES
-from catch_arena.core.state import LANES, Options, first_prey_row, slot_rows
+from catch_arena.core.state import LANES, PART_NAMES, PREY_PART_NAMES, Options
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import BlockViews, row_of
@@ -46,7 +46,7 @@ from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
 _HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
-_HUNTERS_A_PART: Final = 4096
+_HUNTERS_A_CHUNK: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 _NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
@@ -82,7 +82,7 @@ class Engine:
         num_threads: int = 1,
         any_control: bool = False,
     ) -> None:
-        settings = settings_of(config, progress_wanted=with_infos, any_control=any_control)
+        settings = settings_of(config, with_parts=with_infos, any_control=any_control)
         options = state.options_of(settings)
         few = min(num_arenas, 2)
         compile_once(f"{few}, {options}", partial(_play_smallest, few, options))
@@ -93,12 +93,10 @@ class Engine:
         self.with_infos = with_infos
         self.auto_reset = auto_reset
         self._any_control = any_control
-        hunters, seen = config.hunters, config.targets_seen
-        slot, prey = slot_rows(config.targets_move), config.prey
-        prey_begin = first_prey_row(hunters, config.max_targets, slot, seen)
-        num_blocks, num_rows = -(-num_arenas // LANES), prey_begin + prey * state.PREY_ROWS
-        self._shares = num_blocks * LANES * hunters // _HUNTERS_A_PART
-        self.threads = Threads(max(1, min(num_threads, self._shares)))
+        hunters, prey, seen = config.hunters, config.prey, config.targets_seen
+        num_blocks, num_rows = -(-num_arenas // LANES), row_of(state.regions_of(settings).end)
+        self._chunks = num_blocks * LANES * hunters // _HUNTERS_A_CHUNK
+        self.threads = Threads(max(1, min(num_threads, self._chunks)))
         rows_with_infos = num_arenas if with_infos else 0
         kept = num_arenas if auto_reset else 0
         seen_by_prey = prey_observation_size(config)
@@ -123,11 +121,11 @@ class Engine:
                 else _NO_NETWORK,
                 prey_network=_network(prey, min(prey, prey_seen_by_prey(config) + 1)) if prey else _NO_NETWORK,
                 blocks=zeros(num_blocks, num_rows * LANES),
-                parts=zeros(rows_with_infos, hunters, 1 + len(PART_NAMES)),
+                breakdowns=zeros(rows_with_infos, hunters, 1 + len(PART_NAMES)),
                 evidence=zeros(rows_with_infos, hunters, len(state.EVIDENCE)),
                 observations=zeros(num_arenas, hunters, observation_size(config), dtype=np.float32),
                 masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
-                prey_parts=zeros(rows_with_infos, prey, 1 + len(PREY_PART_NAMES)),
+                prey_breakdowns=zeros(rows_with_infos, prey, 1 + len(PREY_PART_NAMES)),
                 prey_observations=zeros(num_arenas, prey, seen_by_prey, dtype=np.float32),
                 ends=zeros(num_arenas, dtype=np.int8),
                 rewards=zeros(num_arenas - rows_with_infos, hunters, dtype=np.float32),
@@ -146,7 +144,7 @@ class Engine:
         self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
 
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
-        """Give the parts of the memory their names."""
+        """Give the memory's sections their names."""
         self._memory = memory
         self.blocks = sections.blocks
         """The arenas' memory: see core/state.py."""
@@ -158,11 +156,11 @@ class Engine:
         """R7.1: (B, H, D)."""
         self.masks = sections.masks
         """R7.2: (B, H, K + 1)."""
-        self.rewards: NDArray[Any] = sections.parts[:, :, 0] if self.with_infos else sections.rewards
+        self.rewards: NDArray[Any] = sections.breakdowns[:, :, 0] if self.with_infos else sections.rewards
         """R6.2: (B, H), float64 with the parts and float32 without."""
-        self.parts = sections.parts[:, :, 1:]
-        """R6.2: the parts of the last reward, unweighted, in the order of `rewards.PART_NAMES`: (B, H, 7), or (0, H, 7)
-        without infos.
+        self.parts = sections.breakdowns[:, :, 1:]
+        """R6.2: the parts of the last reward, unweighted, in the order of `state.PART_NAMES`: (B, H, parts), or
+        (0, H, parts) without infos.
         """
         self.ends = sections.ends
         """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
@@ -174,21 +172,22 @@ class Engine:
         """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
         self.prey_observations = sections.prey_observations
         """R12.4: (B, P, E)."""
-        self.prey_rewards: NDArray[Any] = sections.prey_parts[:, :, 0] if self.with_infos else sections.prey_rewards
+        self.prey_rewards: NDArray[Any] = (
+            sections.prey_breakdowns[:, :, 0] if self.with_infos else sections.prey_rewards
+        )
         """R12.5: (B, P), as `rewards`."""
-        self.prey_parts = sections.prey_parts[:, :, 1:]
-        """R12.5: the parts of the last reward, unweighted, in the order of `prey.PREY_PART_NAMES`: (B, P, 3), or
-        (0, P, 3) without infos.
+        self.prey_parts = sections.prey_breakdowns[:, :, 1:]
+        """R12.5: the parts of the last reward, unweighted, in the order of `state.PREY_PART_NAMES`: (B, P, parts),
+        or (0, P, parts) without infos.
         """
         self.prey_final_observations = sections.prey_final_observations
         """With auto_reset as `final_observations`: (B, P, E)."""
         self.prey_records = sections.prey_records
         """With auto_reset as `records`, in the columns of core/prey.py: (B, P, PREY_RECORD_COLUMNS)."""
         self._prey_commands = sections.prey_commands
-        begin, end = offset_of("parts", memory), offset_of("ends", memory)
+        begin, end = offset_of("breakdowns", memory), offset_of("ends", memory)
         self.outputs = self._memory[begin:end].view(np.float32)
-        """`parts`, `evidence`, `observations`, `masks`, `prey_parts` and `prey_observations` as they lie one behind the
-        other: copied, all at once.
+        """What `Sections` has from `breakdowns` to `prey_observations`, one behind the other: copied, all at once.
         """
         self.evidence = sections.evidence
         """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
@@ -197,7 +196,8 @@ class Engine:
         of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
         self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if section.size]
         """What stands of each arena beside the blocks: (B, bytes) each."""
-        self._views = BlockViews(self.config, self.blocks)
+        settings = settings_in(sections.settings, state.ALL_OPTIONS)
+        self._views = BlockViews(self.config, state.regions_of(settings), self.blocks)
 
     # playing
 
@@ -223,14 +223,8 @@ class Engine:
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         if arenas is None:
             self._observe(0, len(self.blocks), resets)
-            return
-        if not len(chosen):
-            return
-        resets = resets[np.argsort(chosen)]
-        gaps = np.flatnonzero(np.diff(resets[:, 0] // LANES) > 1) + 1
-        for some in np.split(resets, gaps):  # one call for blocks that adjoin; the others keep what they observe
-            first, last = (some[[0, -1], 0] // LANES).tolist()
-            self._observe(first, last + 1, some)
+        else:
+            self._observe_blocks_of(chosen, resets)
 
     def step(
         self,
@@ -251,16 +245,16 @@ class Engine:
         """
         if prey_commands is not None:
             self._prey_commands[:] = prey_commands
-        blocks, parts = len(self.blocks), self._shares
+        blocks, chunks = len(self.blocks), self._chunks
         if self.threads.size == 1:
             tick.run(*self._variant, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
             return
 
-        def play(thread: int, part: int) -> None:
-            first, last = part * blocks // parts, (part + 1) * blocks // parts
+        def play(thread: int, chunk: int) -> None:
+            first, last = chunk * blocks // chunks, (chunk + 1) * blocks // chunks
             tick.run(*self._variant, self._memory, thread, first, last, _NO_RESETS, True, choices, commands, requests)
 
-        self.threads.run(parts, play)
+        self.threads.run(chunks, play)
 
     def stepper(
         self,
@@ -296,22 +290,22 @@ class Engine:
         """Begin episodes, and observe those blocks; nobody plays."""
         tick.run(*self._variant, self._memory, 0, first, last, resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
 
+    def _observe_blocks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
+        """The same of the blocks in which these arenas are; the others keep what they observe."""
+        blocks = np.unique(arenas // LANES)
+        gaps = np.flatnonzero(np.diff(blocks) > 1) + 1
+        for adjoining in np.split(blocks, gaps) if len(blocks) else ():  # one call for each run of blocks
+            self._observe(adjoining[0], adjoining[-1] + 1, resets)
+            resets = _NO_RESETS  # all have begun
+
     def withdraw(self, arena: int, seat: int) -> None:
         """R1.6: the hunter stands still from now on, and the others do not see it."""
-        me = self.hunter_rows(arena)[seat]  # as core/dropouts.py does it, which compiled code alone can call
-        me[row_of(state.WITHDRAWN)] = 1.0
-        for offset in state.AT_REST:
-            me[row_of(offset)] = 0.0
+        dropouts.withdraw_at(self._memory, arena, seat)
         self.observe(arena)
 
     def withdraw_prey(self, arena: int, index: int) -> None:
         """R12.5: the prey stands still from now on."""
-        me = self.prey_rows(arena)[index]
-        me[row_of(state.PREY_WITHDRAWN)] = 1.0
-        slot = int(me[row_of(state.PREY_SLOT)])
-        if slot != state.NO_TARGET:
-            for offset in (state.SPEED, state.TURN_RATE):
-                self._views.targets[arena // LANES, slot, row_of(state.BODY + offset), arena % LANES] = 0.0
+        withdraw_prey_at(self._memory, arena, index)
         self.observe(arena)
 
     def place(
@@ -351,7 +345,7 @@ class Engine:
         self.ends[arenas] = 0
         for told in (self.rewards, self.parts, self.evidence):
             told[arenas[: len(told)]] = 0.0
-        self.observe()
+        self._observe_blocks_of(arenas)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: a target outside the timer, with the next number, which is returned; 0 in a full arena (R3.5)."""
@@ -360,25 +354,14 @@ class Engine:
         return number
 
     def kill(self, arena: int, number: int) -> bool:
-        """R8.1: an alive target leaves uncaught and no longer counts as spawned (R5.8). False where it is not alive."""
+        """R8.1: an alive target leaves uncaught and no longer counts as spawned (R5.8). False where it is not alive,
+        and for one that prey plays, which is never killed.
+        """
         killed = spawner.kill(self._memory, arena, number)
         self.observe(arena)
         return killed
 
     # reading
-
-    @property
-    def terminated(self) -> NDArray[np.bool_]:
-        """R1.5: (B,)."""
-        return np.equal(self._ended(), state.TERMINATED)
-
-    @property
-    def truncated(self) -> NDArray[np.bool_]:
-        """R1.5: (B,)."""
-        return np.equal(self._ended(), state.TRUNCATED)
-
-    def _ended(self) -> NDArray[np.float64]:
-        return self._views.fields[:, row_of(state.ENDED)].reshape(-1)[: self.num_arenas]
 
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
         """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
@@ -506,7 +489,7 @@ class Engine:
         twin.config, twin.num_arenas = self.config, self.num_arenas
         twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
         twin._any_control, twin._variant = self._any_control, self._variant
-        twin._shares, twin.threads = self._shares, Threads(self.threads.size)
+        twin._chunks, twin.threads = self._chunks, Threads(self.threads.size)
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))
         return twin

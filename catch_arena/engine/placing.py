@@ -78,7 +78,7 @@ def place_batch(
         state.TIME: time,
         state.STEP: steps,
         state.SPAWNED: alive.sum(axis=1),
-        state.NUMBERS: alive.sum(axis=1),
+        state.LAST_NUMBER: alive.sum(axis=1),
         state.FIRINGS: 0 if period is None else time // period,
         state.ALIVE: alive.sum(axis=1),
     }

@@ -10,13 +10,10 @@ Importing this package registers every scenario with PettingZoo: `pettingzoo.mak
 
 from pettingzoo.env_registry.registration import register
 
+from catch_arena.config import RULESET
 from catch_arena.scenarios import SCENARIOS
 
+_package, _, _version = RULESET.rpartition("_")
 for _name in SCENARIOS:
-    register(
-        "parallel",
-        f"catch_arena/{_name}_v1",
-        "catch_arena.envs.parallel:parallel_env",
-        kwargs={"scenario": _name},
-    )
-    register("aec", f"catch_arena/{_name}_v1", "catch_arena.envs.aec:env", kwargs={"scenario": _name})
+    for _api, _made_by in (("parallel", "parallel:parallel_env"), ("aec", "aec:env")):
+        register(_api, f"{_package}/{_name}_{_version}", f"catch_arena.envs.{_made_by}", kwargs={"scenario": _name})

@@ -16,10 +16,9 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from catch_arena.config import ArenaConfig, Control, require_choice
+from catch_arena.config import RULESET, ArenaConfig, Control, require_choice
 from catch_arena.core import state
-from catch_arena.core.prey import PREY_PART_NAMES
-from catch_arena.core.rewards import PART_NAMES
+from catch_arena.core.state import PART_NAMES, PREY_PART_NAMES
 from catch_arena.engine import Engine
 from catch_arena.engine.block_views import row_of
 from catch_arena.engine.episode_seeds import episode_seed
@@ -50,7 +49,7 @@ RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
 _UNCHANGING: Final = frozenset(
-    ("config", "_controls", "_evidence", "_masks", "_observation_spaces", "_parts", "_record_as", "_rewards")
+    ("config", "_controls", "_evidence", "_masks", "_observation_spaces", "_breakdowns", "_record_as", "_rewards")
 ) | {"_seats", "_seen"}
 """What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
 _NO_COMMAND: Final = (0.0, 0.0)
@@ -125,7 +124,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
     """
 
-    metadata: dict[str, Any] = {"name": "catch_arena_v1", "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
+    metadata: dict[str, Any] = {"name": RULESET, "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
 
     def __init__(self, config: ArenaConfig, render_mode: str | None = None, infos: Infos = "full") -> None:
         require_choice("infos", infos, get_args(Infos))
@@ -180,7 +179,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._seen = {
             agent: slice(seen + seat * width, seen + (seat + 1) * width) for agent, seat in self._seats.items()
         }
-        self._parts, self._evidence, self._masks = slice(0, begin), slice(begin, seen), slice(masks, end)
+        self._breakdowns, self._evidence, self._masks = slice(0, begin), slice(begin, seen), slice(masks, end)
         self._rewards = engine.rewards[0]
         self._play = engine.stepper(self._choices, self._hunter_commands, self._prey_commands)
         if self._prey:
@@ -192,7 +191,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._seen |= {
                 agent: slice(seen + index * width, seen + (index + 1) * width) for agent, index in self._prey.items()
             }
-            self._prey_parts = slice(begin, seen)
+            self._prey_breakdowns = slice(begin, seen)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "CatchArenaEnv":
         twin = object.__new__(type(self))
@@ -368,7 +367,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self.config.target_name(number) if number else ""
 
     def kill(self, name: str) -> bool:
-        """R8.1: an alive target leaves uncaught; false without one of that name. A recorded episode takes none."""
+        """R8.1: an alive target leaves uncaught; false without one of that name, and for one that prey plays, which is
+        never killed. A recorded episode takes none.
+        """
         self._require_changeable("kill")
         numbers = {target.name: target.number for target in self._engine.world().targets}
         return name in numbers and self._engine.kill(0, numbers[name])
@@ -631,7 +632,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         answers = (
             outputs[self._evidence].view(np.float64)[: hunters * len(state.EVIDENCE)].reshape(hunters, -1).tolist()
         )
-        shares = outputs[self._parts].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
+        breakdowns = (
+            outputs[self._breakdowns].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
+        )
         team_scores = [sum(scores[seat] for seat in seats) for seats in self.config.team_seats] if scores else []
         for agent in agents:
             if agent in self._prey:
@@ -639,7 +642,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             seat = self._seats[agent]
             number, verdict, distance, winner = answers[seat]
             infos[agent] = info = _NO_ANSWER.copy()
-            info["reward_parts"] = _named_parts(*shares[seat][1:])
+            info["reward_parts"] = _named_parts(*breakdowns[seat][1:])
             if withdrawn is not None:
                 info["active"] = not withdrawn[seat]
             if team_scores:
@@ -656,15 +659,15 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 info["distance_um"] = None if distance < 0 else int(distance)
                 info["winner"] = None if winner < 0 else int(winner)
         if prey is not None:
-            parts = outputs[self._prey_parts].view(np.float64)[: len(prey) * (1 + len(PREY_PART_NAMES))]
-            earned = parts.reshape(len(prey), -1).tolist()
-            for agent, rows, share in zip(self._prey, prey.tolist(), earned, strict=True):
+            of_prey = outputs[self._prey_breakdowns].view(np.float64)[: len(prey) * (1 + len(PREY_PART_NAMES))]
+            earned = of_prey.reshape(len(prey), -1).tolist()
+            for agent, rows, (_, *parts) in zip(self._prey, prey.tolist(), earned, strict=True):
                 catcher = rows[row_of(state.CAUGHT_BY)]
                 if agent in agents:
                     infos[agent] = {
                         "active": rows[row_of(state.PREY_SLOT)] != state.NO_TARGET,
                         "caught_by": None if catcher < 0 else int(catcher),
-                        "reward_parts": dict(zip(PREY_PART_NAMES, share[1:], strict=True)),
+                        "reward_parts": dict(zip(PREY_PART_NAMES, parts, strict=True)),
                     }
         for agent in cut:
             infos[agent]["TimeLimit.truncated"] = True
@@ -680,7 +683,7 @@ def _named_parts(
     time: float,
     mate_catch: float,
 ) -> dict[str, float]:
-    """`rewards.PART_NAMES` to their values, in half the time that dict(zip(...)) takes."""
+    """`state.PART_NAMES` to their values, in half the time that dict(zip(...)) takes."""
     return {
         "catch": catch,
         "rival_catch": rival_catch,

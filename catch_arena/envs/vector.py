@@ -279,7 +279,7 @@ class VectorArena:
                 passed, and an arena with prey.
             EpisodeError: before the first reset.
         """
-        self._require_begun()
+        self._require_begun("place")
         if self.num_prey:
             raise ConfigError(f"place must be called where there is no prey, got {self.num_prey} prey")
         chosen, config = self._rows(arenas), self.config
@@ -327,8 +327,7 @@ class VectorArena:
             ActionError: that names the first arena and agent whose action is not legal; nothing has moved then.
             EpisodeError: before the first reset.
         """
-        if not self._begun:
-            raise EpisodeError("step must follow a reset: no episode has begun")
+        self._require_begun("step")
         engine = self._engine
         engine.step(*self._checked(actions))
         self._update_ends()
@@ -468,7 +467,7 @@ class VectorArena:
         Raises:
             EpisodeError: before the first reset.
         """
-        self._require_begun()
+        self._require_begun("save")
         engine = self._engine
         return SavedState(self._config_digest, self.num_envs, engine.controls.copy(), engine.save())
 
@@ -490,7 +489,7 @@ class VectorArena:
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: the state of one arena, which any row of an arena of equal config can take."""
-        arena, engine = self._row(arena), self._engine
+        arena, engine = self._row("save_row", arena), self._engine
         return SavedState(self._config_digest, None, engine.controls[arena].copy(), engine.save_row(arena))
 
     def restore_row(self, arena: int, saved: SavedState) -> Begun:
@@ -502,7 +501,7 @@ class VectorArena:
         Raises:
             ConfigError: for a row that is not there, and what is no saved row of an equal config.
         """
-        arena = self._row(arena)
+        arena = self._row("restore_row", arena)
         memory = self._memory_of(saved, None, self._engine.controls[arena])
         self._engine.restore_row(arena, memory)
         self._engine.controls[arena] = saved.controls
@@ -542,26 +541,26 @@ class VectorArena:
 
     def world(self, arena: int) -> World:
         """One arena in the world frame, for people, rendering and tests."""
-        return self._engine.world(self._row(arena))
+        return self._engine.world(self._row("world", arena))
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: one arena's verdicts of the last step; none where a new episode has begun in it."""
-        return self._engine.rulings(self._row(arena))
+        return self._engine.rulings(self._row("rulings", arena))
 
     def digest(self, arena: int) -> bytes:
         """A.8: eight bytes that stand for one arena's state."""
-        return self._engine.digest(self._row(arena))
+        return self._engine.digest(self._row("digest", arena))
 
     def seeds(self) -> NDArray[np.uint64]:
         """The seeds of the episodes under way: (B,). A one-arena env that is reset with one plays the same episode."""
         return self._engine.seeds()
 
-    def _require_begun(self) -> None:
+    def _require_begun(self, what: str) -> None:
         if not self._begun:
-            raise EpisodeError("this must follow a reset: no episode has begun")
+            raise EpisodeError(f"{what} must follow a reset: no episode has begun")
 
-    def _row(self, arena: int) -> int:
-        self._require_begun()
+    def _row(self, what: str, arena: int) -> int:
+        self._require_begun(what)
         if isinstance(arena, bool) or not isinstance(arena, int | np.integer) or not 0 <= arena < self.num_envs:
             raise ConfigError(f"arena must be a row from 0 to {self.num_envs - 1}, got {arena!r}")
         return int(arena)

@@ -37,7 +37,7 @@ class SeenTargets:
 
     def __init__(self, config: ArenaConfig) -> None:
         self._config = config
-        self._settings = settings_of(config, progress_wanted=False)
+        self._settings = settings_of(config, with_parts=False)
         self._reach_limits_m2 = limits_by_seat(config)[:, SeatLimits._fields.index("reach_limit_m2")].tolist()
 
     def of(self, world: World, seat: int) -> NDArray[np.bool_]:

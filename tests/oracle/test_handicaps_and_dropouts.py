@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 from oracle.arbiter import GRANTED, HUNTER_INACTIVE, LOST_CONTEST, MALFORMED, OUT_OF_REACH, judge
-from oracle.arena import OracleArena
+from oracle.arena import PART_NAMES, OracleArena
 from oracle.arithmetic import DROPOUT, draw, fraction, key
 from oracle.quiet import drive, quiet, rest
 
@@ -132,7 +132,7 @@ def test_r1_7_who_drops_out_in_a_step_counts_as_withdrawn_in_all_of_it() -> None
         (5.0, 4.0, 0, 0),
     ]
     assert arena.rewards == [0.0, 0.0]
-    assert arena.parts == [(0.0,) * 7] * 2
+    assert arena.parts == [(0.0,) * len(PART_NAMES)] * 2
     assert arena.alive[0].v == 0.5
     assert arena.hunters[0].score == 7
     assert not arena.terminated

@@ -24,6 +24,7 @@ from properties.matches import (
 from rulebook.adjudicators import as_arrays, by_seat
 
 from catch_arena.config import ArenaConfig
+from catch_arena.core.state import TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
 from catch_arena.layout import SELF_COLUMNS, columns, prey_columns
 from catch_arena.verdicts import Verdict
@@ -76,8 +77,8 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
     assert_same("rewards", [f"hunter_{seat}" for seat in seats], engine.rewards[row].tolist(), oracle.rewards)
     assert engine.team_scores()[row].tolist() == oracle.team_scores(), "team scores"
     compare_prey(engine, oracle, config, row)
-    assert bool(engine.terminated[row]) == oracle.terminated, "terminated"
-    assert bool(engine.truncated[row]) == oracle.truncated, "truncated"
+    assert bool(engine.ends[row] == TERMINATED) == oracle.terminated, "terminated"
+    assert bool(engine.ends[row] == TRUNCATED) == oracle.truncated, "truncated"
 
 
 def compare_prey(engine: Engine, oracle: OracleArena, config: ArenaConfig, row: int) -> None:

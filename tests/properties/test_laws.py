@@ -263,7 +263,7 @@ def test_nothing_is_lost_and_nothing_caught_twice(source: Random, seed: int, act
             assert len(set(credited)) == len(credited) == sum(hunter.score for hunter in world.hunters)
             assert len(credited) + len(numbers) == spawned
             assert not {config.target_name(number) for number in numbers} & set(credited)
-        if engine.terminated[0] or engine.truncated[0]:
+        if engine.ends[0]:
             break
 
 

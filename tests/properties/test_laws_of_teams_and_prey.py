@@ -9,6 +9,7 @@ from properties.matches import settings_of, some_batch_actions, some_config, som
 from properties.test_laws import MATCHES, SEEDS, SOURCES, STEPS
 
 from catch_arena.config import ArenaConfig
+from catch_arena.core.state import TERMINATED
 from catch_arena.engine import Engine
 
 
@@ -31,7 +32,7 @@ def begin(config: ArenaConfig, seed: int) -> Engine:
 
 
 def is_over(engine: Engine) -> bool:
-    return bool(engine.terminated[0] or engine.truncated[0])
+    return bool(engine.ends[0])
 
 
 # ---- teams ----
@@ -123,7 +124,7 @@ def test_prey_is_neither_lost_nor_doubled(source: Random, seed: int, actions: in
         assert spawned == config.initial_targets + firings - full - down - refused + returns
         assert used == spawned + refused
         assert len(world.targets) <= config.max_targets
-        assert not (engine.terminated[0] and config.prey_returns_s is not None)
+        assert not (engine.ends[0] == TERMINATED and config.prey_returns_s is not None)
         if is_over(engine):
             break
 

@@ -207,7 +207,7 @@ def test_any_match_is_read_as_it_was_written(tmp_path):
         engine = Engine(config)
         engine.reset([match.seed])
         match.note(engine)
-        while match.steps < 30 and not (engine.terminated | engine.truncated)[0]:
+        while match.steps < 30 and not engine.ends[0]:
             choices, commands, prey_commands = some_batch_actions(source, config, 1)
             choices[:, [control == "velocity" for control in config.controls]] = 0
             commands[:, [control == "target" for control in config.controls]] = 0.0

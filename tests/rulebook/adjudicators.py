@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from oracle.arena import Command, OracleArena
+from oracle.arena import PART_NAMES, Command, OracleArena
 
 from catch_arena.config import ArenaConfig
+from catch_arena.core.state import TERMINATED, TRUNCATED
 from catch_arena.errors import EpisodeError
 from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_columns
 from catch_arena.verdicts import Ruling, Verdict
@@ -319,8 +320,8 @@ class EngineAdjudicator(Adjudicator):
     prey_rewards = property(lambda self: [float(reward) for reward in self.engine.prey_rewards[self.row]])
     prey_parts = property(lambda self: [tuple(map(float, row)) for row in self.engine.prey_parts[self.row]])
     caught_by = property(lambda self: [prey.caught_by for prey in self.engine.world(self.row).prey])
-    terminated = property(lambda self: bool(self.engine.terminated[self.row]))
-    truncated = property(lambda self: bool(self.engine.truncated[self.row]))
+    terminated = property(lambda self: bool(self.engine.ends[self.row] == TERMINATED))
+    truncated = property(lambda self: bool(self.engine.ends[self.row] == TRUNCATED))
 
 
 class EnvAdjudicator(Adjudicator):
@@ -454,7 +455,7 @@ class EnvAdjudicator(Adjudicator):
     rewards = property(lambda self: self._of_seats(self.results[1], 0.0))
     parts = property(
         lambda self: [
-            tuple(info["reward_parts"].values()) if info else (0.0,) * 7
+            tuple(info["reward_parts"].values()) if info else (0.0,) * len(PART_NAMES)
             for info in self._of_seats(self.results[4], None)
         ]
     )

@@ -1,6 +1,7 @@
 """Chapter 1: time."""
 
 import pytest
+from oracle.arena import PART_NAMES
 from rulebook.adjudicators import Adjudicator, ticks_turned
 from rulebook.conftest import ArenaFactory
 
@@ -258,5 +259,5 @@ def test_r1_6_a_withdrawn_hunters_requests_are_hunter_inactive_and_its_rewards_z
     match.step(((0.0, 0.0), 1), ((0.0, 0.0), 1))
     assert match.verdicts == [Verdict.HUNTER_INACTIVE, Verdict.GRANTED]
     assert match.rewards[0] == 0.0
-    assert match.parts[0] == (0.0,) * 7
+    assert match.parts[0] == (0.0,) * len(PART_NAMES)
     assert match.rewards[1] != 0.0

@@ -13,6 +13,7 @@ from rulebook.conftest import Arbiter, ArenaFactory, oracle_arbiter
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
+from catch_arena.core.state import TRUNCATED
 from catch_arena.engine import Engine
 from catch_arena.errors import ActionError, CatchArenaError, ConfigError, EpisodeError
 from catch_arena.verdicts import Ruling, Verdict
@@ -327,12 +328,12 @@ def test_r5_2_requests_after_the_end_are_match_over_and_nothing_changes() -> Non
     choices, commands = np.array([[1, 9]]), np.ones((1, 2, 2), np.float32)
     for _ in range(2):
         engine.step(choices, commands)
-    assert engine.truncated[0]
+    assert engine.ends[0] == TRUNCATED
     before = engine.digest(0)
     engine.step(choices, commands)
     assert [ruling.verdict for ruling in engine.rulings(0)] == [Verdict.MATCH_OVER] * 2
     assert engine.digest(0) == before
-    assert engine.truncated[0]
+    assert engine.ends[0] == TRUNCATED
     assert engine.rewards.tolist() == [[0.0, 0.0]]
 
 

@@ -150,7 +150,7 @@ def learners() -> None:
 def the_engine() -> None:
     engine = Engine(scenario("duel"), 2)
     assert_type(engine.digest(1), bytes)
-    assert_type(engine.terminated, NDArray[np.bool_])
+    assert_type(engine.ends, NDArray[np.int8])
     assert_type(engine.world(0), World)
 
 

@@ -4,11 +4,8 @@ import numpy as np
 import pytest
 
 from catch_arena.core.arbiter import (
-    ALREADY_GONE,
     FIRST_COME,
     NEAREST,
-    NEVER_SPAWNED,
-    NO_SUCH_RANK,
     REQUEST_COLUMNS,
     REQUEST_DISTANCE,
     REQUEST_INACTIVE,
@@ -23,6 +20,7 @@ from catch_arena.core.arbiter import (
     judge,
 )
 from catch_arena.core.jit import entry
+from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED
 from catch_arena.verdicts import Verdict
 
 TARGET_7 = {REQUEST_TARGET: 7, REQUEST_NUMBER: 7}
@@ -52,7 +50,7 @@ def judged(*rows):
         ({REQUEST_REACH: 100_000}, Verdict.OUT_OF_REACH, 100_000),
         ({REQUEST_KILL_REFUSED: 1}, Verdict.KILL_FAILED, 100_000),
         ({REQUEST_INACTIVE: 1}, Verdict.HUNTER_INACTIVE, -1),
-        ({REQUEST_TARGET: NO_SUCH_RANK}, Verdict.MALFORMED, -1),
+        ({REQUEST_TARGET: MALFORMED_REQUEST}, Verdict.MALFORMED, -1),
         ({REQUEST_TARGET: NEVER_SPAWNED}, Verdict.UNKNOWN_TARGET, -1),
         ({REQUEST_TARGET: ALREADY_GONE}, Verdict.ALREADY_CAUGHT, -1),
     ],

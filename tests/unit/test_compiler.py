@@ -18,7 +18,7 @@ import sys
 import numpy as np
 import catch_arena.core.compiler as compiler
 compiler.USABLE = compiler.USABLE and "numba's own way" not in sys.argv
-from catch_arena.core.jit import entry, inlined, phase, rare, rule
+from catch_arena.core.jit import entry, inlined, phase, outlined, rule
 
 @rule
 def thrice(value):
@@ -34,7 +34,7 @@ def fill(block, which):
     for i in range(len(part)):
         part[i] = thrice(part[i] + which)
 
-@rare
+@outlined
 def turn_round(block):
     for i in range(len(block) // 2):
         block[i], block[len(block) - 1 - i] = block[len(block) - 1 - i], block[i]

@@ -57,12 +57,13 @@ def test_only_who_waits_for_the_compiler_is_told(tmp_path, monkeypatch, capsys):
     def add_one(value):
         return value + 1
 
+    assert compiling._last_time_s() is None
     with compiling.progress_shown():
         assert add_one(1) == 2
     line = capsys.readouterr().err
     assert line.startswith("catch_arena: compiling the rules for this machine (")
     assert line.endswith("about 20 s)\n")
-    assert float((tmp_path / "took").read_text()) >= 0.0
+    assert compiling._last_time_s() is not None
     with compiling.progress_shown():
         assert add_one(2) == 3
     assert capsys.readouterr().err == ""

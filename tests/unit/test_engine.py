@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from catch_arena.core.state import RUNNING, TRUNCATED
+from catch_arena.core.memory import Sections, sections_of
+from catch_arena.core.state import RUNNING, TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
@@ -21,11 +22,11 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     """R5.2: its requests are MATCH_OVER, its rewards zero, its state as it was; a reset of that row revives it."""
     engine = Engine(scenario("standard", target_budget=1, initial_targets=1, time_limit_s=6), num_arenas=5)
     engine.reset(range(5))
-    while not engine.terminated.any():
+    while not engine.ends.any():
         engine.step(*actions(engine))
-    row = int(np.flatnonzero(engine.terminated)[0])
+    row = int(np.flatnonzero(engine.ends == TERMINATED)[0])
     before, observed = engine.state(row), engine.observations[row].copy()
-    others = [engine.digest(other) for other in range(5) if not engine.terminated[other]]
+    others = [engine.digest(other) for other in range(5) if not engine.ends[other]]
     engine.step(*actions(engine))
 
     assert (engine.state(row) == before).all()
@@ -33,7 +34,7 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     assert (engine.rewards[row] == 0).all()
     assert (engine.parts[row] == 0).all()
     assert {ruling.verdict for ruling in engine.rulings(row)} == {Verdict.MATCH_OVER}
-    assert all(engine.digest(r) not in others for r in range(5) if not engine.terminated[r])
+    assert all(engine.digest(r) not in others for r in range(5) if not engine.ends[r])
 
     engine.reset([77], arenas=[row])
     alone = Engine(engine.config)
@@ -121,3 +122,19 @@ def test_seeds_are_checked_and_derived():
     assert len(set(seeds.tolist())) == 1000
     assert (seeds[:10] == batch_seeds(3, 10)).all()
     assert not set(next_seeds(seeds).tolist()) & set(seeds.tolist())
+
+
+def test_what_is_kept_together_lies_together():
+    """`Sections` has its fields in an order that `save`, `outputs` and engines without auto_reset count on."""
+    config = scenario("duel", prey=1, target_motion="wander")
+    engine, plain = Engine(config, 2, auto_reset=True), Engine(config, 2)
+    sections, others = sections_of(engine._memory), sections_of(plain._memory)
+    outputs = ("breakdowns", "evidence", "observations", "masks", "prey_breakdowns", "prey_observations")
+    told = (*outputs, "ends")
+    of_auto_reset = ("final_observations", "final_masks", "records", "prey_final_observations", "prey_records")
+
+    for name, section, other in zip(Sections._fields, sections, others, strict=True):
+        assert np.shares_memory(section, engine.outputs) == (name in outputs), name
+        assert np.shares_memory(section, engine._kept) == (name in ("blocks", *told, *of_auto_reset)), name
+        assert np.shares_memory(section, engine._kept[: engine._kept_by_all]) == (name in ("blocks", *told)), name
+        assert (section.shape == other.shape) == (name not in of_auto_reset), name

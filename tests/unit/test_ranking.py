@@ -24,6 +24,7 @@ from catch_arena.core.state import (
     COSINE,
     HUNTER_ROWS,
     LANES,
+    MOST,
     RANKS_PER_WORD,
     SCORE,
     SINE,
@@ -91,7 +92,7 @@ def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sor
     way says the same: Python's own sort.
     """
     rng = np.random.default_rng(hunters)
-    s = settings_of(ArenaConfig(hunters=hunters), progress_wanted=False)
+    s = settings_of(ArenaConfig(hunters=hunters), with_parts=False)
     lanes = LANES if len(width) > 1 else 1
     network = selection_network(hunters, min(hunters, s.hunters_seen + 1))
     tied = 0
@@ -105,8 +106,8 @@ def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sor
         teams = rng.integers(0, hunters, hunters)
         for seat in range(hunters):
             counted, sorted_ = np.zeros(LANES), np.zeros(LANES)
-            count(block, seat, width, s, teams, np.zeros(64 * LANES, np.int32), np.zeros(9 * LANES), counted)
-            sort(block, seat, width, lanes, s, teams, network, np.zeros(64 * LANES, np.int32), sorted_)
+            count(block, seat, width, s, teams, np.zeros(MOST * LANES, np.int32), np.zeros(hunters * LANES), counted)
+            sort(block, seat, width, lanes, s, teams, network, np.zeros(MOST * LANES, np.int32), sorted_)
             for lane in range(lanes):
                 orders = [
                     [slot_at_rank(packed, rank, lane) for rank in range(s.hunters_seen)]

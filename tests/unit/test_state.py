@@ -4,7 +4,7 @@ import pytest
 from oracle.arena import OracleArena
 from oracle.arithmetic import to_float32
 
-from catch_arena.config import ArenaConfig
+from catch_arena.config import MAX_HUNTERS, MAX_PREY, MAX_TARGETS, ArenaConfig
 from catch_arena.core import state
 from catch_arena.core.state import LANES
 from catch_arena.envs.parallel import parallel_env
@@ -25,7 +25,7 @@ ARENA = [
     "TIME",
     "STEP",
     "SPAWNED",
-    "NUMBERS",
+    "LAST_NUMBER",
     "FIRINGS",
     "SKIPPED_FULL",
     "SKIPPED_DOWN",
@@ -58,6 +58,7 @@ HUNTER = [
     "REWARD_SUM",
     "CONTESTS_WON",
 ]
+PREY = ["PREY_SLOT", "TIMES_CAUGHT", "CAUGHT_AT", "CAUGHT_BY", "PREY_WITHDRAWN", "PREY_REWARD_SUM"]
 
 
 def test_every_row_has_one_owner():
@@ -73,6 +74,13 @@ def test_every_row_has_one_owner():
     of_moving = [state.WANDER // LANES, state.WANDER_ENDS // LANES, state.MOVING_SLOT_ROWS]
     assert of_moving == [state.BODY // LANES + state.BODY_ROWS + more for more in range(3)]
     assert HUNTER.index("COSINE") + 1 == state.BODY_ROWS
+    assert [getattr(state, name) // LANES for name in PREY] == list(range(state.PREY_ROWS))
+
+
+def test_the_core_has_room_for_as_many_as_the_config_allows():
+    """Keys and scratch memory have: an index behind it would be written elsewhere."""
+    assert max(MAX_HUNTERS, MAX_TARGETS, MAX_PREY) <= state.MOST
+    assert state.MOST & (state.MOST - 1) == 0  # `ranking.key_of` keeps it in whole bits
 
 
 @pytest.mark.parametrize("period_ms", [100, 101, 134, 250])  # whose multiples in seconds float32 rounds up and down

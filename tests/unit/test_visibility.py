@@ -42,7 +42,7 @@ def test_r7_5_a_place_is_within_a_limit_where_its_distance_is() -> None:
 @pytest.mark.rule("R7.5")
 def test_r7_5_what_is_at_the_very_limit_is_not_within_it() -> None:
     """In all directions, and of the reach as well; 1.5 and 2.5 m have squares without rounding."""
-    s = settings_of(ArenaConfig(view_radius_m=9.0), progress_wanted=False)._replace(view_limit_m2=6.25)
+    s = settings_of(ArenaConfig(view_radius_m=9.0), with_parts=False)._replace(view_limit_m2=6.25)
     for dx, dy, seen in ((2.5, 0.0, False), (-2.5, 0.0, False), (0.0, 1.5, True), (1.5, 2.0, False)):
         assert is_seen(dx, dy, 0.0, 1.0, 0.0, s) == seen
     near = s._replace(view_limit_m2=0.0)

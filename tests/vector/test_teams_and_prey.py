@@ -94,7 +94,8 @@ def test_r11_1_figures_rank_by_team_and_infos_tell_team_scores():
         before = arena.world(3).team_scores
         *_, infos = arena.step(source.integers(0, 3, (40, 8)))
         if step < TEAMS.max_steps - 1:
-            assert tuple(infos["team_score"][3]) == arena.world(3).team_scores >= before
+            assert tuple(infos["team_score"][3]) == arena.world(3).team_scores
+            assert all(now >= then for now, then in zip(infos["team_score"][3], before, strict=True))
     figures = infos["episode"]
     scores = figures["score"].reshape(40, 2, 4).sum(axis=2)
     assert (figures["team_score"].reshape(40, 2, 4) == scores[:, :, None]).all()

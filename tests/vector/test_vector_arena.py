@@ -542,14 +542,14 @@ def test_what_else_is_wrong_is_told_in_one_line():
     with pytest.raises(ConfigError, match="unknown scenario"):
         VectorArena("dual", 1)
     arena = VectorArena("duel", 3)
-    for call in (
-        lambda: arena.step([[0, 0]] * 3),
-        lambda: arena.digest(0),
-        lambda: arena.reset(arenas=[1]),
-        lambda: arena.restore_row(1, None),
-        arena.save,
-    ):
-        with pytest.raises(EpisodeError, match="must follow a reset"):
+    for name, call in {
+        "step": lambda: arena.step([[0, 0]] * 3),
+        "digest": lambda: arena.digest(0),
+        "reset of single arenas": lambda: arena.reset(arenas=[1]),
+        "restore_row": lambda: arena.restore_row(1, None),
+        "save": arena.save,
+    }.items():
+        with pytest.raises(EpisodeError, match=f"^{name} must follow a reset"):
             call()
     arena.reset(seed=1)
     with pytest.raises(ConfigError, match="arena must be a row from 0 to 2, got 3"):
