@@ -31,7 +31,7 @@ from catch_arena.render.raster import Pixels
 from catch_arena.render.renderer import ArenaPainter
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import clip_of, render_replay, rendered_frames, renderer_for
-from catch_arena.render.viewport import OUTSIDE, Pose, Viewport
+from catch_arena.render.viewport import OUTSIDE, Pose2D, Viewport
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,9 @@ class PlainPygame:
         self.clean.set_alpha(12)
         self.fonts: dict[int, pygame.font.Font] = {}
 
-    def frame(self, poses: tuple[Pose, ...], last: tuple[Pose, ...], described: list[shapes.Shape], fade: bool) -> None:
+    def frame(
+        self, poses: tuple[Pose2D, ...], last: tuple[Pose2D, ...], described: list[shapes.Shape], fade: bool
+    ) -> None:
         """Draw one frame."""
         if fade:
             self.ground.blit(self.clean, (0, 0))
