@@ -114,10 +114,13 @@ def _case_step(step: CaseStep) -> str:
         events += [f"a target put at {place}" for place in step.targets]
     if step.withdraw is not None:
         events.append(f"hunter {step.withdraw} withdrawn")
+    if step.withdraw_prey is not None:
+        events.append(f"prey {step.withdraw_prey} withdrawn")
     if step.steps:
         events.append("a step without requests" if step.steps == 1 else f"{step.steps} steps without requests")
     if step.expected is not None:
         events += [f"hunter {seat} driven by {velocities}" for seat, velocities in step.drive.items()]
+        events += [f"prey {index} driven by {velocities}" for index, velocities in step.drive_prey.items()]
         events.append(f"a step in which {_requests(step.expected)}" if step.expected else "a step without requests")
     return "; ".join(events) or "only looked at"
 
