@@ -1,4 +1,4 @@
-import { inkOn, Painter } from "./arena.js";
+import { Painter, readableOn } from "./arena.js";
 import { Replay, unpacked } from "./replay.js";
 
 /** @typedef {import("./arena.js").Look} Look */
@@ -453,6 +453,6 @@ export class CatchReplay extends HTMLElement {
 function chip(number, color) {
   const node = make("span", { className: "chip", textContent: number, ariaHidden: "true" });
   node.style.background = color;
-  node.style.color = inkOn(color);
+  node.style.color = readableOn(color, CatchReplay.look.ink);
   return node;
 }
