@@ -12,7 +12,7 @@ from catch_arena.conformance.arena_runner import ArenaRunner, ArenaUnderTest, fi
 from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.comparison import Strictness
-from catch_arena.conformance.diagnosis import Diagnosis
+from catch_arena.conformance.mistakes.diagnosis import Diagnosis
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, Result
 from catch_arena.errors import ConfigError, suggest

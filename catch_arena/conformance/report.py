@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from catch_arena.conformance.answers import counted
 from catch_arena.conformance.comparison import Strictness
-from catch_arena.conformance.diagnosis import Diagnosis, diagnose
+from catch_arena.conformance.mistakes.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
 from catch_arena.text import printable, printable_lines
 
