@@ -11,9 +11,9 @@ from typing import Final
 from catch_arena.render.annotations import Annotation, annotation_shapes
 from catch_arena.render.blurred_view import Belief
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import Poses
 from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
-from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, Pose2D, Viewport
+from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, Viewport
+from catch_arena.replay.motion import Pose2D, Poses
 from catch_arena.world import HunterState, TargetState
 
 WALL: Final[Color] = (112, 127, 255)

@@ -1,6 +1,7 @@
 """What is sent on a ROS 2 bus, and over what.
 
 - interfaces: the messages and services as ROS's own definitions, and the tuples that stand for them here.
+- rulings: what the arbiter ruled, as a message.
 - graph_names: what topics and services are called.
 - bus: what the rest uses of a middleware. dds_bus, rosbridge_bus and rclpy_bus: the three back-ends.
 - parameters, parameter_services: those of our nodes, and how others read and change them.
