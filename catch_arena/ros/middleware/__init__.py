@@ -2,7 +2,7 @@
 
 - interfaces: the messages and services as ROS's own definitions, and the tuples that stand for them here.
 - rulings: what the arbiter ruled, as a message.
-- graph_names: what topics and services are called.
+- graph_names: what topics and services are called. names: what the back-ends and the packages are called.
 - bus: what the rest uses of a middleware. dds_bus, rosbridge_bus and rclpy_bus: the three back-ends.
 - parameters, parameter_services: those of our nodes, and how others read and change them.
 - typestore: our types as the library rosbags knows types. type_hashes: what tells two definitions of one type apart.

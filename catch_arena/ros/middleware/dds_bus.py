@@ -25,11 +25,12 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.middleware.dds_graph import Graph
 from catch_arena.ros.middleware.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
 from catch_arena.ros.middleware.dds_types import idl_struct, ros_name, to_sample
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
+from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameter_services import serve_parameters
 from catch_arena.ros.middleware.parameters import Parameters
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from catch_arena import messages
+from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 
 PRIMITIVES: Final = frozenset(
     ("bool", "string", "float32", "float64", "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64")
@@ -224,7 +225,7 @@ class Interfaces:
         turtlesim: turtlesim's, which is turtlesim_msgs from Kilted on.
     """
 
-    def __init__(self, package: str = "my_robot_interfaces", turtlesim: str = "turtlesim") -> None:
+    def __init__(self, package: str = INTERFACES, turtlesim: str = TURTLESIM) -> None:
         self.turtle: Final = message_type(
             f"{package}/msg/Turtle", messages.Turtle, "string name", "float64 x", "float64 y", "float64 theta"
         )

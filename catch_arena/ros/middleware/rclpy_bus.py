@@ -6,8 +6,9 @@ from importlib import import_module
 from typing import Any
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
+from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameters import Parameters
 
 

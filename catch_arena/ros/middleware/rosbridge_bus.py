@@ -15,8 +15,9 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, values_by_field
+from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import one_line
 
