@@ -25,7 +25,7 @@ from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 from catch_arena.scenarios import SCENARIOS
 
 if TYPE_CHECKING:
-    from catch_arena.tournament.grading import Spec, TestGrade
+    from catch_arena.tournament.grading import GradingSpec, TestGrade
     from catch_arena.tournament.isolation.limits import AgentLimits
 
 Agent = Annotated[
@@ -153,7 +153,7 @@ def grade(
 
 
 def _grade_agent(
-    exercise: "Spec",
+    exercise: "GradingSpec",
     agent: str,
     allowed: "AgentLimits | None",
     max_forfeits: int,
