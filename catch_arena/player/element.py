@@ -24,7 +24,7 @@ def player_html(replay: Replay) -> str:
     Raises:
         ReplayError: where the match does not play as recorded.
     """
-    return f'{element_script()}<catch-replay film="{bundle_text(replay)}">{_FALLBACK}</catch-replay>'
+    return f'{element_script()}<catch-replay bundle="{bundle_text(replay)}">{_FALLBACK}</catch-replay>'
 
 
 @cache
