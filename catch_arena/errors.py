@@ -5,6 +5,7 @@ Each message names the field, the requirement and the value.
 
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
+from pathlib import Path
 
 
 class CatchArenaError(Exception):
@@ -44,7 +45,20 @@ class Stalled(NoContest):
 
 
 class StoreError(CatchArenaError):
-    """A tournament's store that cannot be used, or that holds another tournament."""
+    """A tournament's store that cannot be used."""
+
+
+class OtherTournamentError(StoreError):
+    """A tournament's store that holds another tournament.
+
+    Args:
+        message: where, and what differs.
+        folder: the one that holds it.
+    """
+
+    def __init__(self, message: str, folder: Path) -> None:
+        super().__init__(message)
+        self.folder = folder
 
 
 class OutputError(CatchArenaError):

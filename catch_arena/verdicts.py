@@ -1,5 +1,6 @@
 """Rulebook R5.2: the answers of the arbiter, and the evidence that comes with each."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
@@ -28,20 +29,25 @@ class Verdict(IntEnum):
 NO_REQUEST: Final = 0
 """What stands in a table of verdicts for a hunter that requested nothing."""
 
-REASONS: Final = {
-    Verdict.MATCH_OVER: "the match is over (R5.2)",
-    Verdict.MALFORMED: "the request names no target that could be (R5.2)",
-    Verdict.HUNTER_INACTIVE: "the hunter is withdrawn (R1.6)",
-    Verdict.DUPLICATE: "the hunter has already requested in this step, and the first request stands (R5.2)",
-    Verdict.UNKNOWN_TARGET: "no such target was ever spawned (R5.2)",
-    Verdict.ALREADY_CAUGHT: "the target was caught earlier (R5.8)",
-    Verdict.SERVICE_DOWN: "the kill service is down in this step (R5.7)",
-    Verdict.OUT_OF_REACH: "the target is out of reach (R5.3)",
-    Verdict.LOST_CONTEST: "another hunter in reach of the same target was preferred (R5.6)",
-    Verdict.KILL_FAILED: "nobody was preferred to it, but the simulator refused the kill (R5.7)",
-    Verdict.GRANTED: "caught (R5.4)",
+_MEANINGS: Final = {
+    Verdict.MATCH_OVER: ("the match is over", "R5.2"),
+    Verdict.MALFORMED: ("the request names no target that could be", "R5.2"),
+    Verdict.HUNTER_INACTIVE: ("the hunter is withdrawn", "R1.6"),
+    Verdict.DUPLICATE: ("the hunter has already requested in this step, and the first request stands", "R5.2"),
+    Verdict.UNKNOWN_TARGET: ("no such target was ever spawned", "R5.2"),
+    Verdict.ALREADY_CAUGHT: ("the target was caught earlier", "R5.8"),
+    Verdict.SERVICE_DOWN: ("the kill service is down in this step", "R5.7"),
+    Verdict.OUT_OF_REACH: ("the target is out of reach", "R5.3"),
+    Verdict.LOST_CONTEST: ("another hunter in reach of the same target was preferred", "R5.6"),
+    Verdict.KILL_FAILED: ("nobody was preferred to it, but the simulator refused the kill", "R5.7"),
+    Verdict.GRANTED: ("caught", "R5.4"),
 }
-"""Each verdict in words, with the clause it rests on."""
+CLAUSES: Final[Mapping[Verdict, str]] = {verdict: clause for verdict, (_, clause) in _MEANINGS.items()}
+"""The clause that each verdict rests on."""
+REASONS: Final[Mapping[Verdict, str]] = {
+    verdict: f"{words} ({clause})" for verdict, (words, clause) in _MEANINGS.items()
+}
+"""Each verdict in words, with its clause."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,13 +25,13 @@ from catch_arena.render import scene, shapes
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.encoders import FORMATS, video_file
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import frame_spans, step_motion
 from catch_arena.render.optional_imports import pygame
 from catch_arena.render.raster import Pixels
 from catch_arena.render.renderer import ArenaPainter
-from catch_arena.render.timing import Clip
+from catch_arena.render.timing import Clip, frame_spans
 from catch_arena.render.video import clip_of, render_replay, rendered_frames, renderer_for
-from catch_arena.render.viewport import OUTSIDE, Pose, Viewport
+from catch_arena.render.viewport import OUTSIDE, Viewport
+from catch_arena.replay.motion import Pose2D, step_motion
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,9 @@ class PlainPygame:
         self.clean.set_alpha(12)
         self.fonts: dict[int, pygame.font.Font] = {}
 
-    def frame(self, poses: tuple[Pose, ...], last: tuple[Pose, ...], described: list[shapes.Shape], fade: bool) -> None:
+    def frame(
+        self, poses: tuple[Pose2D, ...], last: tuple[Pose2D, ...], described: list[shapes.Shape], fade: bool
+    ) -> None:
         """Draw one frame."""
         if fade:
             self.ground.blit(self.clean, (0, 0))

@@ -26,7 +26,7 @@ import numpy as np
 
 from catch_arena.cli.app import MAX_FORFEITS
 from catch_arena.cli.progress import progress_bar
-from catch_arena.errors import CatchArenaError, ConfigError, StoreError
+from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
 from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
@@ -105,12 +105,9 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
             try:
                 evaluation.play(jobs, on_results)
                 break
-            except StoreError as error:
-                if "is of another tournament" not in str(error):
-                    raise
-                changed = Path(str(error).partition(":")[0]).parent
-                print(f"{agent.name}: {changed.name} is played anew: {error}", file=sys.stderr)
-                shutil.rmtree(changed)
+            except OtherTournamentError as error:
+                print(f"{agent.name}: {error.folder.name} is played anew: {error}", file=sys.stderr)
+                shutil.rmtree(error.folder)
                 done = 0
     return measure(evaluation)
 

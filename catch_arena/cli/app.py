@@ -99,6 +99,7 @@ TeamSize = Annotated[
     ),
 ]
 Scenario = Annotated[str, typer.Option("--scenario", "-s", help="The arena to play in (see `catch-arena scenarios`).")]
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")]
 SettingOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -211,6 +212,13 @@ def _with_teams(config: ArenaConfig, size: int, name: str) -> ArenaConfig:
         raise ConfigError(f"--team-size must divide the {config.hunters} hunters of {name}, got {size}")
     seats = range(config.hunters)
     return config.replace(teams=tuple(tuple(seats[begin : begin + size]) for begin in seats[::size]))
+
+
+def jobs_or_all(jobs: int | None) -> int:
+    """--jobs, or a process for each core."""
+    from catch_arena.tournament.execution.executors import usable_cores
+
+    return usable_cores() if jobs is None else jobs
 
 
 def secret_of(seed: str | None) -> Secret:

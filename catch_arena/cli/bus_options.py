@@ -2,24 +2,21 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple
 
 import typer
 from typer.core import TyperCommand
 
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
+from catch_arena.ros.middleware.names import BRIDGE_URL, INTERFACES, TURTLESIM, Backend
 
 if TYPE_CHECKING:
     from catch_arena.ros.middleware.bus import Bus
     from catch_arena.ros.middleware.interfaces import Interfaces
 
-# these two stand in ros/middleware/bus.py too, which no command loads that does not need it
-BusName = Literal["cyclonedds", "rosbridge", "rclpy"]
-BRIDGE_URL: Final = "ws://127.0.0.1:9090"
-
 BusOption = Annotated[
-    BusName | None,
+    Backend | None,
     typer.Option(
         "--bus",
         help="cyclonedds needs no ROS on this machine; rosbridge needs a rosbridge server where ROS runs; rclpy "
@@ -58,8 +55,6 @@ RosArgs = Annotated[
     ),
 ]
 """Only of a NodeCommand."""
-INTERFACES: Final = "my_robot_interfaces"
-TURTLESIM: Final = "turtlesim"
 
 
 def interfaces_of(package: str, turtlesim: str) -> "Interfaces":
@@ -74,22 +69,52 @@ def interfaces_of(package: str, turtlesim: str) -> "Interfaces":
     return Interfaces(checked_package("--interfaces", package), checked_package("--turtlesim", turtlesim))
 
 
-def refuse(bus: BusName | None, domain: int | None, url: str | None, interfaces: str, turtlesim: str) -> None:
-    """Where no bus is joined, none of them would do anything.
+class BusOptions(NamedTuple):
+    """What was given of the options of a bus."""
 
-    Raises:
-        ConfigError: for one that was given.
-    """
-    given = {
-        "--bus": bus is not None,
-        "--domain": domain is not None,
-        "--url": url is not None,
-        "--interfaces": interfaces != INTERFACES,
-        "--turtlesim": turtlesim != TURTLESIM,
-    }
-    for option, is_given in given.items():
-        if is_given:
-            raise ConfigError(f"{option} must come with a service of a node, as ros:/catch_turtle")
+    backend: Backend | None
+    domain: int | None
+    url: str | None
+    interfaces: str
+    turtlesim: str
+
+    def types(self) -> "Interfaces":
+        """See `interfaces_of`."""
+        return interfaces_of(self.interfaces, self.turtlesim)
+
+    @contextmanager
+    def joined(self, node: str) -> Iterator["Bus"]:
+        """The bus, with a node of this name on it; it is left in the end.
+
+        Raises:
+            BusError: where it cannot be reached.
+        """
+        from catch_arena.ros.middleware.bus import open_bus
+
+        joined = open_bus(
+            self.backend, node=node, domain=self.domain, url=self.url, log=lambda line: say(line, err=True)
+        )
+        try:
+            yield joined
+        finally:
+            joined.close()
+
+    def refuse(self) -> None:
+        """Where no bus is joined, none of them would do anything.
+
+        Raises:
+            ConfigError: for one that was given.
+        """
+        given = {
+            "--bus": self.backend is not None,
+            "--domain": self.domain is not None,
+            "--url": self.url is not None,
+            "--interfaces": self.interfaces != INTERFACES,
+            "--turtlesim": self.turtlesim != TURTLESIM,
+        }
+        for option, is_given in given.items():
+            if is_given:
+                raise ConfigError(f"{option} must come with a service of a node, as ros:/catch_turtle")
 
 
 class NodeCommand(TyperCommand):
@@ -104,19 +129,3 @@ class NodeCommand(TyperCommand):
             else:
                 words.append(f"{_ROS_ARGS}={word}" if behind else word)
         return super().parse_args(ctx, words)
-
-
-@contextmanager
-def joined_bus(backend: BusName | None, node: str, domain: int | None, url: str | None) -> Iterator["Bus"]:
-    """The bus of --bus, --domain and --url, which is left in the end.
-
-    Raises:
-        BusError: where it cannot be reached.
-    """
-    from catch_arena.ros.middleware.bus import open_bus
-
-    joined = open_bus(backend, node=node, domain=domain, url=url, log=lambda line: say(line, err=True))
-    try:
-        yield joined
-    finally:
-        joined.close()

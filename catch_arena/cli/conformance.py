@@ -11,6 +11,7 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.ros_nodes import names_a_service, node_under_test
 from catch_arena.cli.terminal import columns, say
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
+from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 
 _EXIT_FAILED = 1
 
@@ -54,8 +55,8 @@ def conformance(
     bus: bus_options.BusOption = None,
     domain: bus_options.Domain = None,
     url: bus_options.Url = None,
-    interfaces: bus_options.Package = bus_options.INTERFACES,
-    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
+    interfaces: bus_options.Package = INTERFACES,
+    turtlesim: bus_options.Turtlesim = TURTLESIM,
 ) -> None:
     """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 
@@ -67,6 +68,7 @@ def conformance(
     from catch_arena.files import write_whole
     from catch_arena.testing import run_conformance, select_cases
 
+    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     if listing:
         for case in select_cases(only or ()):
             say(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
@@ -80,10 +82,10 @@ def conformance(
 
         if arena is not None or exact_lots:
             raise ConfigError("--arena and --exact-lots must be left out with a service, which answers yes or no")
-        with node_under_test(arbiter, bus, domain, url, interfaces, turtlesim) as node:
+        with node_under_test(arbiter, given_bus) as node:
             report = run_on_node(node, select_cases(only or ()))
     else:
-        bus_options.refuse(bus, domain, url, interfaces, turtlesim)
+        given_bus.refuse()
         report = run_conformance(
             None if arbiter is None else _function(arbiter),
             arena=None if arena is None else _made(arena),

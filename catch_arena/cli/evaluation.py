@@ -11,6 +11,7 @@ from rich.console import Console
 from catch_arena.cli.app import (
     MAX_FORFEITS,
     Isolation,
+    Jobs,
     LimitOption,
     MaxForfeits,
     Scenario,
@@ -20,6 +21,7 @@ from catch_arena.cli.app import (
     Trusted,
     arena,
     enter_agents,
+    jobs_or_all,
     limits_or_trust,
     main,
     say_level,
@@ -33,8 +35,6 @@ from catch_arena.errors import ConfigError
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.statistics.intervals import Estimate
-
-Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")]
 
 _EXIT_CODES = {"H1": 0, "H0": 1, None: 3}
 
@@ -178,13 +178,6 @@ def audit(
         say(f"verdict: NOT FAIR; a fair arena fails like this in {100 * LEVEL:.0f} audits of 100 at most")
     say(f"results: {out / FILE}")
     raise typer.Exit(0 if found.passed else 1)
-
-
-def jobs_or_all(jobs: int | None) -> int:
-    """--jobs, or a process for each core."""
-    from catch_arena.tournament.execution.executors import usable_cores
-
-    return usable_cores() if jobs is None else jobs
 
 
 def _in_words(share: "Estimate") -> str:

@@ -21,10 +21,11 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.ros_nodes import names_a_service, node_under_test
 from catch_arena.cli.terminal import folded, say
 from catch_arena.errors import ConfigError
+from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 from catch_arena.scenarios import SCENARIOS
 
 if TYPE_CHECKING:
-    from catch_arena.tournament.grading import Spec, TestGrade
+    from catch_arena.tournament.grading import GradingSpec, TestGrade
     from catch_arena.tournament.isolation.limits import AgentLimits
 
 Agent = Annotated[
@@ -101,8 +102,8 @@ def grade(
     bus: bus_options.BusOption = None,
     domain: bus_options.Domain = None,
     url: bus_options.Url = None,
-    interfaces: bus_options.Package = bus_options.INTERFACES,
-    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
+    interfaces: bus_options.Package = INTERFACES,
+    turtlesim: bus_options.Turtlesim = TURTLESIM,
 ) -> None:
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
@@ -113,6 +114,7 @@ def grade(
     from catch_arena.files import write_whole
     from catch_arena.tournament.grading import json_text, junit_text, read_spec, seeds_text
 
+    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     exercise = read_spec(spec)
     for path in (junit, json, seeds):
         if path is not None:
@@ -124,12 +126,12 @@ def grade(
         if seeds is not None:
             raise ConfigError("--seeds must be left out with a service: its cases have none")
         name, digest = agent, None
-        with node_under_test(agent, bus, domain, url, interfaces, turtlesim) as node:
+        with node_under_test(agent, given_bus) as node:
             for one in grade_node(exercise, node):
                 grades.append(one)
                 say(str(one))
     else:
-        bus_options.refuse(bus, domain, url, interfaces, turtlesim)
+        given_bus.refuse()
         for test in exercise.tests:
             if test.cases:
                 raise ConfigError(
@@ -151,7 +153,7 @@ def grade(
 
 
 def _grade_agent(
-    exercise: "Spec",
+    exercise: "GradingSpec",
     agent: str,
     allowed: "AgentLimits | None",
     max_forfeits: int,

@@ -1,7 +1,7 @@
 """`catch-arena play` and `watch`: matches in a window."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -81,7 +81,7 @@ def play(
     person = _seat(seat, config, scenario)
     rivals = [*(against or ()), *(agents or ())] or list(_RIVALS)
     allowed = limits_or_trust(limits, isolation, rivals, trusted=trusted)
-    _show(rivals, allowed, scenario, config, person, seed, record, size, force=force)
+    _show(rivals, allowed, person, _WindowOptions(scenario, config, seed, record, size, force))
 
 
 @main.command()
@@ -101,7 +101,8 @@ def watch(
 ) -> None:
     """Watch agents play, live; if there are fewer agents than seats, an agent plays several seats."""
     allowed = limits_or_trust(limits, isolation, agents, trusted=trusted)
-    _show(agents, allowed, scenario, arena(scenario, settings, team_size), None, seed, record, size, force=force)
+    config = arena(scenario, settings, team_size)
+    _show(agents, allowed, None, _WindowOptions(scenario, config, seed, record, size, force))
 
 
 def _seat(seat: str, config: ArenaConfig, scenario: str) -> int:
@@ -115,24 +116,25 @@ def _seat(seat: str, config: ArenaConfig, scenario: str) -> int:
     return (numbers | named)[seat]
 
 
-def _show(
-    agents: list[str],
-    limits: "AgentLimits | None",
-    scenario: str,
-    config: ArenaConfig,
-    person: int | None,
-    seed: int | None,
-    record: Path | None,
-    size: str,
-    *,
-    force: bool,
-) -> None:
+class _WindowOptions(NamedTuple):
+    """What match is shown, how large, and where it is saved."""
+
+    scenario: str
+    config: ArenaConfig
+    seed: int | None
+    record: Path | None
+    size: str
+    force: bool
+
+
+def _show(agents: list[str], limits: "AgentLimits | None", person: int | None, options: _WindowOptions) -> None:
     """Seat the agents, one after the other and over again, and play in a window."""
     from catch_arena.live.session import free_parties, line_up, show_match
     from catch_arena.render.renderer import checked_size
     from catch_arena.seeding import arena_seed
     from catch_arena.tournament.parties import Parties
 
+    scenario, config, seed, record, size, force = options
     free = len(free_parties(config, person))
     if len(agents) > free:
         seats = "free seat" if config.teams is None else "team and prey" if config.prey else "team"

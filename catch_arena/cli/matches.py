@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import typer
 from rich.console import Console
@@ -14,6 +14,7 @@ from catch_arena.cli.app import (
     Agents,
     ArenaSeed,
     Isolation,
+    Jobs,
     LimitOption,
     MaxForfeits,
     Scenario,
@@ -23,6 +24,7 @@ from catch_arena.cli.app import (
     Trusted,
     arena,
     enter_agents,
+    jobs_or_all,
     limits_or_trust,
     main,
     secret_of,
@@ -76,9 +78,7 @@ def tournament(
         int | None, typer.Option(help="The most matches that --until-separated plays.", show_default="10000")
     ] = None,
     seed: Seed = None,
-    jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")
-    ] = None,
+    jobs: Jobs = None,
     executor: Annotated[ExecutorName, typer.Option(help="Where they play: on this machine, or by Ray.")] = "local",
     address: Annotated[
         str | None, typer.Option(help="A running Ray cluster; all its cores play.", show_default="Ray starts here")
@@ -135,7 +135,7 @@ def tournament(
     entrants = enter_agents(agents, allowed, InspectionJournal(out), prey=config.prey > 0)
     require_enough(len(entrants), config, scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
-    plan = _plan(entrants, parties, form, rounds, secret, until_separated, max_matches)
+    plan = _plan(entrants, parties, secret, _PlanOptions(form, rounds, until_separated, max_matches))
     worker = Worker(config, entrants, record, allowed)
     if plan_only:
         Console().print(plan_table(plan, worker, measure_cost(worker, plan), jobs, max_forfeits))
@@ -203,14 +203,20 @@ def _watched(folder: Path) -> Iterator[None]:
         interrupts.wait()
 
 
+class _PlanOptions(NamedTuple):
+    """Which matches a tournament is asked to have."""
+
+    form: Format | None
+    rounds: int | None
+    until_separated: float | None
+    max_matches: int | None
+
+
 def _plan(
     entrants: "tuple[Entrant, ...]",
     parties: "Parties",
-    form: Format | None,
-    rounds: int | None,
     seed: "Secret",
-    until_separated: float | None,
-    max_matches: int | None,
+    options: _PlanOptions,
 ) -> "Plan":
     """What these options ask for.
 
@@ -220,6 +226,7 @@ def _plan(
     from catch_arena.tournament.plans.schedule import FixedPlan, plan_of
     from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
 
+    form, rounds, until_separated, max_matches = options
     prey = parties if len(parties.sides) > 1 else None
     if until_separated is None:
         if max_matches is not None:
@@ -243,15 +250,15 @@ def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
     Raises:
         ConfigError: for options that do not go together.
     """
-    from catch_arena.tournament.execution.executors import require_jobs, usable_cores
+    from catch_arena.tournament.execution.executors import require_jobs
 
     if address is not None and executor != "ray":
         raise ConfigError(f"--address must come with --executor ray, got --executor {executor}")
     if address is not None and jobs is not None:
         raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {jobs}")
-    jobs = usable_cores() if jobs is None else jobs
-    require_jobs(jobs)
-    return jobs
+    found = jobs_or_all(jobs)
+    require_jobs(found)
+    return found
 
 
 def _executor(name: ExecutorName, worker: "Worker", jobs: int, address: str | None) -> "Executor":

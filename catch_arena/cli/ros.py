@@ -22,6 +22,7 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
+from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 from catch_arena.text import name_fault
 
 if TYPE_CHECKING:
@@ -76,8 +77,8 @@ def serve(
     bus: bus_options.BusOption = None,
     domain: bus_options.Domain = None,
     url: bus_options.Url = None,
-    interfaces: bus_options.Package = bus_options.INTERFACES,
-    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
+    interfaces: bus_options.Package = INTERFACES,
+    turtlesim: bus_options.Turtlesim = TURTLESIM,
     trusted: Trusted = False,
     limits: LimitOption = None,
     isolation: Isolation = None,
@@ -95,6 +96,7 @@ def serve(
     from catch_arena.ros.nodes.serving import serve_match
     from catch_arena.seeding import arena_seed
 
+    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     seats = _seats(seat or [])
     config = _arena(scenario, settings, max(seats, default=0) + 1)
     if seats and max(seats) >= config.hunters:
@@ -111,13 +113,13 @@ def serve(
     allowed = limits_or_trust(limits, isolation, list(specs.values()), trusted=trusted)
     if record is not None:
         output_file(record, force=force)
-    types = bus_options.interfaces_of(interfaces, turtlesim)
+    types = given_bus.types()
     entrants = dict(zip(specs, enter_agents(list(specs.values()), allowed), strict=True)) if specs else {}
     names = [
         entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
         for number in range(config.hunters)
     ]
-    with bus_options.joined_bus(bus, called, domain, url) as joined:
+    with given_bus.joined(called) as joined:
         joined.declare(parameters)
         served = serve_match(
             joined,
@@ -159,8 +161,8 @@ def controller(
     bus: bus_options.BusOption = None,
     domain: bus_options.Domain = None,
     url: bus_options.Url = None,
-    interfaces: bus_options.Package = bus_options.INTERFACES,
-    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
+    interfaces: bus_options.Package = INTERFACES,
+    turtlesim: bus_options.Turtlesim = TURTLESIM,
     trusted: Trusted = False,
     limits: LimitOption = None,
     isolation: Isolation = None,
@@ -179,6 +181,7 @@ def controller(
     from catch_arena.ros.nodes.ros_args import take_ros_args
     from catch_arena.tournament.isolation.starting import sandbox_for, start_players
 
+    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     specs = list(_EXERCISE) if agent in _EXERCISE else [agent]
     allowed = limits_or_trust(limits, isolation, specs, trusted=trusted)
     parameters = controller_parameters(_EXERCISE.get(agent))
@@ -188,12 +191,12 @@ def controller(
     turtle = checked_turtle(turtle)
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be a service's name, as /catch_turtle, got {service!r}")
-    types = bus_options.interfaces_of(interfaces, turtlesim)
+    types = given_bus.types()
     entrants = enter_agents(specs, allowed)
     with (
         sandbox_for(allowed) as sandbox,
         start_players(entrants, sandbox) as players,
-        bus_options.joined_bus(bus, called, domain, url) as joined,
+        given_bus.joined(called) as joined,
     ):
         node = Controller(joined, players, config, turtle, types, closest_first, service=service, log=say)
         joined.declare(parameters)
@@ -223,8 +226,8 @@ def spawner(
     bus: bus_options.BusOption = None,
     domain: bus_options.Domain = None,
     url: bus_options.Url = None,
-    interfaces: bus_options.Package = bus_options.INTERFACES,
-    turtlesim: bus_options.Turtlesim = bus_options.TURTLESIM,
+    interfaces: bus_options.Package = INTERFACES,
+    turtlesim: bus_options.Turtlesim = TURTLESIM,
     ros_args: bus_options.RosArgs = None,
 ) -> None:
     """Spawn targets in turtlesim and judge who catches them, until Ctrl-C.
@@ -238,6 +241,7 @@ def spawner(
     from catch_arena.ros.nodes.spawner import Spawner
     from catch_arena.seeding import arena_seed
 
+    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     turtles = tuple(checked_turtle(name) for name in turtle or ("turtle1",))
     for name in turtles:
         if turtles.count(name) > 1:
@@ -248,8 +252,8 @@ def spawner(
     config = arena("capstone", [f"reach_m={reach}"]).replace(
         spawn_frequency_hz=frequency.value, name_prefix=parameters[NAME_PREFIX].value
     )
-    types = bus_options.interfaces_of(interfaces, turtlesim)
-    with bus_options.joined_bus(bus, called, domain, url) as joined:
+    types = given_bus.types()
+    with given_bus.joined(called) as joined:
         node = Spawner(joined, turtles, types, config, frequency, seed=arena_seed(seed), log=say)
         joined.declare(parameters)
         rate = Rate(DT)

@@ -7,12 +7,13 @@ from typing import Annotated, Literal
 import typer
 
 from catch_arena.cli.app import Recorded
-from catch_arena.cli.bus_options import INTERFACES, TURTLESIM, Package, Turtlesim, interfaces_of
+from catch_arena.cli.bus_options import Package, Turtlesim, interfaces_of
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import Fps, LayoutOption, Speed, VideoSize, print_report, width_and_height
 from catch_arena.errors import BusError, install_hint
+from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 
 
 @ros.command()

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
-from catch_arena.cli.bus_options import BusName, interfaces_of, joined_bus
+from catch_arena.cli.bus_options import BusOptions
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
@@ -20,9 +20,7 @@ def names_a_service(word: str) -> bool:
 
 
 @contextmanager
-def node_under_test(
-    word: str, bus: BusName | None, domain: int | None, url: str | None, interfaces: str, turtlesim: str
-) -> "Iterator[NodeUnderTest]":
+def node_under_test(word: str, bus: BusOptions) -> "Iterator[NodeUnderTest]":
     """Whoever serves it, with the arena about it on the bus.
 
     Raises:
@@ -35,6 +33,6 @@ def node_under_test(
     service = word.removeprefix(_SERVICE)
     if not is_service(service):
         raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
-    types = interfaces_of(interfaces, turtlesim)
-    with joined_bus(bus, "catch_arena", domain, url) as joined:
+    types = bus.types()
+    with bus.joined("catch_arena") as joined:
         yield NodeUnderTest(joined, service, types, lambda line: say(line, err=True))

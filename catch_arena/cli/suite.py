@@ -13,14 +13,15 @@ from catch_arena.cli.app import (
     MAX_FORFEITS,
     Agents,
     Isolation,
+    Jobs,
     LimitOption,
     MaxForfeits,
     Trusted,
     enter_agents,
+    jobs_or_all,
     limits_or_trust,
     main,
 )
-from catch_arena.cli.evaluation import Jobs, jobs_or_all
 from catch_arena.cli.fitted_table import FittedTable
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import folded, say

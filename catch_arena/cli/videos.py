@@ -154,10 +154,10 @@ def highlights(
     Close contests, catches of prey, changes of lead, streaks, close finishes, and upsets; the best comes last.
     """
     from catch_arena.cli.progress import progress_bar
+    from catch_arena.explanation.formatting import seconds
     from catch_arena.explanation.highlights import select_highlights
     from catch_arena.render.encoders import format_of, output_path
     from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
-    from catch_arena.render.hud import clock
 
     frame_size = None if size is None else width_and_height(size)
     format_of(output)
@@ -168,7 +168,7 @@ def highlights(
     if not selected:
         raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
     for path, highlight in selected:
-        say(f"{Path(path).name}  {clock(highlight.decisive_ms)} s  {highlight.kind}: {highlight.what}. {highlight.why}")
+        say(f"{Path(path).name}  {seconds(highlight.decisive_ms)}  {highlight.kind}: {highlight.what}. {highlight.why}")
     if fewer := _fewer(len(selected), count, "there are no more that do not overlap"):
         say(f"moments: {len(selected)}{fewer}", err=True)
     if listing:

@@ -40,7 +40,7 @@ from catch_arena.verdicts import Verdict
 @cache
 def load_cases() -> tuple[ArbiterCase | ArenaCase, ...]:
     """Every case of the suite, by file and in the files' order."""
-    folder = files("catch_arena.conformance")
+    folder = files("catch_arena.conformance") / "cases"
     names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
     return tuple(case for name in names for case in read_cases(name, (folder / name).read_text(encoding="utf-8")))
 
@@ -61,7 +61,7 @@ def read_cases(name: str, written: str) -> list[ArbiterCase | ArenaCase]:
         raise ConfigError(f"{name}: is no TOML: {error}") from None
     top = Table(name, content)
     found: list[ArbiterCase | ArenaCase] = []
-    for kind, read in (("case", _arbiter_case), ("world", _arena_case)):
+    for kind, read in (("case", _arbiter_case), ("arena_case", _arena_case)):
         for table in top.take(kind, "a list of tables", listed, []):
             place = table.get("id") if isinstance(table, dict) else None
             found.append(read(Table(f"{name}: {place or f'{kind} without an id'}", table), name.removesuffix(".toml")))
@@ -90,7 +90,7 @@ def _arbiter_case(table: Table, group: str) -> ArbiterCase:
         lots=table.take("lots", "a list of tables", lambda value: _lots(table.where, value, seat), ()),
         fair_over_steps=table.take("fair_over_steps", "a whole number", whole, 0),
         under_nearest=table.take(
-            "standard", "a list of tables", lambda value: _rulings(table.where, value, seat, "name"), ()
+            "under_nearest", "a list of tables", lambda value: _rulings(table.where, value, seat, "name"), ()
         ),
     )
     table.finish()
@@ -115,7 +115,7 @@ def _require_sense(where: str, case: ArbiterCase) -> None:
     if case.under_nearest and [(one.hunter, one.target) for one in case.under_nearest] != [
         (one.hunter, one.target) for one in case.expected
     ]:
-        raise ConfigError(f"{where}: standard must answer the very requests of the case")
+        raise ConfigError(f"{where}: under_nearest must answer the requests of the case itself, in their order")
     if case.fair_over_steps and not case.lots:
         raise ConfigError(f"{where}: fair_over_steps must come with lots")
 

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from catch_arena.conformance.answers import counted
 from catch_arena.conformance.comparison import Strictness
-from catch_arena.conformance.diagnosis import Diagnosis, diagnose
+from catch_arena.conformance.mistakes.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
 from catch_arena.text import printable, printable_lines
 
@@ -48,11 +48,11 @@ class Report:
         """One line: how many passed, how many failed, and how many could not be played."""
         played = sum(result.played for result in self.results)
         failed = len(self.failures)
-        left = Counter(result.needs for result in self.results if not result.played)
+        left_out = Counter(result.left_out for result in self.results if result.left_out is not None)
         counts = [
             f"{played - failed} passed",
             f"{failed} failed",
-            *(f"{count} need{'s' if count == 1 else ''} {what}" for what, count in left.items()),
+            *(f"{count} {why.of_one if count == 1 else why.of_several}" for why, count in left_out.items()),
         ]
         return f"cases: {', '.join(counts)}"
 
@@ -130,8 +130,8 @@ class Report:
                 message = f"{', '.join(case.clauses)}: {result.failure.differences[0]}"
                 failure = SubElement(test, "failure", {"type": "conformance", "message": printable(message)})
                 failure.text = printable_lines(str(result.failure))
-            elif not result.played:
-                SubElement(test, "skipped", {"message": f"needs {result.needs}"})
+            elif result.left_out is not None:
+                SubElement(test, "skipped", {"message": result.left_out.of_one})
         indent(root)
         return f'<?xml version="1.0" encoding="UTF-8"?>\n{tostring(root, encoding="unicode")}\n'
 

@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from catch_arena.conformance.answers import Difference
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
@@ -59,6 +59,22 @@ class Failure:
         return "\n".join(lines)
 
 
+class LeftOut(NamedTuple):
+    """Why a case was not played: in words that follow it, and in words that follow several."""
+
+    of_one: str
+    of_several: str
+
+
+_NEEDS_ARBITER: Final = LeftOut("needs an arbiter", "need an arbiter")
+_NEEDS_ARENA: Final = LeftOut("needs an arena", "need an arena")
+
+
+def needs(case: ArbiterCase | ArenaCase) -> LeftOut:
+    """Why a case was not played where there was nothing to play it on."""
+    return _NEEDS_ARBITER if isinstance(case, ArbiterCase) else _NEEDS_ARENA
+
+
 @dataclass(frozen=True, slots=True)
 class Result:
     """What came of one case."""
@@ -66,15 +82,15 @@ class Result:
     case: ArbiterCase | ArenaCase
     failure: Failure | None
     seconds: float
-    played: bool = True
-    """False where the case needs an arena, or an arbiter, and there was none."""
+    left_out: LeftOut | None = None
+    """Why it was not played; None where it was."""
     calls: tuple[Call, ...] = ()
     """Of a case that failed, all until then; of one that passed, the first."""
 
     @property
-    def needs(self) -> str:
-        """What the case is played on, for one that was not."""
-        return "an arbiter" if isinstance(self.case, ArbiterCase) else "an arena"
+    def played(self) -> bool:
+        """Whether it was."""
+        return self.left_out is None
 
 
 def wrapped(text: str, width: int, first: str = "", then: str | None = None, most: int | None = None) -> str:
@@ -114,10 +130,13 @@ def _case_step(step: CaseStep) -> str:
         events += [f"a target put at {place}" for place in step.targets]
     if step.withdraw is not None:
         events.append(f"hunter {step.withdraw} withdrawn")
+    if step.withdraw_prey is not None:
+        events.append(f"prey {step.withdraw_prey} withdrawn")
     if step.steps:
         events.append("a step without requests" if step.steps == 1 else f"{step.steps} steps without requests")
     if step.expected is not None:
         events += [f"hunter {seat} driven by {velocities}" for seat, velocities in step.drive.items()]
+        events += [f"prey {index} driven by {velocities}" for index, velocities in step.drive_prey.items()]
         events.append(f"a step in which {_requests(step.expected)}" if step.expected else "a step without requests")
     return "; ".join(events) or "only looked at"
 

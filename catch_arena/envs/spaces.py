@@ -115,3 +115,16 @@ def checked_full(agent: str, action: Any, ranks: int) -> tuple[int, tuple[float,
         raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {in_short(action)}")
     choice = checked_choice(agent, "catch", action["catch"], ranks)
     return choice, checked_command(agent, "cmd_vel", action["cmd_vel"])
+
+
+def checked_action(control: Control, agent: str, action: Any, ranks: int) -> tuple[int, tuple[float, float]]:
+    """The rank that a hunter of that control chooses, 0 for none, and the two numbers that it drives by.
+
+    Raises:
+        ActionError: for an action that is not legal.
+    """
+    if control == "full":
+        return checked_full(agent, action, ranks)
+    if control == "velocity":
+        return 0, checked_command(agent, "an action", action)
+    return checked_choice(agent, "an action", action, ranks), (0.0, 0.0)

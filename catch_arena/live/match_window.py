@@ -10,13 +10,13 @@ from catch_arena.live import overlays
 from catch_arena.live.user_input import InputState, UserCommand, user_command
 from catch_arena.render import hud
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import StepMotion, step_motion
 from catch_arena.render.optional_imports import pygame
 from catch_arena.render.renderer import LARGEST, SMALLEST, MatchRenderer
 from catch_arena.render.shapes import Shape
 from catch_arena.render.viewport import Viewport
 from catch_arena.render.window import Screen
 from catch_arena.replay import Replay
+from catch_arena.replay.motion import StepMotion, step_motion
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.world import World

@@ -22,8 +22,8 @@ from catch_arena.explanation.seats import labels
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Color
-from catch_arena.render.viewport import Pose2D
 from catch_arena.replay import Replay
+from catch_arena.replay.motion import Pose2D
 from catch_arena.world import World
 
 GRID: Final = 1 << 13

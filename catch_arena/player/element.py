@@ -24,7 +24,7 @@ def player_html(replay: Replay) -> str:
     Raises:
         ReplayError: where the match does not play as recorded.
     """
-    return f'{element_script()}<catch-replay film="{bundle_text(replay)}">{_FALLBACK}</catch-replay>'
+    return f'{element_script()}<catch-replay bundle="{bundle_text(replay)}">{_FALLBACK}</catch-replay>'
 
 
 @cache
@@ -34,7 +34,7 @@ def element_script() -> str:
     return (
         '<script>if (!customElements.get("catch-replay")) {\n'
         f'(() => {{"use strict";\n{parts}\n'
-        f"CatchReplay.look = {script_json(_look())};\n"
+        f"CatchReplay.look = {script_json(player_look())};\n"
         f"CatchReplay.style = {script_json(page_file('catch_arena.player', 'player.css'))};\n"
         'customElements.define("catch-replay", CatchReplay);\n})();\n}</script>'
     )
@@ -50,7 +50,7 @@ def script_json(value: object) -> str:
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
 
 
-def _look() -> dict[str, Any]:
+def player_look() -> dict[str, Any]:
     """The colours and shapes of render/."""
     return {
         "ground": css(viewport.GROUND),
@@ -60,6 +60,8 @@ def _look() -> dict[str, Any]:
         "target": css(viewport.TARGET),
         "targetTrail": css(viewport.TARGET_TRAIL),
         "ink": css(shapes.INK),
+        "gridSteps": scene.GRID_STEPS_M,
+        "gridGap": scene.GRID_GAP,
         "hunterLength": viewport.HUNTER_LENGTH_M,
         "targetLength": viewport.TARGET_LENGTH_M,
         "preyLength": viewport.PREY_LENGTH_M,

@@ -12,7 +12,8 @@ import numpy as np
 from catch_arena.explanation.formatting import short_length
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Color, Label, Ring, Shape, Stroke, mix
-from catch_arena.render.viewport import GROUND, Pose2D, Viewport
+from catch_arena.render.viewport import GROUND, Viewport
+from catch_arena.replay.motion import Pose2D
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.errors import ConfigError
+from catch_arena.explanation.formatting import seconds
 from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.encoders import Progress
@@ -121,7 +122,7 @@ def _heading(area: hud.Rect, info: MatchInfo, seed: int) -> list[Shape]:
 def _stamp(area: hud.Rect, time_ms: float, word: str) -> list[Shape]:
     size = hud.font_size(0.5 * area.height, 9)
     middle = area.top + 0.52 * area.height
-    at = f"{hud.clock(time_ms)} s"
+    at = seconds(int(time_ms) // 100 * 100)  # tenths that have passed, as on the clock
     beside = text_width(at, size, 700) + 0.8 * size
     room = area.width - 4 - beside
     word_size = size

@@ -11,7 +11,8 @@ from catch_arena.render import scene, shapes
 from catch_arena.render.hud import Rect
 from catch_arena.render.optional_imports import cv2, pygame
 from catch_arena.render.sprites import SpriteCache
-from catch_arena.render.viewport import OUTSIDE, Pose2D, Viewport
+from catch_arena.render.viewport import OUTSIDE, Viewport
+from catch_arena.replay.motion import Pose2D
 
 Pixels = NDArray[np.uint8]
 

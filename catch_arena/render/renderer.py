@@ -15,14 +15,14 @@ from catch_arena.render.annotations import Annotation, annotations_of, visible_a
 from catch_arena.render.blurred_view import Belief, BlurredView
 from catch_arena.render.event_feed import EventFeed, feed_shapes
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import Poses, StepMotion, poses_of, step_motion
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
 from catch_arena.render.team_scores import team_scores_shapes
-from catch_arena.render.viewport import Pose2D, Viewport
+from catch_arena.render.viewport import Viewport
+from catch_arena.replay.motion import Pose2D, Poses, StepMotion, poses_of, step_motion
 from catch_arena.world import World
 
 SMALLEST: Final = 320

@@ -11,13 +11,16 @@ from typing import Final
 from catch_arena.render.annotations import Annotation, annotation_shapes
 from catch_arena.render.blurred_view import Belief
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import Poses
 from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
-from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, Pose2D, Viewport
+from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, Viewport
+from catch_arena.replay.motion import Pose2D, Poses
 from catch_arena.world import HunterState, TargetState
 
 WALL: Final[Color] = (112, 127, 255)
 GRID: Final[Color] = (78, 95, 255)
+GRID_STEPS_M: Final = tuple(step * 10.0**power for power in range(4) for step in (1.0, 2.0, 5.0))
+GRID_GAP: Final = 24
+"""Pixels between two lines of the grid, at least: the first of the steps that gives as many."""
 SPAWN_MS: Final = 450.0
 """How long the ring about a new target is seen."""
 PREY_PIECES: Final = 8
@@ -32,12 +35,7 @@ def ground_shapes(viewport: Viewport) -> list[Shape]:
     side = viewport.side_m * viewport.scale
     top = bottom - side
     shapes: list[Shape] = [Box(left, top, side, side, GROUND)]
-    spacing = next(
-        step * 10.0**power
-        for power in range(5)
-        for step in (1.0, 2.0, 5.0)
-        if step * 10.0**power * viewport.scale >= 24
-    )
+    spacing = next((step for step in GRID_STEPS_M if step * viewport.scale >= GRID_GAP), viewport.side_m)
     for line in range(1, math.ceil(viewport.side_m / spacing)):
         x, y = viewport.to_pixels(line * spacing, line * spacing)
         shapes += [Stroke(x, top, x, bottom, 1.0, GRID), Stroke(left, y, left + side, y, 1.0, GRID)]

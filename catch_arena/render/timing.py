@@ -1,10 +1,16 @@
-"""Which instant of a match each frame of a video shows: a clip at one pace, clips of several, single instants."""
+"""Which instant of a match each frame of a video shows, a clip at one pace, clips of several, single instants; and in
+which step it lies.
+"""
 
 import math
 from bisect import bisect_left
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
+
+from catch_arena.replay.motion import Poses, StepMotion, step_motion
+from catch_arena.world import World
 
 
 class FrameTiming(Protocol):
@@ -103,3 +109,40 @@ class ClipSequence:
 def _frames_of(clip: Clip) -> int:
     """A clip's frames without one at its end, where the next clip begins."""
     return clip.frames_before(clip.end_ms)
+
+
+@dataclass(frozen=True, slots=True)
+class FrameSpan:
+    """One step's motion and the frames in it: none where steps are shorter than frames, or before the clip."""
+
+    motion: StepMotion
+    frames: range
+    next_tick: Poses | None
+
+
+def frame_spans(worlds: Iterable[World], timing: FrameTiming) -> Iterator[FrameSpan]:
+    """The steps of a match up to the last frame, each with its frames: those that show [t, t + period).
+
+    Memory does not grow with the match: two steps are known at a time. A match without steps is one motion that leads
+    nowhere.
+    """
+    motions = _motions(worlds)
+    motion: StepMotion | None = next(motions)
+    shown = 0
+    while motion is not None and shown < timing.frames:
+        following = next(motions, None)
+        end = timing.frames if following is None else timing.frames_before(motion.after.time_ms)
+        yield FrameSpan(
+            motion, range(shown, end), None if following is None else following.poses[min(1, len(following.poses) - 1)]
+        )
+        shown, motion = end, following
+
+
+def _motions(worlds: Iterable[World]) -> Iterator[StepMotion]:
+    stream = iter(worlds)
+    first = before = next(stream)
+    for after in stream:
+        yield step_motion(before, after)
+        before = after
+    if before is first:
+        yield step_motion(first, first)

@@ -13,9 +13,8 @@ from catch_arena.explanation.seats import find_seat
 from catch_arena.render import hud
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import frame_spans
 from catch_arena.render.renderer import MatchRenderer, checked_size
-from catch_arena.render.timing import Clip, FrameTiming
+from catch_arena.render.timing import Clip, FrameTiming, frame_spans
 from catch_arena.replay import Replay
 from catch_arena.world import World
 

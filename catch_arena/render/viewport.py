@@ -6,9 +6,6 @@ from typing import Final
 
 from catch_arena.render.shapes import Color
 
-Pose2D = tuple[float, float, float]
-"""x [m], y [m], theta [rad], as geometry_msgs has it; `messages.Pose` is turtlesim's, with velocities."""
-
 GROUND: Final[Color] = (69, 86, 255)
 """turtlesim's blue."""
 OUTSIDE: Final[Color] = (62, 77, 236)

@@ -3,7 +3,7 @@
 - recording: a match is recorded: `Replay`. fileformat: as a file, with quantisation (states in whole millionths) and
   codec (columns of whole numbers as bytes).
 - verification: whether a match plays as recorded. comparison: where two matches part. state_differences: in which
-  numbers.
+  numbers. motion: where everybody is between two states.
 """
 
 from catch_arena.replay.fileformat import checked_names, checked_text

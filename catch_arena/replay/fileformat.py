@@ -116,8 +116,8 @@ def decode_replay(content: bytes) -> ReplayContent:
     """
     form, body = _checked_body(content)
     reader = Reader(body)
-    header = _header_of(reader)
-    config, seed, names, title, steps, withdrawals, spans = _checked_header(header)
+    header = _checked_header(_header_of(reader))
+    config, steps = header.config, header.steps
     if form != _format_of(config):
         raise ReplayError(f"is of format {form}, which is not that of a match with {config.prey} prey")
     choices = reader.columns(config.hunters, steps)
@@ -130,10 +130,20 @@ def decode_replay(content: bytes) -> ReplayContent:
     commands[:, driven] = _read_commands(reader, steps, len(driven))
     prey_commands = _read_commands(reader, steps, config.prey)
     digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
-    states = unpack_states(config, commands, prey_commands, reader, spans)
+    states = unpack_states(config, commands, prey_commands, reader, header.spans)
     reader.end()
-    steps_of = list(choices), list(commands), list(prey_commands)
-    return ReplayContent(config, seed, names, title, *steps_of, digests, states, withdrawals)
+    return ReplayContent(
+        config=config,
+        seed=header.seed,
+        names=header.names,
+        title=header.title,
+        choices=list(choices),
+        commands=list(commands),
+        prey_commands=list(prey_commands),
+        digests=digests,
+        states=states,
+        withdrawals=header.withdrawals,
+    )
 
 
 def _format_of(config: ArenaConfig) -> int:
@@ -237,9 +247,21 @@ def _header_of(reader: Reader) -> dict[str, Any]:
     return header
 
 
-def _checked_header(
-    header: dict[str, Any],
-) -> tuple[ArenaConfig, int, tuple[str, ...], str, int, list[tuple[int, int]], int]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Header:
+    """What a file's header says of the match; the ruleset and the package stand in it too."""
+
+    config: ArenaConfig
+    seed: int
+    names: tuple[str, ...]
+    title: str
+    steps: int
+    withdrawals: list[tuple[int, int]]
+    spans: int
+    """How many targets there were."""
+
+
+def _checked_header(header: dict[str, Any]) -> _Header:
     try:
         config = ArenaConfig.from_dict(header["config"])
         seed, title = checked_seed(header["seed"]), checked_text("title", header["title"])
@@ -259,7 +281,9 @@ def _checked_header(
     if steps > config.max_steps:
         raise ReplayError(f"has a header that cannot be used: {steps} steps, and a match has {config.max_steps}")
     _require_few_spans(spans)
-    return config, seed, names, title, steps, withdrawals, spans
+    return _Header(
+        config=config, seed=seed, names=names, title=title, steps=steps, withdrawals=withdrawals, spans=spans
+    )
 
 
 def _count(name: str, value: object) -> int:

@@ -1,13 +1,12 @@
 """Rulebook R10.2: a match as its header, its seed and its actions, with a digest of every state and its numbers."""
 
-import copy
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from html import escape
 from io import BytesIO
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,11 @@ _NO_PREY: Final = np.zeros((0, 2), dtype=np.float32)
 def _in_words(command: NDArray[np.float32]) -> str:
     linear, angular = command.tolist()
     return f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"
+
+
+def _contents(match: ReplayContent) -> Iterator[tuple[str, Any]]:
+    """Each field's name and value."""
+    return ((field.name, getattr(match, field.name)) for field in fields(match))
 
 
 @dataclass(slots=True)
@@ -95,10 +99,10 @@ class Replay(ReplayContent):
 
     def copy(self) -> "Replay":
         """The match so far; the steps that are appended to one of the two do not appear in the other."""
-        twin = copy.copy(self)
-        for name in ("choices", "commands", "prey_commands", "digests", "states", "withdrawals"):
-            setattr(twin, name, list(getattr(self, name)))
-        return twin
+        contents: dict[str, Any] = {}
+        for name, value in _contents(self):
+            contents[name] = value.copy() if isinstance(value, list) else value
+        return Replay(**contents)
 
     def engines(self) -> Iterator[Engine]:
         """The match again, checked against nothing: one engine, at every step's boundary, steps + 1 of them."""
@@ -181,4 +185,4 @@ class Replay(ReplayContent):
             match = decode_replay(content)
         except ReplayError as error:
             raise ReplayError(f"{path}: {error}") from None
-        return cls(*(getattr(match, field.name) for field in fields(match)))
+        return cls(**dict(_contents(match)))

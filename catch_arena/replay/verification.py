@@ -1,6 +1,7 @@
 """R10.2: whether a match plays as it was recorded, and if not, what was altered."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -26,46 +27,75 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
     Returns:
         a line for each fault; where a match differs, a further line for each number that does in the first step.
     """
-    digests: list[int] = []  # steps whose digest was altered
-    numbers: list[int] = []  # steps whose numbers were
-    parted: list[tuple[int, QuantisedState, int]] = []  # the match differed: from, what was replayed there, until
-    since: int | None = None  # the step from which on the digests differ
-    apart = False  # whether the numbers have differed too since then
-    then = there = np.zeros(0, dtype=np.int64)  # what was replayed there, and at the first altered numbers
+    found = _Findings(replay)
     for step, engine in enumerate(replay.engines()):
-        state = quantise(engine.state(), replay.config)
-        if engine.digest() != replay.digests[step]:
-            if since is None:
-                since, then, apart = step, state, False
-            apart |= not np.array_equal(state, replay.states[step])
-        else:
-            if since is not None and apart and replay.config.prey:
-                parted.append((since, then, step))
-            elif since is not None:
-                digests += range(since, step)
-            since = None
-            if not np.array_equal(state, replay.states[step]):
-                there = there if numbers else state
-                numbers.append(step)
+        found.add(step, engine.digest(), quantise(engine.state(), replay.config))
         if progress is not None:
             progress(step, replay.steps)
+    return found.lines()
 
-    def differences(step: int, state: QuantisedState) -> list[str]:
-        return state_differences(replay.config, replay.names, replay.states[step], state)
 
-    found = []
-    if digests:
-        found.append(f"{_altered('digest', digests)}: the match plays on as recorded")
-    if numbers:
-        difference = on_one_line(differences(numbers[0], there))
-        found.append(f"{_altered('quantised state', numbers)}: the digest agrees, but {difference}")
-    for first, replayed, until in parted:
-        found.append(f"{state_name(first)} is the first that differs; from {state_name(until)} on it plays as recorded")
-        found += first_lines(first, differences(first, replayed))
-    if since is not None:
-        found.append(f"{state_name(since)} is the first that differs")
-        found += first_lines(since, differences(since, then))
-    return found
+@dataclass(slots=True)
+class _Apart:
+    """Steps, one after the other, whose digests differ."""
+
+    first: int
+    replayed: QuantisedState
+    """What the first one was, played again."""
+    numbers_differ: bool = False
+    """Whether the numbers of any of them differ too."""
+
+
+@dataclass(slots=True)
+class _Findings:
+    """What was seen of a match while it was played again."""
+
+    replay: Replay
+    apart: _Apart | None = None
+    """The steps that differ until now."""
+    rejoined: list[tuple[_Apart, int]] = field(default_factory=list)
+    """Where the match differed, and from when on it plays as recorded again."""
+    altered_digests: list[int] = field(default_factory=list)
+    """Steps in which only that was altered."""
+    altered_numbers: list[int] = field(default_factory=list)
+    first_numbers: QuantisedState = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """What the first of these steps was, played again."""
+
+    def add(self, step: int, digest: bytes, state: QuantisedState) -> None:
+        """One more state, as it was played again."""
+        numbers_differ = not np.array_equal(state, self.replay.states[step])
+        if digest != self.replay.digests[step]:
+            self.apart = self.apart or _Apart(step, state)
+            self.apart.numbers_differ |= numbers_differ
+            return
+        if self.apart is not None and self.apart.numbers_differ and self.replay.config.prey:
+            self.rejoined.append((self.apart, step))
+        elif self.apart is not None:
+            self.altered_digests += range(self.apart.first, step)
+        self.apart = None
+        if numbers_differ:
+            self.first_numbers = self.first_numbers if self.altered_numbers else state
+            self.altered_numbers.append(step)
+
+    def lines(self) -> list[str]:
+        """Each fault, and what it begins with."""
+        found = []
+        if self.altered_digests:
+            found.append(f"{_altered('digest', self.altered_digests)}: the match plays on as recorded")
+        if self.altered_numbers:
+            difference = on_one_line(self._differences(self.altered_numbers[0], self.first_numbers))
+            found.append(f"{_altered('quantised state', self.altered_numbers)}: the digest agrees, but {difference}")
+        for apart, until in self.rejoined:
+            again = f"from {state_name(until)} on it plays as recorded"
+            found.append(f"{state_name(apart.first)} is the first that differs; {again}")
+            found += first_lines(apart.first, self._differences(apart.first, apart.replayed))
+        if self.apart is not None:
+            found.append(f"{state_name(self.apart.first)} is the first that differs")
+            found += first_lines(self.apart.first, self._differences(self.apart.first, self.apart.replayed))
+        return found
+
+    def _differences(self, step: int, replayed: QuantisedState) -> list[str]:
+        return state_differences(self.replay.config, self.replay.names, self.replay.states[step], replayed)
 
 
 def _altered(what: str, steps: Sequence[int]) -> str:

@@ -100,8 +100,8 @@ class _Handler(BaseHTTPRequestHandler):
                 self._answer(200, "text/html", self.server.report.page())
             elif path == "/state":
                 self._answer(200, "text/plain", self.server.report.state())
-            elif path.startswith("/films/"):
-                self._answer(200, "text/plain", self.server.report.bundle(unquote(path.removeprefix("/films/"))))
+            elif path.startswith("/bundles/"):
+                self._answer(200, "text/plain", self.server.report.bundle(unquote(path.removeprefix("/bundles/"))))
             else:
                 self._answer(404, "text/plain", "there is nothing here")
         except CatchArenaError as error:

@@ -95,7 +95,7 @@ class Evaluation:
             on_results: as of `runner.play_plan`.
 
         Raises:
-            StoreError: for matches in the folder that are of another agent, or on other terms.
+            OtherTournamentError: for matches in the folder that are of another agent, or on other terms.
             NoContest, OutputError: as `play_plan`.
         """
         waiting = []
@@ -134,7 +134,7 @@ class Evaluation:
         """The store of a scenario, made where there is none.
 
         Raises:
-            StoreError: for one of another agent, or on other terms.
+            OtherTournamentError: for one of another agent, or on other terms.
         """
         terms = terms_of(self.limits, self.max_forfeits, recorded=False)
         parameters, secret = self._plan(scenario).parameters, self.suite.secret(scenario)

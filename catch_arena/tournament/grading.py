@@ -55,7 +55,7 @@ _HINTS: Final[Mapping[str, str]] = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Test:
+class GradingTest:
     """One `[[test]]` of a spec: some matches, and what must come out; a forfeit fails it."""
 
     name: str
@@ -85,17 +85,17 @@ class Test:
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
+class GradingSpec:
     """What an agent is graded by."""
 
     title: str
-    tests: tuple[Test, ...]
+    tests: tuple[GradingTest, ...]
     secret: Secret
     """From which the seeds of all matches follow."""
     seed_file: Path | None = None
     """Where its seed was read from, if not from itself."""
 
-    def matches(self, test: Test) -> tuple[Match, ...]:
+    def matches(self, test: GradingTest) -> tuple[Match, ...]:
         """Those of one of the tests, with the student, 0, as each party in turn: each hunter or team, and each prey."""
         secret, parties = self.secret.part("grade", self.tests.index(test)), len(Parties.of(test.config))
         return tuple(
@@ -170,7 +170,7 @@ class Grade:
         return "\n        ".join([head, *self.failures, *(f"hint: {hint}" for hint in self.hints)])
 
 
-def read_spec(path: Path) -> Spec:
+def read_spec(path: Path) -> GradingSpec:
     """The spec in a file.
 
     Raises:
@@ -195,12 +195,12 @@ def read_spec(path: Path) -> Spec:
             raise ConfigError("test must be given at least once, as [[test]], got none")
     except CatchArenaError as error:
         raise ConfigError(f"{path}: {error}") from None
-    return Spec(title, tests, secret, path.parent / table["seed_file"] if "seed_file" in table else None)
+    return GradingSpec(title, tests, secret, path.parent / table["seed_file"] if "seed_file" in table else None)
 
 
 def grade_agent(
-    spec: Spec,
-    test: Test,
+    spec: GradingSpec,
+    test: GradingTest,
     student: Entrant,
     opponents: Sequence[Entrant],
     sandbox: Sandbox | None,
@@ -230,7 +230,7 @@ def grade_agent(
     return _grade(test, played, parties, max_forfeits)
 
 
-def _grade(test: Test, played: Sequence[tuple[int, MatchResult]], parties: Parties, max_forfeits: int) -> Grade:
+def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties: Parties, max_forfeits: int) -> Grade:
     verdicts: Counter[str] = Counter()
     reasons: dict[str, str] = {}
     causes: list[str] = []
@@ -289,7 +289,7 @@ def _misses_a_module(forfeit: Forfeit) -> bool:
     return NOT_INSTALLED in forfeit.reason or ModuleNotFoundError.__name__ in forfeit.reason
 
 
-def json_text(spec: Spec, name: str, digest: str | None, grades: Sequence[TestGrade]) -> str:
+def json_text(spec: GradingSpec, name: str, digest: str | None, grades: Sequence[TestGrade]) -> str:
     """The grades as JSON; no seed is told.
 
     Args:
@@ -310,7 +310,7 @@ def json_text(spec: Spec, name: str, digest: str | None, grades: Sequence[TestGr
     return json.dumps(content, indent=2) + "\n"
 
 
-def junit_text(spec: Spec, name: str, grades: Sequence[TestGrade]) -> str:
+def junit_text(spec: GradingSpec, name: str, grades: Sequence[TestGrade]) -> str:
     """The grades as JUnit XML, a test case for each test; no seed is told."""
     failed = sum(bool(one.failures) for one in grades)
     suite = ET.Element(
@@ -331,7 +331,7 @@ def junit_text(spec: Spec, name: str, grades: Sequence[TestGrade]) -> str:
     return f'<?xml version="1.0" encoding="utf-8"?>\n{ET.tostring(suite, encoding="unicode")}\n'
 
 
-def seeds_text(spec: Spec) -> str:
+def seeds_text(spec: GradingSpec) -> str:
     """Which matches a spec has, as JSON, with all their seeds: for nobody who may be graded by it again."""
     content = {
         "title": spec.title,
@@ -350,9 +350,9 @@ def seeds_text(spec: Spec) -> str:
     return json.dumps(content, indent=2) + "\n"
 
 
-def _test(at: str, table: Any, matches: Any, folder: Path) -> Test:
+def _test(at: str, table: Any, matches: Any, folder: Path) -> GradingTest:
     _checked(at, table, dict)
-    _require_known(at, table, [one.name for one in fields(Test)])
+    _require_known(at, table, [one.name for one in fields(GradingTest)])
     for name in ("name", "scenario"):
         _checked(f"{at}.{name}", table.get(name, "" if name == "name" else "standard"), str)
     if not table.get("name"):
@@ -371,7 +371,7 @@ def _test(at: str, table: Any, matches: Any, folder: Path) -> Test:
     if cases:
         if rest := sorted(table.keys() - {"name", "points", "cases"}):
             raise ConfigError(f"{at}.{rest[0]} must be left out beside cases, which are asked of a node")
-        return Test(name=table["name"], points=float(table.get("points", 1)), cases=tuple(cases))
+        return GradingTest(name=table["name"], points=float(table.get("points", 1)), cases=tuple(cases))
     own = table.get("matches", matches)
     if isinstance(own, bool) or not isinstance(own, int) or not 1 <= own <= _MOST_MATCHES:
         where = f"{at}.matches" if "matches" in table else "matches"
@@ -381,7 +381,7 @@ def _test(at: str, table: Any, matches: Any, folder: Path) -> Test:
         raise ConfigError(f"{at}.settings.control must be left to the agents: each states its own control")
     # files stand beside the spec, as its seed_file does
     words = tuple(str(folder / Path(word).expanduser()) if word.endswith(".py") else word for word in opponents)
-    test = Test(**{**table, "opponents": words, "matches": own, "points": float(table.get("points", 1))})
+    test = GradingTest(**{**table, "opponents": words, "matches": own, "points": float(table.get("points", 1))})
     try:
         config = test.config
     except ConfigError as error:

@@ -10,7 +10,7 @@ from typing import Final
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.entrants import Inspection
 
-_FILE: Final = "first_looks.json"
+_FILE: Final = "inspections.json"
 _KILLED: Final = 2
 """What an end counts that a person hardly wishes for; from there on an agent cannot begin."""
 _INTERRUPTED: Final = 1

@@ -17,7 +17,7 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.errors import StoreError
+from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.files import LEAST_FREE, is_full, room
 from catch_arena.text import one_line
 from catch_arena.tournament import stored_values
@@ -131,7 +131,8 @@ class Store:
         """The store of a tournament that is to be played, kept in memory where there is no folder.
 
         Raises:
-            StoreError: where the folder has a store already, unless it is to be resumed and is of this tournament.
+            StoreError: where the folder has a store already, which is not to be resumed.
+            OtherTournamentError: where it is of another tournament.
         """
         path = None if folder is None else folder / STORE
         if path is not None and not path.exists():
@@ -319,14 +320,16 @@ class Store:
                     "matches played: go on with --resume, or give another folder"
                 )
             elif found := difference(*(json.loads(_json(one.facts())) for one in (self.tournament, tournament))):
-                raise StoreError(f"{self._name}: is of another tournament: {found}")
+                raise self._other_tournament(found)
             elif self.tournament.secret != tournament.secret:
-                raise StoreError(
-                    f"{self._name}: is of another tournament: its seed is another one; without --seed it keeps its own"
-                )
+                raise self._other_tournament("its seed is another one; without --seed it keeps its own")
             text = _json(versions())
             db.execute("INSERT OR IGNORE INTO versions (value) VALUES (?)", (text,))
             (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
+
+    def _other_tournament(self, found: str) -> StoreError:
+        message = f"{self._name}: is of another tournament: {found}"
+        return StoreError(message) if self.path is None else OtherTournamentError(message, self.path.parent)
 
     def _has_tables(self) -> bool:
         """Whether there is anything in it.

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS, FULL_CONTROL, TARGET_CONTROL, VELOCITY_CONTROL
-from catch_arena.envs.spaces import checked_choice, checked_command, checked_full
+from catch_arena.envs.spaces import checked_action
 from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import in_short
@@ -217,14 +217,10 @@ class Opponents:
 
     def _act_alone(self, opponent: _Opponent, place: tuple[int, int], view: View) -> tuple[int, tuple[float, float]]:
         """The choice and the command of one hunter, whose answer is judged as in an env of one arena."""
-        where, name, ranks = _where(*place), f"opponent {opponent.name}", self._config.targets_seen
+        where, control = _where(*place), _WORDS[opponent.control]
         answer = self._call(opponent._replace(policy=self._instances[place]), "act", where, view)
         try:
-            if opponent.control == FULL_CONTROL:
-                return checked_full(name, answer, ranks)
-            if opponent.control == VELOCITY_CONTROL:
-                return 0, checked_command(name, "an action", answer)
-            return checked_choice(name, "an action", answer, ranks), (0.0, 0.0)
+            return checked_action(control, f"opponent {opponent.name}", answer, self._config.targets_seen)
         except ActionError as error:
             raise AgentError(f"{error}{where}") from None
 

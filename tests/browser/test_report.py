@@ -404,25 +404,30 @@ def test_a_damaged_replay_says_so_in_one_line_and_the_next_one_plays(quiet, crow
     page = opened(quiet, tmp_path, player_html(crowd))
     text = bundle_text(crowd)
     player = page.locator("catch-replay")
-    player.evaluate("(player, text) => player.setAttribute('film', text)", text[: len(text) // 8 * 4])
+    player.evaluate("(player, text) => player.setAttribute('bundle', text)", text[: len(text) // 8 * 4])
     until(page, "document.querySelector('catch-replay').note.textContent.includes('cannot be shown')")
     assert page.locator(".note").inner_text() == "The replay cannot be shown. It is damaged: it cannot be unpacked."
     page.get_by_role("button", name="Play", exact=True).click()  # there is nothing to play
-    player.evaluate("(player, text) => player.setAttribute('film', text)", text)
+    player.evaluate("(player, text) => player.setAttribute('bundle', text)", text)
     until(page, "document.querySelector('catch-replay').replay")
     page.get_by_role("button", name="Play", exact=True).click()
     until(page, "document.querySelector('catch-replay').time > 600")
     assert "cannot be shown" not in page.locator(".note").inner_text()
 
 
+def test_a_saved_notebook_plays_whose_replays_have_the_name_of_before(quiet, crowd, tmp_path):
+    page = opened(quiet, tmp_path, player_html(crowd).replace("<catch-replay bundle=", "<catch-replay film="))
+    until(page, "document.querySelector('catch-replay').replay")
+
+
 def test_play_that_is_pressed_while_a_replay_is_read_is_not_lost(quiet, crowd, tmp_path):
     page = opened(quiet, tmp_path, player_html(crowd))
     player = page.locator("catch-replay")
-    again = "player => { const text = player.getAttribute('film'); player.setAttribute('film', ''); "
-    player.evaluate(again + "player.setAttribute('film', text); player.play(); }")
+    again = "player => { const text = player.getAttribute('bundle'); player.setAttribute('bundle', ''); "
+    player.evaluate(again + "player.setAttribute('bundle', text); player.play(); }")
     until(page, "document.querySelector('catch-replay').time > 600")
 
-    player.evaluate(again + "player.setAttribute('film', text); player.play(); player.pause(); }")
+    player.evaluate(again + "player.setAttribute('bundle', text); player.play(); player.pause(); }")
     until(page, "document.querySelector('catch-replay').replay")
     page.wait_for_timeout(300)
     assert page.evaluate("document.querySelector('catch-replay').time") == 0

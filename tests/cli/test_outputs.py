@@ -37,6 +37,7 @@ WRITERS = {
     "e.csv": ["export", "{o}", "--format", "csv", "-o", "e.csv"],
     "grades.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "grades.json"],
     "grades.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "grades.xml"],
+    "seeds.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--seeds", "seeds.json"],
     "c.xml": ["conformance", "catch_arena:arbitrate", "--only", "reach", "--junit", "c.xml"],
     "audit.json": ["audit", "--matches", "100", "-s", "duel", "--set", "time_limit_s=1", "--jobs", "1", "--out", "."],
 }
@@ -67,24 +68,31 @@ def test_a_video_whose_name_gets_another_ending_replaces_nothing_either(played, 
     assert refused.stderr.startswith("catch-arena: v.gif.mp4: is there already: ")
 
 
+def commands_below(group, name=""):
+    """Each command by its whole name; of a group those in it."""
+    for word, command in group.commands.items():
+        if hasattr(command, "commands"):
+            yield from commands_below(command, f"{name}{word} ")
+        else:
+            yield f"{name}{word}", command
+
+
+def takes_a_value(parameter):
+    """Not a flag, as `explain --json` and `tournament --record` are."""
+    return not getattr(parameter, "is_flag", False)
+
+
 def test_every_command_that_names_a_file_to_write_can_be_forced():
+    written = {"--json", "--junit", "--out", "--output", "--record", "--seeds"}
     writers = set()
-    for name, command in typer.main.get_command(main).commands.items():
-        options = {option for parameter in command.params for option in parameter.opts}
-        if options & {"--output", "--junit", "--record"} and name != "tournament":  # whose --record is a flag
+    for name, command in commands_below(typer.main.get_command(main)):
+        named = {option for parameter in command.params if takes_a_value(parameter) for option in parameter.opts}
+        if named & written:
             writers.add(name)
-            assert "--force" in options, name
-    assert writers >= {
-        "match",
-        "render",
-        "mosaic",
-        "highlights",
-        "sheet",
-        "export",
-        "grade",
-        "conformance",
-        "play",
-        "watch",
+            assert any("--force" in parameter.opts for parameter in command.params), name
+    assert writers == {
+        *("audit", "conformance", "export", "grade", "highlights", "match", "mosaic", "play", "render", "ros bag"),
+        *("ros import", "ros serve", "sheet", "suite", "tournament", "watch"),
     }
 
 

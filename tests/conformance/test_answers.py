@@ -252,7 +252,8 @@ def test_a_play_that_went_otherwise_is_told_whole():
             return {}
 
     report = run_conformance(
-        arena=Mute("oracle"), only=["time.driving-nearer", "inactive.for-good", "identity.", "time.clock"]
+        arena=Mute("oracle"),
+        only=["time.driving-nearer", "inactive.for-good", "identity.", "time.clock", "prey.withdrawn"],
     )
     text = {failure.case.id: str(failure) for failure in report.failures}
     assert (
@@ -267,3 +268,7 @@ def test_a_play_that_went_otherwise_is_told_whole():
     )
     assert "hunter 0 withdrawn" in text["inactive.for-good"]
     assert "  Part 2: reset\n" in text["identity.new-episode"]
+    assert (
+        "  Part 1: hunter 0 put at (1.0, 1.0, 0.0); prey 0 withdrawn; prey 0 driven by (1000.0, 0.0); a step\n"
+        "    without requests\n"
+    ) in text["prey.withdrawn"]

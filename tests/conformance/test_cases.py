@@ -142,7 +142,7 @@ targets = { a = [1.1, 1.0] }
 requests = [{ hunter = 0, name = "a", verdict = "GRANTED", distance_um = 100_000, winner = 0 }]
 """
 GOOD_WORLD = """
-[[world]]
+[[arena_case]]
 id = "some.play"
 clauses = ["R3.1"]
 situation = "Nothing happens."
@@ -163,7 +163,7 @@ def test_a_file_is_read():
     [
         ("[[case]]", "[[case]", "some.toml: is no TOML: "),
         ("[[case]]", "[[cases]]", "some.toml: unknown key 'cases': did you mean case"),
-        ("[[case]]", "case = 3\n[[world]]", "some.toml: case must be a list of tables, got 3"),
+        ("[[case]]", "case = 3\n[[arena_case]]", "some.toml: case must be a list of tables, got 3"),
         ('id = "some.case"\n', "", "some.toml: case without an id: id must be given"),
         ('"some.case"', '"other.case"', "id must be some. and words in lower case"),
         ('"some.case"', '"some.Case"', "got 'some.Case'"),
@@ -184,8 +184,12 @@ def test_a_file_is_read():
         ("winner = 0", "winner = 7", "winner must be a seat or LOT, got 7"),
         ("winner = 0", 'winner = "LOT"', "must have its target among the lots"),
         ("winner = 0", "wins = 0", "unknown key 'wins'"),
-        ("requests =", "standart = []\nrequests =", "unknown key 'standart': did you mean standard"),
-        ("requests =", "standard = [{ hunter = 1, name = 'a', verdict = 'GRANTED' }]\nrequests =", "the very requests"),
+        ("requests =", "under_nearst = []\nrequests =", "unknown key 'under_nearst': did you mean under_nearest"),
+        (
+            "requests =",
+            "under_nearest = [{ hunter = 1, name = 'a', verdict = 'GRANTED' }]\nrequests =",
+            "under_nearest must answer the requests of the case itself, in their order",
+        ),
         ("requests =", 'policy = "farthest"\nrequests =', "policy must be one of nearest, first_come, capstone"),
         ("requests =", 'inactive = ["hunter_0"]\nrequests =', "inactive must be a list of seats"),
         ("requests =", "match_over = 1\nrequests =", "match_over must be true or false, got 1"),

@@ -73,7 +73,7 @@ def test_the_pages_python_runs():
 
 
 def test_the_pages_case_is_the_suites():
-    file = Path(__file__).parents[2] / "catch_arena" / "conformance" / "claimants.toml"
+    file = Path(__file__).parents[2] / "catch_arena" / "conformance" / "cases" / "claimants.toml"
     assert blocks("toml")[0] in file.read_text(encoding="utf-8")
 
 

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from catch_arena.arbitration import arbitrate
 from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import ArbiterCase
-from catch_arena.conformance.mistakes import KNOWN, Mistake, rules_with
-from catch_arena.conformance.replaceable_rules import Request, Rules, judge
+from catch_arena.conformance.mistakes.known_mistakes import KNOWN, Mistake, rules_with
+from catch_arena.conformance.mistakes.replaceable_rules import Request, Rules, judge
 from catch_arena.testing import Report, run_conformance
 
 

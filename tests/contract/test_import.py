@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+import tomllib
 from importlib import import_module
 from pathlib import Path
 
@@ -28,3 +29,11 @@ def test_every_public_name_is_what_type_checkers_are_told():
     for name, module in home.items():
         assert getattr(catch_arena, name) is getattr(import_module(module), name)
         assert name in dir(catch_arena)
+
+
+def test_every_package_is_in_a_wheel():
+    """pyproject.toml lists them; a checkout runs without its list."""
+    root = Path(catch_arena.__file__).parent
+    told = tomllib.loads((root.parent / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    here = [".".join(path.parent.relative_to(root.parent).parts) for path in root.rglob("__init__.py")]
+    assert told == sorted(here)

@@ -5,9 +5,9 @@ import itertools
 from catch_arena.config import ArenaConfig
 from catch_arena.render import hud, scene, text
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import poses_of
 from catch_arena.render.shapes import Box, Label, Path, Polygon, Stroke, Turtle
 from catch_arena.render.viewport import Viewport
+from catch_arena.replay.motion import poses_of
 from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, TargetState, World
 

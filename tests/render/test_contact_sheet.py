@@ -71,3 +71,8 @@ def test_what_is_said_about_a_picture_is_made_smaller_before_it_is_cut_off():
     *_, word = _stamp(area, 3700.0, "patrol beats contested_by_time by 17 mm")
     assert truncated(word.text, word.size, word.weight, word.max_width) == word.text
     assert word.size < _stamp(area, 3700.0, "a tie")[-1].size
+
+
+def test_a_picture_says_its_time_as_explain_and_render_take_it():
+    """In seconds, also where the clock of a video counts minutes."""
+    assert _stamp(hud.Rect(0, 0, 300, 30), 185_249.5, "a tie")[0].text == "185.2 s"

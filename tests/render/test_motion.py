@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from catch_arena.core.physics import TICK_MS
-from catch_arena.render.motion import frame_spans, interpolate, poses_of, step_motion
-from catch_arena.render.timing import Clip
+from catch_arena.render.timing import Clip, frame_spans
+from catch_arena.replay.motion import interpolate, poses_of, step_motion
 
 
 def test_the_ticks_lead_exactly_from_one_world_to_the_next(worlds):

@@ -9,11 +9,10 @@ import catch_arena
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.render.match_info import HUNTER_COLORS, MatchInfo
-from catch_arena.render.motion import frame_spans
 from catch_arena.render.raster import Ground
 from catch_arena.render.renderer import ArenaPainter, checked_size
 from catch_arena.render.sprites import SpriteCache
-from catch_arena.render.timing import Clip
+from catch_arena.render.timing import Clip, frame_spans
 from catch_arena.render.video import rendered_frames, renderer_for
 from catch_arena.render.viewport import TARGET_TRAIL, Viewport
 

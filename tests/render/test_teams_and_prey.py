@@ -9,7 +9,6 @@ from catch_arena.config import ArenaConfig
 from catch_arena.render import hud, scene
 from catch_arena.render.annotations import annotations_of
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.motion import poses_of, step_motion
 from catch_arena.render.raster import Canvas
 from catch_arena.render.shapes import INK, WHITE, Box, Label, Ring, Turtle
 from catch_arena.render.sprites import SpriteCache
@@ -18,6 +17,7 @@ from catch_arena.render.team_scores import team_scores_shapes
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import rendered_frames, renderer_for
 from catch_arena.render.viewport import TARGET, Viewport
+from catch_arena.replay.motion import poses_of, step_motion
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import HunterState, PreyState, TargetState, World
 

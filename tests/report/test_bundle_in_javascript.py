@@ -1,20 +1,15 @@
-"""The player's own decoder reads what Python wrote, number by number, and what is no bundle is refused with one line.
-
-It runs in Deno, without a page and without permissions: it reaches no file and no network.
-"""
+"""The player's own decoder reads what Python wrote, number by number, and refuses what is no bundle with one line."""
 
 import base64
 import copy
 import gzip
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from report.decoder import decoded
+from report.javascript import deno
 
 import catch_arena
 from catch_arena.explanation import explain
@@ -24,20 +19,9 @@ from catch_arena.player.element import element_script
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 
-DENO = Path(sys.executable).with_name("deno")
 READER = Path(__file__).with_name("read_bundles.js")
 SCENARIOS = tuple(catch_arena.SCENARIOS)
 WITHDRAWN_AT = 17
-
-
-def deno(*arguments, given=""):
-    """What it writes to its output."""
-    environment = {**os.environ, "DENO_NO_UPDATE_CHECK": "1", "DENO_DIR": str(DENO.parent.parent / "deno")}
-    done = subprocess.run(
-        [DENO, *arguments], input=given, capture_output=True, text=True, timeout=60, check=False, env=environment
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 def read(texts):

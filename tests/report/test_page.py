@@ -203,5 +203,5 @@ def test_the_page_does_without_a_recorded_match_that_cannot_be_read(played, tmp_
 
 def test_a_tournament_leaves_its_report(played):
     text = (played / REPORT).read_text(encoding="utf-8")
-    selected = json.loads(re.search(r'id="films">(.*?)</script>', text).group(1))
+    selected = json.loads(re.search(r'id="bundles">(.*?)</script>', text).group(1))
     assert set(selected) == ReportData.of(played).recorded

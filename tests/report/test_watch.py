@@ -63,8 +63,8 @@ def test_any_recorded_match_can_be_fetched_and_nothing_else(played):
         data = ReportData.of(played)
         match = min(data.recorded)
         fetched(address)
-        assert fetched(f"{address}films/{match}") == bundle_text(data.replay(match))
-        assert refused(f"{address}films/..%2F..%2Fsecret")[0] == 404
+        assert fetched(f"{address}bundles/{match}") == bundle_text(data.replay(match))
+        assert refused(f"{address}bundles/..%2F..%2Fsecret")[0] == 404
         assert refused(f"{address}tournament.sqlite") == (404, "there is nothing here")
 
 

@@ -25,6 +25,7 @@ from catch_arena.ros.middleware.interfaces import (
     Time,
     TwistMessage,
     Vector3,
+    from_attributes,
 )
 from catch_arena.ros.middleware.type_hashes import type_hash
 
@@ -39,7 +40,7 @@ def encoded(kind, message, **header):
 
 def decoded(kind, data, *, header=False):
     sample = dds_types.idl_struct(kind, header=header).deserialize(data)
-    message = dds_types.from_sample(kind, sample)
+    message = from_attributes(kind, sample)
     return (message, sample.client, sample.number) if header else message
 
 

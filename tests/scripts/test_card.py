@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, OtherTournamentError, StoreError
 from catch_arena.suite.contents import SUITE
 from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures
 from catch_arena.suite.references import references_text
@@ -94,6 +94,42 @@ def test_an_agent_that_is_in_the_card_is_replaced():
     assert re.findall(r"^### (\w+)$", merged, re.MULTILINE) == ["idle", "patrol"]
     assert merged.count("[`idle`]") == 1
     assert CARD["merged"](merged, better, 4) == merged
+
+
+class PlayedBefore:
+    """An evaluation that finds a folder with matches and tells `error`, as long as the folder is there."""
+
+    def __init__(self, folder, error):
+        self.folder, self.error, self.matches = folder, error, 2
+
+    def play(self, *_):
+        if self.folder.exists():
+            raise self.error
+
+
+def play_where(folder, error, monkeypatch):
+    module = CARD["play"].__globals__
+    monkeypatch.setitem(module, "Evaluation", lambda *_: PlayedBefore(folder, error))
+    monkeypatch.setitem(module, "measure", lambda _: "measured")
+    return CARD["play"](*enter(["idle"]), folder.parent, 1, 1)
+
+
+def test_only_the_folder_of_another_tournament_is_played_anew(tmp_path, monkeypatch):
+    """A path may hold whatever the message is made of."""
+    changed = tmp_path / "a" / "b: is of another tournament" / "standard"
+    changed.mkdir(parents=True)
+    error = OtherTournamentError(f"{changed}: is of another tournament: its agents are others", changed)
+    assert play_where(changed, error, monkeypatch) == "measured"
+    assert not changed.exists()
+    assert changed.parent.is_dir()
+
+
+def test_what_else_a_store_says_removes_nothing(tmp_path, monkeypatch):
+    folder = tmp_path / "x: is of another tournament" / "standard"
+    folder.mkdir(parents=True)
+    with pytest.raises(StoreError, match="is damaged"):
+        play_where(folder, StoreError(f"{folder}: is damaged"), monkeypatch)
+    assert folder.is_dir()
 
 
 def test_nothing_is_put_into_a_card_of_another_suite():

@@ -9,7 +9,7 @@ import stat
 import pytest
 
 from catch_arena import scenario
-from catch_arena.errors import StoreError
+from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch, blocks_of
@@ -126,8 +126,9 @@ CHANGES = {
 @pytest.mark.parametrize("message", CHANGES)
 def test_another_tournament_does_not_go_on_with_it_and_is_told_why(tmp_path, message):
     begun(tmp_path)
-    with pytest.raises(StoreError, match="is of another tournament") as raised:
+    with pytest.raises(OtherTournamentError, match="is of another tournament") as raised:
         Store.begin(dataclasses.replace(FACTS, **CHANGES[message]), tmp_path, resume=True)
+    assert raised.value.folder == tmp_path
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)
 

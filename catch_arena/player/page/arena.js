@@ -17,6 +17,8 @@
  * @property {string} target
  * @property {string} targetTrail
  * @property {string} ink
+ * @property {number[]} gridSteps in metres
+ * @property {number} gridGap in the page's pixels, between two lines at least
  * @property {number} hunterLength in metres
  * @property {number} targetLength in metres
  * @property {number} preyLength in metres
@@ -244,12 +246,13 @@ export class Painter {
     context.font = `750 ${12 * dots}px system-ui, sans-serif`;
     context.textAlign = "center";
     context.textBaseline = "middle";
-    context.fillStyle = inkOn(hunter.color);
+    context.fillStyle = readableOn(hunter.color, this.look.ink);
     context.fillText(String(seat), x, y + dots);
   }
 
   /** @param {Scene} scene */
   #ground({ context, replay, size, scale, dots, place }) {
+    const { gridSteps, gridGap } = this.look;
     context.fillStyle = this.look.outside;
     context.fillRect(0, 0, size, size);
     const [left, bottom] = place({ x: 0, y: 0 });
@@ -259,11 +262,17 @@ export class Painter {
     context.strokeStyle = this.look.grid;
     context.lineWidth = dots;
     context.beginPath();
-    for (let line = 1; line < replay.side; line++) {
-      context.moveTo(left + line * scale, bottom);
-      context.lineTo(left + line * scale, bottom - side);
-      context.moveTo(left, bottom - line * scale);
-      context.lineTo(left + side, bottom - line * scale);
+    const spacing = gridSteps.find((step) => step * scale >= gridGap * dots) ?? replay.side;
+    for (let line = spacing; line < replay.side; line += spacing) {
+      const [x, y] = place({ x: line, y: line });
+      if (x >= 0 && x <= size) {
+        context.moveTo(x, bottom);
+        context.lineTo(x, bottom - side);
+      }
+      if (y >= 0 && y <= size) {
+        context.moveTo(left, y);
+        context.lineTo(left + side, y);
+      }
     }
     context.stroke();
     context.strokeStyle = this.look.wall;
@@ -522,10 +531,11 @@ function mixed(one, other, part, opacity = 1) {
 }
 
 /**
- * The colour of a number on a hunter's.
+ * Dark or bright, whichever stands out from that colour: the formula of render/hud.py.
  * @param {string} color
+ * @param {string} dark
  */
-export function inkOn(color) {
+export function readableOn(color, dark) {
   const [red, green, blue] = rgb(color);
-  return 0.3 * red + 0.59 * green + 0.11 * blue > 120 ? "#0e122c" : "#ffffff";
+  return 0.2126 * red + 0.7152 * green + 0.0722 * blue > 120 ? dark : "#ffffff";
 }

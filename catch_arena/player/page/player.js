@@ -1,4 +1,4 @@
-import { inkOn, Painter } from "./arena.js";
+import { Painter, readableOn } from "./arena.js";
 import { Replay, unpacked } from "./replay.js";
 
 /** @typedef {import("./arena.js").Look} Look */
@@ -38,9 +38,10 @@ const plight = ({ caught, out }) => `${out ? "out, " : ""}caught ${caught}`;
 /** @param {string} verdict */
 const words = (verdict) => verdict.toLowerCase().replaceAll("_", " ");
 
-/** <catch-replay film="…">: a recorded match that plays. It needs nothing from the page around it. */
+/** <catch-replay bundle="…">: a recorded match that plays. It needs nothing from the page around it. */
 export class CatchReplay extends HTMLElement {
-  static observedAttributes = ["film"];
+  /** `film` was the name of `bundle`, and stands in saved notebooks. */
+  static observedAttributes = ["bundle", "film"];
   static unpacked = unpacked;
   static style = "";
   /** @type {Look} set by the page, from the tables of render/ */
@@ -96,17 +97,17 @@ export class CatchReplay extends HTMLElement {
 
   /**
    * A replay may come with the element, or later, or be changed for another.
-   * @param {string} _
+   * @param {string} name
    * @param {string | null} before
    * @param {string | null} text
    */
-  async attributeChangedCallback(_, before, text) {
+  async attributeChangedCallback(name, before, text) {
     if (!text || before === text) return;
     this.pause();
     this.replay = null;
     try {
       const replay = await Replay.of(text);
-      if (this.getAttribute("film") !== text) return; // another one was asked for meanwhile
+      if (this.getAttribute(name) !== text) return; // another one was asked for meanwhile
       this.replay = replay;
     } catch (error) {
       this.note.textContent = `The replay cannot be shown. ${error instanceof Error ? error.message : error}`;
@@ -453,6 +454,6 @@ export class CatchReplay extends HTMLElement {
 function chip(number, color) {
   const node = make("span", { className: "chip", textContent: number, ariaHidden: "true" });
   node.style.background = color;
-  node.style.color = inkOn(color);
+  node.style.color = readableOn(color, CatchReplay.look.ink);
   return node;
 }

@@ -65,7 +65,7 @@ at("theme").addEventListener("click", () => {
 /** The list of matches, and the player that shows one of them. */
 class Matches {
   /** @type {Record<string, [bundle: string, why: string]>} by a match's id */
-  bundles = JSON.parse(at("films").textContent);
+  bundles = JSON.parse(at("bundles").textContent);
   /** @type {Columns} */
   data = { names: [], seats: 0, hunting: 0, ids: [], recorded: [], seating: [], scores: [], ranks: [] };
   /** The first one of the list's page. */
@@ -158,7 +158,7 @@ class Matches {
     const bundle = this.bundles[id]?.[0] ?? (await this.fetched(id));
     if (!bundle) return;
     this.shown = id;
-    player.setAttribute("film", bundle);
+    player.setAttribute("bundle", bundle);
     at("showing").textContent = `Match ${id}`;
     this.show(this.first);
     if (moved) {
@@ -174,7 +174,7 @@ class Matches {
   async fetched(id) {
     at("showing").textContent = `Match ${id} is being prepared`;
     try {
-      const answer = await fetch(`films/${encodeURIComponent(id)}`);
+      const answer = await fetch(`bundles/${encodeURIComponent(id)}`);
       if (answer.ok) return await answer.text();
       at("showing").textContent = await answer.text();
     } catch {

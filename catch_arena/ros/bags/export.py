@@ -6,8 +6,8 @@ from typing import Final
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.render.motion import StepMotion, step_motion
 from catch_arena.replay import Replay
+from catch_arena.replay.motion import StepMotion, step_motion
 from catch_arena.ros.bags.files import Storage, TimedMessage, whole_bag
 from catch_arena.ros.bags.service_events import (
     REQUEST_RECEIVED,
@@ -26,7 +26,7 @@ from catch_arena.ros.middleware.graph_names import (
     pose_of,
 )
 from catch_arena.ros.middleware.interfaces import RULING, Interfaces, MessageType, Time
-from catch_arena.ros.nodes.rulings import ruling_message
+from catch_arena.ros.middleware.rulings import ruling_message
 from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, World
 

@@ -11,7 +11,6 @@ from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 from rosbags.interfaces import (
-    Nodetype,
     Qos,
     QosDurability,
     QosHistory,
@@ -26,7 +25,8 @@ from catch_arena.errors import OutputError
 from catch_arena.files import prepare_folder, unwritable
 from catch_arena.ros.bags.service_events import EVENT_INFO
 from catch_arena.ros.middleware.bus import DEPTH
-from catch_arena.ros.middleware.interfaces import TIME, MessageType
+from catch_arena.ros.middleware.interfaces import TIME, MessageType, values_by_field
+from catch_arena.ros.middleware.typestore import register
 
 Storage = Literal["mcap", "sqlite3"]
 
@@ -101,29 +101,9 @@ class BagWriter:
 
     def _made(self, kind: MessageType, message: Any) -> Any:
         """A message as rosbags takes it."""
-        values: dict[str, Any] = {}
-        for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
-            if isinstance(word, str):
-                values[name] = np.frombuffer(value, dtype=np.uint8) if isinstance(value, bytes) else value
-            else:
-                values[name] = [self._made(word, one) for one in value] if is_sequence else self._made(word, value)
-        return self._store.types[kind.name](**values)
-
-
-def register(store: Any, kind: MessageType) -> None:
-    """Make a type, and those in it, known to a type store of rosbags."""
-    if kind.name in store.fielddefs or kind is EVENT_INFO:
-        return
-    lines = []
-    for name, word, is_sequence in kind.fields:
-        if isinstance(word, str):
-            node: Any = (Nodetype.BASE, (word, 0))
-        else:
-            register(store, word)
-            node = (Nodetype.NAME, word.name)
-        most = 1 if kind.name.endswith("_Event") else 0  # 0: as many as there are
-        lines.append((name, (Nodetype.SEQUENCE, (node, most)) if is_sequence else node))
-    store.register({kind.name: ([], lines)})
+        values = values_by_field(kind, message, self._made)
+        arrays = {name: np.frombuffer(one, np.uint8) for name, one in values.items() if isinstance(one, bytes)}
+        return self._store.types[kind.name](**values | arrays)
 
 
 def _idl(kind: MessageType) -> str:

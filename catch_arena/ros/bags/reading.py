@@ -16,7 +16,6 @@ from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.errors import ReplayError, reason
 from catch_arena.messages import Pose, Turtle, TurtleArray
 from catch_arena.ros.bags.contents import BagContents, Listed, Place, Placed, RecordedRequest, Track
-from catch_arena.ros.bags.files import register
 from catch_arena.ros.bags.service_events import (
     REQUEST_RECEIVED,
     REQUEST_SENT,
@@ -27,6 +26,7 @@ from catch_arena.ros.bags.service_events import (
 )
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, POSE, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType
+from catch_arena.ros.middleware.typestore import register
 from catch_arena.text import one_line
 
 LONGEST_MS: Final = 24 * 3_600_000

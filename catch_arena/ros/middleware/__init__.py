@@ -1,10 +1,11 @@
 """What is sent on a ROS 2 bus, and over what.
 
 - interfaces: the messages and services as ROS's own definitions, and the tuples that stand for them here.
-- graph_names: what topics and services are called.
+- rulings: what the arbiter ruled, as a message.
+- graph_names: what topics and services are called. names: what the back-ends and the packages are called.
 - bus: what the rest uses of a middleware. dds_bus, rosbridge_bus and rclpy_bus: the three back-ends.
 - parameters, parameter_services: those of our nodes, and how others read and change them.
-- type_hashes: what tells two definitions of one type apart.
+- typestore: our types as the library rosbags knows types. type_hashes: what tells two definitions of one type apart.
 - dds_types, dds_peers: messages as DDS has them; who else is on the bus, where that would cause trouble.
 - dds_graph: this process as a node of ROS's graph.
 """

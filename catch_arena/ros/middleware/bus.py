@@ -6,20 +6,17 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any, Final, Literal, Protocol, get_args
+from typing import Any, Final, Protocol
 
 from catch_arena.errors import BusError, ConfigError, install_hint
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
+from catch_arena.ros.middleware.names import BACKENDS, BRIDGE_URL, INTERFACES, Backend
 from catch_arena.ros.middleware.parameters import Parameters
 
-Backend = Literal["cyclonedds", "rosbridge", "rclpy"]
-BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
-"""In the order in which they are looked for."""
 DEPTH: Final = 10
 """Of every topic's history: ROS's usual one. Who reads less often loses the oldest."""
 HIGHEST_DOMAIN: Final = 232
 """The ports of the domains above it do not exist."""
-BRIDGE_URL: Final = "ws://127.0.0.1:9090"
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
 _INSTALL: Final = install_hint("ros")
 _SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
@@ -172,7 +169,7 @@ def checked_package(option: str, name: str) -> str:
         ConfigError: for anything else.
     """
     if not _NAME.fullmatch(name):
-        raise ConfigError(f"{option} must be the name of a ROS package, as my_robot_interfaces, got {name!r}")
+        raise ConfigError(f"{option} must be the name of a ROS package, as {INTERFACES}, got {name!r}")
     return name
 
 

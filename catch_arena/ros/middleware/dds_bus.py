@@ -25,11 +25,12 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.middleware.dds_graph import Graph
 from catch_arena.ros.middleware.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
-from catch_arena.ros.middleware.dds_types import from_sample, idl_struct, ros_name, to_sample
-from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
+from catch_arena.ros.middleware.dds_types import idl_struct, ros_name, to_sample
+from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
+from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameter_services import serve_parameters
 from catch_arena.ros.middleware.parameters import Parameters
 
@@ -101,7 +102,7 @@ class DdsBus:
         """Hear a topic."""
 
         def on_sample(sample: Any, peer: Peer | None) -> None:
-            on_message(from_sample(kind, sample), peer)
+            on_message(from_attributes(kind, sample), peer)
 
         self._topics[topic] = self._reader(f"rt{_absolute(topic)}", kind, DEPTH, on_sample)
 
@@ -167,7 +168,9 @@ class DdsBus:
 
         def on_sample(sample: Any, peer: Peer | None) -> None:
             reply = _Reply(self._write, writer, kind.response, sample.client, sample.number, peer)
-            on_request(Request(from_sample(kind.request, sample), peer, lambda response: self._answer(reply, response)))
+            on_request(
+                Request(from_attributes(kind.request, sample), peer, lambda response: self._answer(reply, response))
+            )
 
         asked = self._reader(f"rq{name}Request", kind.request, _SERVICE_DEPTH, on_sample, user, header=True)
         asked.at_once = at_once
@@ -325,7 +328,7 @@ class _DdsClient:
         """A response on the topic that all clients of the service share."""
         del peer
         if sample.client == self._own and (call := self._calls.pop(sample.number, None)) is not None:
-            call.response = from_sample(self._kind.response, sample)
+            call.response = from_attributes(self._kind.response, sample)
 
 
 def _participants(data_of: Callable[[int], Any], handles: Sequence[int]) -> set[UUID]:

@@ -6,7 +6,7 @@ from typing import Any, Final
 from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.idl.annotations import final
 
-from catch_arena.ros.middleware.interfaces import PRIMITIVES, MessageType
+from catch_arena.ros.middleware.interfaces import PRIMITIVES, MessageType, values_by_field
 
 _MISSING_MEMBER: Final = "structure_needs_at_least_one_member"
 """The byte that ROS puts into what has no fields."""
@@ -54,22 +54,5 @@ def idl_struct(kind: MessageType, *, header: bool = False, bounded: bool = False
 
 def to_sample(kind: MessageType, message: Any, **header: int) -> Any:
     """A message as the package wants it."""
-    values: dict[str, Any] = {**header} if kind.fields else {**header, **_DUMMY}
-    for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
-        if isinstance(word, str):
-            values[name] = list(value) if is_sequence else value
-        else:
-            values[name] = [to_sample(word, one) for one in value] if is_sequence else to_sample(word, value)
-    return idl_struct(kind, header=bool(header))(**values)
-
-
-def from_sample(kind: MessageType, sample: Any) -> Any:
-    """A message from what the package gives."""
-    values = []
-    for name, word, is_sequence in kind.fields:
-        value = getattr(sample, name)
-        if isinstance(word, str):
-            values.append(tuple(value) if is_sequence else value)
-        else:
-            values.append(tuple(from_sample(word, one) for one in value) if is_sequence else from_sample(word, value))
-    return kind.make(*values)
+    values = values_by_field(kind, message, to_sample) or _DUMMY
+    return idl_struct(kind, header=bool(header))(**header, **values)

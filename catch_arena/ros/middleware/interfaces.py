@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from catch_arena import messages
+from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 
 PRIMITIVES: Final = frozenset(
     ("bool", "string", "float32", "float64", "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64")
@@ -155,6 +156,36 @@ def service_type(name: str, request: tuple[Any, ...], response: tuple[Any, ...])
     return ServiceType(name, message_type(f"{name}_Request", *request), message_type(f"{name}_Response", *response))
 
 
+def values_by_field(kind: MessageType, message: Any, convert: Callable[[MessageType, Any], Any]) -> dict[str, Any]:
+    """What one of our tuples holds, by the names of its definition.
+
+    Args:
+        kind: its type.
+        message: the tuple.
+        convert: makes of a type and a tuple what stands for a message in it.
+    """
+    values: dict[str, Any] = {}
+    for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
+        if isinstance(word, str):
+            values[name] = list(value) if is_sequence and not isinstance(value, bytes) else value
+        else:
+            values[name] = [convert(word, one) for one in value] if is_sequence else convert(word, value)
+    return values
+
+
+def from_attributes(kind: MessageType, source: Any) -> Any:
+    """Our tuple from what has the fields as attributes, as a library's messages do."""
+    values = []
+    for name, word, is_sequence in kind.fields:
+        value = getattr(source, name)
+        if not isinstance(word, str):
+            value = tuple(from_attributes(word, one) for one in value) if is_sequence else from_attributes(word, value)
+        elif is_sequence:
+            value = tuple(value)
+        values.append(value)
+    return kind.make(*values)
+
+
 VECTOR3: Final = message_type("geometry_msgs/msg/Vector3", Vector3, "float64 x", "float64 y", "float64 z")
 TWIST: Final = message_type("geometry_msgs/msg/Twist", TwistMessage, (VECTOR3, "linear"), (VECTOR3, "angular"))
 TIME: Final = message_type("builtin_interfaces/msg/Time", Time, "int32 sec", "uint32 nanosec")
@@ -194,7 +225,7 @@ class Interfaces:
         turtlesim: turtlesim's, which is turtlesim_msgs from Kilted on.
     """
 
-    def __init__(self, package: str = "my_robot_interfaces", turtlesim: str = "turtlesim") -> None:
+    def __init__(self, package: str = INTERFACES, turtlesim: str = TURTLESIM) -> None:
         self.turtle: Final = message_type(
             f"{package}/msg/Turtle", messages.Turtle, "string name", "float64 x", "float64 y", "float64 theta"
         )

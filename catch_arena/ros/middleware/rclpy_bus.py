@@ -6,8 +6,9 @@ from importlib import import_module
 from typing import Any
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
-from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
+from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
+from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameters import Parameters
 
 
@@ -56,7 +57,7 @@ class RclpyBus:
 
         def hear(message: Any) -> None:
             self._heard += 1
-            on_message(from_ros(kind, message), None)
+            on_message(from_attributes(kind, message), None)
 
         self._subscriptions[topic] = self._node.create_subscription(ros_class(kind.name), topic, hear, DEPTH)
 
@@ -77,7 +78,7 @@ class RclpyBus:
                 if not self._spinning:
                     self.spin()
 
-            on_request(Request(from_ros(kind.request, request), None, answer))
+            on_request(Request(from_attributes(kind.request, request), None, answer))
             value = await answered
             self._owed -= 1
             self._heard += 1
@@ -155,7 +156,7 @@ class _RclpyClient:
         call = Call()
 
         def done(future: Any) -> None:
-            call.response = from_ros(self._kind.response, future.result())
+            call.response = from_attributes(self._kind.response, future.result())
 
         message = to_ros(self._kind.request, request, ros_class(self._kind.name).Request())
         self._client.call_async(message).add_done_callback(done)
@@ -185,15 +186,3 @@ def to_ros(kind: MessageType, message: Any, target: Any) -> Any:
         else:
             to_ros(word, value, getattr(target, name))
     return target
-
-
-def from_ros(kind: MessageType, message: Any) -> Any:
-    """Ours from ROS's."""
-    values = []
-    for name, word, is_sequence in kind.fields:
-        value = getattr(message, name)
-        if isinstance(word, str):
-            values.append(tuple(value) if is_sequence else value)
-        else:
-            values.append(tuple(from_ros(word, one) for one in value) if is_sequence else from_ros(word, value))
-    return kind.make(*values)

@@ -15,8 +15,9 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, Backend, Call, Log, OnMessage, Peer, Request
-from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
+from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, values_by_field
+from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import one_line
 
@@ -288,13 +289,7 @@ class _BridgeClient:
 
 def to_json(kind: MessageType, message: Any) -> dict[str, Any]:
     """A message as rosbridge writes it."""
-    values = {}
-    for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
-        if isinstance(word, str):
-            values[name] = list(value) if is_sequence else value
-        else:
-            values[name] = [to_json(word, one) for one in value] if is_sequence else to_json(word, value)
-    return values
+    return values_by_field(kind, message, to_json)
 
 
 def from_json(kind: MessageType, values: Any) -> Any:

@@ -14,12 +14,13 @@ from catch_arena.conformance.answers import Difference, DiffersError, Unreadable
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
 from catch_arena.conformance.comparison import REFUSED, Call, Strictness, compare
 from catch_arena.conformance.report import Report
-from catch_arena.conformance.results import Failure, Result
+from catch_arena.conformance.results import Failure, LeftOut, Result
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.ros.node_tests.node_under_test import ANSWER_S, NodeUnderTest, Place
 from catch_arena.verdicts import Ruling, Verdict
 
+_NOT_BY_SERVICE: Final = LeftOut("cannot be asked of a service", "cannot be asked of a service")
 _SETTLE_S: Final = 0.15
 """So long a position stands before a node is asked: each of its topics comes some nine times."""
 _SETTLE_AGAIN_S: Final = 1.0
@@ -87,7 +88,7 @@ class _Run:
         """What came of a case. A wrong answer counts if it comes twice, the second time after a second's peace."""
         start = time.perf_counter()
         if not isinstance(case, ArbiterCase) or not self._can_play(case):
-            return Result(case, None, 0.0, played=False)
+            return Result(case, None, 0.0, _NOT_BY_SERVICE)
         differences = self._played(case, _SETTLE_S)
         if differences and not any(isinstance(one, UnreadableAnswer) for one in differences):
             differences = self._played(case, _SETTLE_AGAIN_S)

@@ -10,7 +10,7 @@ from catch_arena.errors import BusError, ConfigError, MissingServiceError
 from catch_arena.ros.node_tests.cases import can_be_asked, run_on_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
-from catch_arena.tournament.grading import Spec, Test
+from catch_arena.tournament.grading import GradingSpec, GradingTest
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class NodeGrade:
         return "\n        ".join([head, *self.failures, *(f"hint: {hint}" for hint in self.hints)])
 
 
-def grade_node(spec: Spec, node: NodeUnderTest) -> Iterator[NodeGrade]:
+def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[NodeGrade]:
     """The tests of a spec, one after the other. A node that ends or falls silent keeps what it has earned, and gets
     nothing for the rest.
 
@@ -62,7 +62,7 @@ def grade_node(spec: Spec, node: NodeUnderTest) -> Iterator[NodeGrade]:
         yield NodeGrade(test.name, 0.0, test.points, len(cases), 0, (str(lost),), ())
 
 
-def _cases(test: Test) -> list[ArbiterCase | ArenaCase]:
+def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
     if not test.cases:
         raise ConfigError(f'{test.name}: cases must be given for a node, as in cases = ["reach", "names"]')
     try:
@@ -74,7 +74,7 @@ def _cases(test: Test) -> list[ArbiterCase | ArenaCase]:
     return found
 
 
-def _grade(test: Test, report: Report) -> NodeGrade:
+def _grade(test: GradingTest, report: Report) -> NodeGrade:
     played = sum(result.played for result in report.results)
     if not played:
         raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")

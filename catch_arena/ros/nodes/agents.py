@@ -5,7 +5,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
-from catch_arena.envs.spaces import checked_choice, checked_command, checked_full
+from catch_arena.envs.spaces import checked_action
 from catch_arena.errors import ActionError
 from catch_arena.messages import CatchTurtleRequest, Twist
 from catch_arena.policy import Limits
@@ -93,17 +93,13 @@ class AgentSeats:
 
     def _take(self, seat: int, action: Any, requests: list[tuple[str, CatchTurtleRequest]]) -> None:
         config, hunter, seen = self._service.config, self._hunters[seat], self._seen[seat]
-        control, ranks = config.controls[seat], config.targets_seen
+        control = config.controls[seat]
         self._goals.pop(hunter, None)
-        if control == "target":
-            rank, command = checked_choice(hunter, "an action", action, ranks), (0.0, 0.0)
-            if 0 < rank <= len(seen):
+        rank, command = checked_action(control, hunter, action, config.targets_seen)
+        if 0 < rank <= len(seen):
+            if control == "target":
                 self._goals[hunter] = seen[rank - 1]
-        elif control == "velocity":
-            command = checked_command(hunter, "an action", action)
-        else:
-            rank, command = checked_full(hunter, action, ranks)
-            if 0 < rank <= len(seen):
+            else:
                 requests.append((hunter, CatchTurtleRequest(seen[rank - 1])))
         self._cmd_vel[hunter] = Twist(command[0] * config.max_speeds[seat], command[1] * config.max_turn_rates[seat])
 

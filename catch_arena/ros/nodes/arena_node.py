@@ -24,8 +24,8 @@ from catch_arena.ros.middleware.interfaces import (
     StandingMessage,
     Time,
 )
+from catch_arena.ros.middleware.rulings import ruling_message
 from catch_arena.ros.nodes.agents import AgentSeats
-from catch_arena.ros.nodes.rulings import ruling_message
 from catch_arena.ros.nodes.seats import RosSeat, seat_of
 from catch_arena.service import ArenaService, response
 from catch_arena.text import one_line

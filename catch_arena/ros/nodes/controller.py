@@ -12,7 +12,7 @@ import numpy as np
 
 from catch_arena.config import ArenaConfig, Gains
 from catch_arena.engine import Engine
-from catch_arena.envs.spaces import checked_choice, checked_command, checked_full
+from catch_arena.envs.spaces import checked_action
 from catch_arena.errors import ActionError, AgentError
 from catch_arena.layout import columns
 from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
@@ -164,20 +164,14 @@ class Controller:
     def _decide(self, world: World, names: list[str]) -> None:
         """The agent's action, played for one step in its own arena: what its hunter does there the turtle does here."""
         config = self._engine.config
-        control, ranks = config.controls[0], config.targets_seen
+        control = config.controls[0]
         mask = [] if control == "velocity" else self._engine.masks[0, 0].tolist()
         seat = 0 if self._closest_first is None or self._closest_first.value else 1
         action, _, fault = self._players.act({seat: (self._observe(world, names), mask)})[seat]
         if fault is not None:
             raise AgentError(f"{fault.code}: {fault.reason}")
-        rank, command = 0, (0.0, 0.0)
         try:
-            if control == "target":
-                rank = checked_choice(self._turtle, "an action", action, ranks)
-            elif control == "velocity":
-                command = checked_command(self._turtle, "an action", action)
-            else:
-                rank, command = checked_full(self._turtle, action, ranks)
+            rank, command = checked_action(control, self._turtle, action, config.targets_seen)
         except ActionError as error:
             raise AgentError(f"FORFEIT_ILLEGAL: {error}") from None
         self._engine.step(np.array([[rank]], dtype=np.int64), np.array([[command]], dtype=np.float32))

@@ -128,7 +128,7 @@ def test_one_that_does_harm_when_it_is_looked_at_is_not_started(tmp_path, kind):
 def test_one_that_kills_the_tournament_when_it_is_looked_at_is_not_looked_at_again(tmp_path):
     others = honest(tmp_path)
     done = play(tmp_path / "o", [saboteur(tmp_path, "the_tournament_at_import"), *others], "--jobs", "1", lives=2)
-    said = "the tournament was killed while it was looked at; to have it looked at again, remove first_looks.json"
+    said = "the tournament was killed while it was looked at; to have it looked at again, remove inspections.json"
     assert f"cannot begin, and forfeits its matches: {said}" in done.stderr
     assert codes(tmp_path / "o") == {"the_tournament_at_import": {"FORFEIT_INIT"}} | {
         Path(path).stem: {None} for path in others

@@ -1,14 +1,12 @@
 """What the arbiter ruled, as the message that listeners on a bus and readers of a bag get."""
 
-import re
 from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.ros.middleware.interfaces import RulingMessage
-from catch_arena.verdicts import Ruling
+from catch_arena.verdicts import CLAUSES, Ruling
 
 _LONGEST_TOLD: Final = 255
-_CLAUSE: Final = re.compile(r"\((R\d+\.\d+)\)")
 
 
 def ruling_message(ruling: Ruling, time_ms: int, hunters: Sequence[str]) -> RulingMessage:
@@ -19,7 +17,6 @@ def ruling_message(ruling: Ruling, time_ms: int, hunters: Sequence[str]) -> Ruli
         time_ms: when the step began in which it was judged.
         hunters: their names, by seat.
     """
-    clause = _CLAUSE.search(ruling.reason)
     return RulingMessage(
         time=time_ms / 1000.0,
         step=ruling.step,
@@ -29,6 +26,6 @@ def ruling_message(ruling: Ruling, time_ms: int, hunters: Sequence[str]) -> Ruli
         success=ruling.success,
         distance=-1.0 if ruling.distance_um is None else ruling.distance_um / 1e6,
         winner="" if ruling.winner is None else hunters[ruling.winner],
-        clause=clause[1] if clause else "",
+        clause=CLAUSES[ruling.verdict],
         reason=ruling.reason,
     )

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from catch_arena.conformance.answers import WrongTarget
-from catch_arena.conformance.replaceable_rules import Request, Step, nearest
+from catch_arena.conformance.mistakes.replaceable_rules import Request, Step, nearest
 from catch_arena.text import in_short
 from catch_arena.verdicts import Verdict
 

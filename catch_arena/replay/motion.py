@@ -1,15 +1,16 @@
 """Where everybody is at any instant: a step's ticks, run again, and straight lines between them."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from catch_arena.core.math import sincos
 from catch_arena.core.physics import DT, TICK_MS, WATCHDOG_MS, next_pose, turned
-from catch_arena.render.timing import FrameTiming
-from catch_arena.render.viewport import Pose2D
 from catch_arena.world import HunterState, TargetState, World
+
+Pose2D = tuple[float, float, float]
+"""x [m], y [m], theta [rad], as geometry_msgs has it; `messages.Pose` is turtlesim's, with velocities."""
 
 _AGREES_M: Final = 1e-6
 _MOST_TICKS: Final = 625
@@ -136,40 +137,3 @@ def _body_ticks(
         goal = (end.x, end.y, end.theta)
         poses = [interpolate(poses[0], goal, tick / max(1, ticks)) for tick in range(ticks + 1)]
     return poses
-
-
-@dataclass(frozen=True, slots=True)
-class FrameSpan:
-    """One step's motion and the frames in it: none where steps are shorter than frames, or before the clip."""
-
-    motion: StepMotion
-    frames: range
-    next_tick: Poses | None
-
-
-def frame_spans(worlds: Iterable[World], timing: FrameTiming) -> Iterator[FrameSpan]:
-    """The steps of a match up to the last frame, each with its frames: those that show [t, t + period).
-
-    Memory does not grow with the match: two steps are known at a time. A match without steps is one motion that leads
-    nowhere.
-    """
-    motions = _motions(worlds)
-    motion: StepMotion | None = next(motions)
-    shown = 0
-    while motion is not None and shown < timing.frames:
-        following = next(motions, None)
-        end = timing.frames if following is None else timing.frames_before(motion.after.time_ms)
-        yield FrameSpan(
-            motion, range(shown, end), None if following is None else following.poses[min(1, len(following.poses) - 1)]
-        )
-        shown, motion = end, following
-
-
-def _motions(worlds: Iterable[World]) -> Iterator[StepMotion]:
-    stream = iter(worlds)
-    first = before = next(stream)
-    for after in stream:
-        yield step_motion(before, after)
-        before = after
-    if before is first:
-        yield step_motion(first, first)

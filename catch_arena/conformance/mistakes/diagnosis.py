@@ -8,8 +8,8 @@ from catch_arena.conformance.answers import RaisedError, UnreadableAnswer, Wrong
 from catch_arena.conformance.arena_runner import WrongReading
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase, ExpectedRuling
 from catch_arena.conformance.comparison import Strictness, WrongRuling
-from catch_arena.conformance.mistake_search import Search
-from catch_arena.conformance.mistakes import EVIDENCE, meaning
+from catch_arena.conformance.mistakes.known_mistakes import EVIDENCE, meaning
+from catch_arena.conformance.mistakes.search import Search
 from catch_arena.conformance.results import Failure, Result
 from catch_arena.verdicts import Ruling, Verdict
 

@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
-from catch_arena.conformance import wrong_rules as wrong
-from catch_arena.conformance.replaceable_rules import OF_CAPSTONE, ORDER, Request, Rules, Step
-from catch_arena.conformance.wrong_rules import Finish
+from catch_arena.conformance.mistakes import wrong_rules as wrong
+from catch_arena.conformance.mistakes.replaceable_rules import OF_CAPSTONE, ORDER, Request, Rules, Step
+from catch_arena.conformance.mistakes.wrong_rules import Finish
 from catch_arena.verdicts import REASONS, Verdict
 
 

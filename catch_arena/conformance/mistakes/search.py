@@ -6,8 +6,8 @@ from typing import Final
 
 from catch_arena.conformance.answers import WrongTarget
 from catch_arena.conformance.comparison import Call, Strictness, WrongLot, WrongRuling
-from catch_arena.conformance.mistakes import KNOWN, Mistake, mistaken_verdicts, rules_with
-from catch_arena.conformance.replaceable_rules import Lottery, Request, Rules, judge
+from catch_arena.conformance.mistakes.known_mistakes import KNOWN, Mistake, mistaken_verdicts, rules_with
+from catch_arena.conformance.mistakes.replaceable_rules import Lottery, Request, Rules, judge
 from catch_arena.conformance.results import Result
 from catch_arena.text import in_short
 from catch_arena.verdicts import Ruling, Verdict

@@ -1,0 +1,13 @@
+"""What a bus and the exercise's packages are called: for options, which must not load what speaks to a bus."""
+
+from typing import Final, Literal, get_args
+
+Backend = Literal["cyclonedds", "rosbridge", "rclpy"]
+BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
+"""In the order in which they are looked for."""
+BRIDGE_URL: Final = "ws://127.0.0.1:9090"
+"""Where rosbridge's server usually listens."""
+INTERFACES: Final = "my_robot_interfaces"
+"""The exercise's package, with Turtle, TurtleArray and CatchTurtle."""
+TURTLESIM: Final = "turtlesim"
+"""The package with Pose; turtlesim_msgs from Kilted on."""

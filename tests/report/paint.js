@@ -1,0 +1,46 @@
+import { Painter, readableOn } from "../../catch_arena/player/page/arena.js";
+
+// What the player's page has of a browser, without a page.
+Object.assign(globalThis, { Path2D: class {} });
+
+/**
+ * How many lines are drawn before the walls, of an empty arena, and of a contest in its upper right corner.
+ * @param {import("../../catch_arena/player/page/arena.js").Look} look
+ * @param {number} side of the arena
+ * @param {number} pixels of the canvas
+ */
+function gridLines(look, side, pixels) {
+  let lines = 0;
+  const context = new Proxy({ lineTo: () => lines++ }, {
+    get: (target, name) => name === "lineTo" ? target.lineTo : () => {},
+    set: () => true,
+  });
+  const canvas = /** @type {HTMLCanvasElement} */ (/** @type {unknown} */ ({
+    width: 2 * pixels, // of a screen with two dots in a pixel
+    clientWidth: pixels,
+    getContext: () => context,
+  }));
+  const replay = /** @type {import("../../catch_arena/player/page/replay.js").Replay} */ (/** @type {unknown} */ ({
+    side,
+    hunters: [],
+    rulings: [],
+    alive: () => [],
+    pose: () => ({ x: side, y: side, theta: 0 }),
+  }));
+  const contest = /** @type {import("../../catch_arena/player/page/replay.js").Contest} */ (/** @type {unknown} */ ({
+    parties: [],
+    time: 0,
+  }));
+  const painter = new Painter({ ...look, turtle: [] });
+  painter.paint(canvas, replay, 0, null, true, false);
+  const whole = lines;
+  lines = 0;
+  painter.closeUp(canvas, replay, contest);
+  return { whole, closeUp: lines };
+}
+
+const { look, colors, arenas } = await new Response(Deno.stdin.readable).json();
+console.log(JSON.stringify({
+  dark: colors.map((/** @type {string} */ color) => readableOn(color, look.ink) === look.ink),
+  lines: arenas.map((/** @type {[number, number]} */ [side, pixels]) => gridLines(look, side, pixels)),
+}));
