@@ -23,7 +23,23 @@ from catch_arena.core.jit import entry
 from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED
 from catch_arena.verdicts import Verdict
 
+COLUMNS = [
+    REQUEST_SEAT,
+    REQUEST_TARGET,
+    REQUEST_NUMBER,
+    REQUEST_DISTANCE,
+    REQUEST_INACTIVE,
+    REQUEST_KILL_REFUSED,
+    REQUEST_REACH,
+    REQUEST_VERDICT,
+    REQUEST_WINNER,
+]
 TARGET_7 = {REQUEST_TARGET: 7, REQUEST_NUMBER: 7}
+
+
+def test_each_column_of_the_table_is_its_own():
+    """What is written does not take the place of what is read."""
+    assert sorted(COLUMNS) == list(range(REQUEST_COLUMNS))
 
 
 def judged(*rows):
