@@ -381,17 +381,20 @@ class OnEveryMutant:
         return True
 
 
-def on_constants(mutant: Mutant) -> int:  # noqa: ARG001 - the module is imported by the tests, with the mutant
-    """What pytest says of the killing tests, in a process that has none of the core yet."""
-    return run_pytest(Hourglass())
+def on_constants(mutant: Mutant) -> int:
+    """What pytest says of the killing tests, in a process that has none of the core yet: first of those of the mutant's
+    module, which are collected in a fraction of the time.
+    """
+    own = [tests for tests in KILLERS if turn_of(ROOT / tests, mutant) == 0]
+    return run_pytest(Hourglass(), own) or run_pytest(Hourglass())
 
 
-def run_pytest(plugin: object) -> int:
-    """What pytest says of the killing tests, up to the first that fails."""
+def run_pytest(plugin: object, tests: Sequence[str] = KILLERS) -> int:
+    """What pytest says of these tests, up to the first that fails."""
     import pytest
 
     options = ("-x", "-q", "--capture=no", "-p", "no:cacheprovider", "--assert=plain", "-k", f"not ({SLOW})")
-    return int(pytest.main([*options, *KILLERS], [plugin]))
+    return int(pytest.main([*options, *tests], [plugin])) if tests else 0
 
 
 def begin(run: Callable[[], int]) -> int:
