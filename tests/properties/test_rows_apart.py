@@ -13,9 +13,17 @@ from properties.test_engine_equals_oracle import compare, prey_array
 from rulebook.adjudicators import as_arrays
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core.episodes import FINAL_RANK, FINAL_REWARD_SUM, FINAL_SCORE, LENGTH
+from catch_arena.core.episodes import (
+    FINAL_CONTESTS_WON,
+    FINAL_RANK,
+    FINAL_REWARD_SUM,
+    FINAL_SCORE,
+    FINAL_TALLIES,
+    LENGTH,
+)
 from catch_arena.engine import Engine
 from catch_arena.layout import columns
+from catch_arena.verdicts import Verdict
 
 ROWS = 3
 MANY_ROWS = 33
@@ -166,6 +174,8 @@ def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
         batch.withdraw_prey(row, index)
     paid = np.zeros((MANY_ROWS, config.hunters))
     prey_paid = np.zeros((MANY_ROWS, config.prey))
+    won = np.zeros((MANY_ROWS, config.hunters))
+    met = np.zeros((MANY_ROWS, config.hunters, len(Verdict)))
     for step in range(1, 7):
         hunters, prey, arrays = actions_of(source, config, oracles)
         batch.step(*arrays)
@@ -175,6 +185,15 @@ def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
             oracle.step(hunters[row], prey[row])
             paid[row] += oracle.rewards
             prey_paid[row] += oracle.prey_rewards
+            contests = set()
+            for seat, ruling in enumerate(oracle.rulings):
+                if ruling is not None:
+                    verdict, number, _, winner = ruling
+                    met[row, seat, verdict - 1] += 1
+                    if verdict == Verdict.LOST_CONTEST:
+                        contests.add((winner, number))
+            for winner, _ in contests:
+                won[row, winner] += 1
             assert batch.rewards[row].tolist() == [np.float32(one) for one in oracle.rewards]
             assert batch.prey_rewards[row].tolist() == [np.float32(one) for one in oracle.prey_rewards]
             if oracle.terminated or oracle.truncated:
@@ -183,6 +202,8 @@ def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
                 assert (figures[:, LENGTH] == step).all()
                 assert figures[:, FINAL_REWARD_SUM].tolist() == [np.float32(one) for one in paid[row]]
                 assert figures[:, FINAL_SCORE].tolist() == scores
+                assert figures[:, FINAL_CONTESTS_WON].tolist() == won[row].tolist()
+                assert figures[:, FINAL_TALLIES:].tolist() == met[row].tolist()
                 team_scores = oracle.team_scores()
                 for seats, score in zip(config.team_seats, team_scores, strict=True):
                     assert (figures[list(seats), FINAL_RANK] == 1 + sum(other > score for other in team_scores)).all()
@@ -193,6 +214,7 @@ def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
                 ]
                 assert batch.prey_records[row].tolist() == expected
     assert all(oracle.terminated or oracle.truncated for oracle in oracles)
+    assert won.any() or "reach_m" not in CONFIGS[name]
 
 
 @pytest.mark.parametrize(("hunters", "prey", "rows"), CROWDS)
