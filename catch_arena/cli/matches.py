@@ -172,7 +172,8 @@ def tournament(
             played = store.count_played()
             write_standings(out, about, played, tables)
         except (NoContest, OutputError, StoreError) as error:
-            raise type(error)(f"{error}; {kept(store.count_played())}") from None
+            error.args = (f"{error}; {kept(store.count_played())}",)
+            raise
         for table in standings_tables(tables):
             Console().print(table)
         for line in tables["hunter"]:

@@ -138,7 +138,8 @@ def suite(
 
                 one.play(workers, on_results)
     except (NoContest, OutputError, StoreError) as error:
-        raise type(error)(f"{error}; {kept()}") from None
+        error.args = (f"{error}; {kept()}",)
+        raise
     known = references(SUITE)
     measured = [measure(one) for one in evaluations]
     for measures in measured:
