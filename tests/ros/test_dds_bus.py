@@ -333,11 +333,14 @@ def test_the_first_that_is_installed_is_taken_and_told(monkeypatch, domain):
         ({}, False),
         ({"ROS_LOCALHOST_ONLY": "1"}, True),
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost"}, True),
-        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_LOCALHOST_ONLY": "1"}, False),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_LOCALHOST_ONLY": "0"}, True),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_LOCALHOST_ONLY": "1"}, True),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_LOCALHOST_ONLY": "0"}, False),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT"}, False),
     ],
 )
 def test_the_environment_says_whether_it_keeps_to_this_machine(monkeypatch, variables, expected):
-    """As ROS reads it; the newer variable comes first."""
+    """As ROS reads it: the older variable comes first, and an unknown range is the narrow one."""
     for name in ("ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
         monkeypatch.delenv(name, raising=False)
     for name, value in variables.items():

@@ -16,6 +16,7 @@ from ros import cdr, wire
 from ros.processes import own_domain
 
 from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.dds_peers import announced_hash
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
 
 TYPES = Interfaces()
@@ -63,8 +64,8 @@ class RosProcess:
                 return self.waiting.pop(0)
         raise AssertionError("it does not come")
 
-    def endpoints(self, builtin):
-        """The ids of a participant's readers or writers by topic, as DDS itself announces them."""
+    def endpoints(self, builtin, what=lambda one: one.key.bytes):
+        """The ids of a participant's readers or writers by topic, as DDS itself announces them; or more of them."""
         looking = BuiltinDataReader(self.node.participant, builtin)
         own = self.node.participant.guid
         end = time.monotonic() + 0.5
@@ -72,7 +73,7 @@ class RosProcess:
         while time.monotonic() < end:
             for one in looking.take(100):
                 if one.sample_info.valid_data and one.participant_key != own:
-                    found[one.topic_name] = one.key.bytes
+                    found[one.topic_name] = what(one)
             time.sleep(0.01)
         return found
 
@@ -139,6 +140,25 @@ def test_a_writer_that_is_new_is_told_and_else_it_is_quiet():
             ours.spin(0.005)
         assert process.hears.take() + process.waiting == []
         del keep
+
+
+def test_each_topic_announces_the_hash_that_ros_has_for_its_type():
+    """From Iron on ROS warns of each topic whose announcement says nothing; these hashes are those of Jazzy's nodes."""
+    with domain_with_ours() as (domain, _):
+        process = RosProcess(domain, 16, HASH)
+        for builtin, topic, told in (
+            (
+                BuiltinTopicDcpsPublication,
+                "rt/hunter_0/pose",
+                "739beba26bcba6920404ba722b7b8321348512f92ea5be235c47251940dd8aa9",
+            ),
+            (
+                BuiltinTopicDcpsSubscription,
+                "rt/hunter_0/cmd_vel",
+                "9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a",
+            ),
+        ):
+            assert process.endpoints(builtin, announced_hash)[topic] == f"RIHS01_{told}"
 
 
 def test_two_of_our_own_do_as_the_first_of_ros_does():

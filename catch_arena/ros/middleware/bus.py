@@ -17,6 +17,8 @@ DEPTH: Final = 10
 """Of every topic's history: ROS's usual one. Who reads less often loses the oldest."""
 HIGHEST_DOMAIN: Final = 232
 """The ports of the domains above it do not exist."""
+_WIDER_RANGES: Final = ("", "OFF", "SUBNET", "SYSTEM_DEFAULT")
+"""Of ROS_AUTOMATIC_DISCOVERY_RANGE: those that do not keep to this machine, and OFF, which we do not know."""
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
 _INSTALL: Final = install_hint("ros")
 _SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
@@ -182,9 +184,13 @@ def _checked_domain(domain: int | None) -> int:
 
 
 def _localhost_only() -> bool:
-    """As ROS reads it: the first up to Humble, the second from Iron on."""
-    asked = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper()
-    return asked == "LOCALHOST" or (not asked and os.environ.get("ROS_LOCALHOST_ONLY") == "1")
+    """As ROS reads it: the first comes before the second, which is there from Iron on; what the second does not know
+    is LOCALHOST to it.
+    """
+    return (
+        os.environ.get("ROS_LOCALHOST_ONLY", "").startswith("1")
+        or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") not in _WIDER_RANGES
+    )
 
 
 def _is_installed(backend: Backend) -> bool:

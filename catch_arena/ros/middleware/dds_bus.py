@@ -27,7 +27,7 @@ from cyclonedds.util import duration
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.middleware.dds_graph import Graph
-from catch_arena.ros.middleware.dds_peers import FAST_DDS, PeerWatch, is_fast_dds
+from catch_arena.ros.middleware.dds_peers import FAST_DDS, PeerWatch, is_fast_dds, own_hash
 from catch_arena.ros.middleware.dds_types import idl_struct, ros_name, to_sample
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
 from catch_arena.ros.middleware.names import Backend
@@ -91,7 +91,7 @@ class DdsBus:
 
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic."""
-        writer = self._writer(f"rt{_absolute(topic)}", kind)
+        writer = self._writer(f"rt{_absolute(topic)}", kind, _announced(kind))
 
         def publish(message: Any) -> None:
             self._write(writer, to_sample(kind, message))
@@ -104,7 +104,7 @@ class DdsBus:
         def on_sample(sample: Any, peer: Peer | None) -> None:
             on_message(from_attributes(kind, sample), peer)
 
-        self._topics[topic] = self._reader(f"rt{_absolute(topic)}", kind, DEPTH, on_sample)
+        self._topics[topic] = self._reader(f"rt{_absolute(topic)}", kind, DEPTH, on_sample, _announced(kind))
 
     def unsubscribe(self, topic: str) -> None:
         """Hear it no more; the reader ends with its last reference."""
@@ -344,6 +344,12 @@ def _qos(depth: int, *policies: Any) -> Qos:
         Policy.DataRepresentation(use_cdrv0_representation=True),
         *policies,
     )
+
+
+def _announced(kind: MessageType) -> Any:
+    """The hash of a topic's type, as nodes of Iron and later announce it: they warn of each topic that says nothing."""
+    told = own_hash(kind)
+    return Policy.Userdata(b"" if told is None else f"typehash={told};".encode())
 
 
 def _absolute(name: str) -> str:

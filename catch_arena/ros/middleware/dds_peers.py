@@ -92,7 +92,7 @@ class PeerWatch:
             )
         elif topic.startswith("rq") and is_fast_dds(endpoint.participant_key):
             self._warn_once(topic, FAST_DDS.format(what=f"has to do with {topic[2:].removesuffix('Request')}"))
-        elif topic.startswith("rt") and (announced := announced_hash(endpoint)) not in {None, _own_hash(kind)}:
+        elif topic.startswith("rt") and (announced := announced_hash(endpoint)) not in {None, own_hash(kind)}:
             self._warn_once(
                 topic,
                 f"another node has other fields in {kind.name}, on {topic[2:]}, so that numbers arrive as garbage: "
@@ -118,7 +118,8 @@ def announced_hash(endpoint: Any) -> str | None:
     return None
 
 
-def _own_hash(kind: MessageType) -> str | None:
+def own_hash(kind: MessageType) -> str | None:
+    """What a node of Iron or later would say about ours; None without rosbags, which works it out."""
     return type_hash(kind) if find_spec("rosbags") is not None else None
 
 
