@@ -1,7 +1,9 @@
-"""System calls that agents do without: those that take memory or leave things behind where no limit counts them.
+"""System calls that agents do without: those that take memory or leave things behind where no limit counts them, and
+those that change the limits of other processes.
 
-A filter of the kernel (seccomp) answers them as a kernel that does not have them, so that libraries take other ways. It
-holds for a process and all that it starts, at both levels, and for root too.
+A filter of the kernel (seccomp) answers the former as a kernel that does not have them, so that libraries take other
+ways, and the latter as where another user's process is meant. It holds for a process and all that it starts, at both
+levels, and for root too.
 """
 
 import ctypes
@@ -69,6 +71,8 @@ _CALLS: Final = {
     },
 }
 """On other machines nothing is forbidden."""
+_PRLIMIT: Final = {0xC000003E: 302, 0x40000003: 340, 0xC00000B7: 261, 0x40000028: 369}
+"""The call that sets a process's limits, by machine: allowed where it names its own as 0, as libraries do."""
 _X32: Final = 0x40000000
 """From here on x86-64 has other numbers, for programs with short pointers, which hardly any kernel runs: all are
 forbidden.
@@ -76,7 +80,7 @@ forbidden.
 
 # <linux/bpf_common.h>, <linux/seccomp.h>, <linux/prctl.h>
 _LOAD, _EQUAL, _AT_LEAST, _RETURN = 0x20, 0x15, 0x35, 0x06
-_NUMBER, _MACHINE = 0, 4
+_NUMBER, _MACHINE, _FIRST_ARGUMENT = 0, 4, 16  # of the last its lower half, where the lower half comes first
 _ALLOW, _ERRNO = 0x7FFF0000, 0x00050000
 _SET_SECCOMP, _FILTER = 22, 2
 _instruction: Final = struct.Struct("@HBBI")
@@ -99,11 +103,18 @@ def _program() -> bytes:
         numbers = sorted(calls.values())
         lines += [
             (_LOAD, 0, 0, _MACHINE),
-            (_EQUAL, 0, len(numbers) + 4, machine),  # else on to the next machine
+            (_EQUAL, 0, len(numbers) + 8, machine),  # else on to the next machine
             (_LOAD, 0, 0, _NUMBER),
-            (_AT_LEAST, len(numbers) + 1, 0, _X32),
+            (_AT_LEAST, len(numbers) + 4, 0, _X32),
         ]
-        lines += [(_EQUAL, len(numbers) - place, 0, number) for place, number in enumerate(numbers)]
-        lines += [(_RETURN, 0, 0, _ALLOW), (_RETURN, 0, 0, _ERRNO | errno.ENOSYS)]
+        lines += [(_EQUAL, len(numbers) + 3 - place, 0, number) for place, number in enumerate(numbers)]
+        lines += [
+            (_EQUAL, 0, 2, _PRLIMIT[machine]),
+            (_LOAD, 0, 0, _FIRST_ARGUMENT),
+            (_EQUAL, 0, 2, 0),
+            (_RETURN, 0, 0, _ALLOW),
+            (_RETURN, 0, 0, _ERRNO | errno.ENOSYS),
+            (_RETURN, 0, 0, _ERRNO | errno.EPERM),
+        ]
     lines.append((_RETURN, 0, 0, _ALLOW))
     return b"".join(_instruction.pack(*line) for line in lines)

@@ -117,6 +117,13 @@ def takes_all_cpu_time_from_the_rival_by_prlimit(own):
         resource.prlimit(pid, resource.RLIMIT_CPU, (0, 0))
 
 
+def changes_the_rivals_limits(own):
+    for pid in siblings():
+        soft, hard = resource.prlimit(pid, resource.RLIMIT_STACK)
+        resource.prlimit(pid, resource.RLIMIT_STACK, (soft, hard))
+        tell(f"{soft} of {pid}")
+
+
 def makes_the_rival_slow_by_its_priority(own):
     for pid in siblings():
         os.setpriority(os.PRIO_PROCESS, pid, 19)

@@ -130,6 +130,7 @@ ATTACKS: Final = (
     attack(processes.kills_the_rival, beaten, STOPPED, STOPPED),
     attack(processes.stops_the_rival, beaten, STOPPED, STOPPED, limits=IMPATIENT),
     attack(processes.takes_all_cpu_time_from_the_rival_by_prlimit, beaten, STOPPED, STOPPED),
+    quiet(processes.changes_the_rivals_limits, done, STOPPED, STOPPED),
     quiet(processes.makes_the_rival_slow_by_its_priority, done, NOT_STOPPED, STOPPED),
     quiet(processes.takes_a_priority_above_all_others, done, AS_ROOT, STOPPED),
     # the tournament's processes
