@@ -405,7 +405,8 @@ def sort_ties(
 def resolve_ties(
     block: Block, seat: int, width: Width, lanes: int, s: Settings, teams: NDArray[np.int64], keys: Keys
 ) -> None:
-    """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far.
+    """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far. This is the order
+    in which they are listed; who wins a target is `arbiter.is_preferred`.
 
     Args:
         block: the block.
