@@ -11,7 +11,7 @@ from ros.processes import own_domain, started
 
 from catch_arena.errors import BusError, ConfigError
 from catch_arena.messages import Turtle, TurtleArray
-from catch_arena.ros.middleware import bus, dds_peers
+from catch_arena.ros.middleware import bus, dds_bus, dds_peers
 from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.dds_types import dds_name
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
@@ -285,6 +285,28 @@ def test_other_fields_under_the_same_name_are_told_where_a_node_announces_them(w
     )
     (line,) = said
     assert "other fields in my_robot_interfaces/msg/TurtleArray, on /alive_turtles" in line
+
+
+def test_each_reader_of_responses_is_looked_up_once():
+    """A node that makes a client for every call has hundreds, and each look-up takes as long as the response itself."""
+    readers = {handle: f"process {handle % 2}" for handle in range(200)}
+    looked_up = []
+
+    def data(handle):
+        looked_up.append(handle)
+        return None if handle == 7 else SimpleNamespace(participant_key=readers[handle])
+
+    writer = SimpleNamespace(get_matched_subscriptions=lambda: list(readers), get_matched_subscription_data=data)
+    clients = dds_bus._Clients(writer)
+    assert "process 0" in clients
+    assert "process 1" in clients
+    assert "process 2" not in clients
+    assert [looked_up.count(handle) for handle in (0, 199, 7)] == [1, 1, 3]  # the last was gone again each time
+
+    readers = {1000: "process 2", **{handle: peer for handle, peer in readers.items() if handle % 2}}
+    assert "process 2" in clients
+    assert "process 0" not in clients
+    assert "process 1" in clients
 
 
 @pytest.mark.parametrize("domain", [-1, 233, 10**20])

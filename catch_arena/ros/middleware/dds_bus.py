@@ -164,10 +164,10 @@ class DdsBus:
 
     def _serve(self, name: str, kind: ServiceType, on_request: Callable[[Request], object], *, at_once: int) -> None:
         user = Policy.Userdata(f"serviceid={self._next_id()};".encode())
-        writer = self._writer(f"rr{name}Reply", kind.response, user, header=True)
+        clients = _Clients(self._writer(f"rr{name}Reply", kind.response, user, header=True))
 
         def on_sample(sample: Any, peer: Peer | None) -> None:
-            reply = _Reply(self._write, writer, kind.response, sample.client, sample.number, peer)
+            reply = _Reply(self._write, clients, kind.response, sample.client, sample.number, peer)
             on_request(
                 Request(from_attributes(kind.request, sample), peer, lambda response: self._answer(reply, response))
             )
@@ -266,12 +266,31 @@ class _Reader:
         return self._peers[handle]
 
 
+class _Clients:
+    """Who hears a service's responses. Each reader is looked up once: the exercise's controller makes a client for each
+    call, and keeps them all.
+    """
+
+    def __init__(self, writer: DataWriter[Any]) -> None:
+        self.writer = writer
+        self._peers: dict[int, Peer] = {}
+
+    def __contains__(self, peer: Peer) -> bool:
+        known, self._peers = self._peers, {}
+        for handle in self.writer.get_matched_subscriptions():
+            if handle in known:
+                self._peers[handle] = known[handle]
+            elif (found := self.writer.get_matched_subscription_data(handle)) is not None:
+                self._peers[handle] = str(found.participant_key)
+        return peer in self._peers.values()
+
+
 @dataclass(slots=True)
 class _Reply:
     """A response that is to go to one client."""
 
     write: Callable[[DataWriter[Any], Any], None]
-    writer: DataWriter[Any]
+    clients: _Clients
     kind: MessageType
     client: int
     number: int
@@ -283,14 +302,10 @@ class _Reply:
         """Whether it was sent: it is where the client's reader is known, or has been waited for long enough."""
         now = time.monotonic()
         self.since = self.since or now
-        if self.peer is not None and now < self.since + _REPLY_WAIT_S and self.peer not in self._readers():
+        if self.peer is not None and now < self.since + _REPLY_WAIT_S and self.peer not in self.clients:
             return False
-        self.write(self.writer, self.sample)
+        self.write(self.clients.writer, self.sample)
         return True
-
-    def _readers(self) -> set[Peer]:
-        found = map(self.writer.get_matched_subscription_data, self.writer.get_matched_subscriptions())
-        return {str(one.participant_key) for one in found if one is not None}
 
 
 class _DdsClient:
