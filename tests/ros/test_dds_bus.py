@@ -6,11 +6,13 @@ from uuid import UUID
 
 import pytest
 from cyclonedds.core import Policy, Qos
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
 from ros import cdr, wire
 from ros.processes import own_domain, started
 
 from catch_arena.errors import BusError, ConfigError
-from catch_arena.messages import Turtle, TurtleArray
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import bus, dds_bus, dds_peers
 from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.dds_types import dds_name
@@ -307,6 +309,37 @@ def test_each_reader_of_responses_is_looked_up_once():
     assert "process 2" in clients
     assert "process 0" not in clients
     assert "process 1" in clients
+
+
+def test_who_appears_while_cyclonedds_counts_is_listed_the_next_time(monkeypatch, domain):
+    """Its lists are as long as the count before; with one more found it reads beyond their end, which ended matches."""
+    ours = open_bus("cyclonedds", domain=domain, localhost=True, log=print)
+    ours.subscribe("/met", TWIST, print)
+    keep = ours.publisher("/met", TWIST)
+    ours.serve("/meet", TYPES.catch_turtle, lambda request: request.answer(CatchTurtleResponse(True)))
+    client = ours.client("/meet", TYPES.catch_turtle)
+    raced = []
+    for end, name in ((DataWriter, "_get_matched_subscriptions"), (DataReader, "_get_matched_publications")):
+        found = getattr(end, name)
+
+        def count(self, ref, handles, size, found=found, name=name):
+            number = found(self, ref, handles, size)
+            late = size > 0 and len(raced) % 2 == 0
+            raced.extend([name] * (size > 0))
+            return number + late
+
+        monkeypatch.setattr(end, name, count)
+
+    assert client.ready
+    assert len(ours.publishers_of("/met")) == 1
+    call = client.call(CatchTurtleRequest("a"))
+    end = time.monotonic() + 20
+    while call.response is None and time.monotonic() < end:
+        ours.spin(0.01)
+    assert call.response == CatchTurtleResponse(True)
+    assert set(raced) == {"_get_matched_subscriptions", "_get_matched_publications"}
+    del keep
+    ours.close()
 
 
 @pytest.mark.parametrize("domain", [-1, 233, 10**20])

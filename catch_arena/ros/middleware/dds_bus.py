@@ -140,7 +140,9 @@ class DdsBus:
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
         """Who publishes on a topic that was subscribed to."""
         reader = self._topics[topic]
-        return frozenset(peer for handle in reader.reader.get_matched_publications() if (peer := reader.peer(handle)))
+        return frozenset(
+            peer for handle in _matched(reader.reader.get_matched_publications) if (peer := reader.peer(handle))
+        )
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Take what has come."""
@@ -277,7 +279,7 @@ class _Clients:
 
     def __contains__(self, peer: Peer) -> bool:
         known, self._peers = self._peers, {}
-        for handle in self.writer.get_matched_subscriptions():
+        for handle in _matched(self.writer.get_matched_subscriptions):
             if handle in known:
                 self._peers[handle] = known[handle]
             elif (found := self.writer.get_matched_subscription_data(handle)) is not None:
@@ -323,10 +325,14 @@ class _DdsClient:
     @property
     def ready(self) -> bool:
         """Whether somebody serves it."""
-        servers = _participants(self._writer.get_matched_subscription_data, self._writer.get_matched_subscriptions())
+        servers = _participants(
+            self._writer.get_matched_subscription_data, _matched(self._writer.get_matched_subscriptions)
+        )
         if any(map(is_fast_dds, servers)):  # it would be called in vain, and may run out of memory over it
             raise BusError(FAST_DDS.format(what=f"serves {self._service}"))
-        answering = _participants(self.reader.get_matched_publication_data, self.reader.get_matched_publications())
+        answering = _participants(
+            self.reader.get_matched_publication_data, _matched(self.reader.get_matched_publications)
+        )
         return bool(servers & answering)
 
     def call(self, request: Any) -> Call:
@@ -344,6 +350,17 @@ class _DdsClient:
         del peer
         if sample.client == self._own and (call := self._calls.pop(sample.number, None)) is not None:
             call.response = from_attributes(self._kind.response, sample)
+
+
+def _matched(handles: Callable[[], list[int]]) -> list[int]:
+    """Whom a reader or a writer has met. cyclonedds counts them first and lists them then: who comes in between is
+    beyond the list's end.
+    """
+    while True:
+        try:
+            return handles()
+        except IndexError:
+            continue
 
 
 def _participants(data_of: Callable[[int], Any], handles: Sequence[int]) -> set[UUID]:
