@@ -287,6 +287,10 @@ def test_other_fields_under_the_same_name_are_told_where_a_node_announces_them(w
     )
     (line,) = said
     assert "other fields in my_robot_interfaces/msg/TurtleArray, on /alive_turtles" in line
+    assert (
+        "ours are «my_robot_interfaces/Turtle[] turtles», "
+        "in my_robot_interfaces/msg/Turtle «string name; float64 x; float64 y; float64 theta» (RIHS01_000"
+    ) in line
 
 
 def test_each_reader_of_responses_is_looked_up_once():
