@@ -6,12 +6,14 @@ from uuid import UUID
 
 import pytest
 from cyclonedds.core import Policy, Qos
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
 from ros import cdr, wire
 from ros.processes import own_domain, started
 
 from catch_arena.errors import BusError, ConfigError
-from catch_arena.messages import Turtle, TurtleArray
-from catch_arena.ros.middleware import bus, dds_peers
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
+from catch_arena.ros.middleware import bus, dds_bus, dds_peers
 from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.dds_types import dds_name
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
@@ -285,6 +287,63 @@ def test_other_fields_under_the_same_name_are_told_where_a_node_announces_them(w
     )
     (line,) = said
     assert "other fields in my_robot_interfaces/msg/TurtleArray, on /alive_turtles" in line
+    assert (
+        "ours are «my_robot_interfaces/Turtle[] turtles», "
+        "in my_robot_interfaces/msg/Turtle «string name; float64 x; float64 y; float64 theta» (RIHS01_000"
+    ) in line
+
+
+def test_each_reader_of_responses_is_looked_up_once():
+    """A node that makes a client for every call has hundreds, and each look-up takes as long as the response itself."""
+    readers = {handle: f"process {handle % 2}" for handle in range(200)}
+    looked_up = []
+
+    def data(handle):
+        looked_up.append(handle)
+        return None if handle == 7 else SimpleNamespace(participant_key=readers[handle])
+
+    writer = SimpleNamespace(get_matched_subscriptions=lambda: list(readers), get_matched_subscription_data=data)
+    clients = dds_bus._Clients(writer)
+    assert "process 0" in clients
+    assert "process 1" in clients
+    assert "process 2" not in clients
+    assert [looked_up.count(handle) for handle in (0, 199, 7)] == [1, 1, 3]  # the last was gone again each time
+
+    readers = {1000: "process 2", **{handle: peer for handle, peer in readers.items() if handle % 2}}
+    assert "process 2" in clients
+    assert "process 0" not in clients
+    assert "process 1" in clients
+
+
+def test_who_appears_while_cyclonedds_counts_is_listed_the_next_time(monkeypatch, domain):
+    """Its lists are as long as the count before; with one more found it reads beyond their end, which ended matches."""
+    ours = open_bus("cyclonedds", domain=domain, localhost=True, log=print)
+    ours.subscribe("/met", TWIST, print)
+    keep = ours.publisher("/met", TWIST)
+    ours.serve("/meet", TYPES.catch_turtle, lambda request: request.answer(CatchTurtleResponse(True)))
+    client = ours.client("/meet", TYPES.catch_turtle)
+    raced = []
+    for end, name in ((DataWriter, "_get_matched_subscriptions"), (DataReader, "_get_matched_publications")):
+        found = getattr(end, name)
+
+        def count(self, ref, handles, size, found=found, name=name):
+            number = found(self, ref, handles, size)
+            late = size > 0 and len(raced) % 2 == 0
+            raced.extend([name] * (size > 0))
+            return number + late
+
+        monkeypatch.setattr(end, name, count)
+
+    assert client.ready
+    assert len(ours.publishers_of("/met")) == 1
+    call = client.call(CatchTurtleRequest("a"))
+    end = time.monotonic() + 20
+    while call.response is None and time.monotonic() < end:
+        ours.spin(0.01)
+    assert call.response == CatchTurtleResponse(True)
+    assert set(raced) == {"_get_matched_subscriptions", "_get_matched_publications"}
+    del keep
+    ours.close()
 
 
 @pytest.mark.parametrize("domain", [-1, 233, 10**20])

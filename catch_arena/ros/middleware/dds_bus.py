@@ -140,7 +140,9 @@ class DdsBus:
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
         """Who publishes on a topic that was subscribed to."""
         reader = self._topics[topic]
-        return frozenset(peer for handle in reader.reader.get_matched_publications() if (peer := reader.peer(handle)))
+        return frozenset(
+            peer for handle in _matched(reader.reader.get_matched_publications) if (peer := reader.peer(handle))
+        )
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Take what has come."""
@@ -164,10 +166,10 @@ class DdsBus:
 
     def _serve(self, name: str, kind: ServiceType, on_request: Callable[[Request], object], *, at_once: int) -> None:
         user = Policy.Userdata(f"serviceid={self._next_id()};".encode())
-        writer = self._writer(f"rr{name}Reply", kind.response, user, header=True)
+        clients = _Clients(self._writer(f"rr{name}Reply", kind.response, user, header=True))
 
         def on_sample(sample: Any, peer: Peer | None) -> None:
-            reply = _Reply(self._write, writer, kind.response, sample.client, sample.number, peer)
+            reply = _Reply(self._write, clients, kind.response, sample.client, sample.number, peer)
             on_request(
                 Request(from_attributes(kind.request, sample), peer, lambda response: self._answer(reply, response))
             )
@@ -266,12 +268,31 @@ class _Reader:
         return self._peers[handle]
 
 
+class _Clients:
+    """Who hears a service's responses. Each reader is looked up once: the exercise's controller makes a client for each
+    call, and keeps them all.
+    """
+
+    def __init__(self, writer: DataWriter[Any]) -> None:
+        self.writer = writer
+        self._peers: dict[int, Peer] = {}
+
+    def __contains__(self, peer: Peer) -> bool:
+        known, self._peers = self._peers, {}
+        for handle in _matched(self.writer.get_matched_subscriptions):
+            if handle in known:
+                self._peers[handle] = known[handle]
+            elif (found := self.writer.get_matched_subscription_data(handle)) is not None:
+                self._peers[handle] = str(found.participant_key)
+        return peer in self._peers.values()
+
+
 @dataclass(slots=True)
 class _Reply:
     """A response that is to go to one client."""
 
     write: Callable[[DataWriter[Any], Any], None]
-    writer: DataWriter[Any]
+    clients: _Clients
     kind: MessageType
     client: int
     number: int
@@ -283,14 +304,10 @@ class _Reply:
         """Whether it was sent: it is where the client's reader is known, or has been waited for long enough."""
         now = time.monotonic()
         self.since = self.since or now
-        if self.peer is not None and now < self.since + _REPLY_WAIT_S and self.peer not in self._readers():
+        if self.peer is not None and now < self.since + _REPLY_WAIT_S and self.peer not in self.clients:
             return False
-        self.write(self.writer, self.sample)
+        self.write(self.clients.writer, self.sample)
         return True
-
-    def _readers(self) -> set[Peer]:
-        found = map(self.writer.get_matched_subscription_data, self.writer.get_matched_subscriptions())
-        return {str(one.participant_key) for one in found if one is not None}
 
 
 class _DdsClient:
@@ -308,10 +325,14 @@ class _DdsClient:
     @property
     def ready(self) -> bool:
         """Whether somebody serves it."""
-        servers = _participants(self._writer.get_matched_subscription_data, self._writer.get_matched_subscriptions())
+        servers = _participants(
+            self._writer.get_matched_subscription_data, _matched(self._writer.get_matched_subscriptions)
+        )
         if any(map(is_fast_dds, servers)):  # it would be called in vain, and may run out of memory over it
             raise BusError(FAST_DDS.format(what=f"serves {self._service}"))
-        answering = _participants(self.reader.get_matched_publication_data, self.reader.get_matched_publications())
+        answering = _participants(
+            self.reader.get_matched_publication_data, _matched(self.reader.get_matched_publications)
+        )
         return bool(servers & answering)
 
     def call(self, request: Any) -> Call:
@@ -329,6 +350,17 @@ class _DdsClient:
         del peer
         if sample.client == self._own and (call := self._calls.pop(sample.number, None)) is not None:
             call.response = from_attributes(self._kind.response, sample)
+
+
+def _matched(handles: Callable[[], list[int]]) -> list[int]:
+    """Whom a reader or a writer has met. cyclonedds counts them first and lists them then: who comes in between is
+    beyond the list's end.
+    """
+    while True:
+        try:
+            return handles()
+        except IndexError:
+            continue
 
 
 def _participants(data_of: Callable[[int], Any], handles: Sequence[int]) -> set[UUID]:

@@ -96,7 +96,7 @@ class PeerWatch:
             self._warn_once(
                 topic,
                 f"another node has other fields in {kind.name}, on {topic[2:]}, so that numbers arrive as garbage: "
-                f"ours are «{'; '.join(kind.definition.splitlines())}» ({announced})",
+                f"ours are {_fields(kind)} ({announced})",
             )
 
     def _warn_once(self, topic: str, line: str) -> None:
@@ -121,6 +121,13 @@ def announced_hash(endpoint: Any) -> str | None:
 def own_hash(kind: MessageType) -> str | None:
     """What a node of Iron or later would say about ours; None without rosbags, which works it out."""
     return type_hash(kind) if find_spec("rosbags") is not None else None
+
+
+def _fields(kind: MessageType) -> str:
+    """Of a message and of those in it, where the difference may be."""
+    inner = {field.type.name: field.type for field in kind.fields if isinstance(field.type, MessageType)}
+    own = f"«{'; '.join(kind.definition.splitlines())}»"
+    return ", ".join([own, *(f"in {name} {_fields(one)}" for name, one in inner.items())])
 
 
 def _ros_type(name: str) -> str:
