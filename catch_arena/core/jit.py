@@ -16,7 +16,7 @@ import shutil
 import stat
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from functools import cache, wraps
 from pathlib import Path
 from typing import Any, Final, TypeVar, cast
@@ -161,13 +161,24 @@ def entry(function: F) -> F:
     return cast(F, compiled)
 
 
-def machine_code(function: F, *arguments: object) -> F:
+_MACHINE_CODE: Final[dict[Hashable, Any]] = {}
+
+
+def machine_code(function: F, types: Hashable, *arguments: object) -> F:
     """An entry for arguments of exactly these types. Called itself, it would look at the types each time, which takes
     a third of a microsecond; what this returns does not look, and must be given no others.
+
+    Args:
+        function: the entry.
+        types: what tells these types from others: numba looks at them once, which takes as long as 20 steps.
+        arguments: some of these types.
     """
     if INTERPRETED:
         return function
-    return cast(F, cast(Any, function).compile(tuple(map(numba.typeof, arguments))))
+    key = function, types
+    if key not in _MACHINE_CODE:
+        _MACHINE_CODE[key] = cast(Any, function).compile(tuple(map(numba.typeof, arguments)))
+    return cast(F, _MACHINE_CODE[key])
 
 
 def _lightly(cache: Any) -> Callable[..., Any]:

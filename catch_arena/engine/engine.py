@@ -271,7 +271,8 @@ class Engine:
             prey_commands: see `step`.
         """
         arguments = (*self._variant, self._memory, 0, 0, 1, _NO_RESETS, True, choices, commands, _NO_REQUESTS)
-        play = partial(machine_code(tick.run, *arguments), *arguments)
+        types = self._variant, choices.flags.c_contiguous, commands.flags.c_contiguous
+        play = partial(machine_code(tick.run, types, *arguments), *arguments)
         if prey_commands is None:
             return play
 
