@@ -52,10 +52,10 @@ def delegated_group(mount: Path = MOUNT, membership: Path = Path("/proc/self/cgr
     for place in (line.removeprefix("0::") for line in lines if line.startswith("0::/")):
         own = mount / place.lstrip("/")
         for group in (own, *own.parents):
-            if group == mount or _is_marked(group):
-                return group if _is_usable(group) else None
             if not group.is_relative_to(mount):
                 break
+            if _is_marked(group) or _is_root(group):
+                return group if _is_usable(group) else None
     return None
 
 
@@ -139,6 +139,13 @@ def _is_marked(group: Path) -> bool:
     return False
 
 
+def _is_root(group: Path) -> bool:
+    """Whether it is that of the whole machine, which alone may have processes beside bounded groups; a container sees
+    its own group in that place, and whoever enters the container later could not.
+    """
+    return (group / "cgroup.controllers").exists() and not (group / "cgroup.type").exists()
+
+
 def _is_usable(group: Path) -> bool:
     try:
         controllers = set((group / "cgroup.controllers").read_text().split())
@@ -159,7 +166,7 @@ def _make_ready(group: Path) -> None:
             AgentGroup(folder).remove()
     control = group / "cgroup.subtree_control"
     wanted = " ".join(f"+{name}" for name in sorted(_CONTROLLERS))
-    if not (group / "cgroup.type").exists():  # that of the whole machine may have processes
+    if _is_root(group):
         control.write_text(wanted)
         return
     ours = group / _OURS

@@ -86,8 +86,8 @@ class Tree:
         folder = self.mount / place
         folder.mkdir(parents=True)
         (folder / "cgroup.controllers").write_text(controllers + "\n")
-        (folder / "cgroup.procs").touch()
-        (folder / "cgroup.subtree_control").touch()
+        for name in ("cgroup.procs", "cgroup.subtree_control", *(("cgroup.type",) if place else ())):
+            (folder / name).touch()
         return folder
 
     def found_from(self, place):
@@ -120,8 +120,12 @@ def test_a_group_of_somebody_elses_is_not_used(tree):
     assert tree.found_from("session") is None
 
 
-def test_the_root_of_all_that_is_seen_needs_no_mark(tree):
+def test_the_root_of_the_machine_needs_no_mark_and_that_of_a_container_does(tree):
     (tree.mount / "cgroup.controllers").write_text("memory pids\n")
+    assert tree.found_from("") == tree.mount
+    (tree.mount / "cgroup.type").touch()
+    assert tree.found_from("") is None
+    marked(tree.mount)
     assert tree.found_from("") == tree.mount
 
 
