@@ -16,6 +16,7 @@ LINUX: Final = sys.platform == "linux"
 _PATIENCE_S: Final = 10.0
 _GRACE_S: Final = 0.5
 _PAUSE_S: Final = 0.002
+_LOOKS, _BETWEEN_LOOKS_S = 3, 0.0002
 
 
 def start(module: str, channel: int, **options: Any) -> subprocess.Popen[bytes]:
@@ -91,7 +92,18 @@ def state(pid: int) -> str:
 
 
 def is_stopped(pid: int) -> bool:
-    """Whether a process stands still, or is told to and has not had its turn on a busy machine yet."""
+    """Whether a process stands still, or is told to and has not had its turn on a busy machine yet.
+
+    It is looked at more than once: for a moment it has taken the signal, and its state does not say so yet.
+    """
+    for _ in range(_LOOKS):
+        if _looks_stopped(pid):
+            return True
+        time.sleep(_BETWEEN_LOOKS_S)
+    return False
+
+
+def _looks_stopped(pid: int) -> bool:
     try:
         status = Path(f"/proc/{pid}/status").read_text(errors="replace")
     except OSError:
