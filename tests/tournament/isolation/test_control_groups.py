@@ -12,8 +12,8 @@ import time
 
 import pytest
 from isolation_levels import LEVELS
+from tournament.isolation.greedy_agents import FREE, SHORT, reason_of
 
-from catch_arena import scenario
 from catch_arena.descendants import LINUX
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation import control_groups, levels
@@ -27,23 +27,13 @@ from catch_arena.tournament.match_loop import play
 
 pytestmark = pytest.mark.skipif(not LINUX, reason="only Linux has control groups")
 
-SHORT = scenario("duel", time_limit_s=1)
-FREE = {"init_s": 60, "step_ms": 60_000}
-AGENT = """
-import mmap, os, socket, time
-from contextlib import suppress
-
+NEAREST = """
 class Agent:
     def reset(self, seed):
-        self.tried = False
+        pass
 
     def act(self, view):
-        if not self.tried:
-            self.tried = True
-            self.take()
-        return 0
-
-    def take(self):
+        return min(1, len(view.targets))
 """
 SOCKETS = """
         self.kept = []
@@ -63,14 +53,12 @@ FORGOTTEN = """
                 shared.write(bytes([1]) * len(shared))
                 shared.madvise(mmap.MADV_DONTNEED)
                 time.sleep(60)
-        time.sleep(60)
 """
 FORKS = """
         with suppress(OSError):
             for _ in range(2000):
                 if os.fork() == 0:
                     time.sleep(60)
-        time.sleep(60)
 """
 
 
@@ -175,26 +163,13 @@ def groups_of_agents():
     return sorted(folder.glob("catch-arena-*-*"))
 
 
-def reason_of(tmp_path, what, **limits):
-    """Why an agent fails that does that, beside one that does nothing."""
-    path = tmp_path / "takes.py"
-    path.write_text(AGENT + what)
-    with Sandbox(AgentLimits(**FREE, **limits)) as sandbox:
-        entrants = enter([str(path), "idle"], inspector(sandbox))
-        for _ in range(2):  # and the next match is like the first
-            with start_players(entrants, sandbox) as players:
-                result = play(SHORT, 1, players, ["takes", "idle"])
-            assert result.forfeits == ("FORFEIT_CRASH", None)
-    assert groups_of_agents() == []
-    return result.details[0].reason
-
-
 @pytest.mark.cgroups
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("what", [SOCKETS, FORGOTTEN], ids=["in sockets", "shared and released"])
 def test_memory_that_no_process_has_at_hand_is_bounded(tmp_path, level, what):
     found = reason_of(tmp_path, what, level=level, memory_mib=32)
     assert found == "act: its processes together held more than twice 32 MiB (memory_mib)"
+    assert groups_of_agents() == []
 
 
 @pytest.mark.cgroups
@@ -203,6 +178,7 @@ def test_who_forks_without_end_is_told_which_limit_it_passed(tmp_path, level):
     assert reason_of(tmp_path, FORKS, level=level, processes=40) == (
         "act: it had more than 40 processes and threads (processes)"
     )
+    assert groups_of_agents() == []
 
 
 @pytest.mark.cgroups
@@ -211,7 +187,7 @@ def test_each_agent_has_a_group_of_its_own_with_its_bounds(tmp_path, level):
     paths = [tmp_path / name / "agent.py" for name in ("ann", "bob")]
     for path in paths:
         path.parent.mkdir()
-        path.write_text(AGENT + "        pass\n")
+        path.write_text(NEAREST)
     with Sandbox(AgentLimits(**FREE, level=level, memory_mib=100, file_mib=10, processes=30)) as sandbox:
         entrants = enter([str(path) for path in paths], inspector(sandbox))
         with start_players(entrants, sandbox) as players:
@@ -232,7 +208,7 @@ def test_each_agent_has_a_group_of_its_own_with_its_bounds(tmp_path, level):
 @pytest.mark.cgroups
 def test_groups_of_a_supervisor_that_was_killed_are_removed_by_the_next_one(tmp_path):
     path = tmp_path / "agent.py"
-    path.write_text(AGENT + "        pass\n")
+    path.write_text(NEAREST)
     with Sandbox(AgentLimits(**FREE)) as sandbox:
         entrants = enter([str(path), "idle"], inspector(sandbox))
         with start_players(entrants, sandbox) as players:
@@ -251,7 +227,7 @@ def test_groups_of_a_supervisor_that_was_killed_are_removed_by_the_next_one(tmp_
 @pytest.mark.cgroups
 def test_a_command_says_so(tmp_path):
     path = tmp_path / "agent.py"
-    path.write_text(AGENT + "        pass\n")
+    path.write_text(NEAREST)
     words = [
         sys.executable,
         "-m",
