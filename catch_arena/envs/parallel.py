@@ -390,6 +390,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._require_episode("rank_of")
         return self._engine.rank_of(0, seat, name)
 
+    def hunter_observations(self) -> NDArray[np.float32]:
+        """What all hunters observe now (R7.1), by seat, whether they act or have left: (H, D), a copy."""
+        self._require_episode("hunter_observations")
+        observations: NDArray[np.float32] = self._engine.observations[0].copy()
+        return observations
+
     def state(self) -> NDArray[np.float32]:
         """R7.3: the global view as one float32 vector, in the order of `layout.state_columns`."""
         self._require_episode("state")

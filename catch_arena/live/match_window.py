@@ -115,6 +115,7 @@ class MatchWindow:
         """One more state of the match: the first one, or the next."""
         self._env = env
         world = env.world()
+        self._renderer.observe(world.step, env.hunter_observations())
         if world.step == 0:
             self._last = world
             self._begin(world)
@@ -227,7 +228,7 @@ class MatchWindow:
     def _show_next_view(self) -> None:
         """One's own first, then those of the others, then none."""
         hunters = self._info.config.hunters
-        if not self._info.config.partial_view:
+        if not self._info.config.limits_views:
             self.notify("hunters see everything here")
             return
         first = self._seat if self._seat is not None and self._seat < hunters else 0
