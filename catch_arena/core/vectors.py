@@ -55,7 +55,7 @@ def select(condition: bool, a: T, b: T) -> T:
 
 def any_of(condition: bool) -> bool:
     """Whether it holds in any lane of a group."""
-    return bool(np.any(condition))
+    return bool(condition.any() if isinstance(condition, np.ndarray) else condition)
 
 
 def floor(value: float) -> float:
@@ -102,10 +102,12 @@ def put_rows(out: NDArray[np.float32], at: int, stride: int, columns: tuple[floa
     """Columns become rows: the first lane's numbers, rounded to float32, stand side by side from out[at] on, the next
     lane's from out[at + stride] on. With more lanes than one it writes whole fours: up to three numbers too many.
     """
-    lanes = max(np.size(column) for column in columns)
-    for index, column in enumerate(columns):
-        for lane, number in enumerate(np.broadcast_to(column, lanes)):
-            out[at + lane * stride + index] = number
+    count, lanes = len(columns), max(map(np.size, columns))
+    rows = np.empty((count, lanes))
+    for index, column in enumerate(columns):  # a plain number holds in all lanes
+        rows[index] = column
+    for lane in range(lanes):
+        out[at + lane * stride : at + lane * stride + count] = rows[:, lane]
 
 
 def copy_four(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
