@@ -1,5 +1,8 @@
 """Rulebook R1.6, R1.7: hunters that are withdrawn, and that drop out by chance."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from catch_arena.core.jit import Block, entry, outlined
 from catch_arena.core.memory import Bytes, sections_of
 from catch_arena.core.random import drops_out, seed_of
@@ -32,6 +35,17 @@ def drop_out(block: Block, s: Settings, lanes: int) -> None:
             me = seat_of(block, seat)
             if me[WITHDRAWN + lane] == 0.0 and drops_out(seed, block[STEP + lane], seat, s.dropout_rate):
                 withdraw(me, lane)
+
+
+@outlined
+def write_active(block: Block, s: Settings, lanes: int, active: NDArray[np.int8]) -> None:
+    """R1.6, R1.7: who takes part: 1, or 0 for who has dropped out or was withdrawn; `active`, (lanes, H), is the
+    result.
+    """
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        for lane in range(lanes):
+            active[lane, seat] = 1 if me[WITHDRAWN + lane] == 0.0 else 0
 
 
 @entry

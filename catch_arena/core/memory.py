@@ -45,6 +45,8 @@ class Sections(NamedTuple):
     """(H, 5): `SeatLimits`, in the order of its fields."""
     teams: Annotated[NDArray[np.int64], 1]
     """(H,): the lowest seat of each seat's team, which stands for that (R11.1)."""
+    team_seats: Annotated[NDArray[np.int64], 1]
+    """(teams,): and those seats, in the order of the teams; none where there are no teams."""
     target_network: Annotated[NDArray[np.int64], 2]
     """(comparators, 2): see `ranking.selection_network`."""
     rival_network: Annotated[NDArray[np.int64], 2]
@@ -94,6 +96,12 @@ class Sections(NamedTuple):
     """(B, H), or none where there are breakdowns."""
     prey_rewards: Annotated[NDArray[np.float32], 2]
     """(B, P), or none where there are breakdowns."""
+    active: Annotated[NDArray[np.int8], 2]
+    """R1.7: 1 for hunters that take part, (B, H); or none where nobody drops out."""
+    prey_active: Annotated[NDArray[np.int8], 2]
+    """R12.3: 1 for prey that is in play, (B, P)."""
+    team_scores: Annotated[NDArray[np.float64], 2]
+    """R11.1: (B, teams)."""
     # ---- what only auto_reset keeps: last, since engines without it take a saved state up to here ----
     final_observations: Annotated[NDArray[np.float32], 3]
     """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""

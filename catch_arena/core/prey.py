@@ -166,6 +166,15 @@ def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
                 spawn_next(block, targets, lane, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), s, now)
 
 
+@outlined
+def write_prey_active(block: Block, s: Settings, lanes: int, active: NDArray[np.int8]) -> None:
+    """R12.3: 1 for prey that is in play, 0 for who is out; `active`, (lanes, P), is the result."""
+    for index in range(s.prey):
+        me = prey_of(block, index, s)
+        for lane in range(lanes):
+            active[lane, index] = 0 if me[PREY_SLOT + lane] == NO_TARGET else 1
+
+
 @rule
 def prey_parts(me: Block, reference: Block, targets: Block, lane: int, s: Settings) -> tuple[float, float, float]:
     """R12.5: the parts of what one prey gets that is not withdrawn, in the order of `state.PREY_PART_NAMES`.

@@ -13,6 +13,7 @@ from catch_arena.core.state import (
     LANES,
     PART_NAMES,
     REWARD_SUM,
+    SCORE,
     SEEN,
     SINE,
     TARGET_X,
@@ -93,26 +94,33 @@ def renew_progress_reference(
             reference[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
 
 
-@outlined
-def count_team_catches(block: Block, s: Settings, width: Width, teams: NDArray[np.int64], team_rows: Block) -> None:
-    """R11.2: how many grants each team has in this step, by the seat that stands for it.
+@phase
+def count_catches(
+    block: Block, s: Settings, width: Width, teams: NDArray[np.int64], in_teams: bool, catches: Block, team_rows: Block
+) -> None:
+    """How many grants there are in this step, and how many each team has (R11.2), by the seat that stands for it.
 
     Args:
         block: the block.
         s: the settings.
         width: how many lanes a group has.
         teams: see `memory.Sections`.
-        team_rows: the result: see `workspace.Scratch`.
+        in_teams: see `reward_hunters`.
+        catches: the result, one row.
+        team_rows: the result where there are teams: see `workspace.Scratch`.
     """
-    for seat in range(s.hunters):
-        at = teams[seat] * LANES
-        me = seat_of(block, seat)
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            before = select(me[VERDICT + lane] == _GRANTED, 1.0, 0.0)
-            if teams[seat] != seat:  # which is the first of its team
-                before = before + team_rows[at + lane]
-            team_rows[at + lane] = before
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        total = 0.0
+        for seat in range(s.hunters):
+            granted = select(seat_of(block, seat)[VERDICT + lane] == _GRANTED, 1.0, 0.0)
+            total = total + granted
+            if in_teams:
+                at = teams[seat] * LANES
+                if teams[seat] != seat:  # which is the first of its team
+                    granted = granted + team_rows[at + lane]
+                team_rows[at + lane] = granted
+        catches[lane] = total
 
 
 @outlined
@@ -159,9 +167,10 @@ def share_rewards(
                     shared = select(me[WITHDRAWN + lane] == 0.0, shared, 0.0)
                     me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + shared
                     earned[seat * LANES + lane] = shared
+    parts_wanted = len(breakdowns) > 0
     for seat in range(s.hunters):
         for lane in range(lanes):
-            if len(breakdowns) > 0:
+            if parts_wanted:
                 breakdowns[lane, seat, 0] = earned[seat * LANES + lane]
             else:
                 rewards[lane, seat] = np.float32(earned[seat * LANES + lane])
@@ -194,13 +203,8 @@ def reward_hunters(
     """
     catches = scratch.rows[:LANES]
     amounts = scratch.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
-    parts_wanted = len(breakdowns) > 0
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        granted = 0.0
-        for seat in range(s.hunters):
-            granted = granted + select(seat_of(block, seat)[VERDICT + lane] == _GRANTED, 1.0, 0.0)
-        catches[lane] = granted
+    parts_wanted, is_shared = len(breakdowns) > 0, in_teams and s.team_share > 0.0
+    count_catches(block, s, width, teams, in_teams, catches, scratch.team_rows)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         reference = progress_reference_of(scratch, seat)
@@ -236,7 +240,7 @@ def reward_hunters(
                 mate = counts * (of_team - granted)
                 total = total + s.mate_catch_weight * mate
                 scratch.team_rows[(s.hunters + seat) * LANES + lane] = total
-            if not (in_teams and s.team_share > 0.0):  # else `share_rewards` does it
+            if not is_shared:
                 me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + total
             amounts[lane] = total
             if not parts_wanted:
@@ -248,12 +252,13 @@ def reward_hunters(
             amounts[5 * LANES + lane] = progress
             amounts[6 * LANES + lane] = elapsed
             amounts[7 * LANES + lane] = mate
-        for lane in range(lanes):
-            if not parts_wanted:
+        if parts_wanted:
+            for lane in range(lanes):
+                for column in range(1 + len(PART_NAMES)):
+                    breakdowns[lane, seat, column] = amounts[column * LANES + lane]
+        elif not is_shared:
+            for lane in range(lanes):
                 rewards[lane, seat] = np.float32(amounts[lane])
-                continue
-            for column in range(1 + len(PART_NAMES)):
-                breakdowns[lane, seat, column] = amounts[column * LANES + lane]
 
 
 @outlined
@@ -268,10 +273,44 @@ def reward_teams(
     breakdowns: Breakdowns,
 ) -> None:
     """R11.2: the same where there are teams; arguments as of `reward_hunters`."""
-    count_team_catches(block, s, width, teams, scratch.team_rows)
     reward_hunters(block, s, width, lanes, teams, True, scratch, rewards, breakdowns)
     if s.team_share > 0.0:
         share_rewards(block, s, width, lanes, teams, scratch.team_rows, rewards, breakdowns)
+
+
+@outlined
+def write_team_scores(
+    block: Block,
+    s: Settings,
+    width: Width,
+    lanes: int,
+    teams: NDArray[np.int64],
+    team_seats: NDArray[np.int64],
+    row: Block,
+    scores: NDArray[np.float64],
+) -> None:
+    """R11.1: the sum of the scores of each team's hunters.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        teams: see `memory.Sections`.
+        team_seats: see `memory.Sections`.
+        row: scratch memory, one row.
+        scores: the result, (lanes, teams).
+    """
+    for team in range(len(team_seats)):
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            total = 0.0
+            for seat in range(s.hunters):
+                if teams[seat] == team_seats[team]:
+                    total = total + seat_of(block, seat)[SCORE + lane]
+            row[lane] = total
+        for lane in range(lanes):
+            scores[lane, team] = row[lane]
 
 
 @inlined

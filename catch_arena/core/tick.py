@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from catch_arena.core.arbiter import RequestTable
 from catch_arena.core.catching import resolve_requests, write_evidence
 from catch_arena.core.controllers import apply_actions
-from catch_arena.core.dropouts import drop_out
+from catch_arena.core.dropouts import drop_out, write_active
 from catch_arena.core.episodes import (
     begin,
     begin_again,
@@ -20,8 +20,8 @@ from catch_arena.core.jit import Block, entry, inlined
 from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.observations import observe
 from catch_arena.core.physics import move
-from catch_arena.core.prey import command_prey, return_prey, reward_prey
-from catch_arena.core.rewards import reward
+from catch_arena.core.prey import command_prey, return_prey, reward_prey, write_prey_active
+from catch_arena.core.rewards import reward, write_team_scores
 from catch_arena.core.spawner import spawn_through
 from catch_arena.core.state import LANES, STILL, Options, Settings, targets_of
 from catch_arena.core.targets import command_targets
@@ -136,4 +136,13 @@ def run(
             observe(block, s, view_width, first, last, sections, scratch)
             if passes_left > 0:
                 begin_again(block, s, first, last, sections)
+        if s.dropout_rate > 0.0:
+            write_active(block, s, last - first, sections.active[first:last])
+        if s.prey > 0:
+            write_prey_active(block, s, last - first, sections.prey_active[first:last])
+        if s.has_teams:
+            team_scores = sections.team_scores[first:last]
+            write_team_scores(
+                block, s, width, last - first, sections.teams, sections.team_seats, scratch.rows, team_scores
+            )
         write_evidence(block, s, last - first, sections.evidence[first:last])

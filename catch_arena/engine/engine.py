@@ -112,6 +112,7 @@ class Engine:
                 ),
                 limits=limits_by_seat(config),
                 teams=np.array([min(config.team_seats[team]) for team in config.team_by_seat]),
+                team_seats=np.array([min(seats) for seats in config.teams or ()], dtype=np.int64),
                 target_network=_network(config.max_targets, seen),
                 # one rank more than is seen: a tie at the edge of the view has to be noticed
                 rival_network=_network(hunters, min(hunters, config.hunters_seen + 1)),
@@ -130,6 +131,9 @@ class Engine:
                 ends=zeros(num_arenas, dtype=np.int8),
                 rewards=zeros(num_arenas - rows_with_infos, hunters, dtype=np.float32),
                 prey_rewards=zeros(num_arenas - rows_with_infos, prey, dtype=np.float32),
+                active=zeros(num_arenas if config.dropout_rate > 0.0 else 0, hunters, dtype=np.int8),
+                prey_active=zeros(num_arenas, prey, dtype=np.int8),
+                team_scores=zeros(num_arenas, len(config.teams or ())),
                 final_observations=zeros(kept, hunters, observation_size(config), dtype=np.float32),
                 final_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
                 records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
@@ -184,6 +188,12 @@ class Engine:
         """With auto_reset as `final_observations`: (B, P, E)."""
         self.prey_records = sections.prey_records
         """With auto_reset as `records`, in the columns of core/prey.py: (B, P, PREY_RECORD_COLUMNS)."""
+        self.active = sections.active.view(np.bool_)
+        """R1.6, R1.7: which hunters take part: (B, H), or (0, H) where nobody drops out."""
+        self.prey_active = sections.prey_active.view(np.bool_)
+        """R12.3: which prey is not out: (B, P)."""
+        self.team_scores = sections.team_scores
+        """R11.1: the sums of the scores of each team's hunters: (B, teams), or (B, 0) without teams."""
         self._prey_commands = sections.prey_commands
         begin, end = offset_of("breakdowns", memory), offset_of("ends", memory)
         self.outputs = self._memory[begin:end].view(np.float32)
@@ -371,25 +381,6 @@ class Engine:
     def prey_rows(self, arena: int) -> NDArray[np.float64]:
         """One arena's prey as core/state.py stores it: (P, PREY_ROWS), the engine's own memory."""
         return self._views.prey_rows(arena)
-
-    def prey_active(self) -> NDArray[np.bool_]:
-        """R12.3: which prey is not out: (B, P)."""
-        slots = self._views.prey[:, :, row_of(state.PREY_SLOT)]
-        by_arena = slots.transpose(0, 2, 1).reshape(len(self.blocks) * LANES, self.config.prey)
-        return np.greater_equal(by_arena[: self.num_arenas], 0.0)
-
-    def team_scores(self) -> NDArray[np.float64]:
-        """R11.1: the sums of the scores of each team's hunters: (B, teams)."""
-        by_seat = self._views.hunters[:, :, row_of(state.SCORE)]
-        scores = np.zeros((self.num_arenas, len(self.config.team_seats)))
-        for seat, team in enumerate(self.config.team_by_seat):
-            scores[:, team] += by_seat[:, seat].reshape(-1)[: self.num_arenas]
-        return scores
-
-    def active(self) -> NDArray[np.bool_]:
-        """R1.6, R1.7: which hunters take part: (B, H)."""
-        withdrawn = self._views.hunters[:, :, row_of(state.WITHDRAWN)]
-        return np.equal(withdrawn.transpose(0, 2, 1).reshape(-1, self.config.hunters)[: self.num_arenas], 0.0)
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: the verdicts of the last step with their evidence, by seat."""

@@ -319,7 +319,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             withdrawn = engine.hunter_rows(0)[:, _WITHDRAWN].tolist()
             self._leaving.update(agent for agent, seat in self._seats.items() if withdrawn[seat])
         if self._prey_leaves:
-            in_play = engine.prey_active()[0].tolist()
+            in_play = engine.prey_active[0].tolist()
             self._leaving.update(agent for agent, index in self._prey.items() if not in_play[index])
         if self._leaving:
             for agent in self._leaving & terminations.keys():

@@ -138,9 +138,6 @@ class VectorArena:
             self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
         except MemoryError as error:
             raise ConfigError(f"num_envs must fit into this machine's memory, got {num_envs}: {error}") from None
-        self._active = np.ones(shape if self.config.dropout_rate > 0.0 else (0, 0), dtype=np.bool_)
-        self._prey_active = np.ones((num_envs, self.config.prey), dtype=np.bool_)
-        self._team_scores = np.zeros((num_envs, len(self.config.teams or ())))
         self._infos = self._make_infos()
 
     def _make_infos(self) -> dict[str, Any]:
@@ -149,11 +146,11 @@ class VectorArena:
             infos["action_mask"] = engine.masks.view()
             infos["action_mask"].flags.writeable = False  # the engine writes only what has changed
         if self.config.dropout_rate > 0.0:
-            infos["active"] = self._active
+            infos["active"] = engine.active
         if self.config.teams is not None:
-            infos["team_score"] = self._team_scores
+            infos["team_score"] = engine.team_scores
         if self.num_prey:
-            infos["prey_active"] = self._prey_active
+            infos["prey_active"] = engine.prey_active
         if engine.auto_reset:
             records, prey_records = engine.records, engine.prey_records
             tallies = records[:, :, episodes.FINAL_TALLIES :]
@@ -434,12 +431,6 @@ class VectorArena:
         raise ActionError(f"{what} must be {requirement}, got {value} in arena {arena} for {side}_{index}")
 
     def _handed_out(self, results: T) -> T:
-        if self._active.size:
-            np.copyto(self._active, self._engine.active())
-        if self._prey_active.size:
-            np.copyto(self._prey_active, self._engine.prey_active())
-        if self._team_scores.size:
-            np.copyto(self._team_scores, self._engine.team_scores())
         return cast(T, _copied(results)) if self._copy else results
 
     def _rows(self, arenas: ArrayLike | None) -> NDArray[np.int64]:

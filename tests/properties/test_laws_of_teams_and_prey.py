@@ -54,7 +54,7 @@ def test_the_order_of_teams_and_of_their_seats_does_not_matter(
         assert bytes(one.digest(0)) == bytes(other.digest(0)), settings_of(config)
         for name in ("observations", "rewards", "parts", "prey_observations", "prey_rewards"):
             assert np.array_equal(getattr(one, name), getattr(other, name)), name
-        assert other.team_scores()[0].tolist() == one.team_scores()[0, order].tolist()
+        assert other.team_scores[0].tolist() == one.team_scores[0, order].tolist()
         given_ = some_batch_actions(chosen, config, 1)
         one.step(*given_)
         other.step(*given_)
@@ -80,8 +80,8 @@ def test_teams_change_what_is_paid_and_nothing_that_is_ruled(source: Random, see
         assert np.array_equal(own.parts, shared.parts)
         assert np.array_equal(own.parts[0, :, 1] + own.parts[0, :, 6], alone.parts[0, :, 1])
         assert not alone.parts[0, :, 6].any()
-        assert np.array_equal(own.team_scores(), shared.team_scores())
-        for team, score in zip(teams, own.team_scores()[0], strict=True):
+        assert np.array_equal(own.team_scores, shared.team_scores)
+        for team, score in zip(teams, own.team_scores[0], strict=True):
             assert score == sum(own.world(0).hunters[seat].score for seat in team)
             assert np.isclose(own.rewards[0, team].sum(), shared.rewards[0, team].sum())
 
@@ -140,7 +140,7 @@ def test_what_prey_does_changes_no_ruling_of_its_step(source: Random, seed: int,
         other.restore(one.save())
         choices, commands, prey_commands = some_batch_actions(chosen, config, 1)
         changed = some_batch_actions(otherwise, config, 1)[2]
-        active = one.prey_active()[0].copy()
+        active = one.prey_active[0].copy()
         one.step(choices, commands, prey_commands)
         other.step(choices, commands, changed)
         assert other.rulings(0) == one.rulings(0), settings_of(config)

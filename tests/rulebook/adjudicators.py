@@ -316,7 +316,7 @@ class EngineAdjudicator(Adjudicator):
 
     rewards = property(lambda self: [float(reward) for reward in self.engine.rewards[self.row]])
     parts = property(lambda self: [tuple(float(part) for part in row) for row in self.engine.parts[self.row]])
-    team_scores = property(lambda self: [int(score) for score in self.engine.team_scores()[self.row]])
+    team_scores = property(lambda self: list(self.engine.world(self.row).team_scores))
     prey_rewards = property(lambda self: [float(reward) for reward in self.engine.prey_rewards[self.row]])
     prey_parts = property(lambda self: [tuple(map(float, row)) for row in self.engine.prey_parts[self.row]])
     caught_by = property(lambda self: [prey.caught_by for prey in self.engine.world(self.row).prey])

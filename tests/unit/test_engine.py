@@ -126,11 +126,11 @@ def test_seeds_are_checked_and_derived():
 
 def test_what_is_kept_together_lies_together():
     """`Sections` has its fields in an order that `save`, `outputs` and engines without auto_reset count on."""
-    config = scenario("duel", prey=1, target_motion="wander")
+    config = scenario("duel", prey=1, target_motion="wander", teams=((0,), (1,)), dropout_rate=0.1)
     engine, plain = Engine(config, 2, auto_reset=True), Engine(config, 2)
     sections, others = sections_of(engine._memory), sections_of(plain._memory)
     outputs = ("breakdowns", "evidence", "observations", "masks", "prey_breakdowns", "prey_observations")
-    told = (*outputs, "ends")
+    told = (*outputs, "ends", "active", "prey_active", "team_scores")
     of_auto_reset = ("final_observations", "final_masks", "records", "prey_final_observations", "prey_records")
 
     for name, section, other in zip(Sections._fields, sections, others, strict=True):
