@@ -53,7 +53,7 @@ from catch_arena.core.state import (
     seat_of,
     span,
 )
-from catch_arena.core.vectors import Width, any_of, group, select
+from catch_arena.core.vectors import Width, group, select
 from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
@@ -64,20 +64,12 @@ _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 
 
 @inlined
-def clear_evidence(block: Block, s: Settings, width: Width) -> None:
-    """No verdict yet."""
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        judged = False
-        for seat in range(s.hunters):
-            judged = judged | (seat_of(block, seat)[VERDICT + lane] > 0.0)
-        if any_of(judged):  # most steps leave nothing to be cleared
-            for seat in range(s.hunters):
-                me = seat_of(block, seat)
-                me[REQUESTED_NUMBER + lane] = 0.0
-                me[VERDICT + lane] = 0.0
-                me[DISTANCE_UM + lane] = -1.0
-                me[WINNER + lane] = -1.0
+def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
+    """Nobody has an answer yet, and what else there is of an older one counts no more."""
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        for first in range(0, span(width), len(width)):
+            me[VERDICT + group(first, width)] = 0.0
 
 
 @inlined
@@ -261,7 +253,7 @@ def resolve_requests(
         scratch: see `workspace.Scratch`.
     """
     counts = scratch.rows[:LANES]
-    clear_evidence(block, s, width)
+    clear_verdicts(block, s, width)
     count_requests(block, s, width, counts)
     for lane in range(lanes):
         if len(given_requests) == 0 and counts[lane] == 0.0:

@@ -119,8 +119,6 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
             me[Y + lane] = s.side_m / 2.0 + s.start_radius_m * sine
             me[THETA + lane] = wrap(angle + PI)
         me[REQUESTED_SLOT + lane] = NO_TARGET
-        me[DISTANCE_UM + lane] = -1.0
-        me[WINNER + lane] = -1.0
     targets = targets_of(block, s)
     for _ in range(s.initial_targets):
         spawn_next(block, targets, lane, seed, s, 0.0)

@@ -92,7 +92,6 @@ def place_batch(
     seats[:, :, row_of(state.THETA)] = _wrapped(seats[:, :, row_of(state.THETA)])
     seats[:, :, row_of(state.WITHDRAWN)] = ~here
     seats[:, :, row_of(state.REQUESTED_SLOT)] = state.NO_TARGET
-    seats[:, :, [row_of(state.DISTANCE_UM), row_of(state.WINNER)]] = -1.0
     views.hunters[block, :, :, lane] = seats
 
     age_ms = np.floor(1000.0 * targets[:, :, 4] + 0.5)
