@@ -124,7 +124,7 @@ class ArenaService:
             EpisodeError: before the first reset.
         """
         if self._seed is None:
-            raise EpisodeError("this must follow a reset: no episode has begun")
+            raise EpisodeError("reset must come first: no episode has begun")
         return self._engine.world()
 
     @property

@@ -16,6 +16,7 @@ import importlib.util
 import inspect
 import itertools
 import json
+import math
 import os
 import re
 import resource
@@ -62,8 +63,8 @@ KILLERS = (
     "tests/unit/test_selection_network.py",
     "tests/unit/test_targets.py",
     "tests/unit/test_visibility.py",
-    "tests/conformance/test_adjudicators.py::test_an_arena_of_ours_answers_every_case_that_it_can_play[engine]",
     f"{MATCHES}[0]",
+    "tests/conformance/test_adjudicators.py::test_an_arena_of_ours_answers_every_case_that_it_can_play[engine]",
     "tests/rulebook/test_ch4_control.py",
     "tests/rulebook/test_ch5_arbiter.py",
     "tests/rulebook",
@@ -331,7 +332,7 @@ def turn_of(path: Path, mutant: Mutant) -> int:
 
 class OnEveryMutant:
     """A plugin of pytest that runs the tests, once they are collected, on one mutant after the other: those that call
-    its function, and first of all those that have noticed the most mutants of the same function.
+    its function, and first of all those to which a notice of the same function's mutants has cost the least time.
     """
 
     def __init__(self, mutants: Sequence[Mutant], processes: int, found: list[Name]) -> None:
@@ -362,13 +363,24 @@ class OnEveryMutant:
 
         def run_callers(mutant: Mutant) -> int:
             function = mutant.name.function
-            noticed = Counter(Path(notes.name).read_text(encoding="utf-8").splitlines())
+            spent, notices = Counter[str](), Counter[str]()
+            for line in Path(notes.name).read_text(encoding="utf-8").splitlines():
+                if line.startswith(f'["{function}"'):
+                    _, test, seconds, noticed = json.loads(line)
+                    spent[test] += seconds
+                    notices[test] += noticed
+
+            def cost(item: Any) -> float:
+                return spent[item.nodeid] / notices[item.nodeid] if notices[item.nodeid] else math.inf
+
             callers = [(item, seconds) for item, (called, seconds) in known if function in called]
-            callers.sort(key=lambda one: (-noticed[f"{function} {one[0].nodeid}"], turn_of(one[0].path, mutant)))
+            callers.sort(key=lambda one: (cost(one[0]), turn_of(one[0].path, mutant)))
             for (item, seconds), following in itertools.zip_longest(callers, callers[1:]):
                 allow(SPARE_S + TIMES_SLOWER * seconds)
-                if not passes(item, following and following[0]):
-                    print(function, item.nodeid, file=notes, flush=True)
+                begun = time.process_time()
+                noticed = not passes(item, following and following[0])
+                print(json.dumps([function, item.nodeid, time.process_time() - begun, noticed]), file=notes, flush=True)
+                if noticed:
                     return 1
             return 0
 
