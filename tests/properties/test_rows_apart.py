@@ -10,7 +10,7 @@ import pytest
 from oracle.arena import OracleArena
 from properties.matches import some_actions, some_prey_actions
 from properties.test_engine_equals_oracle import compare, prey_array
-from rulebook.adjudicators import as_arrays
+from rulebook.adjudicators import as_arrays, by_seat
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.episodes import (
@@ -28,6 +28,8 @@ from catch_arena.verdicts import Verdict
 ROWS = 3
 MANY_ROWS = 33
 """One more than a block has."""
+LOTS = 5
+"""Rows in which is drawn."""
 STEPS = 14
 SMALL = {"hunters": 3, "control": ("target", "velocity", "full"), "side_m": 2.5, "reach_m": 0.6, "time_limit_s": 1.1}
 WEIGHTS = {
@@ -270,3 +272,38 @@ def test_what_hunters_see_has_its_order_in_every_row() -> None:
             batch.place(row, poses, targets)
             oracle.place(poses, targets)
         play_in_place(source, config, batch, oracles, ranks)
+
+
+@pytest.mark.parametrize("policy", ["nearest", "first_come"])
+def test_every_row_draws_its_own_lots(policy: str) -> None:
+    """R5.4, R5.9, R8.3: two hunters equally far from two targets each, and a kill service that fails now and then; rows
+    have seeds and steps of their own.
+    """
+    faults = {"kill_refused": 0.3, "kill_down": 0.2}
+    config = ArenaConfig().replace(hunters=4, control="full", policy=policy, faults=faults)
+    source = Random(20261124)
+    seeds = [source.getrandbits(64) for _ in range(LOTS)]
+    batch, oracles = Engine(config, LOTS), [OracleArena(config.to_dict()) for _ in range(LOTS)]
+    batch.reset(seeds)
+    for seed, oracle in zip(seeds, oracles, strict=True):
+        oracle.reset(seed)
+    position = [(x, y, 0.0) for x in (4.3, 4.7) for y in (2.0, 8.0)], [(4.5, 2.0), (4.5, 8.0)]
+    standing = [((0.0, 0.0), 1)] * config.hunters
+    choices, commands = as_arrays(config, standing)
+    met = set()
+    for step in range(8):
+        for row, oracle in enumerate(oracles):
+            if step == 2 and row % 3 == 0:
+                batch.reset([seeds[row] + 1 & 2**64 - 1], [row])
+                oracle.reset(seeds[row] + 1 & 2**64 - 1)
+            batch.place(row, *position)
+            oracle.place(*position)
+        shape = (LOTS, 1, 1)
+        batch.step(np.tile(choices, shape[:2]), np.tile(commands, shape))
+        for row, oracle in enumerate(oracles):
+            oracle.step(standing)
+            assert by_seat(batch.rulings(row), config) == oracle.rulings, f"row {row}, step {step}"
+            assert [one.number for one in batch.world(row).targets] == [one.number for one in oracle.alive]
+            met |= {(row > 0, found[0]) for found in oracle.rulings if found}
+    judged = (Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED, Verdict.SERVICE_DOWN)
+    assert {(True, verdict) for verdict in judged} <= met
