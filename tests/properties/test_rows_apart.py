@@ -303,6 +303,7 @@ def test_every_row_draws_its_own_lots(policy: str) -> None:
         for row, oracle in enumerate(oracles):
             oracle.step(standing)
             assert by_seat(batch.rulings(row), config) == oracle.rulings, f"row {row}, step {step}"
+            assert batch.evidence[row, :, 1].tolist() == [found[0] if found else 0 for found in oracle.rulings]
             assert [one.number for one in batch.world(row).targets] == [one.number for one in oracle.alive]
             met |= {(row > 0, found[0]) for found in oracle.rulings if found}
     judged = (Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED, Verdict.SERVICE_DOWN)
