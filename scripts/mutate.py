@@ -74,6 +74,8 @@ KILLERS = (
 )
 """What the tests are asked, the quickest to notice a change first."""
 OWN_TESTS = {
+    "catching": ("test_rows_apart",),
+    "controllers": ("test_rows_apart",),
     "prey": ("test_ch12_prey", "test_rows_apart"),
     "prey_views": ("test_ch12_prey", "test_rows_apart"),
     "ranking": ("test_selection_network",),

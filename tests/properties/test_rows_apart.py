@@ -12,7 +12,8 @@ from properties.matches import some_actions, some_prey_actions
 from properties.test_engine_equals_oracle import compare, prey_array
 from rulebook.adjudicators import as_arrays, by_seat
 
-from catch_arena.config import ArenaConfig
+from catch_arena.config import ArenaConfig, Control
+from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import (
     FINAL_CONTESTS_WON,
     FINAL_RANK,
@@ -308,3 +309,27 @@ def test_every_row_draws_its_own_lots(policy: str) -> None:
             met |= {(row > 0, found[0]) for found in oracle.rulings if found}
     judged = (Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED, Verdict.SERVICE_DOWN)
     assert {(True, verdict) for verdict in judged} <= met
+
+
+def test_rows_may_differ_in_how_their_hunters_are_driven() -> None:
+    """R4.1, R4.4: each plays as an oracle of its own controls. Of one seat all differ, and of each other all but two."""
+    ways: list[tuple[Control, ...]] = [
+        ("target", "velocity", "full", "target"),
+        ("target", "full", "velocity", "full"),
+        ("velocity", "target", "full", "full"),
+    ]
+    config, source = config_of("no teams").replace(hunters=4, control="full", time_limit_s=60.0), Random(20261125)
+    configs = [config.replace(control=way) for way in ways]
+    batch = Engine(config, len(ways), any_control=True)
+    batch.controls[:] = [[CONTROLS[word] for word in way] for way in ways]
+    oracles = [OracleArena(own.to_dict()) for own in configs]
+    batch.reset(range(len(ways)))
+    for seed, oracle in enumerate(oracles):
+        oracle.reset(seed)
+    for _ in range(STEPS):
+        given = [some_actions(source, own, oracle.masks()) for own, oracle in zip(configs, oracles, strict=True)]
+        choices, commands = zip(*map(as_arrays, configs, given), strict=True)
+        batch.step(np.stack(choices), np.stack(commands))
+        for row, (own, oracle) in enumerate(zip(configs, oracles, strict=True)):
+            oracle.step(given[row])
+            compare(batch, oracle, own, [column.name for column in columns(own)], row)
