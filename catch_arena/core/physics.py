@@ -83,14 +83,14 @@ def ticks_until(time_ms: float) -> float:
 
 @phase
 def move_body(me: Block, width: Width, side: float, fewest: int, most: int, ticks: Block) -> None:
-    """R2.2, R2.3: all ticks of one body in a step: from `fewest` on not every lane has them, from `most` on none.
+    """R2.2, R2.3: all ticks of one body in a step.
 
     Args:
-        me: the rows of the body; its pose, sine, cosine and AT_WALL are written.
+        me: the rows of the body; its pose and AT_WALL are written.
         width: how many lanes a group has.
         side: of the arena [m].
-        fewest: from this tick on some lanes have none.
-        most: from this tick on no lane has one.
+        fewest: how many ticks each lane has at least.
+        most: and at most: as many, or one more.
         ticks: how many each lane has, one row.
     """
     for first in range(0, span(width), len(width)):
@@ -103,15 +103,11 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
         for _ in range(fewest):
             x, y, sine, cosine, held = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side)
             at_wall = at_wall | held
-        for tick in range(fewest, most):
-            moves = ticks[lane] > tick
-            next_x, next_y, next_sine, next_cosine, held = next_pose(
-                x, y, sine, cosine, stride, turn_sine, turn_cosine, side
-            )
+        if fewest < most:  # steps are of one length, so that no lane has more than one tick more than another
+            moves = ticks[lane] > fewest
+            next_x, next_y, _, _, held = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side)
             x = select(moves, next_x, x)
             y = select(moves, next_y, y)
-            sine = select(moves, next_sine, sine)
-            cosine = select(moves, next_cosine, cosine)
             at_wall = at_wall | (moves & held)
         me[X + lane] = x
         me[Y + lane] = y

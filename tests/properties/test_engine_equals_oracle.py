@@ -76,6 +76,8 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
         )
     assert_same("rewards", [f"hunter_{seat}" for seat in seats], engine.rewards[row].tolist(), oracle.rewards)
     assert engine.team_scores[row].tolist() == (oracle.team_scores() if config.teams else []), "team scores"
+    taking_part = [not hunter.withdrawn for hunter in oracle.hunters] if config.dropout_rate > 0.0 else []
+    assert engine.active[row : row + 1].ravel().tolist() == taking_part, "active"
     compare_prey(engine, oracle, config, row)
     assert bool(engine.ends[row] == TERMINATED) == oracle.terminated, "terminated"
     assert bool(engine.ends[row] == TRUNCATED) == oracle.truncated, "truncated"

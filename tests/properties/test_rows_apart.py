@@ -75,6 +75,12 @@ CONFIGS = {
         "view_noise_m": 0.1,
     },
     "dropouts": {"dropout_rate": 0.2, "initial_targets": 9, "reach_m": 1.5, "spawn_frequency_hz": 9.0},
+    "targets that turn, and appear within a step": {
+        "target_motion": "wander",
+        "target_speed_mps": 1.5,
+        "initial_targets": 2,
+        "spawn_frequency_hz": 9.0,
+    },
     "wide views": {"initial_targets": 9, "view_angle_deg": 350.0, "spawning": False},
 }
 """Much happens in each."""
@@ -312,7 +318,7 @@ def test_every_row_draws_its_own_lots(policy: str) -> None:
 
 
 def test_rows_may_differ_in_how_their_hunters_are_driven() -> None:
-    """R4.1, R4.4: each plays as an oracle of its own controls. Of one seat all differ, and of each other all but two."""
+    """R4.1, R4.4: each plays as an oracle of its own controls. In one seat all differ, in others two."""
     ways: list[tuple[Control, ...]] = [
         ("target", "velocity", "full", "target"),
         ("target", "full", "velocity", "full"),

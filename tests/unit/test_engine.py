@@ -138,3 +138,17 @@ def test_what_is_kept_together_lies_together():
         assert np.shares_memory(section, engine._kept) == (name in ("blocks", *told, *of_auto_reset)), name
         assert np.shares_memory(section, engine._kept[: engine._kept_by_all]) == (name in ("blocks", *told)), name
         assert (section.shape == other.shape) == (name not in of_auto_reset), name
+
+
+def test_who_is_withdrawn_sits_in_one_row_alone():
+    """R1.6, R12.5: also behind the first block."""
+    engine = Engine(scenario("duel", prey=2), 34)
+    engine.reset(range(34))
+    engine.withdraw(32, 1)
+    engine.withdraw(31, 0)
+    engine.withdraw_prey(32, 1)
+    engine.withdraw_prey(31, 0)
+    worlds = [engine.world(row) for row in range(34)]
+    hunters = [(row, seat) for row, one in enumerate(worlds) for seat in (0, 1) if one.hunters[seat].withdrawn]
+    assert hunters == [(31, 0), (32, 1)]
+    assert [(row, index) for row, one in enumerate(worlds) for index in (0, 1) if one.prey[index].withdrawn] == hunters
