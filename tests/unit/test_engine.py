@@ -141,14 +141,33 @@ def test_what_is_kept_together_lies_together():
 
 
 def test_who_is_withdrawn_sits_in_one_row_alone():
-    """R1.6, R12.5: also behind the first block."""
-    engine = Engine(scenario("duel", prey=2), 34)
+    """R1.6, R12.5: also behind the first block. Prey stands still; in row 0 it is out, and no other target stops."""
+    moving = {"target_motion": "wander", "max_targets": 2, "initial_targets": 2, "spawn_frequency_hz": 9.0}
+    config = scenario("duel", prey=2, prey_returns_s=None, **moving)
+    engine = Engine(config, 34)
     engine.reset(range(34))
+    for row in range(34):
+        caught = 5.0 if row == 0 else 3.0
+        engine.place(row, [(5.0, 5.0, 0.0), (9.0, 9.0, 0.0)], [], [(caught, 5.0, 0.0), (3.0, 8.0, 0.0)])
+    commands = np.ones((34, 2, 2), np.float32)
+    for _ in range(3):
+        engine.step(np.ones((34, 2), np.int64), np.zeros_like(commands), commands)
     engine.withdraw(32, 1)
     engine.withdraw(31, 0)
     engine.withdraw_prey(32, 1)
     engine.withdraw_prey(31, 0)
+    engine.withdraw_prey(0, 0)
     worlds = [engine.world(row) for row in range(34)]
-    hunters = [(row, seat) for row, one in enumerate(worlds) for seat in (0, 1) if one.hunters[seat].withdrawn]
-    assert hunters == [(31, 0), (32, 1)]
-    assert [(row, index) for row, one in enumerate(worlds) for index in (0, 1) if one.prey[index].withdrawn] == hunters
+    assert worlds[0].prey[0].target is None
+    assert {len(world.targets) for world in worlds} == {2}
+    assert [(row, seat) for row, one in enumerate(worlds) for seat in (0, 1) if one.hunters[seat].withdrawn] == [
+        (31, 0),
+        (32, 1),
+    ]
+    assert [(row, index) for row, one in enumerate(worlds) for index in (0, 1) if one.prey[index].withdrawn] == [
+        (0, 0),
+        (31, 0),
+        (32, 1),
+    ]
+    still = {(row, one.prey) for row, world in enumerate(worlds) for one in world.targets if one.linear_velocity == 0.0}
+    assert still == {(31, "prey_0"), (32, "prey_1")}
