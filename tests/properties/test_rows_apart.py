@@ -81,6 +81,7 @@ CONFIGS = {
         "initial_targets": 2,
         "spawn_frequency_hz": 9.0,
     },
+    "a budget": {"target_budget": 5, "initial_targets": 2, "spawn_frequency_hz": 9.0},
     "wide views": {"initial_targets": 9, "view_angle_deg": 350.0, "spawning": False},
 }
 """Much happens in each."""
