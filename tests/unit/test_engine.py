@@ -171,3 +171,24 @@ def test_who_is_withdrawn_sits_in_one_row_alone():
     ]
     still = {(row, one.prey) for row, world in enumerate(worlds) for one in world.targets if one.linear_velocity == 0.0}
     assert still == {(31, "prey_0"), (32, "prey_1")}
+
+
+def test_a_target_comes_and_goes_by_name_in_one_row_alone():
+    """R8.1, R3.5, R5.8: also behind the first block; a full arena takes none, and prey is never killed."""
+    engine = Engine(scenario("duel", prey=1, initial_targets=3, max_targets=4), 34)
+    engine.reset(range(34))
+    assert engine.kill(33, 2)
+    before = [engine.digest(row) for row in range(34)]
+    for row in (31, 32):
+        assert engine.spawn(row, 1.0, 2.0, 0.0) == 4
+        assert engine.spawn(row, 1.0, 2.0, 0.0) == 0
+        assert engine.kill(row, 3)
+        assert not engine.kill(row, 1)
+    assert engine.spawn(31, 3.0, 2.0, 0.0) == 5
+    assert not engine.kill(33, 1)
+    assert engine.kill(33, 3)
+    changed = [row for row in range(34) if engine.digest(row) != before[row]]
+    assert changed == [31, 32, 33]
+    alive = {row: [target.number for target in engine.world(row).targets] for row in (30, *changed)}
+    assert alive == {30: [1, 2, 3], 31: [1, 2, 4, 5], 32: [1, 2, 4], 33: [1]}
+    assert [engine.world(row).spawned for row in (30, *changed)] == [3, 4, 3, 1]
