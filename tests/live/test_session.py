@@ -3,13 +3,12 @@
 import itertools
 
 import pytest
+from render.pictured import beliefs_of, note_beliefs
 from typer.testing import CliRunner
 
 from catch_arena import explain
 from catch_arena.cli import main
 from catch_arena.live import match_window
-from catch_arena.render import scene
-from catch_arena.render.blurred_view import BlurredView
 from catch_arena.render.optional_imports import pygame
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
@@ -225,20 +224,12 @@ def test_v_shows_what_each_hunter_sees_ones_own_first_and_then_nobodys(session, 
 
 def test_v_shows_where_a_hunter_believes_the_others_to_be(session, monkeypatch, tmp_path):
     """R7.6: by the observation on which it acts in the step that is drawn."""
-    drawn = []
-    arena_shapes = scene.arena_shapes
-
-    def noted(*args, **kwargs):
-        drawn.append((kwargs["time_ms"], kwargs["beliefs"]))
-        return arena_shapes(*args, **kwargs)
-
-    monkeypatch.setattr(scene, "arena_shapes", noted)
+    drawn = note_beliefs(monkeypatch)
     words = ["watch", "nearest", "patrol", "--set", "view_noise_m=0.5", "--record", str(tmp_path / "one.replay")]
     result = session(words, *nothing(8), pygame.K_v, *nothing(150))
     assert result.exit_code == 0, result.output
     match = Replay.load(tmp_path / "one.replay")
-    view, period = BlurredView(match.config), match.config.control_period_ms
-    believed = [view.beliefs(engine.world(), 0, engine.observations[0, 0]) for engine in match.checked_engines()]
+    believed, period = beliefs_of(match, 0), match.config.control_period_ms
     seen = [(time_ms, beliefs) for time_ms, beliefs in drawn if beliefs]
     assert len(seen) > 40
     assert all(beliefs == believed[min(int(time_ms // period), match.steps - 1)] for time_ms, beliefs in seen)

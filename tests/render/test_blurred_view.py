@@ -4,11 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from render.pictured import a_world, kinds, shapes_of
+from render.pictured import a_world, beliefs_of, kinds, note_beliefs, shapes_of
 from render.videos import SMALL
 
 from catch_arena.layout import columns
-from catch_arena.render import scene
 from catch_arena.render.blurred_view import Belief, BlurredView
 from catch_arena.render.shapes import Ring, Stroke
 from catch_arena.render.timing import Clip, Snapshots
@@ -93,16 +92,8 @@ def test_a_ring_is_where_it_is_believed_to_be_and_a_line_leads_to_where_it_is():
 def test_each_picture_has_what_was_observed_when_its_step_began(play, monkeypatch, timing):
     """The hunter acts on that, until the next step begins."""
     match = play("evasive", view_noise_m=0.5, time_limit_s=2.0)
-    view = BlurredView(match.config)
-    steps = [view.beliefs(engine.world(), 1, engine.observations[0, 1]) for engine in match.checked_engines()]
-    drawn = []
-    arena_shapes = scene.arena_shapes
-
-    def noted(*args, **kwargs):
-        drawn.append((kwargs["time_ms"], kwargs["beliefs"]))
-        return arena_shapes(*args, **kwargs)
-
-    monkeypatch.setattr(scene, "arena_shapes", noted)
+    steps = beliefs_of(match, 1)
+    drawn = note_beliefs(monkeypatch)
     renderer = renderer_for(match, SMALL["size"], "arena")
     renderer.view_of = 1
     list(rendered_frames(match, renderer, timing))
