@@ -192,3 +192,36 @@ def test_a_target_comes_and_goes_by_name_in_one_row_alone():
     alive = {row: [target.number for target in engine.world(row).targets] for row in (30, *changed)}
     assert alive == {30: [1, 2, 3], 31: [1, 2, 4, 5], 32: [1, 2, 4], 33: [1]}
     assert [engine.world(row).spawned for row in (30, *changed)] == [3, 4, 3, 1]
+
+
+def test_a_target_that_is_spawned_by_name_has_its_own_row_s_time():
+    """R8.1: rows that were reset at other steps, in the last lane of a block and in the next one."""
+    engine = Engine(scenario("duel", initial_targets=1), 34)
+    engine.reset(range(34))
+    for later in (31, 33):
+        engine.step(*actions(engine, 0))
+        engine.reset([7], arenas=[later])
+    engine.step(*actions(engine, 0))
+    for row in (30, 31, 32, 33):
+        engine.spawn(row, 1.0, 2.0, 0.0)
+    period_ms = engine.config.control_period_ms
+    times = [engine.world(row).targets[-1].spawned_ms // period_ms for row in (30, 31, 32, 33)]
+    assert times == [3, 2, 3, 1]
+
+
+@pytest.mark.parametrize("row", [0, 31, 33])
+def test_prey_is_never_killed_wherever_it_stands_in_the_list(row):
+    """R8.1: it was caught, and has come back behind the others, who may be killed then; its target may not."""
+    config = scenario("duel", prey=2, prey_returns_s=0.1, initial_targets=4, spawning=False, reach_m=0.4)
+    engine = Engine(config, 34)
+    engine.reset(range(34))
+    targets = [(1.0, 9.0), (9.0, 1.0)]
+    engine.place(row, [(5.0, 5.0, 0.0), (2.0, 2.0, 0.0)], targets, [(5.2, 5.0, 0.0), (8.0, 8.0, 0.0)])
+    commands = np.zeros((34, 2, 2), np.float32)
+    for _ in range(3):
+        engine.step(*actions(engine), commands)
+    alive = engine.world(row).targets
+    played = [target.prey for target in alive]
+    assert sorted(filter(None, played)) == ["prey_0", "prey_1"]
+    assert played[-1] == "prey_0"
+    assert [engine.kill(row, target.number) for target in alive] == [prey is None for prey in played]
