@@ -1,10 +1,16 @@
 """What targets that move decide, where random matches seldom come: lots among threats, in rows that differ."""
 
+import math
+from random import Random
+
 import numpy as np
 import pytest
 from oracle.arena import OracleArena
 
 from catch_arena.config import ArenaConfig
+from catch_arena.core.math import wrap
+from catch_arena.core.state import BODY, LANES, SPEED, TURN_RATE
+from catch_arena.core.visibility import squared_limit
 from catch_arena.engine import Engine
 
 ROWS = 5
@@ -103,3 +109,59 @@ def test_those_whose_distances_round_to_the_same_micrometre_draw_lots_however_fa
         drawn |= {threat.seat for oracle in oracles for one in oracle.alive if (threat := oracle._threat(one))}
         play_on(batch, oracles, 1)
     assert drawn == {0, 1}
+
+
+def test_a_threat_at_the_very_alarm_is_none():
+    """R3.10: where the square of the distance is the least one that is no alarm."""
+    at_the_limit = [
+        (um, dx)
+        for um in range(1_000_001, 1_000_200)
+        if (dx := math.sqrt(squared_limit(um))) ** 2 == squared_limit(um) and 5.0 - (5.0 - dx) == dx
+    ]
+    assert len(at_the_limit) > 9
+    for um, dx in at_the_limit[:10]:
+        batch, oracles = rows_with_oracles(hunters=1, target_motion="flee", alarm_m=um / 1e6)
+        place(batch, oracles, [(5.0 - dx, 5.0, 0.0)], [(5.0, 5.0)])
+        play_on(batch, oracles, 1)
+        assert [oracle.alive[0].v for oracle in oracles] == [oracles[0].target_speed / 2] * ROWS
+
+
+def test_a_threat_in_the_very_place_of_a_target_is_behind_it():
+    """R3.10: whatever way the target looks."""
+    batch, oracles = rows_with_oracles(hunters=1, target_motion="flee")
+    for row, oracle in enumerate(oracles):
+        batch.place(row, [(5.0, 5.0, 0.0)], [])
+        batch.spawn(row, 5.0, 5.0, 1.0 + row)
+        oracle.place([(5.0, 5.0, 0.0)], [(5.0, 5.0)])
+        oracle.alive[0].theta = wrap(1.0 + row)
+    play_on(batch, oracles, 1)
+    assert {oracle.alive[0].w for oracle in oracles} == {0.0}
+
+
+@pytest.mark.parametrize("motion", ["wander", "flee"])
+def test_each_row_of_a_full_block_moves_its_own_targets(motion):
+    """R3.9, R3.10: rows have times, hunters and numbers of targets of their own, and play as they do alone."""
+    config = ArenaConfig(hunters=3, control="full", initial_targets=0, spawning=False, max_targets=5)
+    config = config.replace(target_motion=motion, wander_period_ms=250, side_m=6.0, alarm_m=1.5)
+    rows, source = LANES + 2, Random(33)
+    checked = [0, 1, 2, LANES - 1, LANES, LANES + 1]
+    batch, alone = Engine(config, rows), {row: Engine(config) for row in checked}
+    batch.reset(range(rows))
+    for row, engine in alone.items():
+        engine.reset([row])
+    hold, rest = np.zeros((rows, config.hunters), np.int64), np.zeros((rows, config.hunters, 2), np.float32)
+    for step in range(8):
+        for row in source.sample(checked, 2) if step % 2 == 0 else ():
+            hunters = [(source.choice([2.0, 3.0, 4.0]), source.choice([2.0, 3.0, 4.0]), 0.0) for _ in range(3)]
+            targets = [(source.choice([2.5, 3.5]), source.choice([2.5, 3.5])) for _ in range(source.randrange(6))]
+            seed = source.getrandbits(64)
+            batch.reset([seed], [row])
+            alone[row].reset([seed])
+            batch.place(row, hunters, targets)
+            alone[row].place(0, hunters, targets)
+        batch.step(hold, rest)
+        for row, engine in alone.items():
+            engine.step(hold[:1], rest[:1])
+            assert batch.digest(row) == engine.digest(), f"row {row}, step {step}"
+            empty = batch._views.targets[row // LANES, len(batch.world(row).targets) :, :, row % LANES]
+            assert not empty[:, [(BODY + SPEED) // LANES, (BODY + TURN_RATE) // LANES]].any()  # who appears is at rest

@@ -19,7 +19,7 @@ def test_r7_5_a_square_below_the_limit_is_a_distance_of_fewer_micrometres(limit_
     """At the edge and the 2,000 numbers on both sides of it, and anywhere; measured as the rulebook says."""
     limit = squared_limit(limit_um)
     source = Random(limit_um)
-    squares = [limit * source.uniform(0.0, 2.0) for _ in range(1000)]
+    squares = [limit, *(limit * source.uniform(0.0, 2.0) for _ in range(1000))]
     below = above = limit
     for _ in range(2000):
         below, above = math.nextafter(below, 0.0), math.nextafter(above, math.inf)
