@@ -143,7 +143,7 @@ def test_each_row_of_a_full_block_moves_its_own_targets(motion):
     """R3.9, R3.10: rows have times, hunters and numbers of targets of their own, and play as they do alone."""
     config = ArenaConfig(hunters=3, control="full", initial_targets=0, spawning=False, max_targets=5)
     config = config.replace(target_motion=motion, wander_period_ms=250, side_m=6.0, alarm_m=1.5)
-    rows, source = LANES + 2, Random(33)
+    rows, source, nodes = LANES + 2, Random(33), (0.5, 3.0, 4.0)  # an empty slot has its place at 0, 0
     checked = [0, 1, 2, LANES - 1, LANES, LANES + 1]
     batch, alone = Engine(config, rows), {row: Engine(config) for row in checked}
     batch.reset(range(rows))
@@ -152,7 +152,7 @@ def test_each_row_of_a_full_block_moves_its_own_targets(motion):
     hold, rest = np.zeros((rows, config.hunters), np.int64), np.zeros((rows, config.hunters, 2), np.float32)
     for step in range(8):
         for row in source.sample(checked, 2) if step % 2 == 0 else ():
-            hunters = [(source.choice([2.0, 3.0, 4.0]), source.choice([2.0, 3.0, 4.0]), 0.0) for _ in range(3)]
+            hunters = [(source.choice(nodes), source.choice(nodes), 0.0) for _ in range(3)]
             targets = [(source.choice([2.5, 3.5]), source.choice([2.5, 3.5])) for _ in range(source.randrange(6))]
             seed = source.getrandbits(64)
             batch.reset([seed], [row])
