@@ -13,6 +13,10 @@ from pathlib import Path
 
 PATIENCE_S = 60.0
 """What takes longer hangs."""
+PROMISED_S = 3.0
+"""From the first signal to the end (docs/tournaments.md)."""
+START_S = 0.1
+"""How long Python takes to start and end, at most, where nobody else is at work."""
 PROGRESS = re.compile(r"^(playing|isolation): .+\n", re.MULTILINE)
 """What a command says every ten seconds (more on a slow machine), and how it holds agents apart."""
 LINE = re.compile(
@@ -30,6 +34,8 @@ class Ended:
     errors: str
     left: list[str]
     """The processes that it left behind, by their commands."""
+    seconds: float | None
+    """From the first signal to the end; None where it had ended, or none came."""
 
 
 class Command:
@@ -46,6 +52,7 @@ class Command:
             text=True,
             start_new_session=True,
         )
+        self._interrupted_s: float | None = None
 
     def wait_until_it_listens(self):
         """Before that it is Python which starts; SIGTERM has a handler once we are asked."""
@@ -61,16 +68,18 @@ class Command:
         for pause in (0.0, *pauses):
             time.sleep(pause)
             if self.process.poll() is None:
+                if self._interrupted_s is None:
+                    self._interrupted_s = time.monotonic()
                 os.killpg(self.process.pid, number)
 
     def ended(self) -> Ended:
         """How it ends."""
         try:
             self.process.wait(PATIENCE_S)
+            seconds = None if self._interrupted_s is None else time.monotonic() - self._interrupted_s
             left = self._left()
-            return Ended(
-                self.process.returncode, self.process.stdout.read(), PROGRESS.sub("", self.process.stderr.read()), left
-            )
+            errors = PROGRESS.sub("", self.process.stderr.read())
+            return Ended(self.process.returncode, self.process.stdout.read(), errors, left, seconds)
         finally:
             if self.process.poll() is None:
                 os.killpg(self.process.pid, signal.SIGKILL)
@@ -86,3 +95,10 @@ class Command:
             except OSError:  # it has ended, or is another user's
                 continue
         return found
+
+
+def slowness() -> float:
+    """How many times as long things take on this machine now, as others work on it: at least 1."""
+    begun = time.monotonic()
+    subprocess.run([sys.executable, "-I", "-S", "-c", ""], check=True)
+    return max(1.0, (time.monotonic() - begun) / START_S)

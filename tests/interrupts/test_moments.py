@@ -3,21 +3,20 @@
 The moments follow from their numbers: a failure is repeated by its number, as far as the machine repeats itself.
 """
 
-import os
 import random
 import re
 import time
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import Any
 
 import pytest
-from interrupts.commands import LINE, Command
+from interrupts.commands import LINE, PROMISED_S, Command, slowness
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
 
-LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
 ROOT = Path(__file__).parents[2]
 TOURNAMENT = (
     "tournament",
@@ -73,10 +72,13 @@ def moment(number: int) -> tuple[float, list[float]]:
     return draw.uniform(0.0, 1.05), [draw.uniform(0.0, 0.3 if signals == 2 else 0.1) for _ in range(signals - 1)]
 
 
-def those(kinds: dict[str, tuple[str, ...]], long: int, short: int) -> list[tuple[int, str]]:
-    """Which moments are tried, of each kind in turn."""
+def fifty(kinds: dict[str, tuple[str, ...]]) -> list[Any]:
+    """The moments that are tried, of each kind in turn; all but the first two are for the night."""
     names = list(kinds)
-    return [(number, names[number % len(names)]) for number in range(long if LONG else short)]
+    return [
+        pytest.param(number, names[number % len(names)], marks=() if number < 2 else pytest.mark.nightly)
+        for number in range(50)
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -133,6 +135,7 @@ def interrupted(number: int, words: tuple[str, ...], folder: Path, made: Path) -
     command.interrupt(pauses)
     ended = command.ended()
     assert not ended.left
+    assert ended.seconds is None or ended.seconds < PROMISED_S * slowness()
     assert "Traceback" not in ended.said
     if ended.status == 130:
         line = LINE.fullmatch(ended.errors)
@@ -143,7 +146,7 @@ def interrupted(number: int, words: tuple[str, ...], folder: Path, made: Path) -
     return None
 
 
-@pytest.mark.parametrize(("number", "way"), those(WAYS, 50, 2))
+@pytest.mark.parametrize(("number", "way"), fifty(WAYS))
 def test_a_tournament_is_interrupted_at_any_moment_and_goes_on_from_there(number, way, folder, made):
     words = (*TOURNAMENT, "--out", "o", *WAYS[way])
     line = interrupted(number, words, folder, made)
@@ -157,7 +160,7 @@ def test_a_tournament_is_interrupted_at_any_moment_and_goes_on_from_there(number
     assert (folder / "matches.jsonl").read_bytes() == (made / "matches.jsonl").read_bytes()
 
 
-@pytest.mark.parametrize(("number", "name"), those(COMMANDS, 50, 2))
+@pytest.mark.parametrize(("number", "name"), fifty(COMMANDS))
 def test_any_command_is_interrupted_at_any_moment_and_leaves_nothing_half_done(number, name, folder, made):
     before = {path.name for path in folder.iterdir()}
     line = interrupted(number, COMMANDS[name], folder, made)
