@@ -23,8 +23,9 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
         ),
         "wander": _STANDARD.replace(target_motion="wander"),
         "evasive": _STANDARD.replace(target_motion="flee", target_speed_mps=1.5),
-        "fog": _STANDARD.replace(view_radius_m=2.5),
-        "blinkers": _STANDARD.replace(view_angle_deg=100.0),
+        # under target control a hunter that sees nothing can only hold: it could not look around
+        "fog": _STANDARD.replace(view_radius_m=2.5, control="velocity"),
+        "blinkers": _STANDARD.replace(view_angle_deg=100.0, control="velocity"),
         "unequal": _STANDARD.replace(max_speed_mps=(2.6, 2.2, 1.8, 1.4), reach_m=(0.2, 0.3, 0.4, 0.5)),
         "dropout": _STANDARD.replace(dropout_rate=0.002),
         "pairs": _STANDARD.replace(teams=((0, 1), (2, 3)), team_share=1.0),

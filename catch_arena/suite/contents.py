@@ -117,7 +117,8 @@ class Suite:
 
 
 def _shipped(name: str, about: str) -> SuiteScenario:
-    return SuiteScenario(name, SCENARIOS[name], TRAINING_OPPONENTS, held_out=False, about=about)
+    config = SCENARIOS[name].replace(control=ArenaConfig().control)  # each agent plays under its own
+    return SuiteScenario(name, config, TRAINING_OPPONENTS, held_out=False, about=about)
 
 
 def _held_out(name: str, about: str, opponents: tuple[str, ...], **settings: Any) -> SuiteScenario:

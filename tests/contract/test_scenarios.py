@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 import catch_arena
 from catch_arena.cli import main
+from catch_arena.layout import columns
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 
@@ -128,7 +129,23 @@ def test_a_batch_plays_what_an_env_plays(name):
     env, batch = catch_arena.parallel_env(config), catch_arena.VectorArena(config, 3, auto_reset=False)
     env.reset(seed=9)
     batch.reset(seed=[8, 9, 10])
+    drives = config.control == "velocity"
+    action = np.array([1.0, 0.3], np.float32) if drives else np.int64(1)
+    actions = np.tile(action, (3, config.hunters, 1) if drives else (3, config.hunters))
     while env.agents:
-        batch.step(np.ones((3, config.hunters), dtype=np.int64))
-        env.step(dict.fromkeys(env.agents, 1))
+        batch.step(actions)
+        env.step(dict.fromkeys(env.agents, action))
         assert env.digest() == batch.digest(1)
+
+
+@pytest.mark.parametrize("name", ["fog", "blinkers"])
+def test_who_sees_nothing_can_look_around(name):
+    """Driven in arcs, each hunter sees a target again and again; under target control it could only hold."""
+    batch = catch_arena.VectorArena(name, 8)
+    batch.reset(seed=1)
+    present = [column.name for column in columns(batch.config)].index("target_1.present")
+    seen = []
+    for _ in range(200):
+        observations = batch.step(np.tile(np.array([1.0, 0.25], np.float32), (8, batch.config.hunters, 1)))[0]
+        seen.append(observations[..., present] > 0)
+    assert np.array(seen[-60:]).any(axis=0).all()
