@@ -252,7 +252,8 @@ class ArenaConfig:
 
     def _check_view(self) -> None:
         if self.view_radius_m is not None:
-            _require_number("view_radius_m", self.view_radius_m, above=0.0, at_most=10_000.0)
+            everywhere = " (None is everywhere)"
+            _require_number("view_radius_m", self.view_radius_m, above=0.0, at_most=10_000.0, otherwise=everywhere)
         _require_number("view_angle_deg", self.view_angle_deg, above=0.0, at_most=360.0)
         _require_number("view_noise_m", self.view_noise_m, at_least=0.0, at_most=1000.0)
         if self.policy == "capstone":
@@ -500,14 +501,20 @@ def _require_integer(name: str, value: object, low: int, high: int, high_is: str
 
 
 def _require_number(
-    name: str, value: object, *, at_most: float, at_least: float | None = None, above: float | None = None
+    name: str,
+    value: object,
+    *,
+    at_most: float,
+    at_least: float | None = None,
+    above: float | None = None,
+    otherwise: str = "",
 ) -> None:
     low = f"above {above:g}" if above is not None else f"at least {at_least:g}"
-    if isinstance(value, bool) or not isinstance(value, int | float) or not -1e300 < value < 1e300:
-        raise ConfigError(f"{name} must be a finite number {low}, got {value!r}")
-    too_low = (above is not None and value <= above) or (at_least is not None and value < at_least)
-    if too_low or value > at_most:
-        raise ConfigError(f"{name} must be {low} and at most {at_most:g}, got {value!r}")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not -math.inf < value < math.inf:
+        raise ConfigError(f"{name} must be a finite number {low}{otherwise}, got {value!r}")
+    enough = value > above if above is not None else at_least is None or value >= at_least
+    if not (enough and value <= at_most):
+        raise ConfigError(f"{name} must be {low} and at most {at_most:g}{otherwise}, got {value!r}")
 
 
 def require_choice(name: str, value: object, choices: Sequence[str | None]) -> None:

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, runtime_checkable
 
 from catch_arena.config import ArenaConfig, Control
-from catch_arena.errors import AgentError
+from catch_arena.errors import AgentError, ConfigError
 from catch_arena.layout import (
     BodyFeatures,
     MovingTargetFeatures,
@@ -76,8 +76,16 @@ class Limits:
     """How many of the targets are played by agents (R12.1)."""
 
     @classmethod
-    def of(cls, config: ArenaConfig, seat: int = 0) -> "Limits":
-        """The limits of one seat of an arena."""
+    def of(cls, config: ArenaConfig, seat: int | None = None) -> "Limits":
+        """The limits of one seat of an arena; it need not be given where all hunters are alike.
+
+        Raises:
+            ConfigError: without a seat, where hunters differ (R2.7, R4.1).
+        """
+        if seat is None:
+            if len({*zip(config.reaches, config.max_speeds, config.max_turn_rates, config.controls, strict=True)}) > 1:
+                raise ConfigError("seat must be given where hunters differ, Limits.of(config, seat), got none")
+            seat = 0
         return cls(
             side_m=config.side_m,
             reach_m=config.reaches[seat],

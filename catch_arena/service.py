@@ -211,7 +211,8 @@ class ArenaService:
         Args:
             cmd_vel: Twists [m/s, rad/s] by hunter, limited as R2.5 says, at rest where none is given.
             requests: (hunter, request) in any order. After the end nothing moves, and every request is MATCH_OVER.
-            goals: the names of the targets that hunters under target control drive to; the others of them hold.
+            goals: the names of the targets that hunters under target control drive to; the others of them hold, and so
+                does one whose goal is out of its sight (R7.5), or not among those that it observes.
 
         Returns:
             one ruling for each request; `response` makes the service's answer of it. The world's rulings have those of

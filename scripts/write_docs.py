@@ -32,8 +32,7 @@ and of `rival_2` and `rival_3` repeat those of the first.
 """
 
 
-MOVING = """Each target has three columns more there, and where there is prey (R7.4), and so it has in the global view;
-of `target_1`:
+MOVING = """Each target has three columns more there, and where there is prey (R7.4); of `target_1`:
 """
 
 TEAMS = """Each rival has one column more where there are teams (R7.4). In `pairs`, of `rival_1`:
@@ -51,6 +50,10 @@ what holds.
 
 STATE = """`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then
 `max_targets` places for targets in spawning order.
+"""
+
+STATE_OF_MOVING = """
+Where targets move, or there is prey, a target has three columns more. In `wander`:
 """
 
 STATE_OF_PREY = """
@@ -96,8 +99,9 @@ def observation_page() -> str:
     config = scenario("standard")
     others = tuple(f"{what}_{i}." for what in ("target", "rival") for i in range(2, 10))
     seats = (*(f"hunter_{i}." for i in range(1, 10)), *(f"target_{i}." for i in range(2, 17)), "target_1")
-    moving = columns(scenario("standard", target_motion="wander"))
-    of_moving_target = tuple(column for column in moving if column.name.startswith("target_1."))
+    wander = scenario("wander")
+    of_moving_target = tuple(column for column in columns(wander) if column.name.startswith("target_1."))
+    of_moving_place = [column for column in state_columns(wander) if column.name.startswith("target_1.")]
     pairs = columns(scenario("pairs"))
     of_team_rival = [column for column in pairs if column.name.startswith("rival_1.")]
     herd = scenario("herd")
@@ -123,6 +127,8 @@ def observation_page() -> str:
             "\n## The global view\n",
             STATE,
             table(state_columns(config), skip_repeats=tuple(s for s in seats if s != "target_1")),
+            STATE_OF_MOVING,
+            table(tuple(of_moving_place), skip_repeats=(), first=state_columns(wander).index(of_moving_place[0])),
             STATE_OF_PREY,
             table(tuple(of_prey), skip_repeats=(), first=state_columns(herd).index(of_prey[0])),
             "",

@@ -86,7 +86,8 @@ class CompileClock(event.Listener):
         """One function more."""
         self._done |= self._inner & {event.data["dispatcher"].py_func.__qualname__}
         share = len(self._done) / max(1, len(self._inner))
-        if not self._known and share >= _ENOUGH:
+        late = self.elapsed_s > self._total_s  # others are at work on the machine
+        if (late or not self._known) and share >= _ENOUGH:
             self._total_s = self.elapsed_s / (share * _INNER_SHARE)
 
     @property

@@ -44,8 +44,10 @@ BAD_CONFIGS = [
     ({"max_turn_rate_radps": (4.0, 4.0, INFINITY, 4.0)}, "max_turn_rate_radps[2] must be a finite number above 0, got"),
     ({"reach_m": (0.3, 0.3, 0.3, 0.0)}, "reach_m[3] must be above 0 and at most 10000, got 0.0"),
     ({"reach_m": (0.3, 0.3, "0.3", 0.3)}, "reach_m[2] must be a finite number above 0, got '0.3'"),
-    ({"view_radius_m": 0}, "view_radius_m must be above 0 and at most 10000, got 0"),
-    ({"view_radius_m": NAN}, "view_radius_m must be a finite number above 0, got nan"),
+    ({"view_radius_m": 0}, "view_radius_m must be above 0 and at most 10000 (None is everywhere), got 0"),
+    ({"view_radius_m": NAN}, "view_radius_m must be a finite number above 0 (None is everywhere), got nan"),
+    ({"view_radius_m": 1e300}, "view_radius_m must be above 0 and at most 10000 (None is everywhere), got 1e+300"),
+    ({"alarm_m": 10**400}, "alarm_m must be at least 0 and at most 10000, got 1000"),
     ({"view_angle_deg": 400}, "view_angle_deg must be above 0 and at most 360, got 400"),
     ({"view_angle_deg": 0}, "view_angle_deg must be above 0 and at most 360, got 0"),
     ({"view_angle_deg": None}, "view_angle_deg must be a finite number above 0, got None"),
@@ -292,3 +294,13 @@ def test_arbitrate_refuses_what_it_cannot_judge(arguments):
     good = {"hunters": [(0.0, 0.0)], "targets": {"t": (0.0, 0.1)}, "requests": [(0, "t")]}
     with pytest.raises(CatchArenaError):
         catch_arena.arbitrate(**{**good, **arguments})
+
+
+def test_limits_of_hunters_that_differ_need_a_seat():
+    """R2.7: nobody is told the first one's, as if all had them."""
+    config = catch_arena.scenario("unequal")
+    with pytest.raises(
+        ConfigError, match=r"seat must be given where hunters differ, Limits.of\(config, seat\), got none"
+    ):
+        catch_arena.Limits.of(config)
+    assert [catch_arena.Limits.of(config, seat).reach_m for seat in range(4)] == [0.2, 0.3, 0.4, 0.5]

@@ -31,8 +31,7 @@ def played(scenario, control, steps=40, arenas=3):
         if config.prey:
             actions = {"hunter": actions, "prey": np.ones((arenas, config.prey, 2), np.float32)}
         observations, _ = _hunters(*arena.step(actions)[:1], None)
-    limits = Limits.of(config)
-    return limits, observations[:, 0]
+    return Limits.of(config, 0), observations[:, 0]
 
 
 def _hunters(observations, infos):
