@@ -20,7 +20,7 @@ from catch_arena.cli.app import (
     main,
 )
 from catch_arena.cli.matches import print_logs, print_result
-from catch_arena.cli.outputs import Force, free_name, output_file
+from catch_arena.cli.outputs import Force, given_or_free
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import width_and_height
 from catch_arena.config import ArenaConfig
@@ -142,11 +142,11 @@ def _show(agents: list[str], limits: "AgentLimits | None", person: int | None, o
     window = checked_size(width_and_height(size))
     players = enter_agents([agents[index % len(agents)] for index in range(free)], limits, prey=config.prey > 0)
     lineup = line_up(config, players, person)
-    unasked = Path("match.replay")
-    output_file(unasked if record is None else record, force=force or record is None)
+    usual = Path("match.replay")
+    given_or_free(record, usual, force=force)
 
     def save(replay: "Replay") -> str:
-        target = (unasked if force else free_name(unasked)) if record is None else record
+        target = given_or_free(None, usual, force=force) if record is None else record
         replay.save(target)
         return str(target)
 

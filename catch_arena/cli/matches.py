@@ -30,7 +30,7 @@ from catch_arena.cli.app import (
     secret_of,
     seed_told,
 )
-from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.outputs import Force, given_or_free, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
@@ -282,7 +282,15 @@ def match(
     trusted: Trusted = False,
     limits: LimitOption = None,
     isolation: Isolation = None,
-    output: Annotated[Path, typer.Option("--output", "-o", help="The replay to write.")] = Path("match.replay"),
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="The replay to write.",
+            show_default="match.replay, or the first free like it",
+        ),
+    ] = None,
     force: Force = False,
     settings: SettingOption = None,
 ) -> None:
@@ -298,20 +306,20 @@ def match(
 
     config = arena(scenario, settings, team_size)
     parties = Parties.of(config)
-    allowed = limits_or_trust(limits, isolation, agents, output, trusted=trusted)
+    target = given_or_free(output, Path("match.replay"), force=force)
+    allowed = limits_or_trust(limits, isolation, agents, target, trusted=trusted)
     entrants = enter_agents(agents, allowed, prey=config.prey > 0)
     require_enough(len(entrants), config, scenario)
     if len(entrants) > len(parties):
         raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(entrants)}")
-    output_file(output, force=force)
     drawn = arena_seed(seed)
     with sandbox_for(allowed) as sandbox:
-        result = play_entrants(config, drawn, entrants, sandbox, title=scenario, record=output)
+        result = play_entrants(config, drawn, entrants, sandbox, title=scenario, record=target)
     names = [entrant.name for entrant in entrants]
     print_logs(names, result.logs)
     print_result(parties, result, names)
     say(f"seed: {drawn}")
-    say(f"replay: {output}")
+    say(f"replay: {target}")
 
 
 def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:

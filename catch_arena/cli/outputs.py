@@ -1,4 +1,4 @@
-"""The files that commands write: one that stands there already is not replaced without --force."""
+"""The files that commands write: what stands there already is not replaced without --force."""
 
 from itertools import count
 from pathlib import Path
@@ -30,3 +30,15 @@ def free_name(path: Path) -> Path:
     if not path.exists():
         return path
     return next(other for number in count(2) if not (other := path.with_stem(f"{path.stem}-{number}")).exists())
+
+
+def given_or_free(given: Path | None, usual: Path, *, force: bool) -> Path:
+    """The path that was asked for; or where none was, the usual one, or the first free one like it: a command that is
+    given twice does not need another name.
+
+    Raises:
+        OutputError: as of `output_file`.
+    """
+    if given is not None:
+        return output_file(given, force=force)
+    return output_file(usual if force else free_name(usual), force=force)

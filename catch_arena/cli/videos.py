@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 import typer
 
 from catch_arena.cli.app import Recorded, main
-from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.outputs import Force, given_or_free, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
 
@@ -139,7 +139,10 @@ def mosaic(
 def highlights(
     folder: Folder,
     *,
-    output: Video = Path("highlights.mp4"),
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help=_VIDEO, show_default="highlights.mp4, or the first free like it"),
+    ] = None,
     force: Force = False,
     count: Annotated[int, typer.Option(min=1, help="At most this many moments.")] = 8,
     listing: Annotated[
@@ -160,9 +163,10 @@ def highlights(
     from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
 
     frame_size = None if size is None else width_and_height(size)
-    format_of(output)
+    if output is not None:
+        format_of(output)
     if not listing:
-        output_file(output_path(output), force=force)
+        target = given_or_free(output and output_path(output), Path("highlights.mp4"), force=force)
     found = _highlights_in(folder)
     selected = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
     if not selected:
@@ -175,7 +179,7 @@ def highlights(
         return
     with progress_bar("rendering") as show:
         recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
-        report = render_highlights(recorded, output, size=frame_size, fps=fps, view_of=view_of, progress=show)
+        report = render_highlights(recorded, target, size=frame_size, fps=fps, view_of=view_of, progress=show)
     print_report(report)
 
 
@@ -183,7 +187,15 @@ def highlights(
 def sheet(
     replay: Recorded,
     *,
-    output: Annotated[Path, typer.Option("--output", "-o", help="The PNG file to write.")] = Path("sheet.png"),
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="The PNG file to write.",
+            show_default="sheet.png, or the first free like it",
+        ),
+    ] = None,
     force: Force = False,
     count: Annotated[
         int, typer.Option(min=1, max=100, help="How many pictures; fewer if the match has fewer moments.")
@@ -208,11 +220,11 @@ def sheet(
     from catch_arena.render.contact_sheet import contact_sheet, even_instants, instants_of, same_picture
     from catch_arena.replay import Replay
 
-    if output.suffix.lower() != ".png":
+    if output is not None and output.suffix.lower() != ".png":
         raise ConfigError(f"output must end in .png, got {str(output)!r}")
     frame_size = None if size is None else width_and_height(size)
     recorded = Replay.load(replay)
-    output_file(output, force=force)
+    target = given_or_free(output, Path("sheet.png"), force=force)
     with progress_bar("looking", late=True) as show:
         if pick == "even":
             instants = even_instants(recorded, count)
@@ -225,9 +237,9 @@ def sheet(
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
     with progress_bar("drawing") as show:
         picture = contact_sheet(recorded, instants, size=frame_size, view_of=view_of, progress=show)
-    write_whole(output, picture)
+    write_whole(target, picture)
     pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
-    say(f"sheet: {output} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
+    say(f"sheet: {target} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
 
 
 def _fewer(got: int, asked: int | None, why: str) -> str:

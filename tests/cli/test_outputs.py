@@ -28,12 +28,11 @@ def played(tmp_path_factory):
 
 
 WRITERS = {
-    "match.replay": ["match", "nearest", "idle", *QUICK],
     "mine.replay": ["match", "nearest", "idle", *QUICK, "-o", "mine.replay"],
     "v.mp4": ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.mp4", *SMALL],
     "v.gif": ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.gif", *SMALL],
     "g.mp4": ["mosaic", "{o}/replays", "-o", "g.mp4", "--count", "1", "--fps", "5"],
-    "sheet.png": ["sheet", "{o}/replays/r00001-g000001-s00.replay", "--count", "2"],
+    "s.png": ["sheet", "{o}/replays/r00001-g000001-s00.replay", "--count", "2", "-o", "s.png"],
     "e.csv": ["export", "{o}", "--format", "csv", "-o", "e.csv"],
     "grades.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "grades.json"],
     "grades.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "grades.xml"],
@@ -56,6 +55,30 @@ def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, monk
     CliRunner().invoke(main, [*words, "--force"])
     assert Path(name).read_bytes() != b"mine"
     assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+UNNAMED = {
+    "match.replay": ["match", "nearest", "idle", *QUICK],
+    "sheet.png": ["sheet", "{o}/replays/r00001-g000001-s00.replay", "--count", "2"],
+    "highlights.mp4": ["highlights", "{o}/replays", "--count", "1", *SMALL],
+}
+
+
+@pytest.mark.parametrize("name", UNNAMED)
+def test_a_command_without_a_name_for_its_file_takes_the_first_free_one(played, tmp_path, monkeypatch, name):
+    """And says which; with --force it is the usual one again."""
+    monkeypatch.chdir(tmp_path)
+    words = [word.replace("{o}", str(played / "o")) for word in UNNAMED[name]]
+    Path(name).write_text("mine")
+    second = Path(name).with_stem(f"{Path(name).stem}-2")
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 0, done.output
+    assert second.name in done.stdout
+    assert Path(name).read_text() == "mine"
+    written = second.read_bytes()
+    assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
+    assert Path(name).read_bytes() != b"mine"
+    assert second.read_bytes() == written
 
 
 def test_a_video_whose_name_gets_another_ending_replaces_nothing_either(played, tmp_path, monkeypatch):
