@@ -79,13 +79,15 @@ def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: 
         shown.add_row("an agent plays", f"{_span(*played)} matches")
         shown.add_row("a pair meets in", f"{_span(*met)} matches")
     shared = f"{duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
-    shown.add_row("time", f"about {shared}{duration(alone_s)} with one process")
+    leaves = f"; after {max_forfeits} in a row it is out" if max_forfeits else ""
+    less = bool(cost.forfeits and leaves)  # matches without those who are out are sooner over
+    shown.add_row("time", f"{'at most' if less else 'about'} {shared}{duration(alone_s)} with one process")
     shown.add_row("store", f"about {decimal(plan.size * cost.stored)}")
     if cost.replay:
         shown.add_row("replays", f"about {decimal(plan.size * cost.replay)}")
     shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
     for name, forfeit in cost.forfeits.items():
-        shown.add_row("", plain(f"{name} forfeited there: {forfeit}"))
+        shown.add_row("", plain(f"{name} forfeited there: {forfeit}{leaves}"))
     worst = worst_delay(worker, most, max_forfeits)
     if worst is not None:
         once, all_s = duration(worst.hanging_s), worst.matches * worst.hanging_s

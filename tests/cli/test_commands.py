@@ -331,8 +331,10 @@ def test_a_plan_says_what_an_agent_that_hangs_could_cost(catch_arena, tmp_path):
             *lines,
             r"a slow agent +may take 1\.2 s a match: 24\.0 s for 20, no forfeit",
             "mine forfeited there: ",
+            f"time +{'at most' if most == '3' else 'about'} ",
         ):
             assert re.search(line, told, re.MULTILINE), told
+        assert ("; after 3 in a row it is out" in " ".join(told.split())) == (most == "3")
     assert "hangs" not in catch_arena(*words[:1], "nearest", "idle", *QUICK, "--plan").output
 
 

@@ -141,8 +141,8 @@ def test_several_mistakes_are_told_apart(names):
         ),
         (
             service,
-            "no evidence is given",
-            {"first come, first served", "the distance is a square: the root is missing", "DUPLICATE is never said"},
+            "first come, first served",
+            {"no evidence is given", "the distance is a square: the root is missing", "DUPLICATE is never said"},
         ),
     ],
 )
@@ -162,6 +162,28 @@ def test_a_students_arbiter_is_told_its_mistakes(student, largest, others):
     words = " ".join(text.split())  # as they are without line breaks
     assert all(name in words for name in found)
     assert all(one.failures[0].case.id in words for one in report.diagnoses)
+
+
+def test_a_wrong_idea_is_told_before_evidence_that_is_missing_in_more_cases():
+    """Who asks first gets the target, and nobody learns a distance or a winner."""
+
+    def in_turn(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: Any) -> list[Any]:
+        served: set[str] = set()
+        rulings: list[Any] = []
+        for seat, name in requests:
+            if name not in targets:
+                rulings.append(("UNKNOWN_TARGET", seat, name))
+            elif math.dist(hunters[seat], targets[name]) >= reach_m:
+                rulings.append(("OUT_OF_REACH", seat, name))
+            else:
+                rulings.append(("LOST_CONTEST" if name in served else "GRANTED", seat, name))
+                served.add(name)
+        return rulings
+
+    report = run_conformance(in_turn, only=["claimants", "eligibility", "reach"])
+    first, *others = report.diagnoses
+    assert "first come" in first.looks_like or "first request" in first.looks_like, str(report)
+    assert max(len(one.failures) for one in others) > len(first.failures)
 
 
 def test_wrong_ideas_are_told_before_what_is_left_out_and_each_kind_by_its_size():

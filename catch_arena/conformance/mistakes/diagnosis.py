@@ -41,7 +41,7 @@ class Diagnosis:
     known: bool
     """An arbiter with this mistake answers exactly so; else only the answers are alike."""
     conceptual: bool
-    """An idea is wrong, as who wins or what is within reach; else a single verdict, or the order of the tests."""
+    """An idea is wrong, as who wins or what is within reach; else as of `known_mistakes.Mistake`."""
     shared: int = 0
     """How many of the failures need others too."""
 

@@ -24,7 +24,7 @@ class Mistake(NamedTuple):
     """What the rulebook says."""
     change: Mapping[str, Any]
     conceptual: bool = True
-    """An idea is wrong; else a single verdict, or the order of the tests."""
+    """An idea is wrong; else a single verdict, the order of the tests, or what is told besides the verdict."""
 
 
 def rules_with(mistakes: Iterable[Mistake]) -> Rules:
@@ -192,52 +192,52 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake("the distance is dy alone", _DISTANCE, metres=lambda _, dy: dy),
     _mistake("the distance is a square: the root is missing", _DISTANCE, metres=lambda dx, dy: dx * dx + dy * dy),
     # Evidence
-    _mistake(
+    _slip(
         "no evidence is given",
         "Compare with --verdicts-only until distances and winners are given (R5.6).",
         finish=wrong.gives_evidence(distance=wrong.nothing, winner=wrong.nothing),
     ),
-    _mistake("no distance is given", EVIDENCE, finish=wrong.gives_evidence(distance=wrong.nothing)),
-    _mistake("no winner is given", EVIDENCE, finish=wrong.gives_evidence(winner=wrong.nothing)),
-    _mistake(
+    _slip("no distance is given", EVIDENCE, finish=wrong.gives_evidence(distance=wrong.nothing)),
+    _slip("no winner is given", EVIDENCE, finish=wrong.gives_evidence(winner=wrong.nothing)),
+    _slip(
         "only who is granted learns the winner",
         EVIDENCE,
         finish=wrong.gives_evidence(
             winner=lambda request: request.winner if request.verdict is Verdict.GRANTED else None
         ),
     ),
-    _mistake(
+    _slip(
         "losers do not learn the winner",
         EVIDENCE,
         finish=wrong.gives_evidence(
             winner=lambda request: None if request.verdict is Verdict.LOST_CONTEST else request.winner
         ),
     ),
-    _mistake(
+    _slip(
         "only losers learn the winner",
         EVIDENCE,
         finish=wrong.gives_evidence(
             winner=lambda request: request.winner if request.verdict is Verdict.LOST_CONTEST else None
         ),
     ),
-    _mistake(
+    _slip(
         "a refused kill without a rival has a winner",
         EVIDENCE,
         finish=wrong.gives_evidence(
             winner=lambda request: request.hunter if request.verdict is Verdict.KILL_FAILED else request.winner
         ),
     ),
-    _mistake(
+    _slip(
         "a distance is given to everybody",
         EVIDENCE,
         finish=wrong.gives_evidence(distance=lambda request: request.away_um),
     ),
-    _mistake(
+    _slip(
         "no distance is given to those out of reach",
         EVIDENCE,
         finish=wrong.gives_evidence(distance=lambda request: request.distance_um if request.rivals else None),
     ),
-    _mistake(
+    _slip(
         "losers are given the winner's distance",
         EVIDENCE,
         finish=wrong.gives_evidence(
