@@ -4,7 +4,7 @@ python scripts/measure_ros.py [--seconds 60] [--hunters 4] [--targets 16]
 
 Over cyclonedds on the loopback interface: `catch-arena ros serve` in one process; one node in another that drives all
 hunters ten times a second, hears all poses, and calls /hunter_0/catch_turtle; and a process that answers calls at once,
-whose round trip is the bus's part. Leave the machine alone meanwhile.
+whose round trip is the bus's part. The arbiter's part is measured in this process. Leave the machine alone meanwhile.
 """
 
 import argparse
@@ -18,11 +18,13 @@ from collections import Counter
 from dataclasses import dataclass
 from random import uniform
 from statistics import median, quantiles
+from typing import Any
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray
 from catch_arena.ros.middleware.bus import Bus, Call, open_bus
 from catch_arena.ros.middleware.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
+from catch_arena.service import ArenaService
 
 DOMAIN = 77
 TYPES = Interfaces()
@@ -134,8 +136,10 @@ def play(given: Arguments) -> None:
     print(f"{steps} steps on /clock, {lost} gaps; poses heard: {dict(driver.heard)}")
     tell("catch_turtle, round trip", trips.calls)
     tell("a call that is answered at once", at_once)
-    bus_s = median(at_once)
-    print(f"of it the wait for the next step, and the arbiter: {1e3 * (median(trips.calls) - bus_s):.2f} ms")
+    judged = judging_steps(settings)
+    tell("a step that judges a request, processor time", judged)
+    waited_s = median(trips.calls) - median(at_once) - median(judged)
+    print(f"the rest is the wait for the next step: {1e3 * waited_s:.2f} ms")
     print(f"processor time of the arena: {100 * trips.busy:.0f} % of one core")
 
 
@@ -186,6 +190,19 @@ def bus_trips(bus: Bus) -> list[float]:
             bus.spin(0.01)
         found.append(time.perf_counter() - asked)
         time.sleep(0.005)
+    return found
+
+
+def judging_steps(settings: dict[str, Any]) -> list[float]:
+    """Steps of the same arena with a request each; nothing in them waits, so that other processes do not matter."""
+    service = ArenaService(**settings, control_period_ms=TICK_MS)
+    service.reset(1)
+    found = []
+    for _ in range(500):
+        (first, *_) = service.alive_turtles().turtles
+        begin = time.thread_time()
+        service.step({}, [("hunter_0", CatchTurtleRequest(first.name))])
+        found.append(time.thread_time() - begin)
     return found
 
 

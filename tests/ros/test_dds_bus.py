@@ -13,9 +13,10 @@ from ros.processes import own_domain, started
 
 from catch_arena.errors import BusError, ConfigError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
-from catch_arena.ros.middleware import bus, dds_bus, dds_peers
+from catch_arena.ros.middleware import bus, dds_bus, dds_domain, dds_peers
 from catch_arena.ros.middleware.bus import open_bus
-from catch_arena.ros.middleware.dds_types import dds_name
+from catch_arena.ros.middleware.dds_domain import Discovery, configuration, discovery_of
+from catch_arena.ros.middleware.dds_types import LONGEST_ASKED, dds_name
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
 from catch_arena.ros.middleware.type_hashes import type_hash
 
@@ -110,9 +111,13 @@ def test_services_answer_with_the_header_of_the_request(echo):
     assert called(echo.spawn, spawn).text() == "tom:1.5"
 
 
-def test_a_name_of_ten_megabytes_is_answered(echo):
-    """It is carried in pieces."""
-    assert called(echo.catch, lambda writer: writer.text("x" * 10_000_001)).number("?") is True
+def test_a_long_name_is_answered_and_one_beyond_every_measure_is_left_out_unread(echo):
+    """One of 10 MB would hold up the arena; DDS drops it, and who asks next is answered."""
+    asks, _ = echo.catch
+    assert called(echo.catch, lambda writer: writer.text("x" * LONGEST_ASKED)).number("?") is True
+    for length in (LONGEST_ASKED + 1, 10_000_001):
+        asks.write(cdr.begin(asks.handle, 0).text("x" * length).whole())
+        assert called(echo.catch, lambda writer: writer.text("a")).number("?") is True
 
 
 def test_a_zero_byte_in_a_name_ends_nobody(echo):
@@ -138,6 +143,21 @@ def test_what_cannot_be_sent_is_left_out(domain):
     names = until(lambda: [one[0] for data in reader.take() for one in cdr.read_turtles(data)])
     assert names[-1] == "c"
     assert len(names) + len(said) == 2
+    ours.close()
+
+
+def test_a_call_that_cannot_be_sent_is_left_out_too(domain):
+    """A target's name may be a stranger's, and as long as he likes."""
+    said, asked = [], []
+    ours = open_bus("cyclonedds", domain=domain, localhost=True, log=said.append)
+    ours.serve("/ours", TYPES.catch_turtle, asked.append)
+    client = ours.client("/ours", TYPES.catch_turtle)
+    until(lambda: client.ready)
+    for name in ("x" * (LONGEST_ASKED + 1), "c"):
+        client.call(CatchTurtleRequest(name))
+    until(lambda: ours.spin() or asked)
+    assert [one.message.name for one in asked] == ["c"]
+    assert said == ["warning: a message on /ours cannot be sent (String longer than bound.)"]
     ours.close()
 
 
@@ -293,26 +313,54 @@ def test_other_fields_under_the_same_name_are_told_where_a_node_announces_them(w
     ) in line
 
 
-def test_each_reader_of_responses_is_looked_up_once():
-    """A node that makes a client for every call has hundreds, and each look-up takes as long as the response itself."""
+def test_readers_of_responses_are_listed_only_for_a_process_of_which_none_is_known():
+    """A node that makes a client for every call has hundreds: a list and its look-ups take longer with each."""
     readers = {handle: f"process {handle % 2}" for handle in range(200)}
-    looked_up = []
+    listed, looked_up = [], []
+
+    def handles():
+        listed.append(True)
+        return list(readers)
 
     def data(handle):
         looked_up.append(handle)
-        return None if handle == 7 else SimpleNamespace(participant_key=readers[handle])
+        return None if handle == 7 or handle not in readers else SimpleNamespace(participant_key=readers[handle])
 
-    writer = SimpleNamespace(get_matched_subscriptions=lambda: list(readers), get_matched_subscription_data=data)
-    clients = dds_bus._Clients(writer)
-    assert "process 0" in clients
-    assert "process 1" in clients
+    clients = dds_bus._Clients(SimpleNamespace(get_matched_subscriptions=handles, get_matched_subscription_data=data))
+    for _ in range(3):
+        assert "process 0" in clients
+        assert "process 1" in clients
+    assert len(listed) == 1
+    assert len(looked_up) == 200 + 5
     assert "process 2" not in clients
-    assert [looked_up.count(handle) for handle in (0, 199, 7)] == [1, 1, 3]  # the last was gone again each time
+    assert [looked_up.count(handle) for handle in (0, 7)] == [1, 2]  # the second was gone again each time
 
     readers = {1000: "process 2", **{handle: peer for handle, peer in readers.items() if handle % 2}}
     assert "process 2" in clients
     assert "process 0" not in clients
     assert "process 1" in clients
+
+
+def test_who_appears_is_looked_at_a_few_at_a_time():
+    """A hundred at once would hold up a tick; nobody is left out."""
+    waiting = [endpoint(f"rt/other{number}", "U_", b"\x01\x10") for number in range(20)]
+    for one in waiting:
+        one.sample_info = SimpleNamespace(valid_data=True)
+    seen = []
+
+    def take(most):
+        taken = waiting[:most]
+        del waiting[:most]
+        return taken
+
+    looking = object.__new__(dds_peers.PeerWatch)
+    looking._appeared, looking._own, looking._expected = [(SimpleNamespace(take=take), True)], None, {}
+    looking._served, looking._on_writer = {}, seen.append
+    counts = []
+    for _ in range(4):
+        looking.look()
+        counts.append(len(seen))
+    assert counts == [8, 16, 20, 20]
 
 
 def test_who_appears_while_cyclonedds_counts_is_listed_the_next_time(monkeypatch, domain):
@@ -386,22 +434,125 @@ def test_the_first_that_is_installed_is_taken_and_told(monkeypatch, domain):
     found.close()
 
 
+ALONE = Discovery(localhost=True)
+DEFAULT = Discovery(is_default=True)
+NETWORK = Discovery()
+PEERS = ("192.168.0.7", "10.0.0.2")
+NOBODYS = 200
+"""A domain in which this process never is: it could be configured."""
+
+
 @pytest.mark.parametrize(
-    ("variables", "expected"),
+    ("only", "reach", "peers", "expected"),
     [
-        ({}, False),
-        ({"ROS_LOCALHOST_ONLY": "1"}, True),
-        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost"}, True),
-        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_LOCALHOST_ONLY": "0"}, True),
-        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_LOCALHOST_ONLY": "1"}, True),
-        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_LOCALHOST_ONLY": "0"}, False),
-        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT"}, False),
+        ("", "", "", NETWORK),
+        ("1", "", "", ALONE),
+        ("", "localhost", "", ALONE),
+        ("0", "LOCALHOST", "", ALONE),
+        ("1", "SUBNET", "", ALONE),
+        ("0", "SUBNET", "", NETWORK),
+        ("", "SYSTEM_DEFAULT", "", DEFAULT),
+        ("", "OFF", "", DEFAULT),
+        ("", "", "192.168.0.7", Discovery(peers=PEERS[:1])),
+        ("0", "", "192.168.0.7;10.0.0.2", Discovery(peers=PEERS)),
+        ("", "SUBNET", ";192.168.0.7;; 10.0.0.2 ;", Discovery(peers=PEERS)),
+        ("", "LOCALHOST", "192.168.0.7;10.0.0.2", Discovery(localhost=True, peers=PEERS)),
+        ("", "", "localhost:7411", Discovery(peers=("127.0.0.1:7411",))),
+        ("", "", ";", NETWORK),
     ],
 )
-def test_the_environment_says_whether_it_keeps_to_this_machine(monkeypatch, variables, expected):
-    """As ROS reads it: the older variable comes first, and an unknown range is the narrow one."""
-    for name in ("ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
-        monkeypatch.delenv(name, raising=False)
-    for name, value in variables.items():
-        monkeypatch.setenv(name, value)
-    assert bus._localhost_only() is expected
+def test_the_environment_says_where_others_are_looked_for(only, reach, peers, expected):
+    """As ROS reads it: the older variable comes first, an unknown range is the narrow one, and peers are a list."""
+    variables = {"ROS_LOCALHOST_ONLY": only, "ROS_AUTOMATIC_DISCOVERY_RANGE": reach, "ROS_STATIC_PEERS": peers}
+    said = []
+    assert discovery_of(variables, said.append) == expected
+    assert said == []
+
+
+def test_without_any_variable_others_are_looked_for_in_the_network():
+    assert discovery_of({}, print) == NETWORK
+
+
+@pytest.mark.parametrize(
+    ("variables", "expected", "why"),
+    [
+        ({"ROS_LOCALHOST_ONLY": "1"}, ALONE, "ROS_LOCALHOST_ONLY=1"),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, DEFAULT, "ROS_AUTOMATIC_DISCOVERY_RANGE=OFF"),
+        (
+            {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT"},
+            DEFAULT,
+            "ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT",
+        ),
+    ],
+)
+def test_peers_that_ros_ignores_are_ignored_with_a_line(variables, expected, why):
+    said = []
+    assert discovery_of(variables | {"ROS_STATIC_PEERS": "192.168.0.7"}, said.append) == expected
+    assert said == [f"warning: ROS_STATIC_PEERS is ignored because of {why}, as in ROS"]
+
+
+@pytest.mark.parametrize(
+    "peer",
+    [
+        "no-such-host.invalid",
+        "192.168.0.0/24",
+        "::1",
+        "a b",
+        '"/><x>',
+        "x" * 300,
+        "x." * 200,
+        "127.0.0.1:",
+        "127.0.0.1:x",
+        "127.0.0.1:0",
+        "127.0.0.1:65536",
+        "127.0.0.1:²",
+        "\u00e9.invalid",
+        ":7411",
+    ],
+)
+def test_a_peer_that_is_no_host_is_left_out_with_a_line(peer):
+    """It would end the process in cyclonedds; the others are asked nevertheless."""
+    said = []
+    assert discovery_of({"ROS_STATIC_PEERS": f"{peer};10.0.0.2"}, said.append) == Discovery(peers=("10.0.0.2",))
+    (line,) = said
+    assert line.startswith("warning: ROS_STATIC_PEERS must name hosts, as 192.168.0.7;robot.local: ")
+    assert line.endswith(" is left out")
+    assert len(line) < 200
+
+
+def test_the_domain_is_configured_before_it_is_joined(monkeypatch):
+    """Once in a process, and not at all where all is left to DDS."""
+    made = []
+    monkeypatch.setattr(dds_domain, "_domains", {})
+    monkeypatch.setattr(dds_domain, "Domain", lambda *given: made.append(given))
+    monkeypatch.setattr(dds_domain, "DomainParticipant", lambda domain, qos: (domain, qos))
+    monkeypatch.setenv("CYCLONEDDS_URI", "<Own/>")
+    found = Discovery(peers=PEERS)
+    assert [dds_domain.join(7, found, "qos") for _ in range(2)] == [(7, "qos"), (7, "qos")]
+    assert made == [(7, configuration(found, "<Own/>"))]
+    dds_domain.join(8, DEFAULT, "qos")
+    assert len(made) == 1
+
+
+@pytest.mark.parametrize("uri", ["<Nonsense/>", "file:///no/such/file.xml"])
+def test_a_configuration_that_cannot_be_is_one_line(monkeypatch, uri):
+    """Of the user's; cyclonedds says more about it."""
+    monkeypatch.setenv("CYCLONEDDS_URI", uri)
+    with pytest.raises(BusError, match=f"DDS domain {NOBODYS} cannot be joined") as error:
+        open_bus("cyclonedds", domain=NOBODYS, localhost=True)
+    assert "\n" not in str(error.value)
+
+
+def test_a_configuration_beyond_ascii_is_one_line(monkeypatch):
+    monkeypatch.setenv("CYCLONEDDS_URI", "file:///home/käse.xml")
+    with pytest.raises(BusError, match="CYCLONEDDS_URI must be ASCII"):
+        open_bus("cyclonedds", domain=NOBODYS, localhost=True)
+
+
+def test_the_users_own_configuration_comes_last_and_overrides():
+    made = configuration(Discovery(localhost=True, peers=PEERS), "<Own/>")
+    assert made.endswith(",<Own/>")
+    assert "".join(f'<Peer address="{peer}"/>' for peer in ("127.0.0.1", *PEERS)) in made
+    assert "NetworkInterface" not in made  # by the loopback interface alone no peer can be reached
+    assert "NetworkInterface" in configuration(ALONE, "")
+    assert "Peer" not in configuration(NETWORK, "")

@@ -79,7 +79,7 @@ def test_a_scenario_with_prey_is_played_without_it(tmp_path):
 
 @pytest.mark.parametrize("after", [1, 10, 29])
 def test_an_interrupt_after_the_match_is_its_normal_end(tmp_path, after):
-    """Those who ask late are told a little less long; replay and ranking are whole."""
+    """Those who ask late are told a little less long; then the replay is saved, and the ranking is whole."""
     record = tmp_path / "match.replay"
     found = served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK + after))
     assert found.ranks == (1, 1)
@@ -95,6 +95,21 @@ def test_an_interrupt_in_the_match_keeps_the_replay_and_says_where_it_is(tmp_pat
         served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK - 20))
     assert Replay.load(record).steps == LAST_TICK - 21
     assert [more() for more in said] == [f"replay: {record}"]
+
+
+def test_nobody_waits_while_the_replay_is_saved(tmp_path, monkeypatch):
+    """It takes as long as many ticks: nothing is sent behind it, in which its readers would find a gap."""
+    hub, sent = Hub(), []
+    save = Replay.save
+
+    def saving(replay, file):
+        sent.append(len(hub.sent["/hunter_0/pose"]))
+        save(replay, file)
+
+    monkeypatch.setattr(Replay, "save", saving)
+    served(scenario("duel", time_limit_s=1), tmp_path / "match.replay", hub.bus("arena"))
+    assert sent == [len(hub.sent["/hunter_0/pose"])]
+    assert sent[0] > LAST_TICK
 
 
 def test_teams_are_ranked_as_teams(capsys):

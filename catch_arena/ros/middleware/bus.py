@@ -17,8 +17,6 @@ DEPTH: Final = 10
 """Of every topic's history: ROS's usual one. Who reads less often loses the oldest."""
 HIGHEST_DOMAIN: Final = 232
 """The ports of the domains above it do not exist."""
-_WIDER_RANGES: Final = ("", "OFF", "SUBNET", "SYSTEM_DEFAULT")
-"""Of ROS_AUTOMATIC_DISCOVERY_RANGE: those that do not keep to this machine, and OFF, which we do not know."""
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
 _INSTALL: Final = install_hint("ros")
 _SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
@@ -109,7 +107,7 @@ def open_bus(
     *,
     node: str = "catch_arena",
     domain: int | None = None,
-    localhost: bool | None = None,
+    localhost: bool = False,
     url: str | None = None,
     log: Log = print,
 ) -> Bus:
@@ -119,8 +117,8 @@ def open_bus(
         backend: None takes the first of BACKENDS that is installed, and says which.
         node: what the node is called.
         domain: DDS's, from 0 to 232; None is ROS_DOMAIN_ID, or 0. rosbridge has that of its server.
-        localhost: whether cyclonedds keeps to this machine; None is as ROS_LOCALHOST_ONLY and
-            ROS_AUTOMATIC_DISCOVERY_RANGE say.
+        localhost: whether cyclonedds keeps to this machine whatever the environment says; else ROS_LOCALHOST_ONLY,
+            ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_STATIC_PEERS say where it looks for others.
         url: rosbridge's server; None is BRIDGE_URL.
         log: takes one line whenever there is something that people should know.
 
@@ -148,8 +146,10 @@ def open_bus(
         log(f"bus: {backend}")
     if backend == "cyclonedds":
         from catch_arena.ros.middleware.dds_bus import DdsBus
+        from catch_arena.ros.middleware.dds_domain import Discovery, discovery_of
 
-        return DdsBus(node, number, localhost=_localhost_only() if localhost is None else localhost, log=log)
+        discovery = Discovery(localhost=True) if localhost else discovery_of(os.environ, log)
+        return DdsBus(node, number, discovery, log=log)
     if backend == "rosbridge":
         from catch_arena.ros.middleware.rosbridge_bus import RosbridgeBus
 
@@ -181,16 +181,6 @@ def _checked_domain(domain: int | None) -> int:
         name = "ROS_DOMAIN_ID" if domain is None else "the domain id"
         raise ConfigError(f"{name} must be a whole number from 0 to {HIGHEST_DOMAIN}, got {word}")
     return int(word)
-
-
-def _localhost_only() -> bool:
-    """As ROS reads it: the first comes before the second, which is there from Iron on; what the second does not know
-    is LOCALHOST to it.
-    """
-    return (
-        os.environ.get("ROS_LOCALHOST_ONLY", "").startswith("1")
-        or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") not in _WIDER_RANGES
-    )
 
 
 def _is_installed(backend: Backend) -> bool:

@@ -7,7 +7,6 @@ its response begin with the client's id and a number; nodes with Fast DDS put bo
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import count
@@ -18,7 +17,6 @@ from cyclonedds.core import DDSException, Policy, Qos, ReadCondition, WaitSet
 from cyclonedds.core import InstanceState as Instances
 from cyclonedds.core import SampleState as Samples
 from cyclonedds.core import ViewState as Views
-from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
@@ -26,6 +24,7 @@ from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.dds_domain import Discovery, code_of, join
 from catch_arena.ros.middleware.dds_graph import Graph
 from catch_arena.ros.middleware.dds_peers import FAST_DDS, PeerWatch, is_fast_dds, own_hash
 from catch_arena.ros.middleware.dds_types import idl_struct, ros_name, to_sample
@@ -33,20 +32,12 @@ from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from
 from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameter_services import serve_parameters
 from catch_arena.ros.middleware.parameters import Parameters
+from catch_arena.text import one_line
 
-_LOCALHOST: Final = """<CycloneDDS><Domain>
-<General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
-<AllowMulticast>false</AllowMulticast></General>
-<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>120</MaxAutoParticipantIndex>
-<Peers><Peer address="127.0.0.1"/></Peers></Discovery>
-</Domain></CycloneDDS>"""
-"""What ROS_LOCALHOST_ONLY is for rmw_cyclonedds_cpp; the loopback interface has no multicast."""
 _SERVICE_DEPTH: Final = 64
 """Requests that may come between two steps: a whole class asks in one."""
 _REPLY_WAIT_S: Final = 0.1
 """A client may be asking before its reader of responses is known here: so long a response waits for it."""
-_domains: Final[dict[int, Domain]] = {}
-"""Of this process: a domain is configured once."""
 
 
 class DdsBus:
@@ -55,25 +46,16 @@ class DdsBus:
     Args:
         node: what the node is called.
         domain: from 0 to 232.
-        localhost: whether it keeps to this machine; else the network is used as CYCLONEDDS_URI says, or as by default.
+        discovery: where others are looked for.
         log: takes one line whenever there is something that people should know.
 
     Raises:
-        BusError: where there is no network interface to use.
+        BusError: where it cannot be joined.
     """
 
-    def __init__(self, node: str, domain: int, *, localhost: bool, log: Log) -> None:
-        try:
-            if localhost and domain not in _domains:
-                with suppress(DDSException):  # this process is in it already
-                    _domains[domain] = Domain(domain, _LOCALHOST)
-            user = Policy.Userdata(b"enclave=/;")  # what ROS looks for in a participant that is one of its own
-            self._participant = DomainParticipant(domain, qos=Qos(user))
-        except DDSException as error:
-            raise BusError(
-                f"DDS domain {domain} cannot be joined ({_code(error)}): is there a network interface? "
-                "ROS_LOCALHOST_ONLY=1 keeps to this machine"
-            ) from None
+    def __init__(self, node: str, domain: int, discovery: Discovery, *, log: Log) -> None:
+        user = Policy.Userdata(b"enclave=/;")  # what ROS looks for in a participant that is one of its own
+        self._participant = join(domain, discovery, Qos(user))
         self._node, self._log = node, log
         self._waiting = WaitSet(self._participant)
         self._readers: list[_Reader] = []
@@ -131,7 +113,7 @@ class DdsBus:
         user = Policy.Userdata(f"clientid={self._next_id()};".encode())
         name = _absolute(service)
         writer = self._writer(f"rq{name}Request", kind.request, user, header=True)
-        client = _DdsClient(service, kind, writer)
+        client = _DdsClient(service, kind, writer, self._write)
         client.reader = self._reader(
             f"rr{name}Reply", kind.response, _SERVICE_DEPTH, client.on_sample, user, header=True
         ).reader
@@ -183,14 +165,17 @@ class DdsBus:
             self._late.append(reply)
 
     def _write(self, writer: DataWriter[Any], sample: Any) -> None:
-        """What cannot be sent, as a text with a zero byte in it, is left out: a stranger's name may have one."""
+        """What cannot be sent, as a text with a zero byte in it, or too long a one, is left out: a stranger's name may
+        be so.
+        """
         try:
             writer.write(sample)
-        except DDSException as error:
+        except Exception as error:  # noqa: BLE001 - the package raises nothing narrower for what is too long
             topic = ros_name(writer.topic.name)
             if topic not in self._unsent:
                 self._unsent.add(topic)
-                self._log(f"warning: a message on {topic} cannot be sent ({_code(error)})")
+                why = code_of(error) if isinstance(error, DDSException) else one_line(str(error.__cause__ or error))
+                self._log(f"warning: a message on {topic} cannot be sent ({why})")
 
     def _next_id(self) -> str:
         """What tells which reader and which writer belong to one end of a service."""
@@ -269,22 +254,28 @@ class _Reader:
 
 
 class _Clients:
-    """Who hears a service's responses. Each reader is looked up once: the exercise's controller makes a client for each
-    call, and keeps them all.
+    """Who hears a service's responses. The exercise's controller makes a client for each call, and keeps them all: they
+    are listed only for a process of which no reader is known, and each is looked up once.
     """
 
     def __init__(self, writer: DataWriter[Any]) -> None:
         self.writer = writer
         self._peers: dict[int, Peer] = {}
+        self._readers: dict[Peer, int] = {}
+        """One of each process."""
 
     def __contains__(self, peer: Peer) -> bool:
+        reader = self._readers.get(peer)
+        if reader is not None and self.writer.get_matched_subscription_data(reader) is not None:
+            return True
         known, self._peers = self._peers, {}
         for handle in _matched(self.writer.get_matched_subscriptions):
             if handle in known:
                 self._peers[handle] = known[handle]
             elif (found := self.writer.get_matched_subscription_data(handle)) is not None:
                 self._peers[handle] = str(found.participant_key)
-        return peer in self._peers.values()
+        self._readers = {owner: handle for handle, owner in self._peers.items()}
+        return peer in self._readers
 
 
 @dataclass(slots=True)
@@ -315,8 +306,14 @@ class _DdsClient:
 
     reader: DataReader[Any]
 
-    def __init__(self, service: str, kind: ServiceType, writer: DataWriter[Any]) -> None:
-        self._service, self._kind, self._writer = service, kind, writer
+    def __init__(
+        self,
+        service: str,
+        kind: ServiceType,
+        writer: DataWriter[Any],
+        write: Callable[[DataWriter[Any], Any], None],
+    ) -> None:
+        self._service, self._kind, self._writer, self._write = service, kind, writer, write
         self._own = writer.get_instance_handle() & 2**64 - 1
         self._numbers = count(1)
         self._calls: dict[int, Call] = {}
@@ -342,7 +339,7 @@ class _DdsClient:
         self._order.append(number)
         if len(self._order) > _SERVICE_DEPTH:  # nobody waits for one so old
             self._calls.pop(self._order.popleft(), None)
-        self._writer.write(to_sample(self._kind.request, request, client=self._own, number=number))
+        self._write(self._writer, to_sample(self._kind.request, request, client=self._own, number=number))
         return call
 
     def on_sample(self, sample: Any, peer: Peer | None) -> None:
@@ -386,7 +383,3 @@ def _announced(kind: MessageType) -> Any:
 
 def _absolute(name: str) -> str:
     return name if name.startswith("/") else f"/{name}"
-
-
-def _code(error: DDSException) -> str:
-    return str(DDSException.error_message_mapping.get(error.code, (f"code {error.code}", ""))[0])

@@ -1,7 +1,6 @@
 """Who else is on the DDS bus, as far as something would go wrong with them: told once, in one line."""
 
 import re
-import time
 from collections.abc import Callable
 from importlib.util import find_spec
 from typing import Any, Final
@@ -24,7 +23,10 @@ FAST_DDS: Final = (
 _FAST_DDS_VENDOR: Final = b"\x01\x0f"
 """What Fast DDS's ids begin with; Cyclone's begin with 01 10."""
 _TYPE_HASH: Final = re.compile(rb"typehash=(RIHS01_[0-9a-f]{64});")
-_LOOK_EVERY_S: Final = 0.5
+_AT_ONCE: Final = 8
+"""Of those that appeared, so many are read at a time, each for a tenth of a millisecond: a node that makes a client for
+every call brings hundreds, which must not hold up one tick.
+"""
 
 
 class PeerWatch:
@@ -46,7 +48,6 @@ class PeerWatch:
         self._expected: dict[str, MessageType] = {}
         self._served: dict[str, str] = {}
         self._warned: set[tuple[str, str]] = set()
-        self._next = 0.0
 
     def expect(self, topic: str, kind: MessageType) -> None:
         """What is sent on a topic of DDS's."""
@@ -57,13 +58,9 @@ class PeerWatch:
         self._served[replies] = service
 
     def look(self) -> None:
-        """Now and then, at who has appeared."""
-        now = time.monotonic()
-        if now < self._next:
-            return
-        self._next = now + _LOOK_EVERY_S
+        """At some of those who have appeared."""
         for reader, writes in self._appeared:
-            for endpoint in reader.take(1000):
+            for endpoint in reader.take(_AT_ONCE):
                 if endpoint.sample_info.valid_data and endpoint.participant_key != self._own:
                     self._check(endpoint, writes=writes)
                     if writes:

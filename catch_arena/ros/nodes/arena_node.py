@@ -88,7 +88,8 @@ class ArenaNode:
         self._pending: list[_PendingRequest] = []
         self._logged: set[str] = set()
         self._ticks = 0
-        self._scores: tuple[int, ...] = ()
+        self._standing: tuple[tuple[int, ...], bool] = (), False
+        """The scores, and whether the match has ended, as they were told last."""
         self._topics = {seat.hunter: [graph_names.cmd_vel_of(seat.hunter)] for seat in self.seats}
         poses = {hunter: [graph_names.pose_of(hunter)] for hunter in hunters}
         if len(self.seats) == 1:  # the exercise's own names
@@ -120,7 +121,7 @@ class ArenaNode:
         self._service.reset(seed)
         if self._agents is not None:
             self._agents.begin(self._service.seed)
-        self._scores = (0,) * len(self._names)
+        self._standing = (0,) * len(self._names), False
 
     @property
     def over(self) -> bool:
@@ -206,8 +207,9 @@ class ArenaNode:
             for seat in self.seats:
                 seat.look_for(self._publishers(seat))
         ranks, scores = self.standings()
+        is_news = (scores, self.over) != self._standing
         for number, hunter in enumerate(world.hunters):
-            if scores != self._scores or now == number:  # each in a tick of its own: nobody's queue overflows
+            if is_news or now == number:  # each in a tick of its own: nobody's queue overflows
                 self._standings(
                     StandingMessage(
                         world.time_ms / 1000.0,
@@ -218,7 +220,7 @@ class ArenaNode:
                         self.over,
                     )
                 )
-        self._scores = scores
+        self._standing = scores, self.over
         self._ticks += 1
 
     def _publishers(self, seat: RosSeat) -> frozenset[str] | None:

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -112,16 +113,16 @@ def serve_match(
                 _save(service.replay, record)
             raise
         ranks, scores = node.standings()
+        last = Rate(rate.period_s)  # not the match's own, whose ticks are counted
 
-        def end() -> None:
-            if record is not None:
-                _save(service.replay, record)
-            last = Rate(rate.period_s)  # of the match's own no tick is late because of the saving
+        def play_on() -> None:
             for _ in range(_LAST_TICKS):
                 last.sleep()
                 node.tick()
 
-        interrupts.linger(end)
+        interrupts.linger(play_on)
+        if record is not None:  # behind the last ticks: it takes as long as many of them, and nothing is sent meanwhile
+            interrupts.linger(partial(_save, service.replay, record))
     return Served(tuple(names), ranks, scores, rate)
 
 
