@@ -3,7 +3,6 @@
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -115,14 +114,16 @@ def serve_match(
         ranks, scores = node.standings()
         last = Rate(rate.period_s)  # not the match's own, whose ticks are counted
 
-        def play_on() -> None:
-            for _ in range(_LAST_TICKS):
-                last.sleep()
-                node.tick()
+        def end() -> None:
+            try:
+                for _ in range(_LAST_TICKS):
+                    last.sleep()
+                    node.tick()
+            finally:
+                if record is not None:  # it takes as long as many ticks, and nothing is sent meanwhile
+                    _save(service.replay, record)
 
-        interrupts.linger(play_on)
-        if record is not None:  # behind the last ticks: it takes as long as many of them, and nothing is sent meanwhile
-            interrupts.linger(partial(_save, service.replay, record))
+        interrupts.linger(end)
     return Served(tuple(names), ranks, scores, rate)
 
 
