@@ -1,0 +1,96 @@
+"""Measure all agents that ship against each other: `python scripts/measure_field.py standard fog --matches 512`.
+
+Each match seats different agents, drawn at random, and all matches of a scenario are played at once, in a batch of
+arenas. Prints a Markdown table: for each agent and scenario the mean score, and the share of matches that it won (a win
+that k hunters share counts 1 / k), with half of its 95 % interval (1.96 standard errors). Not for scenarios with teams
+or prey.
+"""
+
+import argparse
+import sys
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena import VectorArena, scenario
+from catch_arena.cli.progress import progress_bar
+from catch_arena.config import RewardWeights
+from catch_arena.errors import CatchArenaError, ConfigError
+from catch_arena.tournament.entrants import shipped
+from catch_arena.training.opponents import Opponents
+
+NOT_HUNTERS = ("corners", "flee", "idle", "random")
+"""The first two hunt as `contested` and `nearest` do."""
+
+Cells = dict[str, str]
+
+
+def scores_of(name: str, agents: list[str], matches: int, seed: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Who played, as numbers of `agents`, and how much each caught: (matches, hunters) both.
+
+    Raises:
+        ConfigError: for a scenario with teams or prey, and for too few agents.
+    """
+    config = scenario(name).replace(rewards=RewardWeights())  # catches alone
+    if config.teams is not None or config.prey:
+        raise ConfigError(f"scenarios must have no teams and no prey, got {name}")
+    if len(agents) < config.hunters:
+        raise ConfigError(f"agents must be at least {config.hunters} for {name}, got {len(agents)}")
+    arena = VectorArena(config.replace(control="velocity"), matches, auto_reset=False, any_control=True)
+    field, rng = Opponents(arena.config, matches, agents, distinct=True), np.random.default_rng(seed)
+    field.begin(rng)
+    who = field.draw(np.arange(matches), np.tile(np.arange(config.hunters), (matches, 1)), rng)
+    observations, infos = arena.reset(seed=seed)
+    arena.set_controls(field.controls[who])
+    choices, commands = np.zeros(who.shape, np.int64), np.zeros((*who.shape, 2), np.float32)
+    scores = np.zeros(who.shape)
+    with progress_bar(name) as show:
+        for step in range(config.max_steps):
+            field.act(observations, infos["action_mask"], choices, commands)
+            observations, caught, _, _, infos = arena.step({"cmd_vel": commands, "catch": choices})
+            scores += caught
+            show(step + 1, config.max_steps)
+    return who, scores
+
+
+def cells_of(agents: list[str], who: NDArray[np.int64], scores: NDArray[np.float64]) -> Cells:
+    """What the table says of each agent."""
+    best = scores == scores.max(axis=1, keepdims=True)
+    wins = best / best.sum(axis=1, keepdims=True)
+    cells = {}
+    for number, agent in enumerate(agents):
+        own = who == number
+        if not own.any():
+            cells[agent] = "did not play"
+            continue
+        margin = 1.96 * wins[own].std() / np.sqrt(own.sum())
+        cells[agent] = f"{scores[own].mean():.1f}, {100 * wins[own].mean():.0f} ± {100 * margin:.0f} %"
+    return cells
+
+
+def main() -> int:
+    """The exit code: 0, or 2 with a line that says why not."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenarios", nargs="+", help="their names")
+    hunters = [name for name in shipped() if name not in NOT_HUNTERS]
+    parser.add_argument("--agents", nargs="+", default=hunters, help="who plays; all are trusted, and play in here")
+    parser.add_argument("--matches", type=int, default=512, help="of each scenario")
+    parser.add_argument("--seed", type=int, default=0)
+    args = parser.parse_args()
+    try:
+        told = {
+            name: cells_of(args.agents, *scores_of(name, args.agents, args.matches, args.seed))
+            for name in args.scenarios
+        }
+    except CatchArenaError as error:
+        print(error, file=sys.stderr)
+        return 2
+    print(f"| agent | {' | '.join(f'`{name}`' for name in args.scenarios)} |")
+    print(f"|---|{'---|' * len(args.scenarios)}")
+    for agent in args.agents:
+        print(f"| `{agent}` | {' | '.join(cells[agent] for cells in told.values())} |")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
