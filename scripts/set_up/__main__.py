@@ -5,9 +5,17 @@ nothing half made behind, says what is missing, and can be tried again: what was
 but the standard library, as it runs before anything is installed.
 """
 
+import os
+import sys
+
+sys.path.insert(1, os.path.abspath(f"{__file__}/../../.."))  # noqa: PTH100 - pathlib takes time to import
+from catch_arena import interrupts
+
+if __name__ == "__main__":
+    interrupts.listen()
+
 import argparse
 import errno
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -16,8 +24,6 @@ from compilation import NEEDS, Compilation
 from environment import Environment, alone_in
 from packages import Installer, Project, quicken
 from words import AGAIN, cause, fail, say
-
-INTERRUPTED = 130
 
 
 def parse() -> argparse.Namespace:
@@ -61,14 +67,12 @@ def set_up(environment: Environment, args: argparse.Namespace) -> None:
 
 
 def main() -> int:
-    """The exit code: 0, 1 with lines that say why not, or 130 after Ctrl-C."""
+    """The exit code: 0, or 1 with lines that say why not."""
     args = parse()
+    interrupts.also_say(lambda: "the same command goes on from here")
     try:
         with alone_in(args.environment) as environment:
             set_up(environment, args)
-    except KeyboardInterrupt:
-        print("interrupted; the same command goes on from here", file=sys.stderr)
-        return INTERRUPTED
     except OSError as error:
         reason = cause(str(error), Path.cwd(), Path(tempfile.gettempdir())) if error.errno == errno.ENOSPC else None
         fail(f"{error.filename or 'set-up'}: {reason or error.strerror or error}\n{AGAIN}")
@@ -76,4 +80,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    interrupts.run(main)

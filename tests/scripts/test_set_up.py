@@ -332,19 +332,39 @@ def begin(environment, *words, python=PYTHON):
     )
 
 
-@pytest.mark.usefixtures("project")
-def test_ctrl_c_in_the_middle_of_pip_ends_with_one_line_and_pip_with_it(environment, silent):
+@pytest.mark.parametrize(
+    ("number", "send", "word"),
+    [
+        (signal.SIGINT, os.killpg, "interrupted"),
+        (signal.SIGTERM, os.kill, "terminated"),
+        (signal.SIGHUP, os.kill, "hung up"),
+    ],
+)
+def test_a_signal_in_the_middle_of_pip_ends_with_one_line_and_pip_with_it(
+    project, environment, silent, monkeypatch, number, send, word
+):
+    """Ctrl-C is for the whole process group, what `kill` sends for set-up alone."""
+    scratch = project / "scratch"
+    scratch.mkdir()
+    monkeypatch.setenv("TMPDIR", str(scratch))
     begun = begin(environment, "--group", "none")
     asked, _ = silent.accept()
     with asked:
-        os.killpg(begun.pid, signal.SIGINT)
+        send(begun.pid, number)
         _, said = begun.communicate(timeout=30)
-    assert begun.returncode == 130
-    assert said.splitlines() == ["interrupted; the same command goes on from here"]
-    deadline = time.monotonic() + 10
-    while time.monotonic() < deadline and living(begun.pid):
-        time.sleep(0.05)
-    assert not living(begun.pid)
+    assert begun.returncode == 128 + number
+    assert said == f"catch-arena: {word}: the same command goes on from here\n"
+    assert list(scratch.iterdir()) == []
+    assert ends(begun.pid)
+
+
+def test_little_is_imported_before_set_up_hears_ctrl_c():
+    asked = [PYTHON, "-S", "-X", "importtime", SET_UP, "--help"]  # without what this Python's packages import
+    told = subprocess.run(asked, check=True, capture_output=True, text=True).stderr
+    imported = re.findall(r"\| +(\S+)$", told, re.MULTILINE)
+    heard = imported.index("catch_arena.interrupts")
+    assert {"argparse", "pathlib", "subprocess", "tempfile"}.isdisjoint(imported[:heard])
+    assert "argparse" in imported[heard:]
 
 
 @pytest.mark.usefixtures("project")
@@ -379,12 +399,16 @@ def test_a_set_up_whose_folder_the_first_removed_in_the_end_makes_it_anew(projec
     assert (folder / "set_up.whole").exists()
 
 
-def living(group):
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
+def ends(group):
+    """Whether no process of the group lives on."""
+    deadline = time.monotonic() + 10
+    while time.monotonic() < deadline:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.05)
+    return False
 
 
 @pytest.fixture
