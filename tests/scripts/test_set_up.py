@@ -358,6 +358,20 @@ def test_a_signal_in_the_middle_of_pip_ends_with_one_line_and_pip_with_it(
     assert ends(begun.pid)
 
 
+def test_what_pip_runs_ends_with_it(project):
+    """As what builds a package."""
+    python = project / "env" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.write_text('#!/bin/sh\ncase "$*" in *install*) sleep 300 & touch begun; wait;; esac\n')
+    python.chmod(0o755)
+    begun = begin("env", "--group", "none")
+    while not (project / "begun").exists():
+        time.sleep(0.01)
+    begun.terminate()
+    begun.communicate(timeout=30)
+    assert ends(begun.pid)
+
+
 def test_little_is_imported_before_set_up_hears_ctrl_c():
     asked = [PYTHON, "-S", "-X", "importtime", SET_UP, "--help"]  # without what this Python's packages import
     told = subprocess.run(asked, check=True, capture_output=True, text=True).stderr
