@@ -25,7 +25,6 @@ FIELD: Final = ("patrol", "contested_by_time", "contested", "nearest", "first", 
 SEED: Final = 7
 PICTURE: Final = ("--size", "1280x720", "--fps", "30")
 COMMAND: Final = str(Path(sys.executable).with_name("catch-arena"))
-_TOLD_EVERY_S: Final = 5.0
 
 
 def parse() -> argparse.Namespace:
@@ -71,24 +70,16 @@ def wait_for(process: subprocess.Popen[str]) -> None:
         sys.exit(process.returncode)
 
 
-def tell(process: subprocess.Popen[str], what: str) -> None:
-    """Wait for a quiet command, and print what it said.
+def tell(process: subprocess.Popen[str]) -> None:
+    """Wait for a quiet command; print what it says of how far it is, and in the end what it has made.
 
     Raises:
         SystemExit: with the code of one that failed.
     """
-    began = time.monotonic()
-    while True:
-        try:
-            said, failed = process.communicate(timeout=_TOLD_EVERY_S)
-        except subprocess.TimeoutExpired:
-            print(f"{what}: not ready yet, {time.monotonic() - began:.0f} s", flush=True)
-        else:
-            break
-    if process.returncode:
-        print(failed, end="", file=sys.stderr)
-        sys.exit(process.returncode)
-    print(said, end="", flush=True)
+    for line in process.stderr or ():
+        print(line, end="", file=sys.stderr, flush=True)
+    print(process.stdout.read() if process.stdout else "", end="", flush=True)
+    wait_for(process)
 
 
 def demo(out: Path) -> dict[str, Path]:
@@ -109,7 +100,7 @@ def demo(out: Path) -> dict[str, Path]:
         wait_for(run("match", *best, "--seed", SEED, "-o", replay))
         wait_for(run("render", replay, *PICTURE, "-o", video))
         print("\nthe best moments of all matches:", flush=True)
-        tell(filming, "filming")
+        tell(filming)
     except BaseException:
         for process in started:
             process.kill()  # a command's own processes end with it

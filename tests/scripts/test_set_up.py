@@ -123,6 +123,22 @@ def hasty(project):
     return stub
 
 
+def test_it_says_that_an_environment_is_being_made_for_long(project, monkeypatch, capsys, parts):
+    import environment
+
+    del parts
+    monkeypatch.setattr(environment, "TOLD_EVERY_S", 0.05)
+    slow = project / "slow"
+    slow.write_text("#!/bin/sh\nsleep 0.2\n")
+    slow.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(slow))
+    (project / ".venv").mkdir()
+    with environment.alone_in(Path(".venv")) as made:
+        made.make()
+    told = capsys.readouterr().out
+    assert "    0 s  making the folder\n" in told
+
+
 @pytest.mark.parametrize("module", ["venv", "ensurepip"])
 def test_a_full_disk_is_told_with_the_space_that_is_left_and_no_package_to_install(project, module):
     failed = set_up(python=python_without(project, module, "pip", error="OSError(28, 'No space left on device')"))
