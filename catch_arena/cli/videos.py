@@ -102,6 +102,7 @@ def mosaic(
     count: Annotated[
         int | None,
         typer.Option(
+            metavar="N",
             min=1,
             max=_MOST_IN_ONE,
             help="At most this many matches, the first by name.",
@@ -141,7 +142,7 @@ def highlights(
     *,
     output: Video = Path("highlights.mp4"),
     force: Force = False,
-    count: Annotated[int, typer.Option(min=1, help="At most this many moments.")] = 8,
+    count: Annotated[int, typer.Option(metavar="N", min=1, help="At most this many moments.")] = 8,
     listing: Annotated[
         bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
     ] = False,
@@ -186,7 +187,7 @@ def sheet(
     output: Annotated[Path, typer.Option("--output", "-o", help="The PNG file to write.")] = Path("sheet.png"),
     force: Force = False,
     count: Annotated[
-        int, typer.Option(min=1, max=100, help="How many pictures; fewer if the match has fewer moments.")
+        int, typer.Option(metavar="N", min=1, max=100, help="How many pictures; fewer if the match has fewer moments.")
     ] = 12,
     pick: Annotated[
         Literal["even", "moments"], typer.Option(help="Evenly from beginning to end, or the moments worth seeing.")
