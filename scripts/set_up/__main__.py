@@ -42,6 +42,7 @@ def set_up(environment: Environment, args: argparse.Namespace) -> None:
     began = time.monotonic()
     environment.make()
     if not args.extra and not args.group:
+        tell_clock()
         return
     project = Project.here()
     installer = Installer(environment, args.download)
@@ -64,6 +65,14 @@ def set_up(environment: Environment, args: argparse.Namespace) -> None:
             compilation.stop()
         raise
     say(f"set up in {time.monotonic() - began:.0f} s")
+
+
+def tell_clock() -> None:
+    """Say why `make` speaks of a clock, which it does as long as a file of ours is dated in the future."""
+    for path in map(Path, ("Makefile", "pyproject.toml")):
+        if path.exists() and path.stat().st_mtime > time.time() + 1:
+            say(f"{path} is dated in the future. Is this machine's clock right? Nothing is installed anew for that.")
+            return
 
 
 def main() -> int:

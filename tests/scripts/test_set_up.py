@@ -226,7 +226,9 @@ def test_a_file_in_place_of_the_environment_is_named_as_one(project):
     assert (project / ".venv").read_text() == "mine"
 
 
-def test_make_installs_again_all_that_was_in_an_environment_that_was_made_anew(tmp_path):
+@pytest.fixture
+def counted_make(tmp_path):
+    """Runs `make setup` in a folder, with a set-up that only notes what it is asked: what that was."""
     environment, calls = tmp_path / "env", tmp_path / "calls"
     stub = tmp_path / "python"
     stub.write_text(
@@ -235,18 +237,38 @@ def test_make_installs_again_all_that_was_in_an_environment_that_was_made_anew(t
     )
     stub.chmod(0o755)
 
-    def make():
+    def make(folder=ROOT):
         calls.write_text("")
         subprocess.run(
-            ["make", "-C", ROOT, "setup", f"PYTHON={stub}", f"VENV={environment}"], check=True, capture_output=True
+            ["make", "-C", folder, "setup", f"PYTHON={stub}", f"VENV={environment}"], check=True, capture_output=True
         )
         return [line.partition(" --download")[0] for line in calls.read_text().splitlines()]
 
-    everything = ["", "--extra video --compile", "--group test --group check"]
-    assert make() == everything
-    assert make() == [""]
-    (environment / "set_up.whole").unlink()
-    assert make() == everything
+    return make
+
+
+EVERYTHING = ["", "--extra video --compile", "--group test --group check"]
+
+
+def test_make_installs_again_all_that_was_in_an_environment_that_was_made_anew(counted_make, tmp_path):
+    assert counted_make() == EVERYTHING
+    assert counted_make() == [""]
+    (tmp_path / "env" / "set_up.whole").unlink()
+    assert counted_make() == EVERYTHING
+
+
+def test_files_that_are_dated_in_the_future_are_told_and_installed_once(counted_make, project, hasty):
+    tomorrow = time.time() + 86400
+    for name in ("Makefile", "pyproject.toml"):
+        shutil.copy(ROOT / name, project)
+        os.utime(project / name, (tomorrow, tomorrow))
+    assert counted_make(project) == EVERYTHING
+    assert counted_make(project) == [""]
+    (project / "pyproject.toml").write_text("changed when the clock was right again")
+    os.utime(project / "pyproject.toml", (tomorrow + 1, tomorrow + 1))
+    assert counted_make(project) == EVERYTHING
+    told = set_up(python=hasty).stdout
+    assert "Makefile is dated in the future. Is this machine's clock right?" in told
 
 
 @pytest.mark.usefixtures("project")
