@@ -15,6 +15,12 @@ SET_UP := $(PYTHON) scripts/set_up $(VENV)
 DENO := DENO_DIR=$(VENV)/deno DENO_NO_UPDATE_CHECK=1 $(BIN)/deno
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 
+# Dated now, or as what it was made from where that is dated later, since a clock may jump: it would be made anew each time.
+define STAMP
+@touch $@
+@for source in $^; do test $@ -nt $$source || touch -r $$source $@; done
+endef
+
 # Bytecode is kept, whatever the environment says: every process would compile all sources anew, some five seconds each.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -133,19 +139,19 @@ $(VENV)/set_up.whole: always
 
 $(VENV)/ready: pyproject.toml $(VENV)/set_up.whole
 	@$(SET_UP) --extra video --compile --download 200
-	@touch $@
+	$(STAMP)
 
 $(VENV)/ready-dev: $(VENV)/ready
 	@$(SET_UP) --group test --group check --download 235
-	@touch $@
+	$(STAMP)
 
 $(VENV)/ready-extras: $(VENV)/ready-dev
 	@$(SET_UP) --group extras
-	@touch $@
+	$(STAMP)
 
 $(VENV)/ready-torch: $(VENV)/ready-dev
 	@$(SET_UP) --group torch --download 3000
-	@touch $@
+	$(STAMP)
 
 # A peer without a wheel for this Python, or a network that fails, leaves out that peer alone; the run names it as skipped.
 $(VENV)/ready-bench: $(VENV)/ready
@@ -153,16 +159,16 @@ $(VENV)/ready-bench: $(VENV)/ready
 	@$(PIP) install --editable '.[bench]' || { echo "not all at once; one by one:"; $(BIN)/python -c \
 		'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["bench"], sep="\n")' \
 		| while read -r peer; do $(PIP) install --editable . "$$peer" || echo "left out: $$peer"; done; }
-	@touch $@
+	$(STAMP)
 
 $(VENV)/ready-browser: $(VENV)/ready-dev
 	@command -v chromium >/dev/null || { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install -y -qq chromium; } \
 		|| { echo "the browser tests need Chromium: apt-get install chromium"; exit 1; }
 	@$(SET_UP) --group browser
-	@touch $@
+	$(STAMP)
 
 $(VENV)/ready-window: $(VENV)/ready-dev
 	@command -v Xvfb >/dev/null && command -v xdotool >/dev/null && command -v xwd >/dev/null \
 		|| { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install -y -qq xvfb xdotool x11-apps; } \
 		|| { echo "the window's tests need Xvfb, xdotool and xwd: apt-get install xvfb xdotool x11-apps"; exit 1; }
-	@touch $@
+	$(STAMP)

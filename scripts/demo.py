@@ -24,14 +24,20 @@ FIELD: Final = ("patrol", "contested_by_time", "contested", "nearest", "first", 
 """Who plays, however many agents the package has."""
 SEED: Final = 7
 PICTURE: Final = ("--size", "1280x720", "--fps", "30")
+BEGAN: Final = "demo.began"
+"""A file that says: the demo made the folder, and may remove what is in it."""
+NOT_OURS: Final = """\
+{folder} was not made by the demo, and is left as it is.
+Remove it, or name another folder:  --out FOLDER"""
 COMMAND: Final = str(Path(sys.executable).with_name("catch-arena"))
-_TOLD_EVERY_S: Final = 5.0
 
 
 def parse() -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("out/demo"), help="the folder to write to; made anew")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/demo"), help="the folder to write to; one that the demo made is made anew"
+    )
     parser.add_argument(
         "--open",
         action=argparse.BooleanOptionalAction,
@@ -71,24 +77,39 @@ def wait_for(process: subprocess.Popen[str]) -> None:
         sys.exit(process.returncode)
 
 
-def tell(process: subprocess.Popen[str], what: str) -> None:
-    """Wait for a quiet command, and print what it said.
+def tell(process: subprocess.Popen[str]) -> None:
+    """Wait for a quiet command; print what it says of how far it is, and in the end what it has made.
 
     Raises:
         SystemExit: with the code of one that failed.
     """
-    began = time.monotonic()
-    while True:
-        try:
-            said, failed = process.communicate(timeout=_TOLD_EVERY_S)
-        except subprocess.TimeoutExpired:
-            print(f"{what}: not ready yet, {time.monotonic() - began:.0f} s", flush=True)
-        else:
-            break
-    if process.returncode:
-        print(failed, end="", file=sys.stderr)
-        sys.exit(process.returncode)
-    print(said, end="", flush=True)
+    for line in process.stderr or ():
+        print(line, end="", file=sys.stderr, flush=True)
+    print(process.stdout.read() if process.stdout else "", end="", flush=True)
+    wait_for(process)
+
+
+def make_anew(out: Path) -> None:
+    """Make the folder, without what an earlier demo left in it.
+
+    Raises:
+        SystemExit: with lines that say what to do, where it is somebody else's.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        left = list(out.iterdir())
+        if left and not (out / BEGAN).exists():
+            sys.exit(NOT_OURS.format(folder=out))
+        (out / BEGAN).touch()
+        for path in left:
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path)
+            elif path.name != BEGAN:  # which stays, so that this can be interrupted
+                path.unlink()
+    except FileExistsError:
+        sys.exit(NOT_OURS.format(folder=out))
+    except OSError as error:
+        sys.exit(f"{error.filename}: {error.strerror}")
 
 
 def demo(out: Path) -> dict[str, Path]:
@@ -99,7 +120,7 @@ def demo(out: Path) -> dict[str, Path]:
         started.append(begin(*words, quietly=quietly))
         return started[-1]
 
-    shutil.rmtree(out, ignore_errors=True)
+    make_anew(out)
     replay, video, moments = out / "final.replay", out / "final.mp4", out / "moments.mp4"
     try:
         wait_for(run("tournament", *FIELD, "--seed", SEED, "--record", "--out", out))
@@ -109,7 +130,7 @@ def demo(out: Path) -> dict[str, Path]:
         wait_for(run("match", *best, "--seed", SEED, "-o", replay))
         wait_for(run("render", replay, *PICTURE, "-o", video))
         print("\nthe best moments of all matches:", flush=True)
-        tell(filming, "filming")
+        tell(filming)
     except BaseException:
         for process in started:
             process.kill()  # a command's own processes end with it

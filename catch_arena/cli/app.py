@@ -14,7 +14,7 @@ from typer.core import TyperGroup
 
 from catch_arena import interrupts
 from catch_arena.cli.arguments import blank_argument
-from catch_arena.cli.terminal import fit_help, let_all_be_written, say
+from catch_arena.cli.terminal import HELP_OPTIONS, fit_help, let_all_be_written, say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.scenarios import scenario
@@ -52,6 +52,13 @@ class _Commands(TyperGroup):
                 self.commands[name].rich_help_panel = group  # type: ignore[attr-defined]
         return [name for names in GROUPS.values() for name in names]
 
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """By group where there are no boxes too."""
+        del ctx
+        for group, names in GROUPS.items():
+            with formatter.section(group):
+                formatter.write_dl([(name, self.commands[name].get_short_help_str()) for name in names])
+
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Read the command line and run the command, help and mistakes included."""
         let_all_be_written()
@@ -78,7 +85,7 @@ main = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings={"help_option_names": list(HELP_OPTIONS)},
 )
 
 Agents = Annotated[
@@ -122,7 +129,9 @@ Isolation = Annotated[
     Level | None,
     typer.Option(
         "--isolation",
-        help="How agents are isolated (docs/isolation.md); if this machine cannot do that, nothing is played.",
+        metavar="LEVEL",
+        help="How agents are isolated, in namespaces or in processes (docs/isolation.md); if this machine cannot do "
+        "that, nothing is played.",
         show_default="the best that works here",
     ),
 ]

@@ -19,6 +19,7 @@ BusOption = Annotated[
     Backend | None,
     typer.Option(
         "--bus",
+        metavar="BUS",
         help="cyclonedds needs no ROS on this machine; rosbridge needs a rosbridge server where ROS runs; rclpy "
         "needs ROS on this machine.",
         show_default="the first of them that is installed",

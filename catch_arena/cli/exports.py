@@ -22,6 +22,7 @@ def export(
         Format | None,
         typer.Option(
             "--format",
+            metavar="FORMAT",
             help="jsonl: a line for each match; csv and parquet: a row for each seat of each match.",
             show_default="as FILE ends, or jsonl",
         ),

@@ -14,6 +14,7 @@ from catch_arena.cli.terminal import plain
 
 _LEAST: Final = 12
 """So many columns of the terminal are enough for a cell that may be folded."""
+_INDENT: Final = 2
 _ANY: Final = 100_000
 
 
@@ -42,7 +43,7 @@ class FittedTable(Table):
         if self._needs(console, options) <= options.max_width:
             yield from super().__rich_console__(console, options)
         else:
-            yield from self._listed()
+            yield from self._listed(options.max_width)
 
     def _needs(self, console: Console, options: ConsoleOptions) -> int:
         """Columns of the terminal."""
@@ -51,10 +52,23 @@ class FittedTable(Table):
         widths = [max(cell_len(str(cell)) for cell in (column.header, *column.cells)) for column in folded]
         return whole - sum(max(0, width - _LEAST) for width in widths)
 
-    def _listed(self) -> Iterator[Text | Padding]:
+    def _listed(self, width: int) -> Iterator[Text | Padding]:
         for row in zip(*(column.cells for column in self.columns), strict=True):
             yield Text("  ".join(map(str, row[: self._named_by])), style="bold")
             cells = zip(self.columns[self._named_by :], row[self._named_by :], strict=True)
-            yield Padding(Text(", ".join(f"{column.header} {cell}" for column, cell in cells)), (0, 0, 0, 2))
+            told = _filled([f"{column.header} {cell}" for column, cell in cells], width - _INDENT)
+            yield Padding(Text(told), (0, 0, 0, _INDENT))
         if self.caption:
             yield Text(f"\n{self.caption}")
+
+
+def _filled(parts: list[str], width: int) -> str:
+    """The parts with commas between them, in lines that part none which fits a line."""
+    lines = [""]
+    for part in (*(f"{part}," for part in parts[:-1]), *parts[-1:]):
+        longer = f"{lines[-1]} {part}".lstrip()
+        if cell_len(longer) <= width or not lines[-1]:
+            lines[-1] = longer
+        else:
+            lines.append(part)
+    return "\n".join(lines)

@@ -44,7 +44,9 @@ def check_agent(
     *,
     scenarios: Annotated[
         list[str] | None,
-        typer.Option("--scenario", "-s", help="An arena to play in; may be repeated.", show_default="all"),
+        typer.Option(
+            "--scenario", "-s", metavar="NAME", help="An arena to play in; may be repeated.", show_default="all"
+        ),
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of all random draws.")] = 0,
     limits: LimitOption = None,

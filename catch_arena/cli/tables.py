@@ -54,7 +54,7 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
             line.name,
             line.group,
             str(line.matches),
-            _with_margin(line.rating, "+.0f", 1),
+            _with_margin(line.rating, "+z.0f", 1),
             _with_margin(line.score, ".1f", 1),
             _with_margin(line.win_share, ".0f", 100) + " %",
         ]

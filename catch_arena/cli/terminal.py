@@ -16,6 +16,7 @@ from catch_arena.text import printable, printable_lines
 
 WIDE: Final = 80
 """So many columns hold our tables and the help's boxes."""
+HELP_OPTIONS: Final = ("-h", "--help")
 _LEAST: Final = 20
 _INDENT: Final = 6
 """Of the explanations on a narrow terminal."""
@@ -92,9 +93,13 @@ def let_all_be_written() -> None:
 
 
 def fit_help(command: Any) -> None:
-    """On a narrow terminal the help of a command, and of those below it, has no boxes, which would cut its words off:
-    each option stands in a line of its own, and is explained below.
+    """The help of a command, and of those below it, shows what is typed, and no types of what takes no value; on a
+    narrow terminal it has no boxes, which would cut its words off: each option stands in a line of its own, and is
+    explained below.
     """
+    for one in getattr(command, "commands", {}).values():
+        fit_help(one)
+    _show_what_is_typed(command)
     width = columns()
     if width >= WIDE:
         return
@@ -108,5 +113,16 @@ def fit_help(command: Any) -> None:
     command.context_settings = {**command.context_settings, "terminal_width": width}
     command.rich_markup_mode = None
     command.short_help = cleandoc(command.help or "").partition("\n\n")[0].replace("\n", " ")
-    for one in getattr(command, "commands", {}).values():
-        fit_help(one)
+
+
+def _show_what_is_typed(command: Any) -> None:
+    """Newer versions of typer write `{AGENT...}...` for an argument, and `--force <bool>` for a flag."""
+    help_option = command.get_help_option(command.context_class(command, help_option_names=list(HELP_OPTIONS)))
+    for parameter in (*command.params, help_option):
+        if parameter.param_type_name == "argument":
+            typed = parameter.metavar or parameter.name.upper()
+            usage = [typed if parameter.required else f"[{typed}]"]
+            parameter.get_usage_pieces = lambda _, usage=usage: usage
+            parameter.display_type_rich = lambda **_: None
+        elif parameter.is_flag:
+            parameter.metavar = ""

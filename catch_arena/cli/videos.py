@@ -102,6 +102,7 @@ def mosaic(
     count: Annotated[
         int | None,
         typer.Option(
+            metavar="N",
             min=1,
             max=_MOST_IN_ONE,
             help="At most this many matches, the first by name.",
@@ -144,7 +145,7 @@ def highlights(
         typer.Option("--output", "-o", help=_VIDEO, show_default="highlights.mp4, or the first free like it"),
     ] = None,
     force: Force = False,
-    count: Annotated[int, typer.Option(min=1, help="At most this many moments.")] = 8,
+    count: Annotated[int, typer.Option(metavar="N", min=1, help="At most this many moments.")] = 8,
     listing: Annotated[
         bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
     ] = False,
@@ -198,7 +199,7 @@ def sheet(
     ] = None,
     force: Force = False,
     count: Annotated[
-        int, typer.Option(min=1, max=100, help="How many pictures; fewer if the match has fewer moments.")
+        int, typer.Option(metavar="N", min=1, max=100, help="How many pictures; fewer if the match has fewer moments.")
     ] = 12,
     pick: Annotated[
         Literal["even", "moments"], typer.Option(help="Evenly from beginning to end, or the moments worth seeing.")

@@ -5,9 +5,17 @@ nothing half made behind, says what is missing, and can be tried again: what was
 but the standard library, as it runs before anything is installed.
 """
 
+import os
+import sys
+
+sys.path.insert(1, os.path.abspath(f"{__file__}/../../.."))  # noqa: PTH100 - pathlib takes time to import
+from catch_arena import interrupts
+
+if __name__ == "__main__":
+    interrupts.listen()
+
 import argparse
 import errno
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -16,8 +24,6 @@ from compilation import NEEDS, Compilation
 from environment import Environment, alone_in
 from packages import Installer, Project, quicken
 from words import AGAIN, cause, fail, say
-
-INTERRUPTED = 130
 
 
 def parse() -> argparse.Namespace:
@@ -36,6 +42,7 @@ def set_up(environment: Environment, args: argparse.Namespace) -> None:
     began = time.monotonic()
     environment.make()
     if not args.extra and not args.group:
+        tell_clock()
         return
     project = Project.here()
     installer = Installer(environment, args.download)
@@ -60,15 +67,21 @@ def set_up(environment: Environment, args: argparse.Namespace) -> None:
     say(f"set up in {time.monotonic() - began:.0f} s")
 
 
+def tell_clock() -> None:
+    """Say why `make` speaks of a clock, which it does as long as a file of ours is dated in the future."""
+    for path in map(Path, ("Makefile", "pyproject.toml")):
+        if path.exists() and path.stat().st_mtime > time.time() + 1:
+            say(f"{path} is dated in the future. Is this machine's clock right? Nothing is installed anew for that.")
+            return
+
+
 def main() -> int:
-    """The exit code: 0, 1 with lines that say why not, or 130 after Ctrl-C."""
+    """The exit code: 0, or 1 with lines that say why not."""
     args = parse()
+    interrupts.also_say(lambda: "the same command goes on from here")
     try:
         with alone_in(args.environment) as environment:
             set_up(environment, args)
-    except KeyboardInterrupt:
-        print("interrupted; the same command goes on from here", file=sys.stderr)
-        return INTERRUPTED
     except OSError as error:
         reason = cause(str(error), Path.cwd(), Path(tempfile.gettempdir())) if error.errno == errno.ENOSPC else None
         fail(f"{error.filename or 'set-up'}: {reason or error.strerror or error}\n{AGAIN}")
@@ -76,4 +89,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    interrupts.run(main)

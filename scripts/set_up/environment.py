@@ -12,6 +12,8 @@ from pathlib import Path
 
 from words import AGAIN, TOLD_EVERY_S, cause, fail, last_line, say
 
+from catch_arena import descendants
+
 if sys.platform != "win32":  # which has no such locks
     import fcntl
 
@@ -47,7 +49,7 @@ class Environment:
         serves = f"{place}{Path.cwd().resolve()}"
         whole, ours = self.folder / WHOLE, (self.folder / BEGAN).exists()
         served = whole.read_text(encoding="utf-8") if whole.exists() else ""
-        broken = self.failure_of(self.python, "-I", "-c", "import pip")
+        broken = self._failure_of(f"looking at {self.folder}", self.python, "-I", "-c", "import pip")
         if broken is None and served == serves:
             return
         if broken is None and not ours and (not served or served.startswith(place)):  # somebody's own, which works
@@ -67,20 +69,38 @@ class Environment:
         self._create()
         whole.write_text(serves, encoding="utf-8")
 
-    def failure_of(self, *command: str | Path) -> str | None:
-        """None where the command ends well, otherwise all that it said."""
+    def _failure_of(self, doing: str, *command: str | Path) -> str | None:
+        """None where the command ends well, otherwise all that it said. Tells every few seconds what it is doing."""
+        began = time.monotonic()
         try:
-            done = subprocess.run(
-                command, capture_output=True, text=True, errors="replace", check=False, pass_fds=self.lock
+            process = subprocess.Popen(
+                command,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                errors="replace",
+                pass_fds=self.lock,
             )
         except OSError as error:
             return str(error)
-        return (done.stdout + done.stderr or f"exit code {done.returncode}") if done.returncode else None
+        try:
+            while True:
+                try:
+                    said, _ = process.communicate(timeout=TOLD_EVERY_S)
+                except subprocess.TimeoutExpired:
+                    say(f"  {time.monotonic() - began:3.0f} s  {doing}")
+                else:
+                    return (said or f"exit code {process.returncode}") if process.returncode else None
+        except BaseException:
+            descendants.end((process.pid,))  # ensurepip runs in a process of its own
+            process.wait()
+            raise
 
     def _create(self) -> None:
         (self.folder / BEGAN).touch()
         say(f"making {self.folder} with Python {sys.version.split()[0]}")
-        said = self.failure_of(sys.executable, "-m", "venv", "--without-pip", self.folder) or self._add_pip()
+        venv = (sys.executable, "-m", "venv", "--without-pip", self.folder)
+        said = self._failure_of("making the folder", *venv) or self._add_pip()
         if said is None:
             return
         reason = cause(said, self.folder)
@@ -94,11 +114,12 @@ class Environment:
 
     def _add_pip(self) -> str | None:
         """What went wrong."""
-        said = self.failure_of(self.python, "-m", "ensurepip", "--default-pip")
+        doing = "putting pip into it"
+        said = self._failure_of(doing, self.python, "-m", "ensurepip", "--default-pip")
         # Debian without python3-venv lacks ensurepip alone: where it has a pip of its own, that one does it
-        if said is None or self.failure_of(sys.executable, "-m", "pip", "--version") is not None:
+        if said is None or self._failure_of(doing, sys.executable, "-m", "pip", "--version") is not None:
             return said
-        return self.failure_of(sys.executable, "-m", "pip", "--python", self.python, "install", "pip")
+        return self._failure_of(doing, sys.executable, "-m", "pip", "--python", self.python, "install", "pip")
 
     def _clear(self) -> None:
         """Nothing of it stays but what says that it may be removed, so that this can be interrupted."""

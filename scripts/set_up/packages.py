@@ -15,6 +15,8 @@ from typing import NamedTuple
 from environment import Environment
 from words import AGAIN, TOLD_EVERY_S, cause, counted, fail, last_line, say
 
+from catch_arena import descendants
+
 LOG = "set_up.log"
 """In the environment: all that pip said."""
 
@@ -109,7 +111,7 @@ class Installer:
             try:
                 said = self._follow(pip, Progress(self._environment.folder, Path(scratch)))
             except BaseException:
-                pip.kill()
+                descendants.end((pip.pid,))  # what it runs to build a package too
                 pip.wait()
                 raise
             if pip.wait():

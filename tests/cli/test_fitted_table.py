@@ -2,6 +2,8 @@
 
 import io
 import re
+from math import nan
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,8 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from catch_arena.cli.fitted_table import FittedTable
+from catch_arena.cli.tables import standings_table
+from catch_arena.tournament.statistics.intervals import Estimate
 
 WORDS = st.text("abcxyz019ß +-%", min_size=1, max_size=12).map(lambda text: " ".join(text.split()) or "x")
 
@@ -60,10 +64,12 @@ def test_a_table_that_fits_is_a_table():
 
 
 def test_a_table_that_does_not_is_a_list_with_a_row_for_each_name():
+    """A heading and its cell stay together, where a line holds them."""
     assert [line.rstrip() for line in printed(standings_like("nearest"), 30).splitlines()] == [
         "1  nearest",
-        "  played 160, rating +378 ±",
-        "  12, score 18.7 ± 1.2",
+        "  played 160,",
+        "  rating +378 ± 12,",
+        "  score 18.7 ± 1.2",
         "",
         "wins: ties shared",
     ]
@@ -74,3 +80,19 @@ def test_a_long_name_is_folded_before_the_table_becomes_a_list(width):
     name = "abcdefghij" * 14
     rows = printed(standings_like(name), width).rpartition("─")[2].partition("wins:")[0]
     assert "".join(re.findall("[a-j]+", rows)) == name
+
+
+def test_a_rating_that_rounds_to_zero_has_no_minus():
+    even = Estimate(0.5, nan, nan)
+    line = SimpleNamespace(
+        place=1,
+        name="nearest",
+        group="1",
+        matches=2,
+        forfeits={},
+        contest_win_share=nan,
+        rating=Estimate(-0.2, nan, nan),
+        score=even,
+        win_share=even,
+    )
+    assert " +0 ± ? " in printed(standings_table([line]), 80)

@@ -123,6 +123,22 @@ def hasty(project):
     return stub
 
 
+def test_it_says_that_an_environment_is_being_made_for_long(project, monkeypatch, capsys, parts):
+    import environment
+
+    del parts
+    monkeypatch.setattr(environment, "TOLD_EVERY_S", 0.05)
+    slow = project / "slow"
+    slow.write_text("#!/bin/sh\nsleep 0.2\n")
+    slow.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(slow))
+    (project / ".venv").mkdir()
+    with environment.alone_in(Path(".venv")) as made:
+        made.make()
+    told = capsys.readouterr().out
+    assert "    0 s  making the folder\n" in told
+
+
 @pytest.mark.parametrize("module", ["venv", "ensurepip"])
 def test_a_full_disk_is_told_with_the_space_that_is_left_and_no_package_to_install(project, module):
     failed = set_up(python=python_without(project, module, "pip", error="OSError(28, 'No space left on device')"))
@@ -210,7 +226,9 @@ def test_a_file_in_place_of_the_environment_is_named_as_one(project):
     assert (project / ".venv").read_text() == "mine"
 
 
-def test_make_installs_again_all_that_was_in_an_environment_that_was_made_anew(tmp_path):
+@pytest.fixture
+def counted_make(tmp_path):
+    """Runs `make setup` in a folder, with a set-up that only notes what it is asked: what that was."""
     environment, calls = tmp_path / "env", tmp_path / "calls"
     stub = tmp_path / "python"
     stub.write_text(
@@ -219,18 +237,38 @@ def test_make_installs_again_all_that_was_in_an_environment_that_was_made_anew(t
     )
     stub.chmod(0o755)
 
-    def make():
+    def make(folder=ROOT):
         calls.write_text("")
         subprocess.run(
-            ["make", "-C", ROOT, "setup", f"PYTHON={stub}", f"VENV={environment}"], check=True, capture_output=True
+            ["make", "-C", folder, "setup", f"PYTHON={stub}", f"VENV={environment}"], check=True, capture_output=True
         )
         return [line.partition(" --download")[0] for line in calls.read_text().splitlines()]
 
-    everything = ["", "--extra video --compile", "--group test --group check"]
-    assert make() == everything
-    assert make() == [""]
-    (environment / "set_up.whole").unlink()
-    assert make() == everything
+    return make
+
+
+EVERYTHING = ["", "--extra video --compile", "--group test --group check"]
+
+
+def test_make_installs_again_all_that_was_in_an_environment_that_was_made_anew(counted_make, tmp_path):
+    assert counted_make() == EVERYTHING
+    assert counted_make() == [""]
+    (tmp_path / "env" / "set_up.whole").unlink()
+    assert counted_make() == EVERYTHING
+
+
+def test_files_that_are_dated_in_the_future_are_told_and_installed_once(counted_make, project, hasty):
+    tomorrow = time.time() + 86400
+    for name in ("Makefile", "pyproject.toml"):
+        shutil.copy(ROOT / name, project)
+        os.utime(project / name, (tomorrow, tomorrow))
+    assert counted_make(project) == EVERYTHING
+    assert counted_make(project) == [""]
+    (project / "pyproject.toml").write_text("changed when the clock was right again")
+    os.utime(project / "pyproject.toml", (tomorrow + 1, tomorrow + 1))
+    assert counted_make(project) == EVERYTHING
+    told = set_up(python=hasty).stdout
+    assert "Makefile is dated in the future. Is this machine's clock right?" in told
 
 
 @pytest.mark.usefixtures("project")
@@ -332,19 +370,53 @@ def begin(environment, *words, python=PYTHON):
     )
 
 
-@pytest.mark.usefixtures("project")
-def test_ctrl_c_in_the_middle_of_pip_ends_with_one_line_and_pip_with_it(environment, silent):
+@pytest.mark.parametrize(
+    ("number", "send", "word"),
+    [
+        (signal.SIGINT, os.killpg, "interrupted"),
+        (signal.SIGTERM, os.kill, "terminated"),
+        (signal.SIGHUP, os.kill, "hung up"),
+    ],
+)
+def test_a_signal_in_the_middle_of_pip_ends_with_one_line_and_pip_with_it(
+    project, environment, silent, monkeypatch, number, send, word
+):
+    """Ctrl-C is for the whole process group, what `kill` sends for set-up alone."""
+    scratch = project / "scratch"
+    scratch.mkdir()
+    monkeypatch.setenv("TMPDIR", str(scratch))
     begun = begin(environment, "--group", "none")
     asked, _ = silent.accept()
     with asked:
-        os.killpg(begun.pid, signal.SIGINT)
+        send(begun.pid, number)
         _, said = begun.communicate(timeout=30)
-    assert begun.returncode == 130
-    assert said.splitlines() == ["interrupted; the same command goes on from here"]
-    deadline = time.monotonic() + 10
-    while time.monotonic() < deadline and living(begun.pid):
-        time.sleep(0.05)
-    assert not living(begun.pid)
+    assert begun.returncode == 128 + number
+    assert said == f"catch-arena: {word}: the same command goes on from here\n"
+    assert list(scratch.iterdir()) == []
+    assert ends(begun.pid)
+
+
+def test_what_pip_runs_ends_with_it(project):
+    """As what builds a package."""
+    python = project / "env" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.write_text('#!/bin/sh\ncase "$*" in *install*) sleep 300 & touch begun; wait;; esac\n')
+    python.chmod(0o755)
+    begun = begin("env", "--group", "none")
+    while not (project / "begun").exists():
+        time.sleep(0.01)
+    begun.terminate()
+    begun.communicate(timeout=30)
+    assert ends(begun.pid)
+
+
+def test_little_is_imported_before_set_up_hears_ctrl_c():
+    asked = [PYTHON, "-S", "-X", "importtime", SET_UP, "--help"]  # without what this Python's packages import
+    told = subprocess.run(asked, check=True, capture_output=True, text=True).stderr
+    imported = re.findall(r"\| +(\S+)$", told, re.MULTILINE)
+    heard = imported.index("catch_arena.interrupts")
+    assert {"argparse", "pathlib", "subprocess", "tempfile"}.isdisjoint(imported[:heard])
+    assert "argparse" in imported[heard:]
 
 
 @pytest.mark.usefixtures("project")
@@ -379,12 +451,16 @@ def test_a_set_up_whose_folder_the_first_removed_in_the_end_makes_it_anew(projec
     assert (folder / "set_up.whole").exists()
 
 
-def living(group):
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
+def ends(group):
+    """Whether no process of the group lives on."""
+    deadline = time.monotonic() + 10
+    while time.monotonic() < deadline:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.05)
+    return False
 
 
 @pytest.fixture
