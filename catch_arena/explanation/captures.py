@@ -16,11 +16,16 @@ class PreyRecord:
         self._last: World | None = None
         self._open: dict[int, Capture] = {}
         self.captures: list[Capture] = []
+        self.by_target: dict[str, str] = {}
+        """For each target that prey has played: what this is called."""
         self.summaries = [PreySummary(index, name) for index, name in enumerate(prey_labels(replay))]
 
     def note(self, world: World) -> None:
         """One more state."""
         last, self._last = self._last, world
+        for summary, now in zip(self.summaries, world.prey, strict=True):
+            if now.target is not None:
+                self.by_target[now.target] = summary.name
         if last is None:
             return
         for summary, then, now in zip(self.summaries, last.prey, world.prey, strict=True):

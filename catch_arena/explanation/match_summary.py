@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -16,7 +16,7 @@ from catch_arena.explanation.facts import (
     PreySummary,
     Refusals,
     TeamSummary,
-    json_ready,
+    facts_as_json,
 )
 from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels, team_label
 from catch_arena.explanation.seen_targets import SeenTargets
@@ -49,6 +49,8 @@ class Explanation:
     """What the hunters are called, by seat."""
     prey_names: tuple[str, ...]
     """What prey is called, by index."""
+    prey_by_target: dict[str, str]
+    """For each target that prey played: what this is called; in JSON `played`."""
     scores: tuple[int, ...]
     contests: tuple[Contest, ...]
     refusals: tuple[Refusals, ...]
@@ -64,11 +66,11 @@ class Explanation:
         """The match in words: a paragraph for each contest and each run of refusals in their order, then one for each
         hunter and each prey, with an empty line between them.
         """
-        events = [(one.step, 0, contest_sentence(one, self.names)) for one in self.contests]
-        events += [
-            (run.first_step, 1, refusals_sentence(run, self.names[run.seat], self.reaches_um[run.seat]))
-            for run in self.refusals
-        ]
+        prey = self.prey_by_target
+        events = [(one.step, 0, contest_sentence(one, self.names, prey.get(one.target))) for one in self.contests]
+        for run in self.refusals:
+            name, reach_um = self.names[run.seat], self.reaches_um[run.seat]
+            events.append((run.first_step, 1, refusals_sentence(run, name, reach_um, prey.get(run.target or ""))))
         events += [(one.step, 2, capture_sentence(one, self.names, self.prey_names)) for one in self.captures]
         found = [text for _, _, text in sorted(events)]
         if not self.contests:
@@ -87,7 +89,7 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-        return {name: json_ready(value) for name, value in asdict(self).items()}
+        return facts_as_json(self)
 
 
 def explain(
@@ -142,6 +144,7 @@ def explain(
         duration_ms=replay.steps * replay.config.control_period_ms,
         names=names,
         prey_names=prey_labels(replay),
+        prey_by_target=prey.by_target,
         scores=scores,
         contests=tuple(one for one in contests if any(claim.seat in chosen for claim in one.claims)),
         refusals=tuple(one for one in refusals if one.seat in chosen),

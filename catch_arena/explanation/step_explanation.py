@@ -1,14 +1,14 @@
 """All about one step: what each hunter did, what it asked for, and how far everybody was from that."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import islice
-from typing import Any, Final
+from typing import Any
 
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.contests import contests_of
-from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
+from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, facts_as_json
 from catch_arena.explanation.formatting import seconds
 from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels
 from catch_arena.explanation.seen_targets import SeenTargets
@@ -19,11 +19,8 @@ from catch_arena.explanation.sentences import (
     prey_action_sentences,
 )
 from catch_arena.replay import Replay
-from catch_arena.verdicts import REASONS, Ruling
+from catch_arena.verdicts import REASONS, Ruling, Verdict
 from catch_arena.world import World
-
-_JSON_KEYS: Final = {"hunters": "asked", "prey_by_target": "played"}
-"""Fields that have other names in JSON."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +65,15 @@ class StepExplanation:
                 )
                 for target, distances_um in self.distances_um.items()
             ),
-            *(contest_sentence(contest, self.names) for contest in self.contests),
+            *(
+                contest_sentence(contest, self.names, self.prey_by_target.get(contest.target))
+                for contest in self.contests
+            ),
         ]
 
     def to_dict(self) -> dict[str, Any]:
         """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits."""
-        return {_JSON_KEYS.get(name, name): json_ready(value) for name, value in asdict(self).items()}
+        return facts_as_json(self)
 
 
 def step_at(replay: Replay, at_s: float) -> int:
@@ -166,6 +166,7 @@ def _hunter_action(
     before, after = worlds
     step = before.step
     rank = int(replay.choices[step][seat])
+    teams = replay.config.team_by_seat
     view = seen_targets.ranked(before, seat)
     unseen = tuple(seen_targets.unseen(before, seat))
     return HunterAction(
@@ -178,6 +179,12 @@ def _hunter_action(
         reason=None if ruling is None else REASONS[ruling.verdict],
         distance_um=None if ruling is None else ruling.distance_um,
         winner=None if ruling is None else ruling.winner,
+        mate=(
+            ruling is not None
+            and ruling.verdict is Verdict.LOST_CONTEST
+            and ruling.winner is not None
+            and teams[ruling.winner] == teams[seat]
+        ),
         out=how_it_left(replay, seat) if after.hunters[seat].withdrawn else None,
         seen=len(before.targets) - len(unseen),
         unseen=unseen,

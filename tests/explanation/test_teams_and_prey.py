@@ -40,9 +40,32 @@ def test_the_words_name_the_team_mate_and_the_clause(mates):
     lost = [claim for contest in told.contests for claim in contest.claims if claim.mate]
     assert len(lost) == sum(line.endswith(" to its own team-mate (R11.3).") for line in lines) > 0
     seat = lost[0].seat
-    assert f"ann (hunter_{seat}) to its own team-mate (R11.3)." in "\n".join(lines)
+    assert f"LOST_CONTEST (R5.6): ann (hunter_{seat}) lost to its own team-mate (R11.3)." in "\n".join(lines)
     summary = next(line for line in told.lines() if line.startswith(f"ann (hunter_{seat}): "))
     assert ", 1 of them to its own team-mates (R11.3)" in summary
+    own = explain_step(mates, 1, seat).lines()[1]
+    assert f"; the winner is ann (hunter_{1 - seat}), its own team-mate (R11.3)." in own
+    rival = explain_step(mates, 1, 2).lines()[1]
+    assert f"; the winner is ann (hunter_{1 - seat})." in rival
+
+
+def test_who_loses_alone_to_its_team_mate_is_not_named_twice(play):
+    poses = ((5.0, 5.0, 0.0), (5.1, 5.0, 0.0))
+    settings = {"hunters": 2, "hunter_poses": poses, "teams": ((0, 1),), "reach_m": 9.0, "initial_targets": 1}
+    (line,) = [line for line in explain(play(**settings, max_cycles=1, chase=True)).lines() if "asked for" in line]
+    assert line.endswith(" gets LOST_CONTEST (R5.6): it lost to its own team-mate (R11.3).")
+
+
+def test_contests_and_refusals_name_the_prey_that_was_asked_for(play):
+    poses = ((5.0, 5.0, 0.0), (5.1, 5.0, 0.0), (1.0, 1.0, 0.0))
+    settings = {"hunter_poses": poses, "reach_m": (9.0, 9.0, 0.1), "max_cycles": 1}
+    match = play("tag", **settings, control="target", chase=True)
+    told = explain(match)
+    assert told.prey_by_target == {"target_turtle_1": "prey_0"}
+    assert any(" asked for prey_0, target_turtle_1. " in line for line in told.lines())
+    assert any(" asked for prey_0, target_turtle_1. " in line for line in explain_step(match, 1).lines())
+    refused = explain(play("tag", **settings, control=("target", "target", "full"))).lines()
+    assert any(" hunter_2 asked for prey_0, target_turtle_1 from " in line for line in refused)
 
 
 def test_the_teams_are_told_with_their_scores_and_ranks(hunted):
