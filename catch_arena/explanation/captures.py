@@ -1,7 +1,5 @@
 """What became of prey (chapter 12): who caught it, from where, and when it returned."""
 
-from collections.abc import Sequence
-
 from catch_arena.explanation.facts import Capture, PreySummary
 from catch_arena.explanation.seats import prey_labels
 from catch_arena.replay import Replay
@@ -48,8 +46,3 @@ class PreyRecord:
         capture = Capture(index, after.step, before.time_ms, seat, target.name, distance, in_play_ms)
         self._open[index] = capture
         self.captures.append(capture)
-
-
-def captures_by(captures: Sequence[Capture], seats: Sequence[int]) -> tuple[Capture, ...]:
-    """Those that these hunters made."""
-    return tuple(one for one in captures if one.seat in seats)

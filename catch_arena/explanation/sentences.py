@@ -77,6 +77,14 @@ def _lost_to_mate(losers: Sequence[Claim], names: Sequence[str]) -> str:
     return f": {who} lost to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)"
 
 
+def no_contest_sentence(names: Sequence[str], hunters: Sequence[HunterSummary], prey: Sequence[PreySummary]) -> str:
+    """There was no contest: at all, or of the hunters and over the prey that the explanation is about."""
+    if len(hunters) == len(names):
+        return "No contest: in no step could two hunters have caught the same target."
+    sides = (("of", [one.name for one in hunters]), ("over", [one.name for one in prey]))
+    return f"No contest {' or '.join(f'{side} {_listed(called)}' for side, called in sides if called)}."
+
+
 def _decision(contest: Contest, names: Sequence[str]) -> str:
     if contest.clause == "R5.4":
         return "The smaller distance decides (R5.4)"

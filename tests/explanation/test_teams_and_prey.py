@@ -8,6 +8,8 @@ from typer.testing import CliRunner
 
 from catch_arena import Verdict, explain, explain_step
 from catch_arena.cli import main
+from catch_arena.errors import ConfigError
+from catch_arena.explanation.seats import find_seat
 
 
 def test_a_contest_that_is_lost_to_a_team_mate_is_told_as_such(hunted):
@@ -150,6 +152,56 @@ def test_one_hunter_alone_hears_of_its_own_catches(hunted):
     whole, own = explain(hunted), explain(hunted, 1)
     assert [one for one in whole.captures if one.seat == 1] == list(own.captures)
     assert own.prey == ()
+
+
+def test_a_teams_name_means_all_its_seats(hunted):
+    """Whether it is that of its only agent, or those of all its members; a step is told of them too."""
+    for name, seats in (("a", [0, 2]), ("b + c", [1, 3])):
+        told = explain(hunted, name)
+        assert [record.seat for record in told.records] == seats
+        assert {run.seat for run in told.refusals} <= set(seats)
+        assert [one.seat for one in explain_step(hunted, 1, name).hunters] == seats
+
+
+def test_a_team_whose_agent_plays_in_another_one_too_is_meant_by_its_seats(play):
+    match = play(teams=((0, 1), (2, 3)), max_cycles=2, names=("ann",) * 4)
+    assert [record.seat for record in explain(match, "ann (hunter_2, hunter_3)").records] == [2, 3]
+    assert len(explain(match, "ann").records) == 4
+
+
+def test_prey_alone_hears_of_its_own_catches(hunted):
+    """By what PettingZoo calls it, or by its agent's name, which all its prey have."""
+    whole, own = explain(hunted), explain(hunted, "prey_0")
+    assert own.captures == tuple(one for one in whole.captures if one.prey == 0) != ()
+    assert own.prey == whole.prey[:1]
+    assert own.records == ()
+    theirs = {target for target, name in whole.prey_by_target.items() if name == whole.prey_names[0]}
+    assert own.contests == tuple(one for one in whole.contests if one.target in theirs)
+    assert {run.target for run in own.refusals} <= theirs
+    name = hunted.prey_names[0]
+    same = [index for index, other in enumerate(hunted.prey_names) if other == name]
+    assert [one.index for one in explain(hunted, name).prey] == same
+    step = explain_step(hunted, own.captures[0].step, "prey_0")
+    assert (step.hunters, [one.index for one in step.prey], list(step.distances_um)) == (
+        (),
+        [0],
+        [own.captures[0].target],
+    )
+
+
+def test_a_view_is_that_of_one_hunter(hunted):
+    """Of those who have one: prey sees everything."""
+    assert find_seat(hunted, "b") == 1
+    with pytest.raises(ConfigError, match="one of the seats 0, 2: 'a' means all of them"):
+        find_seat(hunted, "a")
+    with pytest.raises(ConfigError, match="no prey, which has no view to draw, got 'prey_0'"):
+        find_seat(hunted, "prey_0")
+
+
+def test_who_had_no_contest_is_named(play):
+    match = play("tag", max_cycles=1, names=("ann", "bob", "cid", "eve"))
+    assert "No contest over eve (prey_0)." in explain(match, "eve").lines()
+    assert "No contest of ann." in explain(match, "ann").lines()
 
 
 def test_a_step_tells_what_prey_did_and_what_became_of_it(hunted):
