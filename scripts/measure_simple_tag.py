@@ -1,9 +1,9 @@
 """Measure `tag` beside mpe2's simple_tag, for docs/simple_tag.md: `python scripts/measure_simple_tag.py`.
 
-Steps a second are those of the environments alone, with fixed actions, in turn. Scores are of policies that are the
+Steps a CPU second are those of the environments alone, with fixed actions, in turn. Scores are of policies that are the
 same in both: pursuers choose at random, or go straight for the prey; prey does so too, or goes straight away from the
-nearest pursuer. mpe2 counts the steps in which a pursuer touches the prey; ours counts catches. mpe2 is in the extra
-`bench`.
+nearest pursuer. mpe2 counts touches, in each step one for every pursuer that touches the prey; ours counts catches.
+mpe2 is in the extra `bench`.
 """
 
 import argparse
@@ -27,7 +27,7 @@ from catch_arena.policy import Limits, View
 
 BATCH = 1024
 TOUCH = 10.0
-"""What simple_tag pays for a touch."""
+"""What simple_tag pays every pursuer for each touch."""
 
 Vector = tuple[float, float]
 
@@ -142,10 +142,10 @@ def stepper_of_batch() -> Callable[[], int]:
     return step
 
 
-def steps_a_second(step: Callable[[], int], seconds: float) -> float:
-    """How many, for so long."""
-    begin, steps = time.perf_counter(), 0
-    while (now := time.perf_counter()) < begin + seconds:
+def steps_a_cpu_second(step: Callable[[], int], seconds: float) -> float:
+    """How many, for so long: in this process's own time, whatever else the machine does."""
+    begin, steps = time.process_time(), 0
+    while (now := time.process_time()) < begin + seconds:
         steps += step()
     return steps / (now - begin)
 
@@ -154,7 +154,7 @@ def main() -> int:
     """The exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=5, help="how often each is timed, in turn")
-    parser.add_argument("--seconds", type=float, default=1.0, help="for how long")
+    parser.add_argument("--seconds", type=float, default=1.0, help="of CPU time, for how long")
     parser.add_argument("--steps", type=int, default=12_000, help="that each pair of policies plays")
     args = parser.parse_args()
     try:
@@ -164,11 +164,11 @@ def main() -> int:
         return 2
     for step in steppers:  # loads and compiles
         step()
-    rounds = [[steps_a_second(step, args.seconds) for step in steppers] for _ in range(args.rounds)]
+    rounds = [[steps_a_cpu_second(step, args.seconds) for step in steppers] for _ in range(args.rounds)]
     mpe2, ours, batch = (statistics.median(times) for times in zip(*rounds, strict=True))
     print("| | mpe2 `simple_tag_v3` | `tag` |\n|---|---|---|")
-    print(f"| steps a second, one environment | {mpe2:,.0f} | {ours:,.0f} |")
-    print(f"| steps a second, a batch of {BATCH:,}, one core | – | {batch:,.0f} |")
+    print(f"| steps a CPU second, one environment | {mpe2:,.0f} | {ours:,.0f} |")
+    print(f"| steps a CPU second, a batch of {BATCH:,}, one thread | – | {batch:,.0f} |")
     for chases, flees in ((False, False), (False, True), (True, False), (True, True)):
         pair = f"pursuers {'chase' if chases else 'at random'}, prey {'flees' if flees else 'at random'}"
         theirs = play_mpe2(max(1, args.steps // 25), chases=chases, flees=flees)

@@ -1,5 +1,6 @@
 """`catch-arena agents` and `scenarios`: what there is."""
 
+import json
 from collections.abc import Iterator
 from typing import Any, Final
 
@@ -10,13 +11,7 @@ from catch_arena.cli.fitted_table import FittedTable
 from catch_arena.config import ArenaConfig
 from catch_arena.scenarios import SCENARIOS
 
-_LISTED: Final = {
-    "hunters",
-    "side_m",
-    "max_speed_mps",
-    "spawn_frequency_hz",
-    "time_limit_s",
-}
+_LISTED: Final = {"hunters", "side_m", "spawn_frequency_hz"}
 """What has a column of its own."""
 
 
@@ -34,7 +29,7 @@ def agents() -> None:
 @main.command()
 def scenarios() -> None:
     """List the scenarios."""
-    numbers = ("hunters", "side m", "max m/s", "per s", "seconds")
+    numbers = ("hunters", "side m", "per s")
     listing = FittedTable("scenario", *numbers, "besides", folded="besides")
     for column in listing.columns[1:-1]:
         column.justify = "right"
@@ -43,9 +38,7 @@ def scenarios() -> None:
             name,
             str(config.hunters),
             f"{config.side_m:.1f}",
-            "-".join(f"{speed:.1f}" for speed in sorted({min(config.max_speeds), max(config.max_speeds)})),
             f"{1000 / config.spawn_period_ms:g}",
-            f"{config.time_limit_s:g}",
             ", ".join(_besides(config)),
         )
     Console().print(listing)
@@ -58,12 +51,16 @@ def _besides(config: ArenaConfig) -> Iterator[str]:
         if name in _LISTED or value == usual[name]:
             continue
         if isinstance(value, dict):
-            yield from (f"{name}.{part}={number}" for part, number in value.items() if number != usual[name][part])
+            yield from (
+                f"{name}.{part}={_short(number)}" for part, number in value.items() if number != usual[name][part]
+            )
         else:
             yield f"{name}={_short(value)}"
 
 
 def _short(value: Any) -> str:
-    if isinstance(value, tuple):
-        return ",".join(_short(one) for one in value)
+    if isinstance(value, tuple | list):
+        return f"[{','.join(_short(one) for one in value)}]"
+    if isinstance(value, bool) or value is None:
+        return json.dumps(value)
     return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -111,7 +111,9 @@ def _seat(seat: str, config: ArenaConfig, scenario: str) -> int:
     numbers = {str(number): number for number in range(config.hunters)}
     named = {name: place for place, name in enumerate(agents)}
     if seat not in numbers | named:
-        prey = f", or prey_0 to prey_{config.prey - 1}" if config.prey else ""
+        prey = (
+            f", or {' to '.join(dict.fromkeys((config.prey_names[0], config.prey_names[-1])))}" if config.prey else ""
+        )
         raise ConfigError(f"--seat must be from 0 to {config.hunters - 1}{prey} in {scenario}, got {seat}")
     return (numbers | named)[seat]
 

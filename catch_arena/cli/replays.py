@@ -73,7 +73,10 @@ def explain(
     replay: Recorded,
     *,
     hunter: Annotated[
-        str | None, typer.Option(metavar="N", help="Only this hunter: its seat (from 0) or agent name.")
+        str | None,
+        typer.Option(
+            metavar="WHO", help="Only these: a seat (from 0), an agent's or a team's name, or prey as prey_0."
+        ),
     ] = None,
     at: Annotated[
         float | None,

@@ -5,7 +5,7 @@ what callers give.
 import copy
 import math
 from bisect import insort
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
@@ -68,7 +68,7 @@ class SavedEpisode:
     """The arena and what it told last, as the engine keeps them."""
     agents: tuple[str, ...]
     over: bool
-    leaving: frozenset[str]
+    leaving: Mapping[str, str]
     np_random: Any
     """The state of the generator, None where nothing has drawn from it."""
     replay: Replay | None
@@ -159,8 +159,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._dropouts_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
         self._prey_leaves = config.prey > 0 and config.prey_returns_s is None
         self._team_by_seat = config.team_by_seat
-        self._leaving: set[str] = set()
-        """Who leaves with the end of the next step, and who has left."""
+        self._leaving: dict[str, str] = {}
+        """Who leaves with the end of the next step, and who has left, each with the reason."""
         self._record_as: tuple[tuple[str, ...], str] | None = None
         self._replay: Replay | None = None
         self._painter: Any = None
@@ -317,12 +317,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             rewards = {agent: rewards[agent] for agent in agents}
         if self._dropouts_leave:
             withdrawn = engine.hunter_rows(0)[:, _WITHDRAWN].tolist()
-            self._leaving.update(agent for agent, seat in self._seats.items() if withdrawn[seat])
+            self._note_leaving("had dropped out", (agent for agent, seat in self._seats.items() if withdrawn[seat]))
         if self._prey_leaves:
             in_play = engine.prey_active[0].tolist()
-            self._leaving.update(agent for agent, index in self._prey.items() if not in_play[index])
+            self._note_leaving("was caught", (agent for agent, index in self._prey.items() if not in_play[index]))
         if self._leaving:
-            for agent in self._leaving & terminations.keys():
+            for agent in self._leaving.keys() & terminations.keys():
                 terminations[agent], truncations[agent] = True, False
         cut = [agent for agent in agents if truncations[agent]] if ended else ()
         observations, infos = self._observations_and_infos(agents, cut)
@@ -335,6 +335,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self.render_mode == "human":
             self.render()
         return observations, rewards, terminations, truncations, infos
+
+    def _note_leaving(self, why: str, agents: Iterable[str]) -> None:
+        for agent in agents:
+            self._leaving.setdefault(agent, why)
 
     def _set_agents(self, agents: list[str]) -> None:
         self.agents = agents
@@ -355,7 +359,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._engine.withdraw_prey(0, self._prey[agent])
         else:
             self._engine.withdraw(0, self._seats[agent])
-        self._leaving.add(agent)
+        self._leaving[agent] = "was withdrawn"
         if self._replay is not None:
             insort(self._replay.withdrawals, (self._replay.steps, self._indices[agent]))  # agents fail in any order
 
@@ -438,7 +442,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             memory=self._engine.save_row(0),
             agents=tuple(self.agents),
             over=self._over,
-            leaving=frozenset(self._leaving),
+            leaving=self._leaving.copy(),
             np_random=None if self._np_random is None else self._np_random.bit_generator.state,
             replay=None if self._replay is None else self._replay.copy(),
         )
@@ -462,7 +466,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine.restore_row(0, saved.memory)
         self._set_agents(list(saved.agents))
         self._over = saved.over
-        self._leaving = set(saved.leaving)
+        self._leaving = dict(saved.leaving)
         self._np_random = None
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
@@ -580,13 +584,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._known(agent)
         for agent in actions:
             if agent not in self.agents:
-                raise ActionError(f"{agent} must give no action: it was {self._why_left(agent)}")
+                raise ActionError(f"{agent} must give no action: it {self._leaving[agent]}")
         missing = [agent for agent in self.agents if agent not in actions]
         raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
-
-    def _why_left(self, agent: str) -> str:
-        of_prey = agent in self._prey and self._engine.world().prey[self._prey[agent]]
-        return "caught" if of_prey and of_prey.target is None and not of_prey.withdrawn else "withdrawn"
 
     def _observations_and_infos(
         self, agents: Sequence[str], cut: Sequence[str] = ()

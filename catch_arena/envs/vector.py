@@ -193,15 +193,19 @@ class VectorArena:
         """End the threads that were started. The arena is as it was, and can be played on."""
         self._engine.threads.close()
 
-    def observation_space(self, seat: int | Literal["prey"] = 0) -> spaces.Space[Any]:
-        """R7.1: what the hunter of that seat sees; the mask is in `infos`. "prey": what each prey sees (R12.4)."""
+    def observation_space(self, seat: int | Literal["hunter", "prey"] = 0) -> spaces.Space[Any]:
+        """R7.1: what the hunter of that seat sees; the mask is in `infos`. By side, "hunter": what each hunter
+        sees, where all have one control; "prey": what each prey sees (R12.4).
+        """
         if seat == "prey":
             self._require_prey()
             return prey_observation_space(self.config)
         return observation_space(self.config.replace(mask_in_observation=False), self._control_of(seat))
 
-    def action_space(self, seat: int | Literal["prey"] = 0) -> spaces.Space[Any]:
-        """R4.1, R4.4: what the hunter of that seat may do. "prey": what each prey may do (R12.2)."""
+    def action_space(self, seat: int | Literal["hunter", "prey"] = 0) -> spaces.Space[Any]:
+        """R4.1, R4.4: what the hunter of that seat may do. By side, "hunter": what each hunter may do, where all have
+        one control; "prey": what each prey may do (R12.2).
+        """
         if seat == "prey":
             self._require_prey()
             return velocity_space()
@@ -212,8 +216,13 @@ class VectorArena:
             raise ConfigError("seat must be a hunter's in an arena without prey, got 'prey'")
 
     def _control_of(self, seat: object) -> Control:
+        if seat == "hunter":
+            if len(set(self.config.controls)) > 1:
+                raise ConfigError("seat must be a number where hunters differ in their control, got 'hunter'")
+            seat = 0
         if isinstance(seat, bool) or not isinstance(seat, int) or not 0 <= seat < self.num_hunters:
-            raise ConfigError(f"seat must be a whole number from 0 to {self.num_hunters - 1}, got {seat!r}")
+            sides = "'hunter' or 'prey'" if self.num_prey else "or 'hunter'"
+            raise ConfigError(f"seat must be a whole number from 0 to {self.num_hunters - 1}, {sides}, got {seat!r}")
         return self.config.controls[seat]
 
     # playing
@@ -372,6 +381,10 @@ class VectorArena:
     def _checked(self, actions: Any) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32] | None]:
         """What the engine is handed."""
         if not self.num_prey:
+            if isinstance(actions, Mapping) and {"hunter", "prey"} & set(actions):
+                raise ActionError(
+                    f"actions must be those of the hunters alone where there is no prey, got {_named(actions)}"
+                )
             return *self._checked_actions("actions", actions), None
         if not isinstance(actions, Mapping) or set(actions) != {"hunter", "prey"}:
             raise ActionError(f"actions must be a mapping with hunter and prey, got {_named(actions)}")

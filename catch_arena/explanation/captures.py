@@ -1,7 +1,5 @@
 """What became of prey (chapter 12): who caught it, from where, and when it returned."""
 
-from collections.abc import Sequence
-
 from catch_arena.explanation.facts import Capture, PreySummary
 from catch_arena.explanation.seats import prey_labels
 from catch_arena.replay import Replay
@@ -16,11 +14,16 @@ class PreyRecord:
         self._last: World | None = None
         self._open: dict[int, Capture] = {}
         self.captures: list[Capture] = []
+        self.by_target: dict[str, str] = {}
+        """For each target that prey has played: what this is called."""
         self.summaries = [PreySummary(index, name) for index, name in enumerate(prey_labels(replay))]
 
     def note(self, world: World) -> None:
         """One more state."""
         last, self._last = self._last, world
+        for summary, now in zip(self.summaries, world.prey, strict=True):
+            if now.target is not None:
+                self.by_target[now.target] = summary.name
         if last is None:
             return
         for summary, then, now in zip(self.summaries, last.prey, world.prey, strict=True):
@@ -43,8 +46,3 @@ class PreyRecord:
         capture = Capture(index, after.step, before.time_ms, seat, target.name, distance, in_play_ms)
         self._open[index] = capture
         self.captures.append(capture)
-
-
-def captures_by(captures: Sequence[Capture], seats: Sequence[int]) -> tuple[Capture, ...]:
-    """Those that these hunters made."""
-    return tuple(one for one in captures if one.seat in seats)

@@ -1,10 +1,16 @@
 """What is told of a match: contests, refusals, what became of each hunter, and what each did in a step."""
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, Final
 
 from catch_arena.explanation.seen_targets import Unseen
 from catch_arena.verdicts import Verdict
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+_JSON_KEYS: Final = {"hunters": "asked", "prey_by_target": "played"}
+"""Fields that have other names in JSON."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +162,8 @@ class HunterAction:
     distance_um: int | None
     """The arbiter's evidence: None unless reach was tested."""
     winner: int | None
+    mate: bool
+    """It lost to its own team-mate (R11.3)."""
     out: str | None
     """Why it took no part: "withdrawn" (R1.6) or "dropped out" (R1.7); None for one that did."""
     seen: int
@@ -179,6 +187,11 @@ class PreyAction:
     returned_as: str | None
     """The target that it returned as at the step's end (R12.3)."""
     withdrawn: bool
+
+
+def facts_as_json(facts: "DataclassInstance") -> dict[str, Any]:
+    """JSON-ready: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
+    return {_JSON_KEYS.get(name, name): json_ready(value) for name, value in asdict(facts).items()}
 
 
 def json_ready(value: Any) -> Any:

@@ -2,12 +2,12 @@
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from catch_arena.explanation.captures import PreyRecord, captures_by
+from catch_arena.explanation.captures import PreyRecord
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import (
     Capture,
@@ -16,13 +16,14 @@ from catch_arena.explanation.facts import (
     PreySummary,
     Refusals,
     TeamSummary,
-    json_ready,
+    facts_as_json,
 )
-from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels, team_label
+from catch_arena.explanation.seats import find_subjects, how_it_left, labels, prey_labels, team_label
 from catch_arena.explanation.seen_targets import SeenTargets
 from catch_arena.explanation.sentences import (
     capture_sentence,
     contest_sentence,
+    no_contest_sentence,
     opening_sentence,
     prey_sentence,
     refusals_sentence,
@@ -32,12 +33,10 @@ from catch_arena.replay import Replay
 from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 
-_NO_CONTEST: Final = "No contest: in no step could two hunters have caught the same target."
-
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """The contests and refusals of a match, and a summary of each hunter that it is about."""
+    """The contests and refusals of a match, and a summary of each hunter and each prey that it is about."""
 
     title: str
     policy: str
@@ -49,6 +48,8 @@ class Explanation:
     """What the hunters are called, by seat."""
     prey_names: tuple[str, ...]
     """What prey is called, by index."""
+    prey_by_target: dict[str, str]
+    """For each target that prey played: what this is called; in JSON `played`."""
     scores: tuple[int, ...]
     contests: tuple[Contest, ...]
     refusals: tuple[Refusals, ...]
@@ -56,24 +57,23 @@ class Explanation:
     teams: tuple[TeamSummary, ...]
     """() where the scenario has no teams."""
     captures: tuple[Capture, ...]
-    """Of prey, by the hunters that it is about."""
+    """Of the prey or by the hunters that it is about."""
     prey: tuple[PreySummary, ...]
-    """By index; none where it is about one hunter alone."""
+    """That it is about, by index."""
 
     def lines(self) -> list[str]:
         """The match in words: a paragraph for each contest and each run of refusals in their order, then one for each
         hunter and each prey, with an empty line between them.
         """
-        events = [(one.step, 0, contest_sentence(one, self.names)) for one in self.contests]
-        events += [
-            (run.first_step, 1, refusals_sentence(run, self.names[run.seat], self.reaches_um[run.seat]))
-            for run in self.refusals
-        ]
+        prey = self.prey_by_target
+        events = [(one.step, 0, contest_sentence(one, self.names, prey.get(one.target))) for one in self.contests]
+        for run in self.refusals:
+            name, reach_um = self.names[run.seat], self.reaches_um[run.seat]
+            events.append((run.first_step, 1, refusals_sentence(run, name, reach_um, prey.get(run.target or ""))))
         events += [(one.step, 2, capture_sentence(one, self.names, self.prey_names)) for one in self.captures]
         found = [text for _, _, text in sorted(events)]
         if not self.contests:
-            everybody = len(self.records) == len(self.names)
-            found.append(_NO_CONTEST if everybody else f"No contest of {self.records[0].name}.")
+            found.append(no_contest_sentence(self.names, self.records, self.prey))
         return [
             opening_sentence(
                 self.title, self.steps, self.duration_ms, self.policy, self.names, self.scores, self.teams
@@ -87,7 +87,7 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-        return {name: json_ready(value) for name, value in asdict(self).items()}
+        return facts_as_json(self)
 
 
 def explain(
@@ -97,14 +97,14 @@ def explain(
 
     Args:
         replay: the recorded match.
-        hunter: a seat or an agent's name, to hear of that one alone.
+        hunter: a seat, `prey_{index}`, or the name of an agent or a team, to hear of those alone.
         progress: called with (steps played, steps in all).
 
     Raises:
         ReplayError: where the match does not play as recorded.
         ConfigError: for an unknown hunter.
     """
-    chosen = range(replay.config.hunters) if hunter is None else (find_seat(replay, hunter),)
+    seats, prey_indices = find_subjects(replay, hunter)
     names = labels(replay.hunter_names)
     contests: list[Contest] = []
     refusals: list[Refusals] = []
@@ -134,6 +134,8 @@ def explain(
     _count_contests(summaries, contests)
     for summary, score, tally in zip(summaries, scores, refused, strict=True):
         summary.catches, summary.refused = score, dict(sorted(tally.items()))
+    own_names = {prey.summaries[index].name for index in prey_indices}
+    own_targets = {target for target, name in prey.by_target.items() if name in own_names}
     return Explanation(
         title=replay.title,
         policy=replay.config.policy,
@@ -142,13 +144,16 @@ def explain(
         duration_ms=replay.steps * replay.config.control_period_ms,
         names=names,
         prey_names=prey_labels(replay),
+        prey_by_target=prey.by_target,
         scores=scores,
-        contests=tuple(one for one in contests if any(claim.seat in chosen for claim in one.claims)),
-        refusals=tuple(one for one in refusals if one.seat in chosen),
-        records=tuple(summaries[seat] for seat in chosen),
+        contests=tuple(
+            one for one in contests if one.target in own_targets or any(claim.seat in seats for claim in one.claims)
+        ),
+        refusals=tuple(one for one in refusals if one.target in own_targets or one.seat in seats),
+        records=tuple(summaries[seat] for seat in seats),
         teams=_teams(replay, scores),
-        captures=captures_by(prey.captures, chosen),
-        prey=tuple(prey.summaries) if hunter is None else (),
+        captures=tuple(one for one in prey.captures if one.prey in prey_indices or one.seat in seats),
+        prey=tuple(prey.summaries[index] for index in prey_indices),
     )
 
 

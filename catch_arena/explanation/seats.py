@@ -1,6 +1,7 @@
 """What the hunters of a match are called, and who is meant."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.replay import Replay
@@ -37,23 +38,58 @@ def how_it_left(replay: Replay, seat: int) -> str:
     return "withdrawn" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out"
 
 
-def find_seat(replay: Replay, hunter: int | str) -> int:
-    """The seat that is meant by a seat's number, by `hunter_{seat}` or by an agent's name.
+class Subjects(NamedTuple):
+    """Whom an explanation is about."""
+
+    seats: tuple[int, ...]
+    prey: tuple[int, ...]
+    """By index."""
+
+
+def find_subjects(replay: Replay, who: int | str | None) -> Subjects:
+    """Everybody who is meant by a name, or all where it is None.
+
+    Args:
+        replay: the recorded match.
+        who: a seat's number, `hunter_{seat}`, `prey_{index}`, or the name of an agent or a team: all that are called
+            so.
 
     Raises:
-        ConfigError: for a hunter that the match does not have, and a name that several have.
+        ConfigError: for whom the match does not have.
     """
-    seats = replay.config.hunter_names
-    numbers = [str(seat) for seat in range(len(seats))]
-    if str(hunter) in numbers:
-        return numbers.index(str(hunter))
-    if isinstance(hunter, int) or hunter.isdecimal():
-        raise ConfigError(f"hunter must be a seat from 0 to {len(seats) - 1}, got {hunter}")
-    named = [seat for seat, name in enumerate(replay.hunter_names) if name == hunter]
-    if len(named) > 1:
-        raise ConfigError(f"hunter must be one of the seats {', '.join(map(str, named))}: all are called {hunter!r}")
-    if named:
-        return named[0]
-    if hunter in seats:
-        return seats.index(hunter)
-    raise ConfigError(f"unknown hunter {hunter!r}: {suggest(hunter, {*replay.hunter_names, *seats})}")
+    config = replay.config
+    seats = tuple(range(config.hunters))
+    if who is None:
+        return Subjects(seats, tuple(range(config.prey)))
+    if str(who) in map(str, seats):
+        return Subjects((int(who),), ())
+    if isinstance(who, int) or who.isdecimal():
+        raise ConfigError(f"hunter must be a seat from 0 to {seats[-1]}, got {who}")
+    teams = {team_label(replay, members): members for members in config.teams or ()}
+    if who in teams:
+        return Subjects(teams[who], ())
+    # an agent may have been given a name such as hunter_1 in another seat
+    for hunters, prey in (replay.hunter_names, replay.prey_names), (config.hunter_names, config.prey_names):
+        found = Subjects(_called(hunters, who), _called(prey, who))
+        if any(found):
+            return found
+    known = {*replay.hunter_names, *replay.prey_names, *config.hunter_names, *config.prey_names, *teams}
+    raise ConfigError(f"unknown hunter {who!r}: {suggest(who, known)}")
+
+
+def _called(names: Sequence[str], who: str) -> tuple[int, ...]:
+    return tuple(index for index, name in enumerate(names) if name == who)
+
+
+def find_seat(replay: Replay, hunter: int | str) -> int:
+    """The only seat that is meant, as of `find_subjects`.
+
+    Raises:
+        ConfigError: for a hunter that the match does not have, prey, and a name that several have.
+    """
+    seats, _ = find_subjects(replay, hunter)
+    if not seats:
+        raise ConfigError(f"hunter must be no prey, which has no view to draw, got {hunter!r}")
+    if len(seats) > 1:
+        raise ConfigError(f"hunter must be one of the seats {', '.join(map(str, seats))}: {hunter!r} means all of them")
+    return seats[0]

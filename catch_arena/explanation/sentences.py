@@ -42,11 +42,17 @@ def opening_sentence(
     return f"{heading}{length}, policy {policy}. {of_teams}Catches: {_listed(caught)}."
 
 
-def contest_sentence(contest: Contest, names: Sequence[str]) -> str:
-    """One contest: who asked for what, from where, what decides, and the verdicts."""
+def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -> str:
+    """One contest: who asked for what, from where, what decides, and the verdicts.
+
+    Args:
+        contest: the contest.
+        names: what the hunters are called, by seat.
+        prey: what the prey that played the target is called, where one did.
+    """
     winner, *losers = contest.claims
     asked = _listed(names[claim.seat] for claim in contest.claims)
-    asked = f"At {seconds(contest.judged_ms)} (step {contest.step}) {asked} asked for {contest.target}"
+    asked = f"At {seconds(contest.judged_ms)} (step {contest.step}) {asked} asked for {_called(contest.target, prey)}"
     if contest.clause == "R9.1":
         return f"{asked}: the capstone's service says yes to each of them, GRANTED (R9.1)."
     places = [f"{names[winner.seat]} was {metres(winner.distance_um)} away"]
@@ -59,9 +65,24 @@ def contest_sentence(contest: Contest, names: Sequence[str]) -> str:
     lost = (
         f"{_listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
     )
+    told = f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}"
+    return f"{told}{_lost_to_mate(losers, names)}."
+
+
+def _lost_to_mate(losers: Sequence[Claim], names: Sequence[str]) -> str:
     mates = [names[claim.seat] for claim in losers if claim.mate]
-    own = f", {_listed(mates)} to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)" if mates else ""
-    return f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}{own}."
+    if not mates:
+        return ""
+    who = "it" if len(losers) == 1 else _listed(mates)
+    return f": {who} lost to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)"
+
+
+def no_contest_sentence(names: Sequence[str], hunters: Sequence[HunterSummary], prey: Sequence[PreySummary]) -> str:
+    """There was no contest: at all, or of the hunters and over the prey that the explanation is about."""
+    if len(hunters) == len(names):
+        return "No contest: in no step could two hunters have caught the same target."
+    sides = (("of", [one.name for one in hunters]), ("over", [one.name for one in prey]))
+    return f"No contest {' or '.join(f'{side} {_listed(called)}' for side, called in sides if called)}."
 
 
 def _decision(contest: Contest, names: Sequence[str]) -> str:
@@ -80,13 +101,14 @@ def _compared(claim: Claim, winner: Claim) -> str:
     return f"{exact_length(abs(more))} {'farther' if more > 0 else 'nearer'}"
 
 
-def refusals_sentence(run: Refusals, name: str, reach_um: int) -> str:
+def refusals_sentence(run: Refusals, name: str, reach_um: int, prey: str | None) -> str:
     """One hunter's refusals: when, what for, and why.
 
     Args:
         run: the refusals.
         name: what the hunter is called.
         reach_um: its reach [micrometres].
+        prey: what the prey that played the target is called, where one did.
     """
     if run.times == 1:
         when, often = f"At {seconds(run.first_ms)} (step {run.first_step})", "asked"
@@ -95,7 +117,12 @@ def refusals_sentence(run: Refusals, name: str, reach_um: int) -> str:
         often = f"asked {run.times} times"
     farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
     place = "" if run.nearest_um is None else f" from {metres(run.nearest_um)}{farthest}"
-    return f"{when} {name} {often} for {_answered(run.target, place, run.verdict, reach_um)}."
+    target = None if run.target is None else _called(run.target, prey)
+    return f"{when} {name} {often} for {_answered(target, place, run.verdict, reach_um)}."
+
+
+def _called(target: str, prey: str | None) -> str:
+    return target if prey is None else f"{prey}, {target}"
 
 
 def _answered(target: str | None, place: str, verdict: Verdict, reach_um: int) -> str:
@@ -195,9 +222,10 @@ def _requested(one: HunterAction, names: Sequence[str], reach_um: int) -> str:
     if one.verdict is None:
         return "It requested nothing."
     place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
-    winner = (
-        f"; the winner is {names[one.winner]}" if one.verdict is Verdict.LOST_CONTEST and one.winner is not None else ""
-    )
+    winner = ""
+    if one.verdict is Verdict.LOST_CONTEST and one.winner is not None:
+        mate = ", its own team-mate (R11.3)" if one.mate else ""
+        winner = f"; the winner is {names[one.winner]}{mate}"
     return f"It requested {_answered(one.target, place, one.verdict, reach_um)}{winner}."
 
 

@@ -1,16 +1,16 @@
 """All about one step: what each hunter did, what it asked for, and how far everybody was from that."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import islice
-from typing import Any, Final
+from typing import Any
 
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.contests import contests_of
-from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
+from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, facts_as_json
 from catch_arena.explanation.formatting import seconds
-from catch_arena.explanation.seats import find_seat, how_it_left, labels, prey_labels
+from catch_arena.explanation.seats import find_subjects, how_it_left, labels, prey_labels
 from catch_arena.explanation.seen_targets import SeenTargets
 from catch_arena.explanation.sentences import (
     action_sentences,
@@ -19,11 +19,8 @@ from catch_arena.explanation.sentences import (
     prey_action_sentences,
 )
 from catch_arena.replay import Replay
-from catch_arena.verdicts import REASONS, Ruling
+from catch_arena.verdicts import REASONS, Ruling, Verdict
 from catch_arena.world import World
-
-_JSON_KEYS: Final = {"hunters": "asked", "prey_by_target": "played"}
-"""Fields that have other names in JSON."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +36,11 @@ class StepExplanation:
     hunters: tuple[HunterAction, ...]
     """Of each hunter that the explanation is about; in JSON `asked`."""
     prey: tuple[PreyAction, ...]
-    """By index; none where the explanation is about one hunter alone."""
+    """Each that the explanation is about."""
     prey_by_target: dict[str, str]
     """For each target that prey plays: what this is called; in JSON `played`."""
     distances_um: dict[str, tuple[int, ...]]
-    """For each target that these named or requested: every hunter's distance, by seat (R5.3)."""
+    """For each target that these play, named or requested: every hunter's distance, by seat (R5.3)."""
     out_of_sight: dict[str, tuple[int, ...]]
     """For each of these: the seats that did not see it (R7.5)."""
     reaches_um: tuple[int, ...]
@@ -68,12 +65,15 @@ class StepExplanation:
                 )
                 for target, distances_um in self.distances_um.items()
             ),
-            *(contest_sentence(contest, self.names) for contest in self.contests),
+            *(
+                contest_sentence(contest, self.names, self.prey_by_target.get(contest.target))
+                for contest in self.contests
+            ),
         ]
 
     def to_dict(self) -> dict[str, Any]:
         """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits."""
-        return {_JSON_KEYS.get(name, name): json_ready(value) for name, value in asdict(self).items()}
+        return facts_as_json(self)
 
 
 def step_at(replay: Replay, at_s: float) -> int:
@@ -100,7 +100,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     Args:
         replay: the recorded match.
         step: which step, from 1.
-        hunter: a seat or an agent's name, to hear of that one alone.
+        hunter: a seat, `prey_{index}`, or the name of an agent or a team, to hear of those alone.
 
     Raises:
         ReplayError: where the match does not play as recorded.
@@ -109,12 +109,14 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     if not 1 <= step <= replay.steps:
         has = f"from 1 to {replay.steps}" if replay.steps else "one of the match, which has none"
         raise ConfigError(f"step must be {has}, got {step}")
-    chosen = range(replay.config.hunters) if hunter is None else (find_seat(replay, hunter),)
+    seats, prey_indices = find_subjects(replay, hunter)
     before, after = islice(replay.worlds(), step - 1, step + 1)
     seen_targets = SeenTargets(replay.config)
     rulings = {ruling.hunter: ruling for ruling in after.rulings}
-    hunters = tuple(_hunter_action(replay, seen_targets, (before, after), seat, rulings.get(seat)) for seat in chosen)
-    named = {name for one in hunters for name in (one.chosen, one.target) if name is not None}
+    hunters = tuple(_hunter_action(replay, seen_targets, (before, after), seat, rulings.get(seat)) for seat in seats)
+    prey = tuple(_prey_action(replay, before, after, index) for index in prey_indices)
+    played = {one.target for one in prey if one.target is not None}
+    named = played | {name for one in hunters for name in (one.chosen, one.target) if name is not None}
     unseen = [{one.target for one in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
     return StepExplanation(
         step=step,
@@ -122,7 +124,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         end_ms=after.time_ms,
         names=labels(replay.hunter_names),
         hunters=hunters,
-        prey=_prey_actions(replay, before, after) if hunter is None else (),
+        prey=prey,
         prey_by_target={
             one.target: name
             for one, name in zip(before.prey, prey_labels(replay), strict=True)
@@ -140,23 +142,23 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         view_radius_m=replay.config.view_radius_m,
         view_angle_deg=replay.config.view_angle_deg,
         contests=tuple(
-            contest for contest in contests_of(replay, after) if any(claim.seat in chosen for claim in contest.claims)
+            contest
+            for contest in contests_of(replay, after)
+            if contest.target in played or any(claim.seat in seats for claim in contest.claims)
         ),
     )
 
 
-def _prey_actions(replay: Replay, before: World, after: World) -> tuple[PreyAction, ...]:
-    return tuple(
-        PreyAction(
-            index=index,
-            name=name,
-            action=replay.prey_action(before.step, index),
-            target=then.target,
-            caught_by=now.caught_by,
-            returned_as=None if now.target == then.target else now.target,
-            withdrawn=now.withdrawn,
-        )
-        for index, (name, then, now) in enumerate(zip(prey_labels(replay), before.prey, after.prey, strict=True))
+def _prey_action(replay: Replay, before: World, after: World, index: int) -> PreyAction:
+    then, now = before.prey[index], after.prey[index]
+    return PreyAction(
+        index=index,
+        name=prey_labels(replay)[index],
+        action=replay.prey_action(before.step, index),
+        target=then.target,
+        caught_by=now.caught_by,
+        returned_as=None if now.target == then.target else now.target,
+        withdrawn=now.withdrawn,
     )
 
 
@@ -166,6 +168,7 @@ def _hunter_action(
     before, after = worlds
     step = before.step
     rank = int(replay.choices[step][seat])
+    teams = replay.config.team_by_seat
     view = seen_targets.ranked(before, seat)
     unseen = tuple(seen_targets.unseen(before, seat))
     return HunterAction(
@@ -178,6 +181,12 @@ def _hunter_action(
         reason=None if ruling is None else REASONS[ruling.verdict],
         distance_um=None if ruling is None else ruling.distance_um,
         winner=None if ruling is None else ruling.winner,
+        mate=(
+            ruling is not None
+            and ruling.verdict is Verdict.LOST_CONTEST
+            and ruling.winner is not None
+            and teams[ruling.winner] == teams[seat]
+        ),
         out=how_it_left(replay, seat) if after.hunters[seat].withdrawn else None,
         seen=len(before.targets) - len(unseen),
         unseen=unseen,

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest
-from catch_arena.explanation.seats import labels
+from catch_arena.explanation.seats import labels, prey_labels
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Color
@@ -63,6 +63,7 @@ def encode_bundle(replay: Replay) -> bytes:
     rulings: list[list[Any]] = []
     contests: list[dict[str, Any]] = []
     numbers: dict[object, int] = {}
+    played: dict[str, str] = {}
     left = {agent: before for before, agent in replay.withdrawals}
     for state, world in enumerate(replay.worlds()):
         for seat, (hunter, poses) in enumerate(zip(world.hunters, hunters, strict=True)):
@@ -71,10 +72,11 @@ def encode_bundle(replay: Replay) -> bytes:
                 left.setdefault(seat, state - 1)  # R1.7: it dropped out before this step
         # judged on the state before (R1.4), where their targets were seen
         rulings += [[state - 1, one.hunter, one.verdict.name, numbers.get(one.target)] for one in world.rulings]
-        contests += [_contest(contest, names) for contest in contests_of(replay, world)]
+        contests += [_contest(contest, names, played.get(contest.target)) for contest in contests_of(replay, world)]
         _follow(state, world, targets, numbers)
-        for prey, numbers_of in zip(world.prey, lives, strict=True):
-            if prey.target is not None and numbers[prey.target] not in numbers_of:
+        for prey, name, numbers_of in zip(world.prey, prey_labels(replay), lives, strict=True):
+            if prey.target is not None and prey.target not in played:
+                played[prey.target] = name
                 numbers_of.append(numbers[prey.target])
     facts = {
         "title": replay.title,
@@ -118,13 +120,13 @@ def _view(config: ArenaConfig) -> dict[str, float | None] | None:
     return {"radius": config.view_radius_m, "angle": config.view_angle_deg} if config.partial_view else None
 
 
-def _contest(contest: Contest, names: tuple[str, ...]) -> dict[str, Any]:
+def _contest(contest: Contest, names: tuple[str, ...], prey: str | None) -> dict[str, Any]:
     return {
         "state": contest.step - 1,
         "target": contest.target,
         "clause": contest.clause,
         "claims": [[claim.seat, claim.verdict.name, claim.distance_um] for claim in contest.claims],
-        "sentence": contest_sentence(contest, names),
+        "sentence": contest_sentence(contest, names, prey),
     }
 
 

@@ -3,6 +3,7 @@
 Pure functions from small states to shapes.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -85,11 +86,17 @@ class AgentScore(NamedTuple):
         return self.withdrawn or self.out
 
 
-def standings_of(world: World) -> tuple[AgentScore, ...]:
-    """What all agents of a world have, hunters by seat and then prey by index."""
+def standings_of(world: World, time_ms: float = math.inf) -> tuple[AgentScore, ...]:
+    """What all agents of a world have, hunters by seat and then prey by index.
+
+    Args:
+        world: how a step ended.
+        time_ms: an instant of that step: prey that returns at its end is still out then.
+    """
+    in_play = {target.name for target in world.targets if target.spawned_ms <= time_ms}
     hunters = [AgentScore(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(world.hunters)]
     prey = [
-        AgentScore(agent, one.times_caught, one.withdrawn, hunted=True, out=one.target is None)
+        AgentScore(agent, one.times_caught, one.withdrawn, hunted=True, out=one.target not in in_play)
         for agent, one in enumerate(world.prey, start=len(hunters))
     ]
     return (*hunters, *prey)

@@ -130,12 +130,11 @@ class MatchRenderer:
         self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
         self._feed.record(annotations)
         after = motion.after
-        self._standings = hud.standings_of(after)
         self._scores = after.team_scores
         self._players = {
             target.number: self.info.prey(target.prey) for target in after.targets if target.prey is not None
         }
-        self._standings_animation.record(began_ms, self._standings)
+        self._record_standings(after, began_ms)
         catchers = [self.info.contender_by_seat[one.seat] for one in annotations if one.kind == "catch"]
         self._timeline.record(began_ms, catchers, self._scores)
 
@@ -148,6 +147,7 @@ class MatchRenderer:
         self._move_to(poses)
         self._annotations = visible_annotations(self._annotations, time_ms)
         world = self._motion.after
+        self._record_standings(world, time_ms)
         self._arena.pixels[:] = self._ground.pixels
         self._arena.draw(
             scene.arena_shapes(
@@ -169,6 +169,12 @@ class MatchRenderer:
     def draw_over(self, drawn: Iterable[Shape]) -> None:
         """Shapes over the arena, in pixels from its corner; the next `draw` takes them away."""
         self._arena.draw(drawn)
+
+    def _record_standings(self, world: World, time_ms: float) -> None:
+        standings = hud.standings_of(world, time_ms)
+        if standings != self._standings:
+            self._standings = standings
+            self._standings_animation.record(time_ms, standings)
 
     def _beliefs(self, world: World) -> list[Belief]:
         """R7.6: where the hunter whose view is shown believes what it sees to be."""

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import arena, main
 from catch_arena.errors import ConfigError
+from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import agent_module
 from catch_arena.tournament.isolation.levels import level_line
 
@@ -269,7 +270,12 @@ def test_a_mistyped_command_or_option_is_suggested(catch_arena, words, message):
 
 def test_agents_and_scenarios_are_listed(catch_arena):
     assert "contested_by_time" in catch_arena("agents").output
-    assert re.search(r"crowd +16 ", catch_arena("scenarios").output)
+    listed = catch_arena("scenarios").output
+    assert re.search(r"crowd +16 ", listed)
+    for name, setting in (("pairs", "teams=[[0,1],[2,3]]"), ("tag", "spawning=false")):
+        assert setting in listed  # whole, and as --set takes it
+        field, _, _ = setting.partition("=")
+        assert getattr(arena("standard", [setting]), field) == getattr(scenario(name), field)
     assert re.match(r"catch-arena \d", catch_arena("--version").output)
 
 

@@ -5,6 +5,7 @@ import pytest
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
 
 import catch_arena
+from catch_arena.errors import ActionError
 from catch_arena.verdicts import Verdict
 
 RATE = 0.02
@@ -122,3 +123,17 @@ def test_r1_7_a_match_of_dropouts_has_no_forfeits():
         best = max(result.scores)
         assert all((rank == 1) == (score == best) for rank, score in zip(result.ranks, result.scores, strict=True))
     assert dropped_out > 4
+
+
+def test_an_action_for_who_dropped_out_is_refused_in_these_words():
+    """Also after a restore; who was withdrawn is told apart."""
+    env = catch_arena.parallel_env(dropout_rate=RATE, max_cycles=600)
+    env.reset(seed=2)
+    env.withdraw("hunter_0")
+    while len(env.agents) > 2:
+        env.step(dict.fromkeys(env.agents, 0))
+    gone = next(agent for agent in env.possible_agents[1:] if agent not in env.agents)
+    env.restore(env.save())
+    for agent, why in ((gone, "it had dropped out"), ("hunter_0", "it was withdrawn")):
+        with pytest.raises(ActionError, match=f"{agent} must give no action: {why}"):
+            env.step(dict.fromkeys([*env.agents, agent], 0))

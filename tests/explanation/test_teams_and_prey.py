@@ -8,6 +8,8 @@ from typer.testing import CliRunner
 
 from catch_arena import Verdict, explain, explain_step
 from catch_arena.cli import main
+from catch_arena.errors import ConfigError
+from catch_arena.explanation.seats import find_seat
 
 
 def test_a_contest_that_is_lost_to_a_team_mate_is_told_as_such(hunted):
@@ -40,9 +42,32 @@ def test_the_words_name_the_team_mate_and_the_clause(mates):
     lost = [claim for contest in told.contests for claim in contest.claims if claim.mate]
     assert len(lost) == sum(line.endswith(" to its own team-mate (R11.3).") for line in lines) > 0
     seat = lost[0].seat
-    assert f"ann (hunter_{seat}) to its own team-mate (R11.3)." in "\n".join(lines)
+    assert f"LOST_CONTEST (R5.6): ann (hunter_{seat}) lost to its own team-mate (R11.3)." in "\n".join(lines)
     summary = next(line for line in told.lines() if line.startswith(f"ann (hunter_{seat}): "))
     assert ", 1 of them to its own team-mates (R11.3)" in summary
+    own = explain_step(mates, 1, seat).lines()[1]
+    assert f"; the winner is ann (hunter_{1 - seat}), its own team-mate (R11.3)." in own
+    rival = explain_step(mates, 1, 2).lines()[1]
+    assert f"; the winner is ann (hunter_{1 - seat})." in rival
+
+
+def test_who_loses_alone_to_its_team_mate_is_not_named_twice(play):
+    poses = ((5.0, 5.0, 0.0), (5.1, 5.0, 0.0))
+    settings = {"hunters": 2, "hunter_poses": poses, "teams": ((0, 1),), "reach_m": 9.0, "initial_targets": 1}
+    (line,) = [line for line in explain(play(**settings, max_cycles=1, chase=True)).lines() if "asked for" in line]
+    assert line.endswith(" gets LOST_CONTEST (R5.6): it lost to its own team-mate (R11.3).")
+
+
+def test_contests_and_refusals_name_the_prey_that_was_asked_for(play):
+    poses = ((5.0, 5.0, 0.0), (5.1, 5.0, 0.0), (1.0, 1.0, 0.0))
+    settings = {"hunter_poses": poses, "reach_m": (9.0, 9.0, 0.1), "max_cycles": 1}
+    match = play("tag", **settings, control="target", chase=True)
+    told = explain(match)
+    assert told.prey_by_target == {"target_turtle_1": "prey_0"}
+    assert any(" asked for prey_0, target_turtle_1. " in line for line in told.lines())
+    assert any(" asked for prey_0, target_turtle_1. " in line for line in explain_step(match, 1).lines())
+    refused = explain(play("tag", **settings, control=("target", "target", "full"))).lines()
+    assert any(" hunter_2 asked for prey_0, target_turtle_1 from " in line for line in refused)
 
 
 def test_the_teams_are_told_with_their_scores_and_ranks(hunted):
@@ -127,6 +152,56 @@ def test_one_hunter_alone_hears_of_its_own_catches(hunted):
     whole, own = explain(hunted), explain(hunted, 1)
     assert [one for one in whole.captures if one.seat == 1] == list(own.captures)
     assert own.prey == ()
+
+
+def test_a_teams_name_means_all_its_seats(hunted):
+    """Whether it is that of its only agent, or those of all its members; a step is told of them too."""
+    for name, seats in (("a", [0, 2]), ("b + c", [1, 3])):
+        told = explain(hunted, name)
+        assert [record.seat for record in told.records] == seats
+        assert {run.seat for run in told.refusals} <= set(seats)
+        assert [one.seat for one in explain_step(hunted, 1, name).hunters] == seats
+
+
+def test_a_team_whose_agent_plays_in_another_one_too_is_meant_by_its_seats(play):
+    match = play(teams=((0, 1), (2, 3)), max_cycles=2, names=("ann",) * 4)
+    assert [record.seat for record in explain(match, "ann (hunter_2, hunter_3)").records] == [2, 3]
+    assert len(explain(match, "ann").records) == 4
+
+
+def test_prey_alone_hears_of_its_own_catches(hunted):
+    """By what PettingZoo calls it, or by its agent's name, which all its prey have."""
+    whole, own = explain(hunted), explain(hunted, "prey_0")
+    assert own.captures == tuple(one for one in whole.captures if one.prey == 0) != ()
+    assert own.prey == whole.prey[:1]
+    assert own.records == ()
+    theirs = {target for target, name in whole.prey_by_target.items() if name == whole.prey_names[0]}
+    assert own.contests == tuple(one for one in whole.contests if one.target in theirs)
+    assert {run.target for run in own.refusals} <= theirs
+    name = hunted.prey_names[0]
+    same = [index for index, other in enumerate(hunted.prey_names) if other == name]
+    assert [one.index for one in explain(hunted, name).prey] == same
+    step = explain_step(hunted, own.captures[0].step, "prey_0")
+    assert (step.hunters, [one.index for one in step.prey], list(step.distances_um)) == (
+        (),
+        [0],
+        [own.captures[0].target],
+    )
+
+
+def test_a_view_is_that_of_one_hunter(hunted):
+    """Of those who have one: prey sees everything."""
+    assert find_seat(hunted, "b") == 1
+    with pytest.raises(ConfigError, match="one of the seats 0, 2: 'a' means all of them"):
+        find_seat(hunted, "a")
+    with pytest.raises(ConfigError, match="no prey, which has no view to draw, got 'prey_0'"):
+        find_seat(hunted, "prey_0")
+
+
+def test_who_had_no_contest_is_named(play):
+    match = play("tag", max_cycles=1, names=("ann", "bob", "cid", "eve"))
+    assert "No contest over eve (prey_0)." in explain(match, "eve").lines()
+    assert "No contest of ann." in explain(match, "ann").lines()
 
 
 def test_a_step_tells_what_prey_did_and_what_became_of_it(hunted):

@@ -322,7 +322,7 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, tmp_pa
     [
         (["play", "--seat", "4"], "--seat must be from 0 to 3 in standard, got 4"),
         (["play", "--seat", "prey_0"], "--seat must be from 0 to 3 in standard, got prey_0"),
-        (["play", "--scenario", "tag", "--seat", "3"], "--seat must be from 0 to 2, or prey_0 to prey_0 in tag, got 3"),
+        (["play", "--scenario", "tag", "--seat", "3"], "--seat must be from 0 to 2, or prey_0 in tag, got 3"),
         (["play", "--against", "nearst"], "did you mean nearest"),
         (["play", "nearest", "patrol", "idle", "first"], "agents must be 3 at most"),
         (["watch", "nearest", "--scenario", "dual"], "did you mean duel"),

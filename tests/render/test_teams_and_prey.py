@@ -85,6 +85,13 @@ def test_a_ring_in_pieces_has_as_many_gaps(pieces):
     assert np.count_nonzero(bright & ~np.roll(bright, 1)) == (0 if pieces == 1 else pieces)
 
 
+def test_prey_that_returns_at_a_steps_end_is_out_until_then():
+    world = a_hunt()
+    born_ms = next(target.spawned_ms for target in world.targets if target.prey)
+    for time_ms, out in ((born_ms - 1.0, True), (born_ms, False)):
+        assert hud.standings_of(world, time_ms)[-1].out == out
+
+
 def test_prey_stands_below_the_hunters_the_seldomest_caught_first_and_is_said_to_be_out():
     standings = (*hud.standings_of(a_hunt(out=True)), hud.AgentScore(3, 0, hunted=True))
     assert [one.agent for one in hud.ranked(standings)] == [1, 0, 3, 2]

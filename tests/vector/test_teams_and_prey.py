@@ -131,7 +131,14 @@ def test_shapes_and_spaces_are_those_of_the_sides():
     assert arena.observation_space("prey").shape == (prey_observation_size(HUNT),)
     assert arena.action_space("prey").shape == (2,)
     assert arena.observation_space(1).shape == (observation_size(HUNT),)
+    for side in observations:
+        assert arena.observation_space(side).shape == observations[side].shape[2:]
+    assert arena.action_space("hunter") == arena.action_space(1)
     assert infos["prey_active"].all()
+    with pytest.raises(ConfigError, match="from 0 to 2, 'hunter' or 'prey', got 'fox'"):
+        arena.observation_space("fox")
+    with pytest.raises(ConfigError, match="where hunters differ in their control, got 'hunter'"):
+        VectorArena("duel", control=("target", "full")).action_space("hunter")
     with pytest.raises(ConfigError, match="seat must be a hunter's in an arena without prey, got 'prey'"):
         VectorArena("standard", 2).action_space("prey")
     source = np.random.default_rng(1)
@@ -166,6 +173,13 @@ def test_bad_actions_are_named_and_nothing_moves(change, message):
     with pytest.raises(ActionError, match=re.escape(message)):
         arena.step(change(random_actions(HUNT, 4, np.random.default_rng(1))))
     assert arena.digest(2) == digest
+
+
+def test_where_there_is_no_prey_no_side_is_named():
+    arena = VectorArena("duel", 2)
+    arena.reset(seed=1)
+    with pytest.raises(ActionError, match="hunters alone where there is no prey, got a mapping with hunter"):
+        arena.step({"hunter": np.zeros((2, 2), np.int64)})
 
 
 def test_an_arena_that_has_ended_stands_still_and_prey_gets_nothing():
