@@ -34,6 +34,8 @@ _PREY: Final = "Prey"
 """What the class is called that plays prey."""
 _LARGEST_SOURCE: Final = 1 << 26
 """Bytes of a file that is taken for a module's source."""
+_MOST_SOURCES: Final = 3
+"""Files of an agent: its module's, and those of its two classes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +50,9 @@ class Entrant:
     """What `agent_class` or `command_of` finds it by, from any folder."""
     control: Control
     digest: str
-    """16 hexadecimal digits of the source file's bytes; of a command, of its words and of the files that they name."""
+    """16 hexadecimal digits of the bytes of its files (`sources_of`), with what a network has learned beside them; of a
+    command, of its words and of the files that they name.
+    """
     fault: str | None = None
     """Why it cannot play, where that showed when it was looked at in isolation: it forfeits all its matches."""
     prey: bool = False
@@ -95,8 +99,8 @@ class Inspection:
     """What an agent says of itself."""
 
     control: Control = "target"
-    source: str | None = None
-    """The file that it was loaded from."""
+    sources: tuple[str, ...] = ()
+    """The files that it consists of: `sources_of`."""
     fault: str | None = None
     """Why it cannot play."""
     log: str = ""
@@ -122,7 +126,7 @@ def inspect_agent(spec: str) -> Inspection:
     """
     policy = create_policy(spec)
     prey, prey_fault = look_for_prey(spec)
-    return Inspection(control_of(policy), source_of(policy), prey=prey, prey_fault=prey_fault)
+    return Inspection(control_of(policy), sources_of(spec), prey=prey, prey_fault=prey_fault)
 
 
 def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_agent) -> tuple[Entrant, ...]:
@@ -155,11 +159,7 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
         if one.spec not in inspections:
             inspections[one.spec] = inspect(one.spec)
         found = inspections[one.spec]
-        content = one.content
-        if content is None:
-            content = _content_of(found.source)
-            content = one.spec.encode() if content is None else content + _beside(Path(found.source or ""))
-        digest = hashlib.blake2b(content, digest_size=8).hexdigest()
+        digest = hashlib.blake2b(_content(one, found.sources), digest_size=8).hexdigest()
         fault = None if found.fault is None else one_line(found.fault)
         prey_fault = None if found.prey_fault is None else one_line(found.prey_fault)
         entrants.append(Entrant(unique, one.spec, found.control, digest, fault, found.prey, prey_fault))
@@ -219,9 +219,17 @@ def is_shipped(spec: str) -> bool:
     return spec.startswith(f"{_SHIPPED}.")
 
 
-def source_of(policy: Policy | PreyPolicy) -> str | None:
-    """The file that an agent's class comes from."""
-    return getattr(sys.modules.get(type(policy).__module__), "__file__", None)
+def sources_of(spec: str) -> tuple[str, ...]:
+    """The files that an agent in Python consists of: its module's, and those that its classes come from.
+
+    Raises:
+        AgentError: where its module cannot be used, or has no such class.
+    """
+    module = agent_module(spec)
+    homes = [getattr(one, "__module__", None) for one in (agent_class(spec), getattr(module, _PREY, None))]
+    modules = [module, *(sys.modules.get(home) for home in homes if isinstance(home, str))]
+    files = [getattr(one, "__file__", None) for one in modules]
+    return tuple(dict.fromkeys(file for file in files if isinstance(file, str)))
 
 
 def command_of(spec: str) -> list[str] | None:
@@ -285,7 +293,7 @@ class _Resolved(NamedTuple):
     path: tuple[str, ...]
     """Its name comes last, what holds it before that."""
     content: bytes | None = None
-    """What the digest is of, where that is known without a look at the agent."""
+    """What its digest is of, as far as that is known without a look at the agent: of a command all."""
 
 
 def _resolve(spec: str) -> _Resolved:
@@ -309,11 +317,24 @@ def _resolve(spec: str) -> _Resolved:
     return _Resolved(f"{_SHIPPED}.{spec}:Agent", (spec,))
 
 
-def _content_of(source: str | None) -> bytes | None:
-    """What is in the file that an agent says it comes from; None where there is nothing to be read. It may say any."""
+def _content(agent: _Resolved, sources: Sequence[str]) -> bytes:
+    """What an agent's digest is of: the files that it says it consists of, its own first; where none can be read, its
+    spec.
+    """
+    found = [] if agent.content is None else [agent.content]
+    if not agent.spec.startswith(COMMAND):
+        for source in sources[:_MOST_SOURCES]:
+            content = _content_of(source)
+            if content is not None and source != agent.spec:
+                found.append(content + _beside(Path(source)))
+    return b"\0".join(found) if found else agent.spec.encode()
+
+
+def _content_of(source: str) -> bytes | None:
+    """What is in a file that an agent says is its own; None where there is nothing to be read. It may say any."""
     try:
         # a pipe that nobody writes to is not waited for
-        with os.fdopen(os.open(source or "", os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+        with os.fdopen(os.open(source, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
             return file.read(_LARGEST_SOURCE) if S_ISREG(os.fstat(file.fileno()).st_mode) else None
     except (OSError, ValueError):
         return None

@@ -166,6 +166,18 @@ def test_the_place_of_an_agents_file_does_not_matter(tmp_path):
     Store.begin(dataclasses.replace(FACTS, entrants=moved), tmp_path, resume=True).close()
 
 
+def test_an_agent_with_another_prey_does_not_go_on(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    module = tmp_path / "prey_that_changes.py"
+    module.write_text("from catch_arena.agents.nearest import Agent\nfrom catch_arena.agents.flee import Prey\n")
+    specs = [f"{module.stem}:Agent", "idle", "random"]
+    with Store.begin(dataclasses.replace(FACTS, entrants=enter(specs)), tmp_path) as store:
+        store.plan(PLAN.stage(0, ()))
+    module.write_text(module.read_text().replace("flee", "corners"))
+    with pytest.raises(OtherTournamentError, match="the digest of agent Agent is"):
+        Store.begin(dataclasses.replace(FACTS, entrants=enter(specs)), tmp_path, resume=True)
+
+
 def test_nothing_is_overwritten_without_a_word(tmp_path):
     begun(tmp_path)
     with pytest.raises(
