@@ -25,6 +25,7 @@ from catch_arena.cli.app import (
     limits_or_trust,
     main,
     say_level,
+    say_who_needs_prey,
     secret_of,
     seed_told,
 )
@@ -83,6 +84,8 @@ def compare(
     everybody = [*agents, *(against or ())]
     allowed = limits_or_trust(limits, isolation, everybody, trusted=trusted)
     entrants = enter_agents(everybody, allowed, prey=config.prey > 0)
+    if config.prey:
+        say_who_needs_prey(entrants)
     first, second = entrants[:2]
     low, high = test.bounds
     console = Console(stderr=True)

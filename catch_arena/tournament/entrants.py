@@ -28,7 +28,7 @@ COMMAND: Final = "cmd:"
 NOT_INSTALLED: Final = "which is not installed here"
 """What is said of a module that an agent imports, and that is not there."""
 _SHIPPED: Final = "catch_arena.agents"
-_SHIPPED_PREY: Final = f"{_SHIPPED}.flee:Agent"
+SHIPPED_PREY: Final = "flee"
 """Who plays prey for an agent that does not."""
 _PREY: Final = "Prey"
 """What the class is called that plays prey."""
@@ -59,6 +59,8 @@ class Entrant:
     """R12.7: whether it plays prey itself; else a shipped one plays there."""
     prey_fault: str | None = None
     """Why it cannot play prey, though it has a class for that."""
+    prey_digest: str = ""
+    """That of who plays prey for it: its own, or the shipped one's."""
     side: Side = "hunter"
     """What it plays in a match; no part of what is known of it."""
 
@@ -69,11 +71,20 @@ class Entrant:
         del known["side"]
         return known
 
-    def as_prey(self) -> "Entrant":
-        """Who plays prey for it."""
-        fault = self.fault or self.prey_fault
-        spec = self.spec if self.prey or fault is not None else _SHIPPED_PREY
-        return replace(self, spec=spec, control="velocity", fault=fault, side="prey")
+    @property
+    def needs_prey(self) -> bool:
+        """Whether the shipped prey plays for it: it has none of its own, and nothing else keeps it from playing."""
+        return not self.prey and self.fault is None
+
+    def on(self, side: Side) -> "Entrant":
+        """Who plays for it on a side, under the name that tells so."""
+        if side == self.side:
+            return self
+        found = replace(self, control="velocity", fault=self.fault or self.prey_fault, side=side)
+        if not self.needs_prey:
+            return found
+        name, spec = f"{self.name} (plays {SHIPPED_PREY})", _shipped_spec(SHIPPED_PREY)
+        return replace(found, name=name, spec=spec, digest=self.prey_digest)
 
     @property
     def source(self) -> str:
@@ -159,10 +170,11 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
         if one.spec not in inspections:
             inspections[one.spec] = inspect(one.spec)
         found = inspections[one.spec]
-        digest = hashlib.blake2b(_content(one, found.sources), digest_size=8).hexdigest()
+        digest = _digest(one, found.sources)
         fault = None if found.fault is None else one_line(found.fault)
         prey_fault = None if found.prey_fault is None else one_line(found.prey_fault)
-        entrants.append(Entrant(unique, one.spec, found.control, digest, fault, found.prey, prey_fault))
+        entrant = Entrant(unique, one.spec, found.control, digest, fault, found.prey, prey_fault, digest)
+        entrants.append(replace(entrant, prey_digest=_shipped_prey_digest()) if entrant.needs_prey else entrant)
     return tuple(entrants)
 
 
@@ -314,20 +326,28 @@ def _resolve(spec: str) -> _Resolved:
             f"unknown agent {spec!r}: {suggest(spec, known)} "
             f"(or give package.module:Class, the path of a .py file, or {COMMAND}COMMAND)"
         )
-    return _Resolved(f"{_SHIPPED}.{spec}:Agent", (spec,))
+    return _Resolved(_shipped_spec(spec), (spec,))
 
 
-def _content(agent: _Resolved, sources: Sequence[str]) -> bytes:
-    """What an agent's digest is of: the files that it says it consists of, its own first; where none can be read, its
-    spec.
-    """
+def _shipped_spec(name: str) -> str:
+    return f"{_SHIPPED}.{name}:Agent"
+
+
+@cache
+def _shipped_prey_digest() -> str:
+    spec = _shipped_spec(SHIPPED_PREY)
+    return _digest(_Resolved(spec, ()), sources_of(spec))
+
+
+def _digest(agent: _Resolved, sources: Sequence[str]) -> str:
+    """Of the files that an agent says it consists of, its own first; where none can be read, of its spec."""
     found = [] if agent.content is None else [agent.content]
     if not agent.spec.startswith(COMMAND):
         for source in sources[:_MOST_SOURCES]:
             content = _content_of(source)
             if content is not None and source != agent.spec:
                 found.append(content + _beside(Path(source)))
-    return b"\0".join(found) if found else agent.spec.encode()
+    return hashlib.blake2b(b"\0".join(found or [agent.spec.encode()]), digest_size=8).hexdigest()
 
 
 def _content_of(source: str) -> bytes | None:

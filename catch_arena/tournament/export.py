@@ -82,7 +82,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
     secret, ended = tournament.secret, store.ended
     for played, versions in store.records():
         match, result = played.match, played.result
-        players = [entrants[index] for index in match.seating]
+        players = [entrants[index].on(side) for index, side in zip(match.seating, sides, strict=True)]
         agent_seeds: list[int | None] = [*match.agent_seeds] or [None] * len(players)
         record = {
             "match": match.id,

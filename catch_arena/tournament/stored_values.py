@@ -309,6 +309,7 @@ def _entrant(value: object) -> Entrant:
         None if fault is None else one_line(text_of("entrant: fault", fault, most=None)),
         table["prey"],
         None if prey_fault is None else one_line(text_of("entrant: prey_fault", prey_fault, most=None)),
+        _digest("entrant: prey_digest", table["prey_digest"]),
     )
 
 

@@ -118,13 +118,17 @@ def test_r12_7_who_has_no_prey_of_its_own_plays_the_shipped_one(tmp_path):
     (tmp_path / "mine.py").write_text(BOTH)
     mine, nearest, flee = enter([str(tmp_path / "mine.py"), "nearest", "flee"])
     assert (mine.prey, nearest.prey, flee.prey) == (True, False, True)
-    assert type(nearest.as_prey().create()) is type(flee.as_prey().create())
-    assert type(mine.as_prey().create()).__module__ == type(mine.create()).__module__
+    assert type(nearest.on("prey").create()) is type(flee.on("prey").create())
+    assert type(mine.on("prey").create()).__module__ == type(mine.create()).__module__
+    hunters = enter(["intercept", "patrol", "nearest"])
     ends = [
-        play_entrants(TAG, 3, [*enter(["intercept", "patrol", "nearest"]), prey], None).digest
+        play_entrants(TAG, 3, [*hunters, prey], None, record=tmp_path / f"{prey.name}.replay").digest
         for prey in (mine, nearest, flee)
     ]
     assert ends[1] == ends[2] != ends[0]
+    named = [Replay.load(tmp_path / f"{prey.name}.replay").names[3] for prey in (mine, nearest, flee)]
+    assert named == ["mine", "nearest (plays flee)", "flee"]
+    assert [prey.on("prey").digest for prey in (mine, nearest, flee)] == [mine.digest, flee.digest, flee.digest]
 
 
 @pytest.mark.rule("R12.7")
@@ -210,7 +214,7 @@ def test_a_prey_that_is_alone_is_compared_with_one_that_met_the_same_hunters(tea
         first, second = joined.result.ranks
         assert (first < second) == (one.result.scores[-1] < other.result.scores[-1])
     for side, table in standings_of_sides(entrants, played, parties).items():
-        assert {line.name for line in table} == {entrant.name for entrant in entrants}, side
+        assert {line.name for line in table} == {entrant.on(side).name for entrant in entrants}, side
 
 
 def test_prey_is_rated_alike_whoever_its_hunter_is():
@@ -221,7 +225,9 @@ def test_prey_is_rated_alike_whoever_its_hunter_is():
     parties = Parties.of(config)
     entrants = enter(["intercept", "flee", "idle", "idle", "idle"])
     played = run(config, entrants, round_robin(5, 5, 4, 3, parties))
-    by_name = {line.name: line for line in standings_of_sides(entrants, played, parties)["prey"]}
+    by_name = {
+        line.name.removesuffix(" (plays flee)"): line for line in standings_of_sides(entrants, played, parties)["prey"]
+    }
     assert by_name["intercept"].score.mean < by_name["flee"].score.mean
     for pair in combinations(("intercept", "flee", "idle", "idle#2"), 2):
         low, high = sorted((by_name[name].rating for name in pair), key=lambda rating: rating.mean)

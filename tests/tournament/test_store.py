@@ -224,7 +224,7 @@ def test_a_store_of_another_format_is_refused(tmp_path):
     with sqlite3.connect(tmp_path / STORE) as db:
         db.execute("PRAGMA user_version = 99")
     db.close()
-    with pytest.raises(StoreError, match="is of format 99, and this version reads format 3"):
+    with pytest.raises(StoreError, match="is of format 99, and this version reads format 4"):
         Store.read(tmp_path)
 
 

@@ -65,7 +65,10 @@ def standings_of_sides(
     entrants: Sequence[Entrant], played: Sequence[PlayedMatch], parties: Parties
 ) -> dict[Side, list[Standing]]:
     """A table for each side, made from its own results alone (R12.7)."""
-    return {side: standings(entrants, on_side(played, parties, side)) for side in parties.sides}
+    return {
+        side: standings([entrant.on(side) for entrant in entrants], on_side(played, parties, side))
+        for side in parties.sides
+    }
 
 
 def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> list[Standing]:
