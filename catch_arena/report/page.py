@@ -74,6 +74,7 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
             }
             for side in data.sides
         ],
+        teams=len(data.parties) < len(data.parties.by_seat),
         audit=data.audit,
         seat_tables=charts.seat_tables(data),
         refusals=charts.refusals(data),

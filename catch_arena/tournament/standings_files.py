@@ -91,6 +91,7 @@ def _flat(standing: Standing) -> dict[str, Any]:
         "mean_rank": standing.mean_rank,
         "contests_lost": standing.contests_lost,
         "contest_wins": standing.contest_win_share,
+        "lost_to_mates": standing.lost_to_mates,
         "refused": standing.refused,
         "forfeits": sum(standing.forfeits.values()),
     }

@@ -29,7 +29,7 @@ from catch_arena.tournament.secret import Secret
 
 STORE: Final = "tournament.sqlite"
 _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: what kind of file it is
-_FORMAT: Final = 4
+_FORMAT: Final = 5
 _PAGE: Final = 1000
 """How many matches that wait are read at once."""
 _PATIENCE_S: Final = 60.0

@@ -41,7 +41,7 @@ def test_beside_a_field_they_sit_together():
 def test_a_blocks_outcome_by_hand():
     def block(*matches):
         return [
-            PlayedMatch(Match(str(number), 0, 0, seating), MatchResult((), ranks, (), (), 1, "", (), ()))
+            PlayedMatch(Match(str(number), 0, 0, seating), MatchResult((), ranks, (), (), (), 1, "", (), ()))
             for number, (seating, ranks) in enumerate(matches)
         ]
 

@@ -5,6 +5,7 @@ from itertools import combinations
 
 import pytest
 
+import catch_arena
 from catch_arena import Replay, scenario
 from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView
@@ -83,6 +84,26 @@ def test_r11_1_a_match_is_ranked_by_team_and_says_who_of_it_caught_what(tmp_path
     assert result.ranks == (1, 2)
     assert result.verdicts[0]["GRANTED"] == result.scores[0]
     assert Replay.load(tmp_path / "m.replay").names == ("patrol", "patrol", "idle", "idle")
+
+
+@pytest.mark.rule("R11.3")
+def test_r11_3_a_match_counts_contests_of_teams_once_and_those_of_team_mates_apart(tmp_path):
+    result = play_entrants(
+        scenario("pairs", time_limit_s=60, reach_m=0.6), 3, enter(["nearest", "nearest"]), None, record=tmp_path / "m"
+    )
+    won, lost, to_mates = Counter(), Counter(), Counter()
+    for contest in catch_arena.explain(Replay.load(tmp_path / "m")).contests:
+        winner, *losers = [(claim.seat // 2, claim.mate) for claim in contest.claims]
+        rivals = {team for team, mate in losers if not mate}
+        assert winner[0] not in rivals
+        won[winner[0]] += bool(rivals)
+        lost.update(rivals)
+        to_mates.update(team for team, mate in losers if mate)
+    assert result.contests_won == (won[0], won[1])
+    assert result.contests_lost == (lost[0], lost[1])
+    assert result.lost_to_mates == (to_mates[0], to_mates[1])
+    assert min(lost[0], lost[1], to_mates[0]) > 0, (lost, to_mates)
+    assert sum(tally.get("LOST_CONTEST", 0) for tally in result.verdicts) >= lost.total() + to_mates.total()
 
 
 @pytest.mark.rule("R11.1")

@@ -47,6 +47,7 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
         (1, 2),
         ({"GRANTED": 3}, {}),
         (0, 1),
+        (1, 0),
         17,
         "ab",
         (None, "FORFEIT_CRASH"),
@@ -224,7 +225,7 @@ def test_a_store_of_another_format_is_refused(tmp_path):
     with sqlite3.connect(tmp_path / STORE) as db:
         db.execute("PRAGMA user_version = 99")
     db.close()
-    with pytest.raises(StoreError, match="is of format 99, and this version reads format 4"):
+    with pytest.raises(StoreError, match="is of format 99, and this version reads format 5"):
         Store.read(tmp_path)
 
 
