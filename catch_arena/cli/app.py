@@ -335,6 +335,14 @@ def enter_agents(
     return entrants
 
 
+def say_who_needs_prey(entrants: "Sequence[Entrant]") -> None:
+    """Who has no prey of its own, and what plays for it."""
+    from catch_arena.tournament.entrants import SHIPPED_PREY
+
+    if without := [entrant.name for entrant in entrants if entrant.needs_prey]:
+        say(f"no Prey of their own, so that {SHIPPED_PREY} plays for them: {', '.join(without)}")
+
+
 def _pairs(option: str, changes: list[str] | None) -> Iterator[tuple[str, Any]]:
     for change in changes or ():
         key, equals, text = change.partition("=")

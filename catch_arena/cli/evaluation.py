@@ -25,6 +25,7 @@ from catch_arena.cli.app import (
     limits_or_trust,
     main,
     say_level,
+    say_who_needs_prey,
     secret_of,
     seed_told,
 )
@@ -83,6 +84,8 @@ def compare(
     everybody = [*agents, *(against or ())]
     allowed = limits_or_trust(limits, isolation, everybody, trusted=trusted)
     entrants = enter_agents(everybody, allowed, prey=config.prey > 0)
+    if config.prey:
+        say_who_needs_prey(entrants)
     first, second = entrants[:2]
     low, high = test.bounds
     console = Console(stderr=True)
@@ -161,17 +164,21 @@ def audit(
         found = ask(config, agent, matches=matches, seed=secret, jobs=jobs_or_all(jobs), limits=allowed, progress=show)
     write_whole(out / FILE, audit_text(found, config, secret).encode())
     seats = FittedTable("seat", "wins", "95 %", "score")
-    for name, seat in zip(parties.names, found.seats, strict=True):
+    for party, (name, seat) in enumerate(zip(parties.names, found.seats, strict=True)):
+        alone = len(parties.seats[parties.on(parties.side_of(party))]) == 1  # it always wins
         interval = f"{100 * seat.wins.low:.1f} - {100 * seat.wins.high:.1f}"
-        seats.add_row(name, f"{100 * seat.wins.mean:.1f} %", interval, f"{seat.score:.2f}")
+        wins = ("-", "-") if alone else (f"{100 * seat.wins.mean:.1f} %", interval)
+        seats.add_row(name, *wins, f"{seat.score:.2f}")
     say(f"{found.matches} matches of {found.agent} in all seats of {scenario}")
     Console().print(seats)
     for check in found.checks:
         chance = "" if check.p is None else f" (p = {check.p:.3f})"
         say(f"{check.question} {'No' if check.passed else 'YES'}: {check.finding}{chance}")
-    floor = found.twin_difference.margin
+    floor = f"up to {found.twin_difference.margin:.0f} points between equals"
+    if found.prey_twin_difference is not None:
+        floor += f" as hunters, and up to {found.prey_twin_difference.margin:.0f} as prey,"
     say(seed_told(secret))
-    say(f"noise floor: up to {floor:.0f} points between equals after {found.twin_matches} matches")
+    say(f"noise floor: {floor} after {found.twin_matches} matches")
     if found.passed:
         say(f"verdict: fair, as far as {found.matches} matches can show")
     else:

@@ -27,6 +27,7 @@ from catch_arena.cli.app import (
     jobs_or_all,
     limits_or_trust,
     main,
+    say_who_needs_prey,
     secret_of,
     seed_told,
 )
@@ -162,6 +163,8 @@ def tournament(
     with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
         interrupts.also_say(kept_by_now)
         say(f"{scenario}: {len(entrants)} agents, {most}{plan.size} matches, {len(parties)} in each")
+        if config.prey:
+            say_who_needs_prey(entrants)
         try:
             with (
                 _executor(executor, worker, jobs, address) as ready,
@@ -177,7 +180,8 @@ def tournament(
         for table in standings_tables(tables):
             Console().print(table)
         for line in tables["hunter"]:
-            lines = [one for table in tables.values() for one in table if one.name == line.name]
+            (entrant,) = (one for one in entrants if one.name == line.name)
+            lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
             if harmful := sum(one.forfeits.get("FORFEIT_SABOTAGE", 0) for one in lines):
                 say(f"{line.name} did harm, and forfeited {harmful} matches for it (FORFEIT_SABOTAGE)")
             if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
@@ -300,7 +304,7 @@ def match(
     """
     from catch_arena.seeding import arena_seed
     from catch_arena.tournament.isolation.playing import play_entrants
-    from catch_arena.tournament.isolation.starting import sandbox_for
+    from catch_arena.tournament.isolation.starting import in_parties, sandbox_for
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 
@@ -315,7 +319,7 @@ def match(
     drawn = arena_seed(seed)
     with sandbox_for(allowed) as sandbox:
         result = play_entrants(config, drawn, entrants, sandbox, title=scenario, record=target)
-    names = [entrant.name for entrant in entrants]
+    names = [entrant.name for entrant in in_parties(config, entrants)]
     print_logs(names, result.logs)
     print_result(parties, result, names)
     say(f"seed: {drawn}")

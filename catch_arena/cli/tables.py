@@ -21,6 +21,7 @@ from catch_arena.tournament.statistics.standings import Standing
 _KEY: Final = """grp: who shares a group cannot be told apart
 rating: points, 0 is the mean; score: catches a match
 wins: ties shared; cont.: of its contests, those it won"""
+_MATES_KEY: Final = "\nmates: requests a match that a team-mate won"
 _PREY_KEY: Final = """grp: who shares a group cannot be told apart
 rating: points, 0 is the mean; caught: times a match
 wins: ties shared"""
@@ -34,17 +35,21 @@ def standings_tables(tables: Mapping[Side, Sequence[Standing]]) -> list[Table]:
 def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled: bool = False) -> Table:
     """The standings of a side; margins are those of 95 % confidence."""
     hunts = side == "hunter"
+    with_mates = any(line.lost_to_mates for line in table)
     forfeited = any(line.forfeits for line in table)
     shown = FittedTable(
         *("#", "agent", "grp", "played", "rating", "score" if hunts else "caught", "wins"),
         *["cont."] * hunts,
+        *["mates"] * with_mates,
         *["forf."] * forfeited,
         folded="agent",
         named_by=2,
         padding=(0, 1, 0, 0),
         title={"hunter": "As hunters", "prey": "As prey"}[side] if titled else None,
         title_justify="left",
-        caption=(_KEY if hunts else _PREY_KEY) + ("\nforf.: matches forfeited" if forfeited else ""),
+        caption="".join(
+            (_KEY if hunts else _PREY_KEY, _MATES_KEY * with_mates, "\nforf.: matches forfeited" * forfeited)
+        ),
     )
     for column in shown.columns:
         column.justify = "left" if column.header == "agent" else "right"
@@ -60,6 +65,8 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
         ]
         if hunts:
             cells.append("-" if math.isnan(line.contest_win_share) else f"{100 * line.contest_win_share:.0f} %")
+        if with_mates:
+            cells.append(f"{line.lost_to_mates:.1f}")
         if forfeited:
             cells.append(str(sum(line.forfeits.values())))
         shown.add_row(*cells, style="bold" if line.place == 1 else None)

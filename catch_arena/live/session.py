@@ -177,6 +177,7 @@ def line_up(config: ArenaConfig, entrants: Sequence[Entrant], person: int | None
     for seat, entrant in enumerate(
         in_seats(config, [entered.get(party, entrants[0]) for party in range(len(parties))])
     ):
+        party = parties.by_seat[seat]
         seated.append(None if seat == person else entrant)
-        names.append("you" if seat == person else entered[parties.by_seat[seat]].name)
+        names.append("you" if seat == person else entered[party].on(parties.side_of(party)).name)
     return Lineup(tuple(seated), tuple(names))

@@ -29,6 +29,7 @@ class SideData:
 
     side: Side
     entrants: Sequence[Entrant]
+    """As they play on it."""
     played: Sequence[PlayedMatch]
     """As of `on_side`."""
 
@@ -98,8 +99,14 @@ class ReportData:
     @cached_property
     def sides(self) -> list[SideData]:
         """The hunters' first."""
-        entrants = self.tournament.entrants
-        return [SideData(side, entrants, on_side(self.played, self.parties, side)) for side in self.parties.sides]
+        return [
+            SideData(
+                side,
+                [entrant.on(side) for entrant in self.tournament.entrants],
+                on_side(self.played, self.parties, side),
+            )
+            for side in self.parties.sides
+        ]
 
     @property
     def outcomes(self) -> Outcomes:

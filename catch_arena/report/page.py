@@ -19,6 +19,7 @@ from catch_arena.report import charts
 from catch_arena.report.data import ReportData
 from catch_arena.report.selection import SelectedMatch, select_matches
 from catch_arena.text import without_folders
+from catch_arena.tournament.entrants import SHIPPED_PREY
 
 REPORT: Final = "report.html"
 _PAGE: Final = "catch_arena.report"
@@ -73,6 +74,7 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
             }
             for side in data.sides
         ],
+        teams=len(data.parties) < len(data.parties.by_seat),
         audit=data.audit,
         seat_tables=charts.seat_tables(data),
         refusals=charts.refusals(data),
@@ -82,6 +84,7 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
         forfeit_ways=len(forfeits),
         settings=_settings(data.tournament.config.to_dict()),
         ruleset=RULESET,
+        shipped_prey=SHIPPED_PREY,
         recorded=len(data.recorded),
         listed=min(len(data.played), MOST_LISTED),
         selected=selected,
@@ -132,7 +135,7 @@ def _matches(data: ReportData) -> dict[str, Any]:
     """The list of matches, in columns; what is by party stands match after match."""
     played = data.played[:MOST_LISTED]
     return {
-        "names": data.names,
+        "names": [side.names for side in data.sides],
         "seats": len(data.parties),
         "hunting": data.parties.hunting,
         "ids": [one.match.id for one in played],

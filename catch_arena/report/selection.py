@@ -65,7 +65,7 @@ def _margin(one: PlayedMatch, hunting: int) -> int:
 
 
 def _contests(one: PlayedMatch) -> int:
-    return sum(tally.get("LOST_CONTEST", 0) for tally in one.result.verdicts)
+    return sum(one.result.contests_lost)
 
 
 def _lost_by(one: PlayedMatch, entrant: int, hunting: int) -> bool:

@@ -7,7 +7,7 @@ from typing import Final, Literal
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, player_limits
-from catch_arena.tournament.entrants import Entrant, Inspection, enter
+from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
 from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import play_entrants
@@ -60,7 +60,7 @@ def check_fitness(
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
         return
-    prey = "plays prey itself" if entrant.prey else "a shipped one plays prey for it"
+    prey = f"{SHIPPED_PREY} plays prey for it" if entrant.needs_prey else "plays prey itself"
     yield Finding("ok", f"control {entrant.control}, {prey}, digest {entrant.digest}")
     whole: dict[str, list[bytes]] = {}
     reported: set[tuple[str, str]] = set()

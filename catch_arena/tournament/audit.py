@@ -91,8 +91,10 @@ class Audit:
     seats: tuple[Seat, ...]
     twin_matches: int
     twin_difference: Estimate
-    """Between the ratings of one agent under two names, in points; its margin is the noise floor."""
+    """Between the ratings of one agent under two names, in points, as a hunter; its margin is the noise floor."""
     checks: tuple[Check, ...]
+    prey_twin_difference: Estimate | None = None
+    """The same as prey, which is rated by itself (R12.7)."""
 
     @property
     def passed(self) -> bool:
@@ -123,6 +125,7 @@ class Audit:
                 )
                 for check in found["checks"]
             ),
+            prey_twin_difference=_estimate(prey) if (prey := found.get("prey_twin_difference")) is not None else None,
         )
 
 
@@ -202,7 +205,8 @@ def audit(
         matches=len(seat_matches),
         seats=tuple(seat for found in identical.values() for seat in seats_of(found)),
         twin_matches=len(twin_matches),
-        twin_difference=max((difference for difference, _ in twin_checks.values()), key=lambda one: one.margin),
+        twin_difference=twin_checks["hunter"][0],
+        prey_twin_difference=twin_checks["prey"][0] if "prey" in twin_checks else None,
         checks=(
             *corrected([*seat_checks, *(check for _, check in twin_checks.values()), *drawn]),
             *exact,

@@ -42,10 +42,13 @@ class ComparisonDesign:
     def __post_init__(self) -> None:
         free = self.seats - self.field
         if free < 1 or (free > 1 and free % 2):
-            fitting = [str(size) for size in range(self.seats) if size == self.seats - 1 or not (self.seats - size) % 2]
+            *fitting, most = [
+                size for size in range(self.seats) if size == self.seats - 1 or not (self.seats - size) % 2
+            ]
+            sizes = f"{', '.join(map(str, fitting))} or {most}" if fitting else f"{most}"
             raise ConfigError(
-                f"the field (--against) must be of {' or '.join(fitting)} agents where {self.seats} play a block, "
-                f"got {self.field}"
+                f"the field (--against) must be of {sizes} agents, got {self.field}: a block has {self.seats} players, "
+                "and A and B share what the field leaves free, or play it in turn if it is one"
             )
         if self.seats < 2:
             raise ConfigError(f"the scenario must be for at least 2 agents, got {self.seats}")

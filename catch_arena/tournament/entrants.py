@@ -28,12 +28,14 @@ COMMAND: Final = "cmd:"
 NOT_INSTALLED: Final = "which is not installed here"
 """What is said of a module that an agent imports, and that is not there."""
 _SHIPPED: Final = "catch_arena.agents"
-_SHIPPED_PREY: Final = f"{_SHIPPED}.flee:Agent"
+SHIPPED_PREY: Final = "flee"
 """Who plays prey for an agent that does not."""
 _PREY: Final = "Prey"
 """What the class is called that plays prey."""
 _LARGEST_SOURCE: Final = 1 << 26
 """Bytes of a file that is taken for a module's source."""
+_MOST_SOURCES: Final = 3
+"""Files of an agent: its module's, and those of its two classes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +50,17 @@ class Entrant:
     """What `agent_class` or `command_of` finds it by, from any folder."""
     control: Control
     digest: str
-    """16 hexadecimal digits of the source file's bytes; of a command, of its words and of the files that they name."""
+    """16 hexadecimal digits of the bytes of its files (`sources_of`), with what a network has learned beside them; of a
+    command, of its words and of the files that they name.
+    """
     fault: str | None = None
     """Why it cannot play, where that showed when it was looked at in isolation: it forfeits all its matches."""
     prey: bool = False
     """R12.7: whether it plays prey itself; else a shipped one plays there."""
     prey_fault: str | None = None
     """Why it cannot play prey, though it has a class for that."""
+    prey_digest: str = ""
+    """That of who plays prey for it: its own, or the shipped one's."""
     side: Side = "hunter"
     """What it plays in a match; no part of what is known of it."""
 
@@ -65,11 +71,20 @@ class Entrant:
         del known["side"]
         return known
 
-    def as_prey(self) -> "Entrant":
-        """Who plays prey for it."""
-        fault = self.fault or self.prey_fault
-        spec = self.spec if self.prey or fault is not None else _SHIPPED_PREY
-        return replace(self, spec=spec, control="velocity", fault=fault, side="prey")
+    @property
+    def needs_prey(self) -> bool:
+        """Whether the shipped prey plays for it: it has none of its own, and nothing else keeps it from playing."""
+        return not self.prey and self.fault is None
+
+    def on(self, side: Side) -> "Entrant":
+        """Who plays for it on a side, under the name that tells so."""
+        if side == self.side:
+            return self
+        found = replace(self, control="velocity", fault=self.fault or self.prey_fault, side=side)
+        if not self.needs_prey:
+            return found
+        name, spec = f"{self.name} (plays {SHIPPED_PREY})", _shipped_spec(SHIPPED_PREY)
+        return replace(found, name=name, spec=spec, digest=self.prey_digest)
 
     @property
     def source(self) -> str:
@@ -95,8 +110,8 @@ class Inspection:
     """What an agent says of itself."""
 
     control: Control = "target"
-    source: str | None = None
-    """The file that it was loaded from."""
+    sources: tuple[str, ...] = ()
+    """The files that it consists of: `sources_of`."""
     fault: str | None = None
     """Why it cannot play."""
     log: str = ""
@@ -122,7 +137,7 @@ def inspect_agent(spec: str) -> Inspection:
     """
     policy = create_policy(spec)
     prey, prey_fault = look_for_prey(spec)
-    return Inspection(control_of(policy), source_of(policy), prey=prey, prey_fault=prey_fault)
+    return Inspection(control_of(policy), sources_of(spec), prey=prey, prey_fault=prey_fault)
 
 
 def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_agent) -> tuple[Entrant, ...]:
@@ -155,14 +170,11 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
         if one.spec not in inspections:
             inspections[one.spec] = inspect(one.spec)
         found = inspections[one.spec]
-        content = one.content
-        if content is None:
-            content = _content_of(found.source)
-            content = one.spec.encode() if content is None else content + _beside(Path(found.source or ""))
-        digest = hashlib.blake2b(content, digest_size=8).hexdigest()
+        digest = _digest(one, found.sources)
         fault = None if found.fault is None else one_line(found.fault)
         prey_fault = None if found.prey_fault is None else one_line(found.prey_fault)
-        entrants.append(Entrant(unique, one.spec, found.control, digest, fault, found.prey, prey_fault))
+        entrant = Entrant(unique, one.spec, found.control, digest, fault, found.prey, prey_fault, digest)
+        entrants.append(replace(entrant, prey_digest=_shipped_prey_digest()) if entrant.needs_prey else entrant)
     return tuple(entrants)
 
 
@@ -219,9 +231,17 @@ def is_shipped(spec: str) -> bool:
     return spec.startswith(f"{_SHIPPED}.")
 
 
-def source_of(policy: Policy | PreyPolicy) -> str | None:
-    """The file that an agent's class comes from."""
-    return getattr(sys.modules.get(type(policy).__module__), "__file__", None)
+def sources_of(spec: str) -> tuple[str, ...]:
+    """The files that an agent in Python consists of: its module's, and those that its classes come from.
+
+    Raises:
+        AgentError: where its module cannot be used, or has no such class.
+    """
+    module = agent_module(spec)
+    homes = [getattr(one, "__module__", None) for one in (agent_class(spec), getattr(module, _PREY, None))]
+    modules = [module, *(sys.modules.get(home) for home in homes if isinstance(home, str))]
+    files = [getattr(one, "__file__", None) for one in modules]
+    return tuple(dict.fromkeys(file for file in files if isinstance(file, str)))
 
 
 def command_of(spec: str) -> list[str] | None:
@@ -285,7 +305,7 @@ class _Resolved(NamedTuple):
     path: tuple[str, ...]
     """Its name comes last, what holds it before that."""
     content: bytes | None = None
-    """What the digest is of, where that is known without a look at the agent."""
+    """What its digest is of, as far as that is known without a look at the agent: of a command all."""
 
 
 def _resolve(spec: str) -> _Resolved:
@@ -306,14 +326,35 @@ def _resolve(spec: str) -> _Resolved:
             f"unknown agent {spec!r}: {suggest(spec, known)} "
             f"(or give package.module:Class, the path of a .py file, or {COMMAND}COMMAND)"
         )
-    return _Resolved(f"{_SHIPPED}.{spec}:Agent", (spec,))
+    return _Resolved(_shipped_spec(spec), (spec,))
 
 
-def _content_of(source: str | None) -> bytes | None:
-    """What is in the file that an agent says it comes from; None where there is nothing to be read. It may say any."""
+def _shipped_spec(name: str) -> str:
+    return f"{_SHIPPED}.{name}:Agent"
+
+
+@cache
+def _shipped_prey_digest() -> str:
+    spec = _shipped_spec(SHIPPED_PREY)
+    return _digest(_Resolved(spec, ()), sources_of(spec))
+
+
+def _digest(agent: _Resolved, sources: Sequence[str]) -> str:
+    """Of the files that an agent says it consists of, its own first; where none can be read, of its spec."""
+    found = [] if agent.content is None else [agent.content]
+    if not agent.spec.startswith(COMMAND):
+        for source in sources[:_MOST_SOURCES]:
+            content = _content_of(source)
+            if content is not None and source != agent.spec:
+                found.append(content + _beside(Path(source)))
+    return hashlib.blake2b(b"\0".join(found or [agent.spec.encode()]), digest_size=8).hexdigest()
+
+
+def _content_of(source: str) -> bytes | None:
+    """What is in a file that an agent says is its own; None where there is nothing to be read. It may say any."""
     try:
         # a pipe that nobody writes to is not waited for
-        with os.fdopen(os.open(source or "", os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+        with os.fdopen(os.open(source, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
             return file.read(_LARGEST_SOURCE) if S_ISREG(os.fstat(file.fileno()).st_mode) else None
     except (OSError, ValueError):
         return None

@@ -22,7 +22,11 @@ from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.store import Store
 from catch_arena.verdicts import Verdict
 
-_RESULTS: Final = [field.name for field in dataclasses.fields(MatchResult) if field.compare and field.name != "catches"]
+_OF_TEAMS: Final = ("lost_to_mates", "catches")
+"""What there is of matches in which a team has several hunters."""
+_RESULTS: Final = [
+    field.name for field in dataclasses.fields(MatchResult) if field.compare and field.name not in _OF_TEAMS
+]
 _BY_MATCH: Final[dict[str, type]] = {
     "match": str,
     "block": int,
@@ -42,6 +46,8 @@ _BY_PARTY: Final[dict[str, type]] = {
     "score": int,
     "rank": int,
     "contests_won": int,
+    "contests_lost": int,
+    "lost_to_mates": int,
     "forfeit": str,
 }
 _VERSIONS: Final[dict[str, type]] = dict.fromkeys(("catch_arena", "python", "numpy", "numba"), str)
@@ -82,7 +88,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
     secret, ended = tournament.secret, store.ended
     for played, versions in store.records():
         match, result = played.match, played.result
-        players = [entrants[index] for index in match.seating]
+        players = [entrants[index].on(side) for index, side in zip(match.seating, sides, strict=True)]
         agent_seeds: list[int | None] = [*match.agent_seeds] or [None] * len(players)
         record = {
             "match": match.id,
@@ -93,7 +99,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
             "agent_digests": [entrant.digest for entrant in players],
             "agent_seeds": agent_seeds,  # None: it followed from `seed`
             **{name: getattr(result, name) for name in _RESULTS},
-            **({"seats": parties.seats, "catches": result.catches} if with_teams else {}),
+            **({"seats": parties.seats} | {name: getattr(result, name) for name in _OF_TEAMS} if with_teams else {}),
             "replay_digest": played.replay,
             "ruleset": RULESET,
             "config_digest": config_digest,
@@ -110,9 +116,10 @@ def rows(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
     """The same as a table: a row for each party, with `columns`; a verdict that it never met is 0."""
     first_seats = [seats[0] for seats in Parties.of(store.tournament.config).seats]
     for record in records(store, timing=timing):
+        known = {"lost_to_mates": [0] * len(first_seats)} | record
         for party, seat in enumerate(first_seats):
             row = {name: record[name] for name in _BY_MATCH} | record["versions"] | {"seat": seat}
-            row |= {name: record[name if name in record else f"{name}s"][party] for name in _BY_PARTY}
+            row |= {name: known[name if name in known else f"{name}s"][party] for name in _BY_PARTY}
             row |= {verdict.name.lower(): record["verdicts"][party].get(verdict.name, 0) for verdict in Verdict}
             yield row | (record["thinking"][party] if timing else {})
 

@@ -135,7 +135,7 @@ def names_matter(config: ArenaConfig, seed: int, agent: Entrant) -> bool:
         agent: which must draw nothing: each index is told as an agent's seed.
     """
     indices = list(range(config.hunters + config.prey))
-    kinds = [agent] * config.hunters + [agent.as_prey()] * config.prey
+    kinds = [agent] * config.hunters + [agent.on("prey")] * config.prey
     digests = {
         play(
             config,

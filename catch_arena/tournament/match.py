@@ -74,7 +74,10 @@ class MatchResult:
     verdicts: tuple[dict[str, int], ...]
     """How many of its requests met each verdict, by its name; verdicts that it never met are left out."""
     contests_won: tuple[int, ...]
-    """How many contests it won (R5.4): targets, killed or not, that others in reach requested in the same step."""
+    """How many contests it won (R5.4): targets, killed or not, that others in reach requested in the same step. Here
+    and in `contests_lost` one is counted once for a team, and not at all where only team-mates took part.
+    """
+    contests_lost: tuple[int, ...]
     steps: int
     digest: str
     """The final state's (A.8): matches that agree in it ended alike."""
@@ -89,9 +92,13 @@ class MatchResult:
     """What isolated agents printed, tracebacks included, as far as it is kept; control characters are escapes in it.
     A store does not hold it.
     """
+    lost_to_mates: tuple[int, ...] = ()
+    """How many of its requests lost to a team-mate (R11.3). It is left out where no team has several hunters; another
+    run repeats it.
+    """
     catches: tuple[int, ...] = ()
-    """By seat: each hunter's catches, then how often each prey was caught. It is left out where no team has several
-    hunters, as `scores` says it; another run repeats it.
+    """By seat: each hunter's catches, then how often each prey was caught. It is left out likewise, as `scores` says
+    it; another run repeats it.
     """
 
 

@@ -104,7 +104,11 @@ class _RunningMatch:
         self._forfeits: list[Forfeit | None] = [None] * len(parties)
         self._verdicts: list[Counter[str]] = [Counter() for _ in parties.seats]
         self._verdicts_of = dict(zip(self._agents, parties.to_seats(self._verdicts), strict=True))
+        self._party_of = dict(zip(self._agents, parties.by_seat, strict=True))
         self._contests_won: Counter[int] = Counter()
+        self._contests_lost: Counter[int] = Counter()
+        self._lost_to_mates: Counter[int] = Counter()
+        """These three by party."""
         self._moves, self._total_s, self._longest_s = [0] * seats, [0.0] * seats, [0.0] * seats
 
     def forfeit(self, faults: Mapping[int, Fault], shown: Mapping[int, Observation]) -> None:
@@ -155,6 +159,7 @@ class _RunningMatch:
         world = self._env.world()
         catches = [*(hunter.score for hunter in world.hunters), *(prey.times_caught for prey in world.prey)]
         parties, forfeits = self._parties.seats, self._forfeits
+        teams = len(parties) < len(catches)
         scores = [sum(catches[seat] for seat in party) for party in parties]
         lasted = [None if one is None else one.step for one in forfeits]
         logs = {self._agents[seat]: printable_lines(log) for seat, log in sorted(self._players.logs().items())}
@@ -162,7 +167,8 @@ class _RunningMatch:
             scores=tuple(scores),
             ranks=ranks_of_sides(scores, lasted, self._parties.hunting),
             verdicts=tuple(dict(sorted(counts.items())) for counts in self._verdicts),
-            contests_won=tuple(sum(self._contests_won[seat] for seat in party) for party in parties),
+            contests_won=tuple(self._contests_won[party] for party in range(len(parties))),
+            contests_lost=tuple(self._contests_lost[party] for party in range(len(parties))),
             steps=self.step,
             digest=self._env.digest().hex(),
             forfeits=tuple(None if one is None else one.code for one in forfeits),
@@ -176,7 +182,8 @@ class _RunningMatch:
             ),
             details=tuple(forfeits),
             logs=tuple(_log([self._agents[seat] for seat in party], logs) for party in parties),
-            catches=tuple(catches) if len(parties) < len(catches) else (),
+            lost_to_mates=tuple(self._lost_to_mates[party] for party in range(len(parties))) if teams else (),
+            catches=tuple(catches) if teams else (),
         )
 
     def _hold(self, seat: int) -> Any:
@@ -202,15 +209,21 @@ class _RunningMatch:
         return faults
 
     def _count(self, infos: _Infos) -> None:
-        """The verdicts of a step, and its contests: one is won once, however many lose it."""
-        winners = set()
+        """The verdicts of a step, and its contests: each has one winner, and a party wins or loses it once."""
+        contests: dict[int, set[int]] = {}  # the parties that lost to each seat
         for agent, info in infos.items():
             verdict = info.get("verdict")
             if verdict is not None:
                 self._verdicts_of[agent][verdict.name] += 1
                 if verdict is Verdict.LOST_CONTEST:
-                    winners.add(info["winner"])
-        self._contests_won.update(winners)
+                    winner, loser = self._parties.by_seat[info["winner"]], self._party_of[agent]
+                    if winner == loser:
+                        self._lost_to_mates[loser] += 1
+                    else:
+                        contests.setdefault(info["winner"], set()).add(loser)
+        for seat, parties in contests.items():
+            self._contests_won[self._parties.by_seat[seat]] += 1
+            self._contests_lost.update(parties)
 
 
 def _log(agents: Sequence[str], logs: Mapping[str, str]) -> str:

@@ -16,6 +16,7 @@ from catch_arena.config import RULESET
 from catch_arena.files import write_whole
 from catch_arena.policy import Side
 from catch_arena.text import spreadsheet_cell
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 from catch_arena.tournament.store import Tournament
@@ -59,13 +60,15 @@ def summary_text(tournament: Tournament, matches: int, tables: Mapping[Side, Seq
         "matches": matches,
         "config_digest": tournament.config.digest,
         "config": tournament.config.to_dict(),
-        "entrants": [
-            {"name": entrant.name, "control": entrant.control, "digest": entrant.digest}
-            for entrant in tournament.entrants
-        ],
+        "entrants": [_who(entrant, with_prey="prey" in tables) for entrant in tournament.entrants],
         **{names[side]: [_whole(standing) for standing in table] for side, table in tables.items()},
     }
     return json.dumps(summary, indent=2) + "\n"
+
+
+def _who(entrant: Entrant, *, with_prey: bool) -> dict[str, str]:
+    prey = {"prey": entrant.on("prey").name, "prey_digest": entrant.prey_digest} if with_prey else {}
+    return {"name": entrant.name, "control": entrant.control, "digest": entrant.digest} | prey
 
 
 def _whole(standing: Standing) -> dict[str, Any]:
@@ -88,6 +91,7 @@ def _flat(standing: Standing) -> dict[str, Any]:
         "mean_rank": standing.mean_rank,
         "contests_lost": standing.contests_lost,
         "contest_wins": standing.contest_win_share,
+        "lost_to_mates": standing.lost_to_mates,
         "refused": standing.refused,
         "forfeits": sum(standing.forfeits.values()),
     }

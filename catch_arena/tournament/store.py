@@ -29,7 +29,7 @@ from catch_arena.tournament.secret import Secret
 
 STORE: Final = "tournament.sqlite"
 _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: what kind of file it is
-_FORMAT: Final = 3
+_FORMAT: Final = 5
 _PAGE: Final = 1000
 """How many matches that wait are read at once."""
 _PATIENCE_S: Final = 60.0
@@ -465,9 +465,10 @@ def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
     if names[0] != names[1]:
         return f"its agents are {' '.join(names[0])}, and here {' '.join(names[1])}"
     for begun, now in zip(there["entrants"], here["entrants"], strict=True):
-        for name in ("digest", "control", "prey"):
+        for name in ("digest", "control", "prey", *(["prey_digest"] if here["config"]["prey"] else [])):
             if begun[name] != now[name]:
-                return f"the {name} of agent {now['name']} is {begun[name]} there, and {now[name]} here"
+                what = name.replace("_", " ")
+                return f"the {what} of agent {now['name']} is {begun[name]} there, and {now[name]} here"
         fit = ["can begin" if one["fault"] is one["prey_fault"] is None else "cannot begin" for one in (begun, now)]
         if fit[0] != fit[1]:
             return f"agent {now['name']} {fit[0]} there, and {fit[1]} here"

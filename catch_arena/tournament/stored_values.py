@@ -182,19 +182,22 @@ class Rows:
                 ranks=self._wholes("ranks", parts["ranks"], 1, self.parties),
                 verdicts=self._by_party("verdicts", parts["verdicts"], _tally),
                 contests_won=self._wholes("contests_won", parts["contests_won"], 0, _MOST),
+                contests_lost=self._wholes("contests_lost", parts["contests_lost"], 0, _MOST),
                 steps=whole("steps", parts["steps"], 0, _MOST_STEPS),
                 digest=_digest("digest", parts["digest"]),
                 forfeits=forfeits,
                 thinking=self._by_party("thinking", parts["thinking"], _move_times),
                 details=details,
-                catches=self._catches(parts["catches"]),
+                lost_to_mates=self._of_teams("lost_to_mates", parts["lost_to_mates"], self.parties),
+                catches=self._of_teams("catches", parts["catches"], self.seats),
             )
             return PlayedMatch(match, result, None if replay is None else _digest("replay", replay))
 
-    def _catches(self, value: object) -> tuple[int, ...]:
+    def _of_teams(self, what: str, value: object, count: int) -> tuple[int, ...]:
+        """So many counts, which are left out where no team has several hunters."""
         if self.seats == self.parties and value == []:
             return ()
-        return tuple(whole("catches", one, 0, _MOST) for one in _list_of("catches", value, self.seats, self.seats))
+        return tuple(whole(what, one, 0, _MOST) for one in _list_of(what, value, count, count))
 
     def _by_party(self, what: str, value: object, read: Callable[[object], T]) -> tuple[T, ...]:
         return tuple(map(read, _list_of(what, value, self.parties, self.parties)))
@@ -309,6 +312,7 @@ def _entrant(value: object) -> Entrant:
         None if fault is None else one_line(text_of("entrant: fault", fault, most=None)),
         table["prey"],
         None if prey_fault is None else one_line(text_of("entrant: prey_fault", prey_fault, most=None)),
+        _digest("entrant: prey_digest", table["prey_digest"]),
     )
 
 

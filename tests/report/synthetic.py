@@ -69,6 +69,7 @@ def tournament(
                         ranks=ranks_of(scores, [one and one.step for one in wrong]),
                         verdicts=tuple({"GRANTED": score, "LOST_CONTEST": 1, "OUT_OF_REACH": 2} for score in scores),
                         contests_won=tuple(random.randrange(3) for _ in scores),
+                        contests_lost=(1,) * len(scores),
                         steps=600,
                         digest="0" * 16,
                         forfeits=tuple(one and one.code for one in wrong),

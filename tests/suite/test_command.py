@@ -191,7 +191,7 @@ def played(block, party, scores, *, forfeits=()):
     ranks = tuple(1 + sum(other > score for other in scores) for score in scores)
     return PlayedMatch(
         Match(f"m{block}{party}", block, block, seating),
-        MatchResult(scores, ranks, ({},) * 3, (0,) * 3, 9, "00", codes, (MoveTimes(10, 0.02, 0.01),) * 3),
+        MatchResult(scores, ranks, ({},) * 3, (0,) * 3, (0,) * 3, 9, "00", codes, (MoveTimes(10, 0.02, 0.01),) * 3),
     )
 
 

@@ -15,7 +15,7 @@ ENTRANTS = [Entrant(name, name, "target", "") for name in ("quiet", "loud")]
 
 def played(number, printed, forfeit=None):
     codes = (None, forfeit and forfeit.code)
-    result = MatchResult((1, 0), (1, 2), ({}, {}), (0, 0), 9, "", codes, (), (None, forfeit), ("", printed))
+    result = MatchResult((1, 0), (1, 2), ({}, {}), (0, 0), (0, 0), 9, "", codes, (), (None, forfeit), ("", printed))
     return PlayedMatch(Match(f"m{number}", number, 0, (0, 1)), result)
 
 
@@ -52,6 +52,7 @@ def test_a_team_is_told_by_its_seats_and_prey_by_its_number(tmp_path, arena, sai
         (0,) * count,
         (1,) * count,
         ({},) * count,
+        (0,) * count,
         (0,) * count,
         9,
         "",

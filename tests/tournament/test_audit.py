@@ -1,6 +1,7 @@
 """A fair arena passes; one that is not is found out."""
 
 import json
+import re
 from random import Random
 
 import numpy as np
@@ -11,7 +12,9 @@ from catch_arena import scenario
 from catch_arena.cli import main
 from catch_arena.tournament import invariance
 from catch_arena.tournament.audit import (
+    FILE,
     LEVEL,
+    Audit,
     audit,
     corrected,
     p_of_no_bias,
@@ -100,6 +103,16 @@ def test_prey_is_asked_of_by_itself(name, of_prey):
     questions = [check.question for check in found.checks]
     assert len(set(questions)) == len(questions) == 8 + of_prey
     assert sum("prey" in question for question in questions) == of_prey
+    assert (found.prey_twin_difference is not None) == (of_prey > 0)
+
+
+def test_hunters_have_their_own_noise_floor_and_a_prey_that_is_alone_wins_nothing(tmp_path):
+    said = " ".join(run("-s", "tag", "--matches", "100", "--out", str(tmp_path)).stdout.split())
+    found = Audit.from_json(json.loads((tmp_path / FILE).read_text()))
+    hunters, prey = found.twin_difference.margin, found.prey_twin_difference.margin
+    assert f"noise floor: up to {hunters:.0f} points between equals as hunters, and up to {prey:.0f} as prey" in said
+    assert re.search(r"prey 0\W+-\W+-\W+\d", said)
+    assert re.search(r"\b2\W+\d+\.\d %", said)
 
 
 def test_a_bonus_of_one_catch_in_two_matches_is_found_in_two_thousand():

@@ -41,7 +41,7 @@ def test_beside_a_field_they_sit_together():
 def test_a_blocks_outcome_by_hand():
     def block(*matches):
         return [
-            PlayedMatch(Match(str(number), 0, 0, seating), MatchResult((), ranks, (), (), 1, "", (), ()))
+            PlayedMatch(Match(str(number), 0, 0, seating), MatchResult((), ranks, (), (), (), 1, "", (), ()))
             for number, (seating, ranks) in enumerate(matches)
         ]
 
@@ -112,7 +112,7 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
         (["nearest", "idle", "--alpha", "0"], "alpha must lie in"),
         (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
         (["nearest", "idle", "--jobs", "0"], "jobs must be at least 1"),
-        (["nearest", "idle", "-s", "standard", "--against", "first"], "(--against) must be of 0 or 2 or 3 agents"),
+        (["nearest", "idle", "-s", "standard", "--against", "first"], "(--against) must be of 0, 2 or 3 agents, got 1"),
         (["nearest", "idle", "-s", "capstone"], "for at least 2 agents"),
         (["nearest", "idel"], "did you mean idle"),
     ],
@@ -125,5 +125,5 @@ def test_what_cannot_be_compared_is_refused_in_one_line(words, message):
 
 
 def test_a_field_that_does_not_fit_is_refused():
-    with pytest.raises(ConfigError, match="of 1 or 2 agents where 3 play a block, got 0"):
+    with pytest.raises(ConfigError, match="of 1 or 2 agents, got 0: a block has 3 players"):
         ComparisonDesign(3, 0)

@@ -1,12 +1,18 @@
 """How words on the command line become entrants, and what is said about those that cannot."""
 
+import hashlib
+import importlib
 import pickle
+import sys
 from pathlib import Path
 
 import pytest
 
 from catch_arena.errors import AgentError
-from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.entrants import Inspection, enter
+from catch_arena.tournament.isolation.inspecting import inspector
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.sandbox import Sandbox
 
 HOLDS = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
 
@@ -70,6 +76,67 @@ def test_the_digest_is_of_the_source(agent_file):
         [agent_file(HOLDS, "a.py"), agent_file(HOLDS, "b.py"), agent_file(HOLDS + "# changed\n", "c.py")]
     )
     assert one.digest == same.digest != other.digest
+
+
+@pytest.fixture
+def named_module(tmp_path, monkeypatch):
+    """Writes a module, of which each has a name of its own, as they are imported once; its name."""
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def write(source: str) -> str:
+        name = f"{tmp_path.name}_{len(list(tmp_path.iterdir()))}".replace("-", "_")
+        (tmp_path / f"{name}.py").write_text(source)
+        importlib.invalidate_caches()
+        return name
+
+    return write
+
+
+BORROWED = "from catch_arena.agents.nearest import Agent\n"
+PREY = "class Prey:\n    def reset(self, seed): pass\n    def act(self, view): return 0.0, 0.0\n"
+
+
+def test_the_digest_is_also_of_prey_beside_a_borrowed_agent(named_module, tmp_path):
+    name = named_module(BORROWED + PREY)
+    (before,), (nearest,) = enter([f"{name}:Agent"]), enter(["nearest"])
+    (tmp_path / f"{name}.py").write_text(BORROWED + PREY.replace("0.0, 0.0", "1.0, 0.0"))
+    (after,) = enter([f"{name}:Agent"])
+    assert len({before.digest, after.digest, nearest.digest}) == 3
+
+
+@pytest.mark.parametrize("borrowed", ["Agent", "Prey"])
+def test_the_digest_is_also_of_a_module_that_a_class_is_borrowed_from(named_module, agent_file, tmp_path, borrowed):
+    home = named_module(HOLDS + PREY)
+    own = f"from {home} import {borrowed}\n" + (PREY if borrowed == "Agent" else HOLDS)
+    specs = [f"{named_module(own)}:Agent", agent_file(own, "filed.py")]
+    before = enter(specs)
+    (tmp_path / f"{home}.py").write_text(HOLDS + PREY + "# changed\n")
+    after = enter(specs)
+    assert [one.digest == other.digest for one, other in zip(before, after, strict=True)] == [False, False]
+
+
+def test_the_digest_is_that_of_the_file_where_all_is_in_one(agent_file):
+    path = Path(agent_file(HOLDS + PREY))
+    digest = hashlib.blake2b(path.read_bytes(), digest_size=8).hexdigest()
+    assert enter([str(path)])[0].digest == digest
+    (patrol,) = enter(["patrol"])
+    file = Path(importlib.import_module("catch_arena.agents.patrol").__file__)
+    assert patrol.digest == hashlib.blake2b(file.read_bytes(), digest_size=8).hexdigest()
+
+
+def test_an_isolated_agent_has_the_same_digest(named_module):
+    spec = f"{named_module(BORROWED + PREY)}:Agent"
+    with Sandbox(AgentLimits(init_s=60)) as sandbox:
+        (isolated,) = enter([spec], inspector(sandbox))
+    assert isolated.fault is None
+    assert isolated.digest == enter([spec])[0].digest
+
+
+def test_a_command_is_of_its_words_and_files_whatever_it_says(agent_file):
+    other = agent_file(HOLDS)
+    spec = f"cmd:{sys.executable} -c 'pass'"
+    usual, claims = (enter([spec], lambda _, said=said: Inspection(sources=said))[0] for said in ((), (other,)))
+    assert usual.digest == claims.digest
 
 
 def test_a_dataclass_in_a_file_works(agent_file):

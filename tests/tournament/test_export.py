@@ -54,6 +54,7 @@ def test_a_line_of_json_says_all_that_is_known_of_a_match(store, tmp_path):
             "details": [None, None],
             "verdicts": list(result.verdicts),
             "contests_won": list(result.contests_won),
+            "contests_lost": list(result.contests_lost),
             "steps": 200,
             "digest": result.digest,
             "replay_digest": None,

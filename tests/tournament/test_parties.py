@@ -5,6 +5,7 @@ from itertools import combinations
 
 import pytest
 
+import catch_arena
 from catch_arena import Replay, scenario
 from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView
@@ -85,6 +86,26 @@ def test_r11_1_a_match_is_ranked_by_team_and_says_who_of_it_caught_what(tmp_path
     assert Replay.load(tmp_path / "m.replay").names == ("patrol", "patrol", "idle", "idle")
 
 
+@pytest.mark.rule("R11.3")
+def test_r11_3_a_match_counts_contests_of_teams_once_and_those_of_team_mates_apart(tmp_path):
+    result = play_entrants(
+        scenario("pairs", time_limit_s=60, reach_m=0.6), 3, enter(["nearest", "nearest"]), None, record=tmp_path / "m"
+    )
+    won, lost, to_mates = Counter(), Counter(), Counter()
+    for contest in catch_arena.explain(Replay.load(tmp_path / "m")).contests:
+        winner, *losers = [(claim.seat // 2, claim.mate) for claim in contest.claims]
+        rivals = {team for team, mate in losers if not mate}
+        assert winner[0] not in rivals
+        won[winner[0]] += bool(rivals)
+        lost.update(rivals)
+        to_mates.update(team for team, mate in losers if mate)
+    assert result.contests_won == (won[0], won[1])
+    assert result.contests_lost == (lost[0], lost[1])
+    assert result.lost_to_mates == (to_mates[0], to_mates[1])
+    assert min(lost[0], lost[1], to_mates[0]) > 0, (lost, to_mates)
+    assert sum(tally.get("LOST_CONTEST", 0) for tally in result.verdicts) >= lost.total() + to_mates.total()
+
+
 @pytest.mark.rule("R11.1")
 def test_r11_1_what_fails_in_one_seat_forfeits_all_seats_and_its_team_comes_last():
     policies = [Holds(), Holds(fails_in=3), Holds(), Holds()]
@@ -118,13 +139,17 @@ def test_r12_7_who_has_no_prey_of_its_own_plays_the_shipped_one(tmp_path):
     (tmp_path / "mine.py").write_text(BOTH)
     mine, nearest, flee = enter([str(tmp_path / "mine.py"), "nearest", "flee"])
     assert (mine.prey, nearest.prey, flee.prey) == (True, False, True)
-    assert type(nearest.as_prey().create()) is type(flee.as_prey().create())
-    assert type(mine.as_prey().create()).__module__ == type(mine.create()).__module__
+    assert type(nearest.on("prey").create()) is type(flee.on("prey").create())
+    assert type(mine.on("prey").create()).__module__ == type(mine.create()).__module__
+    hunters = enter(["intercept", "patrol", "nearest"])
     ends = [
-        play_entrants(TAG, 3, [*enter(["intercept", "patrol", "nearest"]), prey], None).digest
+        play_entrants(TAG, 3, [*hunters, prey], None, record=tmp_path / f"{prey.name}.replay").digest
         for prey in (mine, nearest, flee)
     ]
     assert ends[1] == ends[2] != ends[0]
+    named = [Replay.load(tmp_path / f"{prey.name}.replay").names[3] for prey in (mine, nearest, flee)]
+    assert named == ["mine", "nearest (plays flee)", "flee"]
+    assert [prey.on("prey").digest for prey in (mine, nearest, flee)] == [mine.digest, flee.digest, flee.digest]
 
 
 @pytest.mark.rule("R12.7")
@@ -210,7 +235,7 @@ def test_a_prey_that_is_alone_is_compared_with_one_that_met_the_same_hunters(tea
         first, second = joined.result.ranks
         assert (first < second) == (one.result.scores[-1] < other.result.scores[-1])
     for side, table in standings_of_sides(entrants, played, parties).items():
-        assert {line.name for line in table} == {entrant.name for entrant in entrants}, side
+        assert {line.name for line in table} == {entrant.on(side).name for entrant in entrants}, side
 
 
 def test_prey_is_rated_alike_whoever_its_hunter_is():
@@ -221,7 +246,9 @@ def test_prey_is_rated_alike_whoever_its_hunter_is():
     parties = Parties.of(config)
     entrants = enter(["intercept", "flee", "idle", "idle", "idle"])
     played = run(config, entrants, round_robin(5, 5, 4, 3, parties))
-    by_name = {line.name: line for line in standings_of_sides(entrants, played, parties)["prey"]}
+    by_name = {
+        line.name.removesuffix(" (plays flee)"): line for line in standings_of_sides(entrants, played, parties)["prey"]
+    }
     assert by_name["intercept"].score.mean < by_name["flee"].score.mean
     for pair in combinations(("intercept", "flee", "idle", "idle#2"), 2):
         low, high = sorted((by_name[name].rating for name in pair), key=lambda rating: rating.mean)
@@ -233,5 +260,7 @@ def test_agents_that_cannot_fill_a_block_are_told_so_in_a_line():
         require_enough(1, PAIRS, "pairs")
     with pytest.raises(ConfigError, match="at least 4 to play the 3 hunters and the 1 prey of tag, got 3"):
         require_enough(3, TAG, "tag")
-    with pytest.raises(ConfigError, match="at least 5 to play the 3 hunters and the 1 prey in turn of tag, got 4"):
+    with pytest.raises(
+        ConfigError, match=r"at least 5 to play .* the 1 prey of tag in a tournament, where .* takes turns .*, got 4"
+    ):
         require_enough(4, TAG, "tag", tournament=True)

@@ -47,6 +47,7 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
         (1, 2),
         ({"GRANTED": 3}, {}),
         (0, 1),
+        (1, 0),
         17,
         "ab",
         (None, "FORFEIT_CRASH"),
@@ -166,6 +167,18 @@ def test_the_place_of_an_agents_file_does_not_matter(tmp_path):
     Store.begin(dataclasses.replace(FACTS, entrants=moved), tmp_path, resume=True).close()
 
 
+def test_an_agent_with_another_prey_does_not_go_on(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    module = tmp_path / "prey_that_changes.py"
+    module.write_text("from catch_arena.agents.nearest import Agent\nfrom catch_arena.agents.flee import Prey\n")
+    specs = [f"{module.stem}:Agent", "idle", "random"]
+    with Store.begin(dataclasses.replace(FACTS, entrants=enter(specs)), tmp_path) as store:
+        store.plan(PLAN.stage(0, ()))
+    module.write_text(module.read_text().replace("flee", "corners"))
+    with pytest.raises(OtherTournamentError, match="the digest of agent Agent is"):
+        Store.begin(dataclasses.replace(FACTS, entrants=enter(specs)), tmp_path, resume=True)
+
+
 def test_nothing_is_overwritten_without_a_word(tmp_path):
     begun(tmp_path)
     with pytest.raises(
@@ -212,7 +225,7 @@ def test_a_store_of_another_format_is_refused(tmp_path):
     with sqlite3.connect(tmp_path / STORE) as db:
         db.execute("PRAGMA user_version = 99")
     db.close()
-    with pytest.raises(StoreError, match="is of format 99, and this version reads format 3"):
+    with pytest.raises(StoreError, match="is of format 99, and this version reads format 5"):
         Store.read(tmp_path)
 
 

@@ -248,7 +248,7 @@ def test_what_an_agent_says_of_itself_is_no_file_to_be_read(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     usual = enter(["no_such_module:Agent"], lambda _: Inspection())[0].digest
     for source in ("/", "/dev/zero", "\0", "\ud800", "", str(tmp_path / "pipe"), "x" * 9999, "/proc/self/mem"):
-        found = enter(["no_such_module:Agent"], lambda _, source=source: Inspection(source=source))
+        found = enter(["no_such_module:Agent"], lambda _, source=source: Inspection(sources=(source,)))
         assert found[0].digest == usual, source
 
 

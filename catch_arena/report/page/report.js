@@ -6,7 +6,7 @@
  * The matches of a tournament in columns, as page.py writes them; what is by party (a team, a hunter where there are
  * none, or a prey) stands match after match.
  * @typedef {object} Columns
- * @property {string[]} names of the agents
+ * @property {string[][]} names of the agents as hunters and, where there is prey, as prey
  * @property {number} seats parties in a match
  * @property {number} hunting how many of these hunt; the others are prey
  * @property {string[]} ids
@@ -67,7 +67,7 @@ class Matches {
   /** @type {Record<string, [bundle: string, why: string]>} by a match's id */
   bundles = JSON.parse(at("bundles").textContent);
   /** @type {Columns} */
-  data = { names: [], seats: 0, hunting: 0, ids: [], recorded: [], seating: [], scores: [], ranks: [] };
+  data = { names: [[]], seats: 0, hunting: 0, ids: [], recorded: [], seating: [], scores: [], ranks: [] };
   /** The first one of the list's page. */
   first = 0;
   /** The id of the one that is shown. */
@@ -96,7 +96,7 @@ class Matches {
   /** The matches that are asked for; those that play here in the order in which these were chosen. */
   found() {
     const { ids, names, seating, seats } = this.data;
-    const agent = names.indexOf(who.value);
+    const agent = names[0].indexOf(who.value);
     const only = playable?.checked;
     /** @param {number} index */
     const has = (index) => agent < 0 || seating.slice(index * seats, (index + 1) * seats).includes(agent);
@@ -129,8 +129,9 @@ class Matches {
     const part = (className, text) => Object.assign(document.createElement("span"), { className, textContent: text });
     const cast = part("seats-of", "");
     for (let seat = index * seats; seat < (index + 1) * seats; seat++) {
-      const who = `${names[seating[seat]]} ${scores[seat]}`;
-      cast.append(part(ranks[seat] === 1 ? "first" : "", seat % seats < hunting ? who : `prey ${who}`));
+      const hunts = seat % seats < hunting;
+      const who = `${names[hunts ? 0 : 1][seating[seat]]} ${scores[seat]}`;
+      cast.append(part(ranks[seat] === 1 ? "first" : "", hunts ? who : `prey ${who}`));
     }
     const name = part("id", id);
     const why = this.bundles[id]?.[1];

@@ -15,15 +15,15 @@ import signal
 import socket
 import sys
 import traceback
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from io import BufferedReader, BufferedWriter
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from catch_arena.errors import AgentError, reason
 from catch_arena.policy import Policy, PreyPolicy, Side
-from catch_arena.tournament.entrants import agent_class, command_of, create_policy, look_for_prey, source_of
+from catch_arena.tournament.entrants import agent_class, command_of, create_policy, look_for_prey, sources_of
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.folders import empty
 from catch_arena.tournament.isolation.limits import AgentLimits
@@ -94,7 +94,7 @@ def serve(channel: socket.socket, *, namespaced: bool = False) -> None:
 
 
 def speak_for(
-    policy: Policy | PreyPolicy, lines: BufferedReader, answers: BufferedWriter, prey: tuple[bool, str | None]
+    policy: Policy | PreyPolicy, lines: BufferedReader, answers: BufferedWriter, known: Mapping[str, Any]
 ) -> None:
     """Our side of the protocol for a Python class; what it raises is told in one line, and its traceback printed.
 
@@ -102,13 +102,12 @@ def speak_for(
         policy: an instance for this match.
         lines: what it reads.
         answers: where its answers go.
-        prey: what `look_for_prey` says of it.
+        known: what it says of itself besides its control.
     """
     doing = "init"
     try:
         lines.readline()  # hello
-        said = {"control": getattr(policy, "control", "target"), "source": source_of(policy)}
-        _send(answers, protocol.line(**said, prey=prey[0], prey_fault=prey[1]))
+        _send(answers, protocol.line(control=getattr(policy, "control", "target"), **known))
         if not (line := lines.readline()):
             return
         doing = "reset"
@@ -183,7 +182,9 @@ def _become_python(spec: str, side: Side, into: int, out: int, log: int) -> None
         except AgentError as error:
             _report(error, answers)
         else:
-            speak_for(policy, lines, answers, look_for_prey(spec))
+            prey, prey_fault = look_for_prey(spec)
+            known = {"sources": sources_of(spec), "prey": prey, "prey_fault": prey_fault}
+            speak_for(policy, lines, answers, known)
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)

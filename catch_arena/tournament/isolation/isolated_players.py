@@ -102,14 +102,15 @@ class IsolatedPlayers:
         log = self.logs()[0]
         if reply.fault is not None:
             return Inspection(fault=reply.fault.reason, log=log)
-        control, source = _control_in(reply), reply.said.get("source")
+        control, sources = _control_in(reply), reply.said.get("sources")
         try:
             require_choice("control", control if isinstance(control, str) else in_short(control), get_args(Control))
         except ConfigError as error:
             return Inspection(fault=str(error), log=log)
         why = reply.said.get("prey_fault")
         prey_fault = why if why is None or isinstance(why, str) else in_short(why)
-        named = source if isinstance(source, str) else None  # a stranger's code may say anything
+        listed = sources if isinstance(sources, list) else []  # a stranger's code may say anything
+        named = tuple(one for one in listed if isinstance(one, str))
         return Inspection(control, named, None, log, reply.said.get("prey") is True, prey_fault)
 
     def drop(self, seat: int) -> None:

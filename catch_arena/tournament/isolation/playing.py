@@ -13,7 +13,7 @@ from catch_arena.errors import NoContest, Stalled
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.apart import PAUSES_S, Apart, Sabotage, attempt_apart
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import in_seats, is_suspect, start_players
+from catch_arena.tournament.isolation.starting import in_parties, in_seats, is_suspect, start_players
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
@@ -141,7 +141,7 @@ def _play_once(
 ) -> MatchResult:
     """A match from its parties, in its seats; arguments as of `play_together`, `apart` as of `start_players`."""
     parties = Parties.of(config)
-    names = parties.to_seats([entrant.name for entrant in entrants])
+    names = parties.to_seats([entrant.name for entrant in in_parties(config, entrants)])
     seeds = _seeds_by_seat(parties, agent_seeds) if agent_seeds else ()
     seated, absent = in_seats(config, entrants), parties.mapped_to_seats(excluded_parties)
     with start_players(seated, sandbox, absent, apart) as players:

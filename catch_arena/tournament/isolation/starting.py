@@ -63,14 +63,16 @@ def sandbox_for(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | 
     return nullcontext() if limits is None else Sandbox(limits)
 
 
-def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
-    """Who plays in each seat: the entrant of its party, or who plays prey for it. The further ones of a team have names
-    of their own, as processes are kept by them.
-    """
+def in_parties(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Who plays in each party: its entrant, or who plays prey for it."""
     parties = Parties.of(config)
+    return [entrant.on(parties.side_of(party)) for party, entrant in enumerate(entrants)]
+
+
+def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Who plays in each seat. The further ones of a team have names of their own, as processes are kept by them."""
     found: dict[int, Entrant] = {}
-    for party, (entrant, seats) in enumerate(zip(entrants, parties.seats, strict=True)):
-        playing = entrant.as_prey() if parties.side_of(party) == "prey" else entrant
+    for playing, seats in zip(in_parties(config, entrants), Parties.of(config).seats, strict=True):
         for number, seat in enumerate(seats):
             found[seat] = playing if number == 0 else replace(playing, name=f"{playing.name} ({number + 1})")
     return [found[seat] for seat in range(len(found))]

@@ -208,13 +208,13 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournam
     least = needed(config)
     if entrants >= least:
         return
-    task = Parties.of(config).task
+    task = f"{Parties.of(config).task} of {scenario}"
     if least > len(Parties.of(config)):
-        task += " in turn"
+        task += " in a tournament, where whoever is alone on a side takes turns with one more, to be compared"
     fitting = [name for name, other in SCENARIOS.items() if 1 < needed(other) <= entrants]
     advice = f"; or try --scenario {fitting[0]}" if fitting else ""
     raise ConfigError(
-        f"agents must be at least {least} to {task} of {scenario}, got {entrants}: "
+        f"agents must be at least {least} to {task}, got {entrants}: "
         f"name more of them (the same one may be named twice){advice}"
     )
 

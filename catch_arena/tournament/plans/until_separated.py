@@ -5,6 +5,7 @@ from itertools import islice
 from typing import Final
 
 from catch_arena.errors import ConfigError
+from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.parties import SIDES, Parties
@@ -60,10 +61,15 @@ class UntilSeparated:
         matches = list(played)
         blocks = len({one.match.block for one in matches})
         if matches:
-            sides = [matches] if self._parties is None else [on_side(matches, self._parties, side) for side in SIDES]
-            looks = [separation(self._entrants, side, self._confidence) for side in sides]
+            sides = SIDES[:1] if self._parties is None else self._parties.sides
+            looks = [self._look(matches, side) for side in sides]
             self.last = max(looks, key=lambda look: (not look.clear, look.p))
             if self.last.clear:
                 return ()
         rounds_then = -(-next_look(blocks) // self._round)
         return islice(self._whole.blocks(), blocks, rounds_then * self._round)
+
+    def _look(self, matches: Sequence[PlayedMatch], side: Side) -> Separation:
+        entrants = [entrant.on(side) for entrant in self._entrants]
+        played = matches if self._parties is None else on_side(matches, self._parties, side)
+        return separation(entrants, played, self._confidence)

@@ -42,9 +42,11 @@ class Standing:
     """Matches won in [0, 1]; those who share the first rank share the win."""
     mean_rank: float
     contests_lost: float
-    """Requests in a match that a rival won (R5.6)."""
+    """Contests in a match that a rival won (R5.6)."""
     contest_win_share: float
-    """Of the contests that it took part in, the share that it won; NaN where there was none."""
+    """Of the contests with rivals that it took part in, the share that it won; NaN where there was none."""
+    lost_to_mates: float
+    """Requests in a match that a team-mate won (R11.3)."""
     refusals: dict[str, float]
     """Requests in a match that were refused for another reason, by verdict; those that it never met are left out."""
     forfeits: dict[str, int]
@@ -65,7 +67,10 @@ def standings_of_sides(
     entrants: Sequence[Entrant], played: Sequence[PlayedMatch], parties: Parties
 ) -> dict[Side, list[Standing]]:
     """A table for each side, made from its own results alone (R12.7)."""
-    return {side: standings(entrants, on_side(played, parties, side)) for side in parties.sides}
+    return {
+        side: standings([entrant.on(side) for entrant in entrants], on_side(played, parties, side))
+        for side in parties.sides
+    }
 
 
 def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> list[Standing]:
@@ -83,13 +88,15 @@ def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> lis
     ranks = outcomes.by_block(outcomes.ranks).sum(axis=0)
     verdicts: list[Counter[str]] = [Counter() for _ in entrants]
     forfeits: list[Counter[str]] = [Counter() for _ in entrants]
-    won = [0] * len(entrants)
+    won, lost, to_mates = ([0] * len(entrants) for _ in range(3))
     for one in played:
         for party, index in enumerate(one.match.seating):
             verdicts[index].update(one.result.verdicts[party])
             if code := one.result.forfeits[party]:
                 forfeits[index][code] += 1
             won[index] += one.result.contests_won[party]
+            lost[index] += one.result.contests_lost[party]
+            to_mates[index] += one.result.lost_to_mates[party] if one.result.lost_to_mates else 0
     order = sorted(
         np.flatnonzero(totals).tolist(), key=lambda index: (-round(rating[index].mean, _DIGITS), entrants[index].name)
     )
@@ -104,8 +111,9 @@ def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> lis
             iqm=iqm[index],
             win_share=win_share[index],
             mean_rank=float(ranks[index] / totals[index]),
-            contests_lost=verdicts[index]["LOST_CONTEST"] / float(totals[index]),
-            contest_win_share=_share(won[index], verdicts[index]["LOST_CONTEST"]),
+            contests_lost=lost[index] / float(totals[index]),
+            contest_win_share=_share(won[index], lost[index]),
+            lost_to_mates=to_mates[index] / float(totals[index]),
             refusals={
                 verdict.name: verdicts[index][verdict.name] / float(totals[index])
                 for verdict in Verdict

@@ -47,7 +47,7 @@ def names_a_file_that_is_not_its_own_as_its_source(own):
 def says_that_its_source_is_its_memory():
     from catch_arena.tournament.isolation import fork_server
 
-    fork_server.source_of = lambda policy: "/proc/self/mem"  # a file that cannot be read from its beginning
+    fork_server.sources_of = lambda spec: ["/proc/self/mem"]  # a file that cannot be read from its beginning
 
 
 def names_a_source_that_no_file_can_have(own):
@@ -57,7 +57,7 @@ def names_a_source_that_no_file_can_have(own):
 def says_that_its_source_is_very_long():
     from catch_arena.tournament.isolation import fork_server
 
-    fork_server.source_of = lambda policy: "x" * 9999
+    fork_server.sources_of = lambda spec: ["x" * 9999]
 
 
 class Told(BaseException):

@@ -43,7 +43,7 @@ class Field:
         scores = tuple(0 if code else draw.randrange(9) for code in forfeits)
         ranks = ranks_of(scores, [0 if code else None for code in forfeits])
         thinking = (MoveTimes(1, 0.0, 0.0),) * SEATS
-        result = MatchResult(scores, ranks, ({},) * SEATS, (0,) * SEATS, 1, "", tuple(forfeits), thinking)
+        result = MatchResult(scores, ranks, ({},) * SEATS, (0,) * SEATS, (0,) * SEATS, 1, "", tuple(forfeits), thinking)
         return PlayedMatch(match, result)
 
 
@@ -188,6 +188,7 @@ def played(codes):
                 (0, 0),
                 (1, 1),
                 ({}, {}),
+                (0, 0),
                 (0, 0),
                 1,
                 "",

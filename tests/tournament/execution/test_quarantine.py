@@ -23,7 +23,7 @@ BLOCKS = blocks_of(PLAN)
 
 
 def outcome(block, code=None):
-    result = MatchResult((0, 0), (1, 1), ({}, {}), (0, 0), 1, "", (code, None), ())
+    result = MatchResult((0, 0), (1, 1), ({}, {}), (0, 0), (0, 0), 1, "", (code, None), ())
     return [(PlayedMatch(match, result), b"") for match in block]
 
 

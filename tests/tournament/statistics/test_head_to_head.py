@@ -14,7 +14,15 @@ FOUR = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in "abcd"]
 
 def played(block, seating, scores):
     result = MatchResult(
-        scores, ranks_of(scores), ({},) * len(scores), (0,) * len(scores), 600, "", (None,) * len(scores), ()
+        scores,
+        ranks_of(scores),
+        ({},) * len(scores),
+        (0,) * len(scores),
+        (0,) * len(scores),
+        600,
+        "",
+        (None,) * len(scores),
+        (),
     )
     return PlayedMatch(Match(f"{block:06d}", block, block, seating), result)
 

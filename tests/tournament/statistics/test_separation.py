@@ -28,7 +28,7 @@ def played(blocks, rates, seed=0):
     found = []
     for block in range(blocks):
         scores = tuple(random.poisson(rates).tolist())
-        result = MatchResult(scores, ranks_of(scores), ({},) * 3, (0,) * 3, 600, "", (None,) * 3, ())
+        result = MatchResult(scores, ranks_of(scores), ({},) * 3, (0,) * 3, (0,) * 3, 600, "", (None,) * 3, ())
         found.append(PlayedMatch(Match(f"{block:06d}", block, block, (0, 1, 2)), result))
     return found
 

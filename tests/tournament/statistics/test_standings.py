@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -30,7 +31,7 @@ def played(
     )
     return PlayedMatch(
         Match(f"r00001-g{block + 1:06d}-s{turn:02d}", block, 7 + block, seating),
-        MatchResult(scores, ranks_of(scores), verdicts, (1, lost), 600, "ab", (code, None), ()),
+        MatchResult(scores, ranks_of(scores), verdicts, (1, lost), (lost, 0), 600, "ab", (code, None), ()),
     )
 
 
@@ -69,7 +70,16 @@ def test_a_match_counts_who_won_its_contests():
     result = play(scenario("duel", time_limit_s=30), 4, policies, ["a", "b"])
     lost = [verdicts.get("LOST_CONTEST", 0) for verdicts in result.verdicts]
     assert list(result.contests_won) == lost[::-1]
+    assert list(result.contests_lost) == lost
     assert sum(lost) > 0
+
+
+def test_contests_among_team_mates_are_counted_by_themselves():
+    between = [played(0, 0, (0, 1), (4, 3), lost=1)]
+    own = [replace(one, result=replace(one.result, lost_to_mates=(6, 2))) for one in between]
+    for (first, second), mates in ((standings([A, B], between), (0, 0)), (standings([A, B], own), (6, 2))):
+        assert (first.lost_to_mates, second.lost_to_mates) == mates
+        assert (first.contests_lost, first.contest_win_share, second.contest_win_share) == (1, 1 / 2, 1)
 
 
 def test_the_middle_half_of_the_matches_by_hand():
@@ -83,7 +93,7 @@ def test_the_middle_half_of_the_matches_by_hand():
 def test_nobody_wins_a_match_that_all_have_forfeited():
     """The one that lasted longer is above the other all the same."""
     both = ("FORFEIT_CRASH", "FORFEIT_CRASH")
-    result = MatchResult((3, 0), (1, 2), ({}, {}), (0, 0), 9, "", both, ())
+    result = MatchResult((3, 0), (1, 2), ({}, {}), (0, 0), (0, 0), 9, "", both, ())
     lost = [PlayedMatch(Match(f"{number}", number, 7, (0, 1)), result) for number in range(4)]
     first, second = standings([A, B], lost)
     assert (first.name, first.win_share.mean, second.win_share.mean) == ("a", 0.0, 0.0)

@@ -1,0 +1,23 @@
+"""The standings on a terminal."""
+
+import pytest
+from rich.console import Console
+
+from catch_arena.cli.tables import standings_table
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
+from catch_arena.tournament.statistics.standings import standings
+
+TWO = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in ("nearest", "patrol")]
+
+
+@pytest.mark.parametrize("to_mates", [(), (5, 0)])
+def test_requests_that_team_mates_won_have_a_column_where_there_are_any(capsys, to_mates):
+    result = MatchResult((4, 3), (1, 2), ({}, {}), (1, 0), (0, 1), 9, "", (None, None), (), lost_to_mates=to_mates)
+    table = standings_table(standings(TWO, [PlayedMatch(Match("m", 0, 0, (0, 1)), result)]))
+    Console(width=80, force_terminal=False).print(table)
+    shown = capsys.readouterr().out
+    head, *lines = (line.split() for line in shown.strip().splitlines())
+    assert ("mates" in head) == ("mates: requests a match that a team-mate won" in shown) == bool(to_mates)
+    if to_mates:
+        assert [line[-1] for line in lines if line[:1] in (["1"], ["2"])] == ["5.0", "0.0"]
