@@ -9,6 +9,7 @@ end.
 """
 
 import fcntl
+import importlib
 import json
 import os
 import signal
@@ -23,6 +24,7 @@ from typing import Any, Final
 
 from catch_arena.errors import AgentError, reason
 from catch_arena.policy import Policy, PreyPolicy, Side
+from catch_arena.tournament import entrants
 from catch_arena.tournament.entrants import agent_class, command_of, create_policy, look_for_prey, sources_of
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.folders import empty
@@ -210,8 +212,17 @@ def _keep_only(files: Sequence[int]) -> None:
 
 def _report(error: AgentError, answers: BufferedWriter) -> None:
     if error.__cause__ is not None:
-        traceback.print_exception(error.__cause__)
+        cause = error.__cause__
+        theirs = cause.__traceback__
+        while theirs is not None and _imports(theirs.tb_frame.f_code.co_filename):
+            theirs = theirs.tb_next
+        traceback.print_exception(type(cause), cause, theirs)
     _send(answers, protocol.line(error=str(error)))
+
+
+def _imports(file: str) -> bool:
+    """Whether a line of this file imports an agent, and is none of the agent's own."""
+    return file.startswith("<frozen importlib") or file in {importlib.__file__, entrants.__file__}
 
 
 def _send(answers: BufferedWriter, line: bytes) -> None:

@@ -241,6 +241,15 @@ def test_one_that_cannot_begin_is_entered_and_forfeits_every_match(sandbox, tmp_
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["mine.py"]
 
 
+def test_the_traceback_of_one_that_cannot_be_imported_begins_with_its_own_line(sandbox, tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text("def share():\n    return 1 / 0\n\nshare()\n")
+    log = inspector(sandbox)(str(path)).log
+    assert "importlib" not in log
+    assert "entrants.py" not in log
+    assert re.findall(r"line (\d+), in (\S+)", log) == [("4", "<module>"), ("2", "share")]
+
+
 @pytest.mark.parametrize("name", ["crashes", "is_illegal"])
 def test_a_trusted_agent_that_fails_forfeits_too(name):
     result = played(None, name)
