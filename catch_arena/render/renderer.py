@@ -223,8 +223,8 @@ class MatchRenderer:
         if plan.teams.width and self._changed("teams", self._scores):
             self._redraw(plan.teams, team_scores_shapes(plan.teams, info, self._scores, unit))
         lines = self._standings_animation.lines(time_ms)
-        if self._changed("standings", lines):
-            self._redraw(plan.standings, standings_shapes(plan.standings, info, lines, unit))
+        if self._changed("standings", (lines, self.view_of)):
+            self._redraw(plan.standings, standings_shapes(plan.standings, info, lines, unit, self.view_of))
         if plan.feed.width and self._changed("events", self._feed.items):
             self._redraw(plan.feed, feed_shapes(plan.feed, info, self._feed.items, unit))
         area, history = plan.timeline, self._timeline

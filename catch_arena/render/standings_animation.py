@@ -65,8 +65,12 @@ class StandingsAnimation:
         )
 
 
-def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[AnimatedLine], unit: float) -> list[Shape]:
-    """A line for each hunter: turtle, number, name, its share of the best score as a bar, and the score."""
+def standings_shapes(
+    area: Rect, info: MatchInfo, lines: Sequence[AnimatedLine], unit: float, view_of: int | None = None
+) -> list[Shape]:
+    """A line for each hunter: turtle, number, name, its share of the best score as a bar, and the score; it says of
+    which hunter the view is shown.
+    """
     pad = 8 * unit
     room = area.height - 2.0 * pad
     rows = max(1, int(room // max(15.0, 19.0 * unit)))
@@ -90,7 +94,7 @@ def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[AnimatedLine],
             box = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, width, height)
             if line.climbs:
                 shapes.append(Box(*box, mix(CARD, TRACK, 0.6), 0.25 * height))
-            shapes += _line_shapes(box, info, line, best, unit)
+            shapes += _line_shapes(box, info, line, best, unit, followed=line.who.agent == view_of)
     if shown < len(lines):
         x, y = corner(shown)
         left_out = f"and {len(lines) - shown} more"
@@ -99,7 +103,13 @@ def standings_shapes(area: Rect, info: MatchInfo, lines: Sequence[AnimatedLine],
 
 
 def _line_shapes(
-    area: tuple[float, float, float, float], info: MatchInfo, line: AnimatedLine, best: int, unit: float
+    area: tuple[float, float, float, float],
+    info: MatchInfo,
+    line: AnimatedLine,
+    best: int,
+    unit: float,
+    *,
+    followed: bool,
 ) -> list[Shape]:
     left, top, width, height = area
     one = line.who
@@ -118,7 +128,7 @@ def _line_shapes(
     bar_end = right - (0.78 * len(str(best)) + 0.6) * size
     has_bar = width >= 21 * size
     bar_start = max(x + 4.5 * size, bar_end - 0.3 * width) if has_bar else bar_end
-    name = info.names[one.agent] + ("  (out)" if one.faded else "")
+    name = info.names[one.agent] + ("  (out)" if one.faded else "  (its view)" if followed else "")
     shapes.append(Label(x, middle, name, size, DIM if one.faded else BRIGHT, 500, max_width=bar_start - x - 0.5 * size))
     shapes.append(Label(right, middle, str(one.score), font_size(1.1 * size, 11), BRIGHT, 800, "right"))
     if one.hunted and has_bar:

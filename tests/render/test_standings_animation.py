@@ -27,6 +27,16 @@ def test_the_standings_fit_their_card(size, hunters):
     assert any(label.text == str(max(one.score for one in standings)) for label in shapes if isinstance(label, Label))
 
 
+def test_they_say_whose_view_is_shown():
+    plan, info = hud.arrange((1280, 720), "broadcast", 3), an_info(3)
+    lines = settled([hud.AgentScore(seat, seat, withdrawn=seat == 1) for seat in range(3)])
+    told = [standings_shapes(plan.standings, info, lines, plan.unit, view_of) for view_of in (None, 0, 1)]
+    names = [{s.text for s in shapes if isinstance(s, Label) and s.text.startswith(info.names)} for shapes in told]
+    one, two, three = info.names
+    assert names[0] == names[2] == {one, f"{two}  (out)", three}
+    assert names[1] == {f"{one}  (its view)", f"{two}  (out)", three}
+
+
 @pytest.mark.parametrize("hunters", [4, 64])
 @pytest.mark.parametrize("size", [(320, 320), (1280, 720)])
 def test_lines_that_climb_stay_in_the_card(size, hunters):
