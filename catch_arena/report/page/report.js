@@ -131,7 +131,8 @@ class Matches {
     for (let seat = index * seats; seat < (index + 1) * seats; seat++) {
       const hunts = seat % seats < hunting;
       const who = `${names[hunts ? 0 : 1][seating[seat]]} ${scores[seat]}`;
-      cast.append(part(ranks[seat] === 1 ? "first" : "", hunts ? who : `prey ${who}`));
+      const wins = ranks[seat] === 1 && (hunts ? hunting : seats - hunting) > 1; // who is alone beats nobody
+      cast.append(part(wins ? "first" : "", hunts ? who : `prey ${who}`));
     }
     const name = part("id", id);
     const why = this.bundles[id]?.[1];
