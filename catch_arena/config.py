@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Literal, get_args
 
 from catch_arena.errors import ConfigError, did_you_mean, suggest
+from catch_arena.text import in_short
 
 Control = Literal["target", "velocity", "full"]
 """How a hunter is driven: R4.1, R4.4."""
@@ -514,7 +515,8 @@ def _require_number(
         raise ConfigError(f"{name} must be a finite number {low}{otherwise}, got {value!r}")
     enough = value > above if above is not None else at_least is None or value >= at_least
     if not (enough and value <= at_most):
-        raise ConfigError(f"{name} must be {low} and at most {at_most:g}{otherwise}, got {value!r}")
+        shown = repr(value) if abs(value) < 1e300 else in_short(value)  # a whole number may have any length
+        raise ConfigError(f"{name} must be {low} and at most {at_most:g}{otherwise}, got {shown}")
 
 
 def require_choice(name: str, value: object, choices: Sequence[str | None]) -> None:

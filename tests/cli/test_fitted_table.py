@@ -90,6 +90,7 @@ def test_a_rating_that_rounds_to_zero_has_no_minus():
         group="1",
         matches=2,
         forfeits={},
+        lost_to_mates=0.0,
         contest_win_share=nan,
         rating=Estimate(-0.2, nan, nan),
         score=even,

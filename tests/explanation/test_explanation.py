@@ -390,7 +390,7 @@ def test_where_hunters_see_everything_nothing_is_said_of_sight(crowded):
 
 def test_targets_that_a_hunter_never_saw_are_counted(play):
     """Caught by another one, and never in a view of its own."""
-    match = play("fog", chase=True, max_cycles=300, reach_m=0.6, dropout_rate=0.002)
+    match = play("fog", control="target", chase=True, max_cycles=300, reach_m=0.6, dropout_rate=0.002)
     seen = [set() for _ in range(4)]
     missed = [0] * 4
     sight = SeenTargets(match.config)

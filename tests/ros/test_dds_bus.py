@@ -16,7 +16,7 @@ from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle
 from catch_arena.ros.middleware import bus, dds_bus, dds_domain, dds_peers
 from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.dds_domain import Discovery, configuration, discovery_of
-from catch_arena.ros.middleware.dds_types import LONGEST_ASKED, dds_name
+from catch_arena.ros.middleware.dds_types import dds_name
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
 from catch_arena.ros.middleware.type_hashes import type_hash
 
@@ -111,13 +111,9 @@ def test_services_answer_with_the_header_of_the_request(echo):
     assert called(echo.spawn, spawn).text() == "tom:1.5"
 
 
-def test_a_long_name_is_answered_and_one_beyond_every_measure_is_left_out_unread(echo):
-    """One of 10 MB would hold up the arena; DDS drops it, and who asks next is answered."""
-    asks, _ = echo.catch
-    assert called(echo.catch, lambda writer: writer.text("x" * LONGEST_ASKED)).number("?") is True
-    for length in (LONGEST_ASKED + 1, 10_000_001):
-        asks.write(cdr.begin(asks.handle, 0).text("x" * length).whole())
-        assert called(echo.catch, lambda writer: writer.text("a")).number("?") is True
+def test_a_name_of_ten_megabytes_is_answered(echo):
+    """It is carried in pieces. (With a bound in the type, others' types differ from ours, and are matched late.)"""
+    assert called(echo.catch, lambda writer: writer.text("x" * 10_000_001)).number("?") is True
 
 
 def test_a_zero_byte_in_a_name_ends_nobody(echo):
@@ -138,7 +134,7 @@ def test_what_cannot_be_sent_is_left_out(domain):
     reader = wire.Node(domain).reader("rt/names", wire.turtles())
     until(reader.matched)
     time.sleep(0.1)
-    for name in ("a\0b", "c"):
+    for name in ("\ud800", "c"):
         send(TurtleArray((Turtle(name, 1.0, 2.0, 3.0),)))
     names = until(lambda: [one[0] for data in reader.take() for one in cdr.read_turtles(data)])
     assert names[-1] == "c"
@@ -147,17 +143,18 @@ def test_what_cannot_be_sent_is_left_out(domain):
 
 
 def test_a_call_that_cannot_be_sent_is_left_out_too(domain):
-    """A target's name may be a stranger's, and as long as he likes."""
+    """A target's name may be a stranger's."""
     said, asked = [], []
     ours = open_bus("cyclonedds", domain=domain, localhost=True, log=said.append)
     ours.serve("/ours", TYPES.catch_turtle, asked.append)
     client = ours.client("/ours", TYPES.catch_turtle)
     until(lambda: client.ready)
-    for name in ("x" * (LONGEST_ASKED + 1), "c"):
+    for name in ("\ud800", "c"):
         client.call(CatchTurtleRequest(name))
     until(lambda: ours.spin() or asked)
     assert [one.message.name for one in asked] == ["c"]
-    assert said == ["warning: a message on /ours cannot be sent (String longer than bound.)"]
+    (line,) = said
+    assert line.startswith("warning: a message on /ours cannot be sent ('utf-8' codec can't encode")
     ours.close()
 
 

@@ -576,7 +576,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
         arena.restore(arena.save_row(0))
     with pytest.raises(ConfigError, match=r"a saved state must have \d+ bytes, got \d+$"):
         arena.restore(arena.save()._replace(memory=larger.save().memory))
-    with pytest.raises(ConfigError, match="seat must be a whole number from 0 to 1, got 2"):
+    with pytest.raises(ConfigError, match="seat must be a whole number from 0 to 1, or 'hunter', got 2"):
         arena.action_space(2)
     for seed in (5.0, [1.5] * 3, "123", b"123", True, [None] * 3, [[1]] * 3, np.array(1.5), np.ones((3, 1), np.uint64)):
         with pytest.raises(ConfigError, match="seed must be a whole number"):

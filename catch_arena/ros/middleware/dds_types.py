@@ -16,11 +16,8 @@ _PRIMITIVES: Final[dict[str, Any]] = {word: getattr(types, word, None) for word 
     "string": str,
 }
 _sequence: Final[Any] = types.sequence
-_bounded_text: Final[Any] = types.bounded_str
 MOST_ASKED: Final = 16
 """Elements that a sequence of a request may have: DDS leaves out what has more, before it takes time to read."""
-LONGEST_ASKED: Final = 65_535
-"""Bytes that a request's own text may have, likewise: R5.2 refuses a name long before that."""
 
 
 def dds_name(kind: MessageType) -> str:
@@ -43,15 +40,12 @@ def idl_struct(kind: MessageType, *, header: bool = False, bounded: bool = False
         header: with what a request or a response begins with.
         bounded: whether it is a part of a request.
     """
-    is_request = kind.name.endswith("_Request")
-    bounded = bounded or is_request
+    bounded = bounded or kind.name.endswith("_Request")
     fields: dict[str, Any] = {"client": types.uint64, "number": types.int64} if header else {}
     for name, word, is_sequence in kind.fields:
         one: Any = _PRIMITIVES[word] if isinstance(word, str) else idl_struct(word, bounded=bounded)
         if is_sequence:
             one = _sequence[one, MOST_ASKED] if bounded else _sequence[one]
-        elif is_request and one is str:
-            one = _bounded_text[LONGEST_ASKED]
         fields[name] = one
     if not kind.fields:
         fields[_MISSING_MEMBER] = types.uint8
