@@ -112,7 +112,7 @@ def test_services_answer_with_the_header_of_the_request(echo):
 
 
 def test_a_name_of_ten_megabytes_is_answered(echo):
-    """It is carried in pieces. (With a bound in the type, others' types differ from ours, and are matched late.)"""
+    """It is carried in pieces. With a bound in the type others' types would differ from ours, and be matched late."""
     assert called(echo.catch, lambda writer: writer.text("x" * 10_000_001)).number("?") is True
 
 
