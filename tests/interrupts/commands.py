@@ -23,6 +23,8 @@ LINE = re.compile(
     r"catch-arena: interrupted(: (?P<kept>\d+) of \d+ matches are kept in o; the same command with --resume goes on)?\n"
 )
 _CATCH_ARENA = (sys.executable, "-m", "catch_arena")
+_UNMEASURED = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_")}
+"""Coverage saves what it has before a process ends, and may wait for the very thread that an interrupt has stopped."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Command:
         self.process = subprocess.Popen(
             [*program, *words],
             cwd=folder,
-            env={**os.environ, "PATH": f"{os.environ['PATH']}{os.pathsep}{self._mark}"},  # agents inherit it too
+            env={**_UNMEASURED, "PATH": f"{os.environ['PATH']}{os.pathsep}{self._mark}"},  # agents inherit it too
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
