@@ -17,10 +17,12 @@ SMALL = ["--size", "320x320", "--fps", "10"]
 
 @pytest.fixture(scope="module")
 def played(tmp_path_factory):
-    """A folder with a tournament, its replays, and a spec."""
+    """A folder with a tournament, its replays, a match in which something happens, and a spec."""
     folder = tmp_path_factory.mktemp("played")
     words = ["tournament", "nearest", "contested", *QUICK, "--jobs", "1", "--record", "--out", str(folder / "o")]
     assert CliRunner().invoke(main, words).exit_code == 0
+    words = ["match", "nearest", "contested", "-s", "duel", "--set", "time_limit_s=20", "--seed", "1"]
+    assert CliRunner().invoke(main, [*words, "-o", str(folder / "eventful" / "m.replay")]).exit_code == 0
     (folder / "spec.toml").write_text(
         'seed = 1\nmatches = 1\n[[test]]\nname = "t"\nscenario = "capstone"\nsettings = { time_limit_s = 1 }\n'
     )
@@ -60,7 +62,7 @@ def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, monk
 UNNAMED = {
     "match.replay": ["match", "nearest", "idle", *QUICK],
     "sheet.png": ["sheet", "{o}/replays/r00001-g000001-s00.replay", "--count", "2"],
-    "highlights.mp4": ["highlights", "{o}/replays", "--count", "1", *SMALL],
+    "highlights.mp4": ["highlights", "{o}/../eventful", "--count", "1", *SMALL],
 }
 
 
