@@ -381,8 +381,8 @@ def begin(environment, *words, python=PYTHON):
 def test_a_signal_in_the_middle_of_pip_ends_with_one_line_and_pip_with_it(
     project, environment, silent, monkeypatch, number, send, word
 ):
-    """Ctrl-C is for the whole process group, what `kill` sends for set-up alone. Where we are deaf to a signal ourselves,
-    as under nohup, set-up would be, too.
+    """Ctrl-C is for the whole process group, what `kill` sends for set-up alone. Where we are deaf to a signal
+    ourselves, as under nohup, set-up would be, too.
     """
     scratch = project / "scratch"
     scratch.mkdir()
