@@ -146,14 +146,17 @@ def run(command: "Callable[[], object]") -> "NoReturn":
     sys.exit(status)  # type: ignore[arg-type]
 
 
-def wait() -> None:
-    """Wait for a signal, which is then the normal end of the command: its status is 0."""
+def wait(tell: "Callable[[], object]") -> None:
+    """Tell that only a signal is waited for, and wait: one that comes once that is told is the normal end of the
+    command, whose status is then 0.
+    """
 
-    def sleep() -> None:
+    def last() -> None:
+        tell()
         while True:
             time.sleep(_LONG_S)
 
-    linger(sleep)
+    linger(last)
 
 
 def linger(last: "Callable[[], object]") -> None:

@@ -204,8 +204,7 @@ def _watched(folder: Path) -> Iterator[None]:
     with serve(LiveReport(folder)) as address:
         say(f"watch: {address}")
         yield
-        say(f"the report stays at {address} until Ctrl-C")
-        interrupts.wait()
+        interrupts.wait(lambda: say(f"the report stays at {address} until Ctrl-C"))
 
 
 class _PlanOptions(NamedTuple):

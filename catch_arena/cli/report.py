@@ -45,8 +45,7 @@ def report(
         live = LiveReport(folder)
         live.state()  # what is wrong is said here, before anybody looks
         with serve(live, port) as address:
-            say(f"report: {address} (Ctrl-C ends)")
-            interrupts.wait()
+            interrupts.wait(lambda: say(f"report: {address} (Ctrl-C ends)"))
         return
     from catch_arena.report import BUDGET, write_report
 

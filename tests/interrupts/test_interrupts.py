@@ -121,8 +121,9 @@ def test_the_line_says_more_where_there_is_more_to_say(tmp_path):
 
 
 def test_what_waits_for_an_interrupt_has_ended_well(tmp_path):
-    assert ended(tmp_path, command("interrupts.wait()")) == (0, "")
-    assert ended(tmp_path, command("interrupts.wait()", "threading.Event().wait()")) == (0, "")
+    assert ended(tmp_path, command("interrupts.wait(lambda: None)")) == (0, "")
+    assert ended(tmp_path, command("interrupts.wait(lambda: time.sleep(9))")) == (0, "")  # it is being told
+    assert ended(tmp_path, command("interrupts.wait(lambda: None)", "threading.Event().wait()")) == (0, "")
 
 
 def test_what_may_be_broken_off_is_done_to_its_end_or_to_an_interrupt(tmp_path):
