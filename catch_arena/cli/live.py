@@ -20,7 +20,7 @@ from catch_arena.cli.app import (
     main,
 )
 from catch_arena.cli.matches import print_logs, print_result
-from catch_arena.cli.outputs import Force, given_or_free
+from catch_arena.cli.outputs import Force, given_or_free, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import width_and_height
 from catch_arena.config import ArenaConfig
@@ -145,10 +145,10 @@ def _show(agents: list[str], limits: "AgentLimits | None", person: int | None, o
     players = enter_agents([agents[index % len(agents)] for index in range(free)], limits, prey=config.prey > 0)
     lineup = line_up(config, players, person)
     usual = Path("match.replay")
-    given_or_free(record, usual, force=force)
+    output_file(given_or_free(record, usual, force=force), force=force)
 
     def save(replay: "Replay") -> str:
-        target = given_or_free(None, usual, force=force) if record is None else record
+        target = given_or_free(record, usual, force=force)  # another match may have taken the name meanwhile
         replay.save(target)
         return str(target)
 

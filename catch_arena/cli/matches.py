@@ -315,6 +315,7 @@ def match(
     require_enough(len(entrants), config, scenario)
     if len(entrants) > len(parties):
         raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(entrants)}")
+    output_file(target, force=force)
     drawn = arena_seed(seed)
     with sandbox_for(allowed) as sandbox:
         result = play_entrants(config, drawn, entrants, sandbox, title=scenario, record=target)

@@ -34,11 +34,8 @@ def free_name(path: Path) -> Path:
 
 def given_or_free(given: Path | None, usual: Path, *, force: bool) -> Path:
     """The path that was asked for; or where none was, the usual one, or the first free one like it: a command that is
-    given twice does not need another name.
-
-    Raises:
-        OutputError: as of `output_file`.
+    given twice does not need another name. `output_file` then looks at it.
     """
     if given is not None:
-        return output_file(given, force=force)
-    return output_file(usual if force else free_name(usual), force=force)
+        return given
+    return usual if force else free_name(usual)

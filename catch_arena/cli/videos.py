@@ -164,10 +164,10 @@ def highlights(
     from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
 
     frame_size = None if size is None else width_and_height(size)
-    if output is not None:
-        format_of(output)
+    target = given_or_free(output, Path("highlights.mp4"), force=force)
+    format_of(target)
     if not listing:
-        target = given_or_free(output and output_path(output), Path("highlights.mp4"), force=force)
+        output_file(output_path(target), force=force)
     found = _highlights_in(folder)
     selected = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
     if not selected:
@@ -221,11 +221,12 @@ def sheet(
     from catch_arena.render.contact_sheet import contact_sheet, even_instants, instants_of, same_picture
     from catch_arena.replay import Replay
 
-    if output is not None and output.suffix.lower() != ".png":
-        raise ConfigError(f"output must end in .png, got {str(output)!r}")
+    target = given_or_free(output, Path("sheet.png"), force=force)
+    if target.suffix.lower() != ".png":
+        raise ConfigError(f"output must end in .png, got {str(target)!r}")
     frame_size = None if size is None else width_and_height(size)
     recorded = Replay.load(replay)
-    target = given_or_free(output, Path("sheet.png"), force=force)
+    output_file(target, force=force)
     with progress_bar("looking", late=True) as show:
         if pick == "even":
             instants = even_instants(recorded, count)

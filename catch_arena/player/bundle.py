@@ -64,6 +64,7 @@ def encode_bundle(replay: Replay) -> bytes:
     contests: list[dict[str, Any]] = []
     numbers: dict[object, int] = {}
     played: dict[str, str] = {}
+    prey_names = prey_labels(replay)
     left = {agent: before for before, agent in replay.withdrawals}
     for state, world in enumerate(replay.worlds()):
         for seat, (hunter, poses) in enumerate(zip(world.hunters, hunters, strict=True)):
@@ -74,7 +75,7 @@ def encode_bundle(replay: Replay) -> bytes:
         rulings += [[state - 1, one.hunter, one.verdict.name, numbers.get(one.target)] for one in world.rulings]
         contests += [_contest(contest, names, played.get(contest.target)) for contest in contests_of(replay, world)]
         _follow(state, world, targets, numbers)
-        for prey, name, numbers_of in zip(world.prey, prey_labels(replay), lives, strict=True):
+        for prey, name, numbers_of in zip(world.prey, prey_names, lives, strict=True):
             if prey.target is not None and prey.target not in played:
                 played[prey.target] = name
                 numbers_of.append(numbers[prey.target])
