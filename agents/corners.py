@@ -1,4 +1,6 @@
-"""As prey: runs from corner to corner, to the one that is farthest from all hunters. Hunts as `contested` does."""
+"""As prey: runs from corner to corner, to the one where its lead over the nearest hunter is the greatest. Hunts as
+`contested` does.
+"""
 
 import math
 from typing import Final
@@ -12,13 +14,13 @@ __all__ = ["Agent", "Prey"]
 WALL_M: Final = 1.0
 """How far from the walls its corners are."""
 ALARM_M: Final = 3.0
-"""A corner is left when a hunter is nearer to it than this."""
+"""It chooses again when its lead at its corner is smaller than this."""
 
 Point = tuple[float, float]
 
 
 class Prey:
-    """It stays in a corner for as long as nobody comes."""
+    """It stays in a corner for as long as its lead is large enough."""
 
     def reset(self, seed: int) -> None:
         """No corner is its own yet."""
@@ -28,9 +30,9 @@ class Prey:
     def act(self, view: PreyView) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
         near, far = WALL_M, view.limits.side_m - WALL_M
-        if self.corner is None or safety_m(self.corner, view) < ALARM_M:
+        if self.corner is None or lead_m(self.corner, view) < ALARM_M:
             self.corner = max(
-                ((x, y) for x in (near, far) for y in (near, far)), key=lambda corner: safety_m(corner, view)
+                ((x, y) for x in (near, far) for y in (near, far)), key=lambda corner: lead_m(corner, view)
             )
         forward, left = view.to_own_frame(*self.corner)
         way = math.hypot(forward, left)
@@ -38,8 +40,8 @@ class Prey:
         return min(speed, way / WALL_M), turn
 
 
-def safety_m(corner: Point, view: PreyView) -> float:
-    """How much nearer to a corner it is than the nearest hunter [m]; where it is there already, how far that is."""
+def lead_m(corner: Point, view: PreyView) -> float:
+    """How much nearer to a corner it is than the nearest hunter [m]; without hunters, infinite."""
     place = view.to_own_frame(*corner)
     return min(
         (math.dist(place, (hunter.forward, hunter.left)) for hunter in view.hunters), default=math.inf

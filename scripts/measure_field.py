@@ -2,12 +2,17 @@
 
 Each match seats different agents, drawn at random, and all matches of a scenario are played at once, in a batch of
 arenas. Prints a Markdown table: for each agent and scenario the mean score, and the share of matches that it won (a win
-that k hunters share counts 1 / k), with half of its 95 % interval (1.96 standard errors). Not for scenarios with teams
-or prey.
+that k hunters share counts 1 / k), with half of its 95 % interval (1.96 standard errors). Behind it come the pairs of
+agents that stand in another order than in the first scenario, where both orders are sure: in each of the two scenarios
+the shares of wins differ by more than 1.96 standard errors of their difference. Not for scenarios with teams or prey.
 """
 
 import argparse
+import math
 import sys
+from collections.abc import Mapping
+from itertools import permutations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +27,23 @@ from catch_arena.training.opponents import Opponents
 NOT_HUNTERS = ("corners", "flee", "idle", "random")
 """The first two hunt as `contested` and `nearest` do."""
 
-Cells = dict[str, str]
+
+class Figures(NamedTuple):
+    """What was measured of one agent in one scenario."""
+
+    score: float
+    """Catches a match."""
+    wins: float
+    """The share of its matches that it won."""
+    margin: float
+    """Half of the 95 % interval of `wins`."""
+
+    def __str__(self) -> str:
+        return f"{self.score:.1f}, {100 * self.wins:.0f} ± {100 * self.margin:.0f} %"
+
+    def surely_leads(self, other: "Figures") -> bool:
+        """Whether its share of wins is larger by more than the interval of the difference."""
+        return self.wins - other.wins > math.hypot(self.margin, other.margin)
 
 
 def scores_of(name: str, agents: list[str], matches: int, seed: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -53,19 +74,26 @@ def scores_of(name: str, agents: list[str], matches: int, seed: int) -> tuple[ND
     return who, scores
 
 
-def cells_of(agents: list[str], who: NDArray[np.int64], scores: NDArray[np.float64]) -> Cells:
-    """What the table says of each agent."""
+def figures_of(agents: list[str], who: NDArray[np.int64], scores: NDArray[np.float64]) -> dict[str, Figures]:
+    """What was measured of each agent; without those that did not play."""
     best = scores == scores.max(axis=1, keepdims=True)
     wins = best / best.sum(axis=1, keepdims=True)
-    cells = {}
+    figures = {}
     for number, agent in enumerate(agents):
         own = who == number
-        if not own.any():
-            cells[agent] = "did not play"
-            continue
-        margin = 1.96 * wins[own].std() / np.sqrt(own.sum())
-        cells[agent] = f"{scores[own].mean():.1f}, {100 * wins[own].mean():.0f} ± {100 * margin:.0f} %"
-    return cells
+        if own.any():
+            margin = 1.96 * wins[own].std() / math.sqrt(own.sum())
+            figures[agent] = Figures(float(scores[own].mean()), float(wins[own].mean()), float(margin))
+    return figures
+
+
+def turned(usual: Mapping[str, Figures], other: Mapping[str, Figures]) -> list[tuple[str, str]]:
+    """The pairs of agents whose first surely leads in `other`, and whose second surely leads in `usual`."""
+    return [
+        (one, two)
+        for one, two in permutations(sorted(usual.keys() & other.keys()), 2)
+        if other[one].surely_leads(other[two]) and usual[two].surely_leads(usual[one])
+    ]
 
 
 def main() -> int:
@@ -79,7 +107,7 @@ def main() -> int:
     args = parser.parse_args()
     try:
         told = {
-            name: cells_of(args.agents, *scores_of(name, args.agents, args.matches, args.seed))
+            name: figures_of(args.agents, *scores_of(name, args.agents, args.matches, args.seed))
             for name in args.scenarios
         }
     except CatchArenaError as error:
@@ -88,7 +116,11 @@ def main() -> int:
     print(f"| agent | {' | '.join(f'`{name}`' for name in args.scenarios)} |")
     print(f"|---|{'---|' * len(args.scenarios)}")
     for agent in args.agents:
-        print(f"| `{agent}` | {' | '.join(cells[agent] for cells in told.values())} |")
+        print(f"| `{agent}` | {' | '.join(str(figures.get(agent, '')) for figures in told.values())} |")
+    usual, *others = args.scenarios
+    for name in others:
+        pairs = ", ".join(f"`{one}` before `{two}`" for one, two in turned(told[usual], told[name]))
+        print(f"\n`{name}`, other than in `{usual}`: {pairs or 'none'}")
     return 0
 
 

@@ -270,7 +270,7 @@ def _streaks(events: MatchEvents) -> Iterable[Highlight]:
             continue
         first, last = row[0], row[-1]
         what = f"{events.hunters[seat]} catches {len(row)} in a row"
-        why = f"In {seconds(last.judged_ms - first.judged_ms)}, and nobody else catches any between them (R6.1)"
+        why = f"For {seconds(last.judged_ms - first.judged_ms)} nobody else catches any (R6.1)"
         start_ms = max(row[-STREAK].judged_ms - 1000, last.judged_ms - LAST_MS, 0)
         end_ms = last.judged_ms + _AFTER_MS
         yield Highlight("streak", start_ms, last.judged_ms, end_ms, 1.0 - 2.0 / len(row), what, why)

@@ -103,7 +103,7 @@ def test_a_streak_is_three_or_more_in_a_row():
     (three,) = of_kind("streak", match_with([(1000, 1), (2000, 1), (3000, 1), (4000, 0)]))
     (six,) = of_kind("streak", match_with([(1000 * k, 1) for k in range(1, 7)]))
     assert three.what == "bob catches 3 in a row"
-    assert three.why.startswith("In 2.0 s, ")
+    assert three.why == "For 2.0 s nobody else catches any (R6.1)"
     assert 0 < three.score < six.score < 1
     assert six.decisive_ms == 6000
     assert six.start_ms == 3000  # its last catches, not the whole of it
