@@ -53,7 +53,7 @@ _UNCHANGING: Final = frozenset(
 ) | {"_seats", "_seen"}
 """What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
 _NO_COMMAND: Final = (0.0, 0.0)
-_SCORE, _WITHDRAWN = row_of(state.SCORE), row_of(state.WITHDRAWN)
+_WITHDRAWN = row_of(state.WITHDRAWN)
 _NO_ANSWER: Final[dict[str, Any]] = dict.fromkeys(("verdict", "reason", "target", "distance_um", "winner"))
 
 
@@ -597,9 +597,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._infos_level == "full":
             infos = LazyInfos(self._nobody)
             withdrawn = self._engine.hunter_rows(0)[:, _WITHDRAWN].tolist() if self._dropouts_stay else None
-            scores = self._engine.hunter_rows(0)[:, _SCORE].tolist() if self.config.teams is not None else None
+            team_scores = self._engine.team_scores[0].tolist()
             prey = self._engine.prey_rows(0).copy() if self._prey else None
-            infos.make = lambda: self._infos(agents, cut, outputs, withdrawn, scores, prey)
+            infos.make = lambda: self._infos(agents, cut, outputs, withdrawn, team_scores, prey)
         elif self._infos_level == "mask":
             infos = {agent: {} for agent in agents}
             masks = self._masks_in(outputs)
@@ -626,11 +626,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         cut: Sequence[str],
         outputs: NDArray[np.float32],
         withdrawn: Sequence[float] | None,
-        scores: Sequence[float] | None,
+        team_scores: Sequence[float],
         prey: NDArray[np.float64] | None,
     ) -> dict[str, dict[str, Any]]:
-        """The infos of a step by agent, from what the engine put out; where that is told, who is `withdrawn` and
-        the `scores` by seat, and `prey` as of `Engine.prey_rows`.
+        """The infos of a step by agent, from what the engine put out; where that is told, who is `withdrawn` by seat,
+        the scores by team, and `prey` as of `Engine.prey_rows`.
         """
         infos: dict[str, dict[str, Any]] = {}
         masks = self._masks_in(outputs)
@@ -641,7 +641,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         breakdowns = (
             outputs[self._breakdowns].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
         )
-        team_scores = [sum(scores[seat] for seat in seats) for seats in self.config.team_seats] if scores else []
         for agent in agents:
             if agent in self._prey:
                 continue
