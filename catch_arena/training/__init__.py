@@ -1,8 +1,8 @@
 """What learners train in: batches with opponents in them, as the libraries for training know environments
 (docs/training.md).
 
-- batch: many arenas in which some seats learn. opponents: who plays the others. scripted: `act_batch` of shipped
-  agents, compiled.
+- batch: many arenas in which some seats learn. opponents: who plays the others. prey_players: who plays prey.
+  scripted: `act_batch` of shipped agents, compiled.
 - sb3, gymnasium_vector, torchrl: adapters, one for each library.
 - networks: a trained network in NumPy. fitting: an observation in the width that a network was trained with.
 - destinations, pointer: what the trained agents that ship look at, and their networks.

@@ -20,7 +20,9 @@ from catch_arena.layout import Column, columns
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.text import in_short
+from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
+from catch_arena.training.prey_players import Place, PreyPlayers
 
 Figures = dict[str, NDArray[np.float32]]
 
@@ -57,6 +59,8 @@ class SavedLearners:
 
     arena: SavedState
     opponents: SavedOpponents | None
+    prey: Mapping[Place, Any] | None
+    """Who plays prey, where there is any."""
     seats: NDArray[np.int64]
     """In which the learners sit: (B, learners)."""
     rotation: NDArray[np.int64]
@@ -69,7 +73,7 @@ class LearnerBatch:
     """B arenas in lockstep, in each of which some seats learn and the others are played by opponents.
 
     A row is one learner: N = B * learners, arena by arena. In each episode the learners move on by a seat, and every
-    other seat draws its opponent anew.
+    other seat draws its opponent anew. Learners are hunters; where there is prey, an agent plays it.
 
     Args:
         scenario: a name or a config.
@@ -77,6 +81,7 @@ class LearnerBatch:
         opponents: see `Opponents`: an agent, several, or names with weights. None: all seats learn.
         learners: how many seats of an arena learn, where there are opponents.
         distinct: whether no opponent is drawn twice in an arena, as in a tournament, while there are as many as seats.
+        prey_agent: who plays prey, where there is any: a shipped name, a file or `package.module:Class`. None: `flee`.
         normalise: divide each column by its largest magnitude, so that it lies in [-1, 1]; what is absent stays 0.
         num_threads: how many threads play.
         auto_reset: whether ended episodes begin anew at once.
@@ -84,7 +89,7 @@ class LearnerBatch:
 
     Raises:
         ConfigError: for an argument that cannot be.
-        AgentError: for an opponent that cannot play.
+        AgentError: for an opponent that cannot play, or one that cannot play prey.
     """
 
     def __init__(
@@ -95,6 +100,7 @@ class LearnerBatch:
         opponents: Pool | None = None,
         learners: int = 1,
         distinct: bool = False,
+        prey_agent: str | None = None,
         normalise: bool = False,
         num_threads: int = 1,
         auto_reset: bool = True,
@@ -107,10 +113,8 @@ class LearnerBatch:
                 raise ConfigError(f"{name} must be True or False, got {value!r}")
         if len(set(config.controls)) > 1:
             raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
-        if config.prey:
-            raise ConfigError(
-                f"prey must be 0 for learners (VectorArena has the arrays of both sides), got {config.prey}"
-            )
+        if prey_agent is not None and not config.prey:
+            raise ConfigError(f"prey must be at least 1 for an agent to play it, got 0 and the agent {prey_agent}")
         most = config.hunters - (opponents is not None)
         if not most:
             raise ConfigError("hunters must be at least 2 where there are opponents, got 1")
@@ -126,6 +130,7 @@ class LearnerBatch:
             None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
         )
         """Who plays the other seats; `add` and `weigh` change the pool, for the episodes that begin from then on."""
+        self._prey = PreyPlayers(config, self.num_envs, prey_agent or SHIPPED_PREY) if config.prey else None
         self._control = CONTROLS[config.controls[0]]
         self.action_space: Final = self.arena.action_space()
         self.columns: Final[tuple[Column, ...]] = columns(config)
@@ -146,6 +151,7 @@ class LearnerBatch:
         self._begun = False
         self._seen: NDArray[np.float32] = np.zeros((*shape, len(self.columns)), np.float32)
         self._masks: NDArray[np.int8] = np.ones((*shape, 0), np.int8)
+        self._seen_by_prey: NDArray[np.float32] = np.zeros((self.num_envs, 0, 0), np.float32)
 
     @property
     def seats(self) -> NDArray[np.int64]:
@@ -187,9 +193,8 @@ class LearnerBatch:
         rows = np.arange(self.num_envs)
         chosen = rows if arenas is None else rows[np.asarray(arenas) if np.size(arenas) else []]
         self._take(observations, infos)
-        self._seat(chosen)
-        self._begun = True
-        return self._observations(observations), self.masks
+        self._begin(chosen)
+        return self._observations(self._seen), self.masks
 
     def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> LearnerStep:
         """R1.4: one step of every arena.
@@ -200,43 +205,44 @@ class LearnerBatch:
 
         Raises:
             ActionError: for an action that is not legal; nothing has moved then.
-            AgentError: for an opponent that raised, or whose action is not legal; nothing has moved then. After one
-                that raised as a new episode began, all must be reset.
+            AgentError: for an opponent or prey that raised, or whose action is not legal; nothing has moved then. After
+                one that raised as a new episode began, all must be reset.
             EpisodeError: before the first reset.
         """
         self._require_begun("step")
-        if self.opponents is None:
-            given = self._of_arenas(actions)
-        else:
-            self._place(actions)
-            given = {"cmd_vel": self._commands, "catch": self._choices}
-            self.arena.check_actions(given)  # now: opponents that have acted cannot take it back
+        given = self._of_arenas(actions) if self.opponents is None else self._placed(actions)
+        if self.opponents is not None or self._prey is not None:
+            self.arena.check_actions(self._with_prey(given))  # now: agents that have acted cannot take it back
+        if self.opponents is not None:
             self.opponents.act(self._seen, self._masks, self._choices, self._commands)
+        if self._prey is not None:
+            self._prey.act(self._seen_by_prey)
         seats = self._seats  # of the episodes that end here
-        observations, rewards, terminations, truncations, infos = self.arena.step(given)
+        observations, rewards, terminations, truncations, infos = self.arena.step(self._with_prey(given))
         self._take(observations, infos)
         over = np.flatnonzero(terminations | truncations)
         figures: Figures = {}
-        final, final_masks = observations[:0, 0], self._masks[:0, 0]
+        final, final_masks = self._seen[:0, 0], self._masks[:0, 0]
         if len(over):
             places = over[:, None], seats[over]
-            last, masks = observations, self._masks
+            last, masks = self._seen, self._masks
             if "final_obs" in infos:
-                last, masks = infos["final_obs"], infos.get("final_mask", self._masks)
-                figures = {name: self._flat(table[places]) for name, table in infos["episode"].items()}
+                last, masks = self._of_hunters(infos["final_obs"]), infos.get("final_mask", self._masks)
+                episode = self._of_hunters(infos["episode"])
+                figures = {name: self._flat(table[places]) for name, table in episode.items()}
                 if self.opponents is not None:
                     others = self.opponents.seated[over]
                     theirs = others >= 0
-                    for name, table in (("opponents", others), ("opponent_scores", infos["episode"]["score"][over])):
+                    for name, table in (("opponents", others), ("opponent_scores", episode["score"][over])):
                         figures[name] = np.repeat(table[theirs].reshape(len(over), -1), self.learners, axis=0)
-                self._seat(over)
+                self._begin(over)
             final, final_masks = self._flat(last[places]), self._flat(masks[places])
             if self.scale is not None:
                 final /= self.scale
         return LearnerStep(
-            self._observations(observations),
+            self._observations(self._seen),
             self.masks,
-            rewards[self._rows, seats].reshape(-1),
+            self._of_hunters(rewards)[self._rows, seats].reshape(-1),
             np.repeat(terminations, self.learners),
             np.repeat(truncations, self.learners),
             (over[:, None] * self.learners + np.arange(self.learners)).reshape(-1),
@@ -246,17 +252,18 @@ class LearnerBatch:
         )
 
     def save(self) -> SavedLearners:
-        """R10.2: all arenas, the opponents with all that they remember, and what will be drawn; `restore` takes it
+        """R10.2: all arenas, opponents and prey with all that they remember, and what will be drawn; `restore` takes it
         back, here or in a batch made with the same arguments. What an agent keeps outside itself is not kept.
 
         Raises:
-            AgentError: that names an opponent that cannot be copied.
+            AgentError: that names an agent that cannot be copied.
             EpisodeError: before the first reset.
         """
         self._require_begun("save")
         return SavedLearners(
             arena=self.arena.save(),
             opponents=None if self.opponents is None else self.opponents.save(),
+            prey=None if self._prey is None else self._prey.save(),
             seats=self.seats,
             rotation=self._rotation.copy(),
             rng=self._rng.bit_generator.state,
@@ -278,40 +285,57 @@ class LearnerBatch:
         observations, infos = self.arena.restore(saved.arena)
         if self.opponents is not None and saved.opponents is not None:
             self.opponents.restore(saved.opponents)
+        if self._prey is not None and saved.prey is not None:
+            self._prey.restore(dict(saved.prey))
         self._seats, self._rotation = saved.seats.copy(), saved.rotation.copy()
         self._rng.bit_generator.state = saved.rng
         self._take(observations, infos)
         self._begun = True
-        return self._observations(observations), self.masks
+        return self._observations(self._seen), self.masks
 
     def clone(self) -> "LearnerBatch":
         """A batch of its own in the same state, as `copy.deepcopy` makes it too.
 
         Raises:
-            AgentError: that names an opponent that cannot be copied.
+            AgentError: that names an agent that cannot be copied.
         """
         return copy.deepcopy(self)
 
-    def _take(self, observations: NDArray[np.float32], infos: Mapping[str, Any]) -> None:
-        self._seen = observations
+    def _take(self, observations: Any, infos: Mapping[str, Any]) -> None:
+        self._seen = self._of_hunters(observations)
         self._masks = infos.get("action_mask", self._masks)
+        if self._prey is not None:
+            self._seen_by_prey = observations["prey"]
 
-    def _seat(self, arenas: NDArray[np.int64]) -> None:
+    def _of_hunters(self, by_side: Any) -> Any:
+        """Of what `VectorArena` gives by side, where there is prey, that of the hunters."""
+        return by_side if self._prey is None else by_side["hunter"]
+
+    def _with_prey(self, given: Any) -> Any:
+        """The hunters' actions, and those of prey where there is any."""
+        return given if self._prey is None else {"hunter": given, "prey": self._prey.commands}
+
+    def _begin(self, arenas: NDArray[np.int64]) -> None:
+        """Episodes begin: whoever plays in them does."""
+        self._begun = False  # until all have begun: one that raises leaves seats that nobody plays
+        if self.opponents is not None:
+            self._seat(self.opponents, arenas)
+        if self._prey is not None:
+            self._prey.begin(self._rng, arenas)
+        self._begun = True
+
+    def _seat(self, opponents: Opponents, arenas: NDArray[np.int64]) -> None:
         """Learners move on by a seat, and the other seats draw their opponents."""
-        if self.opponents is None:
-            return
-        self._begun = False  # until each opponent has begun: one that raises leaves seats that nobody plays
         hunters = self.config.hunters
         self._rotation[arenas] += 1
         order = (np.arange(hunters) + self._rotation[arenas, None]) % hunters
         own, others = order[:, : self.learners], order[:, self.learners :]
         self._seats = self._seats.copy()
         self._seats[arenas] = own
-        drawn = self.opponents.draw(arenas, others, self._rng)
+        drawn = opponents.draw(arenas, others, self._rng)
         controls = np.full((len(arenas), hunters), self._control, dtype=np.int8)
-        np.put_along_axis(controls, others, self.opponents.controls[drawn], axis=1)
+        np.put_along_axis(controls, others, opponents.controls[drawn], axis=1)
         self.arena.set_controls(controls, arenas)
-        self._begun = True
 
     def _require_begun(self, what: str) -> None:
         if not self._begun:
@@ -329,7 +353,7 @@ class LearnerBatch:
             raise ActionError(f"actions must be those of {self.num_rows} learners, got the shape {given.shape}")
         return given.reshape(self.num_envs, self.learners, *given.shape[1:])
 
-    def _place(self, actions: Any) -> None:
+    def _placed(self, actions: Any) -> dict[str, NDArray[Any]]:
         """The learners' actions at their seats, and zeros elsewhere; the arena checks them."""
         self._choices.fill(0)
         self._commands.fill(0)
@@ -353,6 +377,7 @@ class LearnerBatch:
                 raise ActionError(f"actions must have the shape {wanted}, got {np.shape(named[name])}")
             with np.errstate(over="ignore"):  # what becomes infinite is refused
                 table[self._rows, self._seats] = given
+        return {"cmd_vel": self._commands, "catch": self._choices}
 
     def _observations(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         own: NDArray[np.float32] = self._flat(observations[self._rows, self._seats])

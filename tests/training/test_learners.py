@@ -82,7 +82,7 @@ def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
         ({"learners": 2, "opponents": "nearest"}, "learners must be a whole number from 1 to 1, beside an opponent"),
         ({"learners": 0}, "learners must be a whole number from 1 to 2"),
         ({"hunters": 1, "opponents": "nearest"}, "hunters must be at least 2 where there are opponents, got 1"),
-        ({"prey": 2}, r"prey must be 0 for learners \(VectorArena has the arrays of both sides\), got 2"),
+        ({"prey_agent": "flee"}, "prey must be at least 1 for an agent to play it, got 0 and the agent flee"),
         ({"normalise": 1}, "normalise must be True or False, got 1"),
         ({"control": ("target", "full")}, "control must be one word, that of the learners"),
         ({"num_envs": 10**8}, "num_envs must fit into this machine's memory, got 100000000"),
@@ -199,18 +199,21 @@ class Wandering:
 
 
 POOLS = [None, "nearest", ["random", "patrol"], [Wandering, "random", "search"], {"random": 3, "idle": 1}]
+GAMES = [("standard", pool, None) for pool in POOLS]
+GAMES += [("herd", None, "random"), ("herd", ["random", "patrol"], "corners")]
 TAKEN_ALONG = [lambda saved: saved, copy.deepcopy, lambda saved: pickle.loads(pickle.dumps(saved))]  # noqa: S301
 
 
 @pytest.mark.rule("R10.2")
 @pytest.mark.parametrize("carry", TAKEN_ALONG, ids=["as it is", "copied", "pickled"])
-@pytest.mark.parametrize("pool", POOLS, ids=str)
-def test_r10_2_a_batch_of_learners_goes_on_from_any_point(pool, carry):
-    """Restored, restored elsewhere, cloned, copied and pickled: through the ends of episodes, with opponents that
-    remember, and with a pool that has grown meanwhile.
+@pytest.mark.parametrize(("scenario", "pool", "prey"), GAMES, ids=str)
+def test_r10_2_a_batch_of_learners_goes_on_from_any_point(scenario, pool, prey, carry):
+    """Restored, restored elsewhere, cloned, copied and pickled: through the ends of episodes, with opponents and prey
+    that remember, and with a pool that has grown meanwhile.
     """
     arguments = {"opponents": pool, "learners": 4 if pool is None else 2, "normalise": True, "max_cycles": 12}
-    batch = LearnerBatch("standard", 3, **arguments)
+    arguments["prey_agent"] = prey
+    batch = LearnerBatch(scenario, 3, **arguments)
     batch.reset(seed=4)
     played(batch, 1, 7)
     saved = carry(batch.save())
@@ -220,11 +223,11 @@ def test_r10_2_a_batch_of_learners_goes_on_from_any_point(pool, carry):
         batch.opponents.add("tour")
         batch.opponents.weigh([*np.ones(len(batch.opponents.names) - 1), 9])
         played(batch, 3, 14)
-    other = LearnerBatch("standard", 3, **arguments)
+    other = LearnerBatch(scenario, 3, **arguments)
     for again in (batch, other):
         for _ in range(2):
             observations, masks = again.restore(saved)
-            assert observations.shape == (batch.num_rows, 71)
+            assert observations.shape == (batch.num_rows, len(batch.columns))
             assert masks.shape == (batch.num_rows, 9)
             assert played(again, 2) == expected
     if carry is not TAKEN_ALONG[0]:

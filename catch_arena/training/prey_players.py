@@ -1,0 +1,94 @@
+"""Who plays prey inside the batch: an instance of an agent's class `Prey` for each prey of each arena."""
+
+import copy
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.config import ArenaConfig
+from catch_arena.envs.spaces import checked_action
+from catch_arena.errors import ActionError, AgentError, reason
+from catch_arena.policy import PreyLimits
+from catch_arena.tournament.entrants import agent_class, create_policy, resolve_spec
+
+Place = tuple[int, int]
+"""An arena, and the number of a prey in it."""
+
+
+class PreyPlayers:
+    """The prey of a batch of arenas. Each has an instance of its own, which is called for it alone.
+
+    Args:
+        config: the arenas' settings.
+        num_envs: B.
+        agent: who plays: a shipped name, a file or `package.module:Class`.
+
+    Raises:
+        AgentError: for an agent that is not there, or has no class `Prey`.
+    """
+
+    def __init__(self, config: ArenaConfig, num_envs: int, agent: str) -> None:
+        spec = resolve_spec(agent)
+        agent_class(spec, "prey")
+        self._name, self._limits = agent, PreyLimits.of(config)
+        self._players: dict[Place, Any] = {
+            (arena, index): create_policy(spec, "prey") for arena in range(num_envs) for index in range(config.prey)
+        }
+        self.commands = np.zeros((num_envs, config.prey, 2), np.float32)
+        """What they did last, which `act` overwrites: (B, P, 2) in [-1, 1]."""
+
+    def begin(self, rng: np.random.Generator, arenas: NDArray[np.int64] | None = None) -> None:
+        """The prey of these arenas begins anew; that of all without them."""
+        begun = None if arenas is None else set(arenas.tolist())
+        for place, player in self._players.items():
+            if begun is None or place[0] in begun:
+                self._call(player, "reset", int(rng.integers(2**63)), place)
+
+    def act(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
+        """R12.2: `commands`, of prey that sees this: (B, P, E).
+
+        Raises:
+            AgentError: for one that fails.
+        """
+        for place, player in self._players.items():
+            answer = self._call(player, "act", self._limits.view(observations[place].tolist(), ()), place)
+            try:
+                _, self.commands[place] = checked_action("velocity", f"prey {self._name}", answer, 0)
+            except ActionError as error:
+                raise AgentError(f"{error}{_where(place)}") from None
+        return self.commands
+
+    def save(self) -> dict[Place, Any]:
+        """R10.2: copies of all players, with all that they remember; `restore` takes them back.
+
+        Raises:
+            AgentError: for an agent that cannot be copied.
+        """
+        return self._copied(self._players)
+
+    def restore(self, saved: dict[Place, Any]) -> None:
+        """Go on from what `save` gave, here or in the prey of a batch of equal config and size."""
+        self._players = self._copied(saved)
+
+    def __deepcopy__(self, _memo: dict[int, Any]) -> "PreyPlayers":
+        twin = copy.copy(self)
+        twin.commands = self.commands.copy()
+        twin.restore(self._players)
+        return twin
+
+    def _copied(self, players: dict[Place, Any]) -> dict[Place, Any]:
+        try:
+            return copy.deepcopy(players)
+        except Exception as error:  # a stranger's code may raise anything
+            raise AgentError(f"prey {self._name}: copying it raised {reason(error)}") from error
+
+    def _call(self, player: Any, method: str, argument: object, place: Place) -> Any:
+        try:
+            return getattr(player, method)(argument)
+        except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+            raise AgentError(f"prey {self._name}: {method} raised {reason(error)}{_where(place)}") from error
+
+
+def _where(place: Place) -> str:
+    return f" for prey_{place[1]} in arena {place[0]}"
