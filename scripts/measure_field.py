@@ -2,9 +2,10 @@
 
 Each match seats different agents, drawn at random, and all matches of a scenario are played at once, in a batch of
 arenas. Prints a Markdown table: for each agent and scenario the mean score, and the share of matches that it won (a win
-that k hunters share counts 1 / k), with half of its 95 % interval (1.96 standard errors). Behind it come the pairs of
-agents that stand in another order than in the first scenario, where both orders are sure: in each of the two scenarios
-the shares of wins differ by more than 1.96 standard errors of their difference. Not for scenarios with teams or prey.
+that k hunters share counts 1 / k), with half of its 95 % interval (1.96 standard errors). Who wins most in the first
+scenario comes first. Behind it come the pairs of agents that stand in another order than in the first scenario, where
+both orders are sure: in each of the two scenarios the shares of wins differ by more than 1.96 standard errors of their
+difference. Not for scenarios with teams or prey.
 """
 
 import argparse
@@ -115,9 +116,9 @@ def main() -> int:
         return 2
     print(f"| agent | {' | '.join(f'`{name}`' for name in args.scenarios)} |")
     print(f"|---|{'---|' * len(args.scenarios)}")
-    for agent in args.agents:
-        print(f"| `{agent}` | {' | '.join(str(figures.get(agent, '')) for figures in told.values())} |")
     usual, *others = args.scenarios
+    for agent in sorted(told[usual], key=lambda agent: -told[usual][agent].wins):
+        print(f"| `{agent}` | {' | '.join(str(figures.get(agent, '')) for figures in told.values())} |")
     for name in others:
         pairs = ", ".join(f"`{one}` before `{two}`" for one, two in turned(told[usual], told[name]))
         print(f"\n`{name}`, other than in `{usual}`: {pairs or 'none'}")
