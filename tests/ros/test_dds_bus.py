@@ -1,5 +1,6 @@
 """Two processes over DDS, on the loopback interface and without multicast: ours, and one that speaks bytes."""
 
+import re
 import time
 from types import SimpleNamespace
 from uuid import UUID
@@ -550,6 +551,19 @@ def test_the_users_own_configuration_comes_last_and_overrides():
     made = configuration(Discovery(localhost=True, peers=PEERS), "<Own/>")
     assert made.endswith(",<Own/>")
     assert "".join(f'<Peer address="{peer}"/>' for peer in ("127.0.0.1", *PEERS)) in made
-    assert "NetworkInterface" not in made  # by the loopback interface alone no peer can be reached
-    assert "NetworkInterface" in configuration(ALONE, "")
     assert "Peer" not in configuration(NETWORK, "")
+
+
+@pytest.mark.parametrize(
+    ("discovery", "expected"),
+    [
+        (NETWORK, []),
+        (ALONE, ['address="127.0.0.1" multicast="false"']),
+        (Discovery(localhost=True, peers=("127.0.0.1:7411",)), ['address="127.0.0.1" multicast="false"']),
+        (Discovery(localhost=True, peers=PEERS), ['autodetermine="true"', 'address="127.0.0.1" multicast="false"']),
+        (Discovery(peers=PEERS), []),
+    ],
+)
+def test_this_machine_is_heard_by_its_own_interface_and_peers_by_the_networks(discovery, expected):
+    """Cyclone hears nobody by an interface that it does not use; none of them is to be named twice."""
+    assert re.findall("<NetworkInterface ([^/]*)/>", configuration(discovery, "")) == expected
