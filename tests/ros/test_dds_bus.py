@@ -268,16 +268,19 @@ def watch():
     said = []
     made = object.__new__(dds_peers.PeerWatch)
     made._expected, made._served, made._warned, made._log = {}, {}, set(), said.append
+    made._knows_fast_dds = False
     made.expect("rq/catch_turtleRequest", TYPES.catch_turtle.request)
+    made.expect("rq/killRequest", TYPES.kill.request)
     made.expect("rt/alive_turtles", TYPES.turtle_array)
     return made, said
 
 
 def test_fast_dds_is_told_apart_by_its_ids_and_only_where_services_are_concerned(watch):
-    """One line, with the two ways out, however often its nodes appear."""
+    """One line, with the two ways out, however often its nodes appear, and whatever they call."""
     looking, said = watch
     shown = [
         ("rq/catch_turtleRequest", dds_name(TYPES.catch_turtle.request)),
+        ("rq/killRequest", dds_name(TYPES.kill.request)),
         ("rt/alive_turtles", dds_name(TYPES.turtle_array)),
         ("rt/other", "U_"),
     ]
