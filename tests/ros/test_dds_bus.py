@@ -1,5 +1,6 @@
 """Two processes over DDS, on the loopback interface and without multicast: ours, and one that speaks bytes."""
 
+import re
 import time
 from types import SimpleNamespace
 from uuid import UUID
@@ -267,16 +268,19 @@ def watch():
     said = []
     made = object.__new__(dds_peers.PeerWatch)
     made._expected, made._served, made._warned, made._log = {}, {}, set(), said.append
+    made._knows_fast_dds = False
     made.expect("rq/catch_turtleRequest", TYPES.catch_turtle.request)
+    made.expect("rq/killRequest", TYPES.kill.request)
     made.expect("rt/alive_turtles", TYPES.turtle_array)
     return made, said
 
 
 def test_fast_dds_is_told_apart_by_its_ids_and_only_where_services_are_concerned(watch):
-    """One line, with the two ways out, however often its nodes appear."""
+    """One line, with the two ways out, however often its nodes appear, and whatever they call."""
     looking, said = watch
     shown = [
         ("rq/catch_turtleRequest", dds_name(TYPES.catch_turtle.request)),
+        ("rq/killRequest", dds_name(TYPES.kill.request)),
         ("rt/alive_turtles", dds_name(TYPES.turtle_array)),
         ("rt/other", "U_"),
     ]
@@ -550,6 +554,19 @@ def test_the_users_own_configuration_comes_last_and_overrides():
     made = configuration(Discovery(localhost=True, peers=PEERS), "<Own/>")
     assert made.endswith(",<Own/>")
     assert "".join(f'<Peer address="{peer}"/>' for peer in ("127.0.0.1", *PEERS)) in made
-    assert "NetworkInterface" not in made  # by the loopback interface alone no peer can be reached
-    assert "NetworkInterface" in configuration(ALONE, "")
     assert "Peer" not in configuration(NETWORK, "")
+
+
+@pytest.mark.parametrize(
+    ("discovery", "expected"),
+    [
+        (NETWORK, []),
+        (ALONE, ['address="127.0.0.1" multicast="false"']),
+        (Discovery(localhost=True, peers=("127.0.0.1:7411",)), ['address="127.0.0.1" multicast="false"']),
+        (Discovery(localhost=True, peers=PEERS), ['autodetermine="true"', 'address="127.0.0.1" multicast="false"']),
+        (Discovery(peers=PEERS), []),
+    ],
+)
+def test_this_machine_is_heard_by_its_own_interface_and_peers_by_the_networks(discovery, expected):
+    """Cyclone hears nobody by an interface that it does not use; none of them is to be named twice."""
+    assert re.findall("<NetworkInterface ([^/]*)/>", configuration(discovery, "")) == expected

@@ -12,7 +12,7 @@ from websockets.sync.client import connect
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import rosbridge_bus
-from catch_arena.ros.middleware.bus import DEPTH, open_bus
+from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.interfaces import EMPTY, TWIST, Empty, Interfaces, TwistMessage
 from catch_arena.ros.middleware.rosbridge_bus import from_json, to_json
 
@@ -67,7 +67,7 @@ def test_it_begins_as_the_protocol_has_it(bridge, joined):
 
     assert bridge[0].frames == [
         {"op": "advertise", "topic": "/alive_turtles", "type": "my_robot_interfaces/msg/TurtleArray"},
-        {"op": "subscribe", "topic": "/turtle1/cmd_vel", "type": "geometry_msgs/msg/Twist", "queue_length": DEPTH},
+        {"op": "subscribe", "topic": "/turtle1/cmd_vel", "type": "geometry_msgs/msg/Twist"},
         {"op": "advertise_service", "service": "/catch_turtle", "type": "my_robot_interfaces/srv/CatchTurtle"},
     ]
 
@@ -230,11 +230,12 @@ def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
     for text in ("no json", "[]", '"x"', "{}", '{"op": "publish"}', '{"op": "dance", "topic": "/t"}', "[" * 100_000):
         bridge[0].raw(text)
     bridge[0].raw(json.dumps({"op": "status", "level": "error", "msg": "unknown \x1b[31m type"}))
-    with student(bridge[1]) as socket:
-        for count, arguments in enumerate(({"name": 3}, {"name": None}, {}, 7), start=1):
-            send(socket, op="call_service", service="/catch_turtle", args=arguments)
-            until(joined, lambda count=count: answered() == count)
-            assert json.loads(socket.recv(5))["result"] is False
+    for count, arguments in enumerate(({"name": 3}, {"name": None}, {}, 7), start=1):
+        bridge[0].raw(
+            json.dumps({"op": "call_service", "id": str(count), "service": "/catch_turtle", "args": arguments})
+        )
+        until(joined, lambda count=count: answered() == count)
+        assert (bridge[0].frames[-1]["id"], bridge[0].frames[-1]["result"]) == (str(count), False)
     good = to_json(TWIST, TwistMessage.of(1.0, 2.0))
     bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": good}))
     until(joined, lambda: heard)
@@ -260,6 +261,73 @@ def test_a_flood_leaves_the_newest(bridge, joined):
         time.sleep(0.01)
     ours.spin()
     assert heard == list(range(1990, 2000))
+
+
+def test_its_services_end_with_it(bridge, joined):
+    """However long the server takes to read it: it keeps services whose client has gone, and nobody would answer."""
+    ours, _ = joined
+    server, _ = bridge
+    for service in ("/spawn", "/kill"):
+        ours.serve(service, EMPTY, print)
+    until(joined, lambda: len(server.services) == 2)
+    closing = threading.Thread(target=ours.close)
+    with server.reading:
+        closing.start()
+        closing.join(0.3)
+    closing.join(5)
+    assert server.services == {}
+
+
+def test_a_call_holds_up_neither_topics_nor_services_nor_other_calls(bridge, joined):
+    """The server reads nothing more of a connection until a call that came over it is answered."""
+    ours, _ = joined
+    publish = ours.publisher("/turtle1/cmd_vel", TWIST)
+    ours.serve("/kill", EMPTY, lambda request: request.answer(Empty()))
+    client = ours.client("/catch_turtle", TYPES.catch_turtle)
+    with student(bridge[1]) as socket, student(bridge[1]) as other:
+        send(socket, op="advertise_service", service="/catch_turtle", type=TYPES.catch_turtle.name)
+        until(joined, lambda: len(bridge[0].services) == 2)
+        calls = [client.call(CatchTurtleRequest(name)) for name in ("a", "b")]
+        asked = sorted((json.loads(socket.recv(5)) for _ in calls), key=lambda frame: frame["args"]["name"])
+        publish(TwistMessage.of(1.0, 2.0))
+        until(joined, lambda: any(frame["op"] == "publish" for frame in bridge[0].frames))
+        send(other, op="call_service", service="/kill", args={})  # as a node does that is asked to catch one
+        until(joined, lambda: any(frame["op"] == "service_response" for frame in bridge[0].frames))
+        send(socket, op="service_response", id=asked[1]["id"], service="/catch_turtle", values={"success": True})
+        until(joined, lambda: calls[1].response is not None)
+    assert (calls[0].response, calls[1].response) == (None, CatchTurtleResponse(True))
+
+
+def test_calls_one_after_the_other_share_a_connection_until_the_server_comes_back(bridge, joined):
+    """The server tells of each that comes and goes."""
+    ours, said = joined
+    failed = []
+    client = ours.client("/kill", EMPTY, failed.append)
+
+    def call(times):
+        for _ in range(times):
+            before = len(failed)
+            client.call(Empty())
+            until(joined, lambda before=before: len(failed) > before)
+
+    call(3)
+    assert len(bridge[0]._clients) == 2
+    bridge[0].hang_up()
+    until(joined, lambda: "rosbridge: the server is back" in said)
+    call(1)
+    assert failed == 4 * ["/kill: Service /kill does not exist"]
+
+
+def test_what_rosbridge_has_cut_does_not_end_the_connection(bridge, joined):
+    """A piece has 10 MB, and twice as many where all of it is quotes."""
+    ours, said = joined
+    heard = []
+    ours.subscribe("/t", TWIST, lambda message, _: heard.append(message))
+    until(joined, lambda: bridge[0].frames)
+    bridge[0].raw(json.dumps({"op": "fragment", "id": "1", "num": 0, "total": 3, "data": '"' * 10_000_000}))
+    bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": to_json(TWIST, TwistMessage.of(1.0, 2.0))}))
+    until(joined, lambda: heard)
+    assert said == []
 
 
 @pytest.mark.parametrize(

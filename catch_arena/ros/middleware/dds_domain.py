@@ -17,9 +17,8 @@ _SUBNET: Final = ("", "SUBNET")
 _MOST_PROCESSES: Final = 120
 """On one host. Where there is no multicast, each that could be there is asked by its number."""
 _THIS_MACHINE: Final = "127.0.0.1"
-_LOOPBACK: Final = (
-    f'<Interfaces><NetworkInterface address="{_THIS_MACHINE}" multicast="false"/></Interfaces>'  # it has no multicast
-)
+_LOOPBACK: Final = f'<NetworkInterface address="{_THIS_MACHINE}" multicast="false"/>'  # it has no multicast
+_NETWORK: Final = '<NetworkInterface autodetermine="true"/>'
 _IN_IT_ALREADY: Final = -4
 """DDS_RETCODE_PRECONDITION_NOT_MET, where a process configures a domain for the second time."""
 _domains: Final[dict[int, Domain]] = {}
@@ -97,7 +96,9 @@ def configuration(discovery: Discovery, own: str) -> str:
     """
     general, peers = "", discovery.peers
     if discovery.localhost:
-        general = f"<General>{'' if peers else _LOOPBACK}<AllowMulticast>false</AllowMulticast></General>"
+        is_alone = all(peer.startswith("127.") for peer in peers)
+        interfaces = _LOOPBACK if is_alone else _NETWORK + _LOOPBACK  # what comes by any other is not heard
+        general = f"<General><Interfaces>{interfaces}</Interfaces><AllowMulticast>false</AllowMulticast></General>"
         peers = (_THIS_MACHINE, *peers)
     listed = "".join(f'<Peer address="{peer}"/>' for peer in peers)
     return (

@@ -48,6 +48,7 @@ class PeerWatch:
         self._expected: dict[str, MessageType] = {}
         self._served: dict[str, str] = {}
         self._warned: set[tuple[str, str]] = set()
+        self._knows_fast_dds = False
 
     def expect(self, topic: str, kind: MessageType) -> None:
         """What is sent on a topic of DDS's."""
@@ -88,7 +89,9 @@ class PeerWatch:
                 "they do not hear each other; --interfaces and --turtlesim name the packages",
             )
         elif topic.startswith("rq") and is_fast_dds(endpoint.participant_key):
-            self._warn_once(topic, FAST_DDS.format(what=f"has to do with {topic[2:].removesuffix('Request')}"))
+            if not self._knows_fast_dds:  # one line, whatever else such nodes call
+                self._knows_fast_dds = True
+                self._warn_once(topic, FAST_DDS.format(what=f"has to do with {topic[2:].removesuffix('Request')}"))
         elif topic.startswith("rt") and (announced := announced_hash(endpoint)) not in {None, own_hash(kind)}:
             self._warn_once(
                 topic,

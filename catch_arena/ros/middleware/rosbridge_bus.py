@@ -9,6 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from itertools import count
+from queue import SimpleQueue
 from typing import Any, Final
 
 from websockets.exceptions import WebSocketException
@@ -25,9 +26,15 @@ _OPEN_S: Final = 5.0
 _AGAIN_S: Final = 1.0
 """After so long a connection that was lost is tried again."""
 _CLOSE_S: Final = 1.0
-_LONGEST: Final = 16 * 2**20
-"""Bytes of a frame; a longer one is a stranger's, and ends the connection."""
+_READ_S: Final = 0.5
+"""So long the end waits for the server to read it."""
+_LONGEST: Final = 32 * 2**20
+"""Bytes of a frame; a longer one ends the connection. rosbridge cuts what is longer than 10 MB, and a quote in it takes
+two bytes then.
+"""
 _REQUESTS: Final = 64
+_OWN_SERVICE: Final = "/rosbridge_websocket/get_parameters"
+"""rosbridge's own, whose response says that all before it was read; so does the error of a server without it."""
 _INTEGERS: Final = {
     f"{sign}int{bits}": (-(2 ** (bits - 1)) if not sign else 0, 2 ** (bits - (not sign)) - 1)
     for sign in ("", "u")
@@ -59,6 +66,9 @@ class RosbridgeBus:
         self._complaints: deque[str] = deque(maxlen=100)
         self._unreadable: set[str] = set()
         self._ids = count(1)
+        self._lines: list[_CallLine] = []
+        self._beside: ClientConnection | None = None
+        """The connection whose server the lines reach."""
         self._closing = False
         self._connection: ClientConnection | None = None
         first: Future[None] = Future()
@@ -93,7 +103,8 @@ class RosbridgeBus:
             on_message(from_json(kind, frame.get("msg")), None)
 
         self._handle(("publish", topic), DEPTH, handle)
-        self._announce({"op": "subscribe", "topic": topic, "type": kind.name, "queue_length": DEPTH})
+        # Without a queue_length: its queue's thread in rosbridge never ends where it is left with something in it.
+        self._announce({"op": "subscribe", "topic": topic, "type": kind.name})
 
     def unsubscribe(self, topic: str) -> None:
         """Hear it no more."""
@@ -125,7 +136,7 @@ class RosbridgeBus:
 
     def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_BridgeClient":
         """Call a service."""
-        client = _BridgeClient(service, kind, self._send, self._ids, on_failure or self._complain)
+        client = _BridgeClient(service, kind, self._call, self._ids, on_failure or self._complain)
         self._handle(("service_response", service), _REQUESTS, client.handle)
         return client
 
@@ -160,10 +171,15 @@ class RosbridgeBus:
                     self._log(f"warning: a message on {key[1]} cannot be read: {error}")
 
     def close(self) -> None:
-        """Leave the bus."""
+        """Leave the bus. The services end before it: rosbridge would keep them, and whoever calls one would wait for
+        ever.
+        """
         self._closing = True
+        for line in self._lines:
+            line.close()
         connection = self._connection
         if connection is not None:
+            self._end_services()
             with suppress(OSError, WebSocketException):
                 connection.close()
         self._thread.join(_CLOSE_S)
@@ -178,6 +194,36 @@ class RosbridgeBus:
             self._announced.append(frame)
             self._send(frame)
 
+    def _end_services(self) -> None:
+        """And wait until rosbridge has read it: when a connection ends it forgets what it has not read yet."""
+        served = [name for does, name in self._handlers if does == "call_service"]
+        if not served:
+            return
+        read = "service_response", _OWN_SERVICE
+        self._handle(read, 1, lambda _: None)
+        for service in served:
+            self._send({"op": "unadvertise_service", "service": service})
+        self._send({"op": "call_service", "service": _OWN_SERVICE, "args": {}})
+        with self._come:
+            self._come.wait_for(lambda: self._inboxes[read], _READ_S)
+
+    def _call(self, frame: dict[str, Any]) -> None:
+        """Over a line on which no other call is under way."""
+        connection = self._connection
+        if connection is None:
+            return
+        if self._beside is not connection:  # the server has been away, and so have they
+            for line in self._lines:
+                line.close()
+            self._lines, self._beside = [], connection
+        free = next((line for line in self._lines if line.is_free), None)
+        if free is None:
+            free = _CallLine(self._url, self._sort_in)
+            self._lines.append(free)
+            if len(self._lines) > _REQUESTS:  # nobody waits for one so old
+                self._lines.pop(0).close()
+        free.send(frame)
+
     def _send(self, frame: dict[str, Any]) -> None:
         """Nothing is kept for a server that is away: a pose of then is of no use later."""
         connection = self._connection
@@ -189,14 +235,7 @@ class RosbridgeBus:
         """The thread: frames into their inboxes, of which a full one loses its oldest."""
         while not self._closing:
             try:
-                with connect(
-                    self._url,
-                    proxy=None,  # those of the environment are for the Web, and some take 127.0.0.1 too
-                    open_timeout=_OPEN_S,
-                    close_timeout=_CLOSE_S,
-                    max_size=_LONGEST,
-                    compression=None,
-                ) as connection:
+                with _connection_to(self._url) as connection:
                     with self._announcing:
                         for frame in self._announced:
                             connection.send(json.dumps(frame))
@@ -217,22 +256,24 @@ class RosbridgeBus:
             if not self._closing:
                 time.sleep(_AGAIN_S)
 
-    def _sort_in(self, text: str | bytes) -> None:
+    def _sort_in(self, text: str | bytes) -> str:
+        """A frame into its inbox; what it does, as rosbridge calls it."""
         try:
             frame = json.loads(text)
         except (ValueError, RecursionError):
             self._note("warning: rosbridge sent what is no JSON")
-            return
+            return ""
         if not isinstance(frame, dict):
-            return
-        if frame.get("op") == "status":
+            return ""
+        does = str(frame.get("op"))
+        if does == "status":
             self._complain(str(frame.get("msg")))
-            return
-        key = str(frame.get("op")), str(frame.get("service", frame.get("topic")))
+        key = does, str(frame.get("service", frame.get("topic")))
         with self._come:
             if key in self._inboxes:
                 self._inboxes[key].append(frame)
                 self._come.notify()
+        return does
 
     def _complain(self, what: str) -> None:
         """What the server says that it could not do."""
@@ -245,6 +286,45 @@ class RosbridgeBus:
         with self._come:
             if line not in self._notes:
                 self._notes.append(line)
+
+
+class _CallLine:
+    """A connection of its own for calls, one at a time. Until a call is answered rosbridge reads nothing else that
+    comes over the same connection: Twists and responses would wait behind it, for ever where no answer comes.
+
+    Args:
+        url: the server's.
+        sort_in: takes what comes, and tells what it does.
+    """
+
+    def __init__(self, url: str, sort_in: Callable[[str | bytes], str]) -> None:
+        self._url, self._sort_in = url, sort_in
+        self._frames: SimpleQueue[dict[str, Any] | None] = SimpleQueue()
+        self._connection: ClientConnection | None = None
+        self.is_free = True
+        """Whether a call may be sent; never again after the connection has ended."""
+        threading.Thread(target=self._run, name="rosbridge calls", daemon=True).start()
+
+    def send(self, frame: dict[str, Any]) -> None:
+        """Call."""
+        self.is_free = False
+        self._frames.put(frame)
+
+    def close(self) -> None:
+        """Whatever is under way."""
+        self._frames.put(None)
+        if self._connection is not None and not self.is_free:
+            with suppress(OSError, WebSocketException):
+                self._connection.close()
+
+    def _run(self) -> None:
+        with suppress(OSError, WebSocketException), _connection_to(self._url) as connection:
+            self._connection = connection
+            while (frame := self._frames.get()) is not None:
+                connection.send(json.dumps(frame))
+                while self._sort_in(connection.recv()) != "service_response":
+                    pass
+                self.is_free = True
 
 
 class _BridgeClient:
@@ -285,6 +365,17 @@ class _BridgeClient:
             call.response = from_json(self._kind.response, frame.get("values"))
         else:
             self._on_failure(one_line(f"{self._service}: {frame.get('values')}"))
+
+
+def _connection_to(url: str) -> ClientConnection:
+    return connect(
+        url,
+        proxy=None,  # those of the environment are for the Web, and some take 127.0.0.1 too
+        open_timeout=_OPEN_S,
+        close_timeout=_CLOSE_S,
+        max_size=_LONGEST,
+        compression=None,
+    )
 
 
 def to_json(kind: MessageType, message: Any) -> dict[str, Any]:
