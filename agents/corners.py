@@ -1,6 +1,4 @@
-"""As prey: runs from corner to corner, to the one where its lead over the nearest hunter is the greatest. Hunts as
-`contested` does.
-"""
+"""As prey: runs to the corner where its lead over the nearest hunter is the greatest. Hunts as `contested` does."""
 
 import math
 from typing import Final

@@ -100,7 +100,11 @@ class Prey:
     [
         ("reset", lambda batch: batch.reset(seed=2), "reset raised ValueError: no for prey_0 in arena 0"),
         ("act", lambda batch: batch.step(np.zeros((6, 2))), "act raised ValueError: no for prey_0 in arena 0"),
-        ("answer", lambda batch: batch.step(np.zeros((6, 2))), "an action must be two numbers .* for prey_0 in arena 0"),
+        (
+            "answer",
+            lambda batch: batch.step(np.zeros((6, 2))),
+            "an action must be two numbers .* for prey_0 in arena 0",
+        ),
         ("copy", LearnerBatch.save, "copying it raised ValueError: no"),
         ("copy", LearnerBatch.clone, "copying it raised ValueError: no"),
     ],
