@@ -597,7 +597,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._infos_level == "full":
             infos = LazyInfos(self._nobody)
             withdrawn = self._engine.hunter_rows(0)[:, _WITHDRAWN].tolist() if self._dropouts_stay else None
-            team_scores = self._engine.team_scores[0].tolist()
+            team_scores = () if self.config.teams is None else self._engine.team_scores[0].tolist()
             prey = self._engine.prey_rows(0).copy() if self._prey else None
             infos.make = lambda: self._infos(agents, cut, outputs, withdrawn, team_scores, prey)
         elif self._infos_level == "mask":

@@ -20,9 +20,8 @@ from catch_arena.layout import Column, columns
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.text import in_short
-from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
-from catch_arena.training.prey_players import Place, PreyPlayers
+from catch_arena.training.prey_players import Place, PreyPlayers, who_plays_prey
 
 Figures = dict[str, NDArray[np.float32]]
 
@@ -113,8 +112,7 @@ class LearnerBatch:
                 raise ConfigError(f"{name} must be True or False, got {value!r}")
         if len(set(config.controls)) > 1:
             raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
-        if prey_agent is not None and not config.prey:
-            raise ConfigError(f"prey must be at least 1 for an agent to play it, got 0 and the agent {prey_agent}")
+        prey_agent = who_plays_prey(config, prey_agent)
         most = config.hunters - (opponents is not None)
         if not most:
             raise ConfigError("hunters must be at least 2 where there are opponents, got 1")
@@ -130,7 +128,7 @@ class LearnerBatch:
             None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
         )
         """Who plays the other seats; `add` and `weigh` change the pool, for the episodes that begin from then on."""
-        self._prey = PreyPlayers(config, self.num_envs, prey_agent or SHIPPED_PREY) if config.prey else None
+        self._prey = None if prey_agent is None else PreyPlayers(config, self.num_envs, prey_agent)
         self._control = CONTROLS[config.controls[0]]
         self.action_space: Final = self.arena.action_space()
         self.columns: Final[tuple[Column, ...]] = columns(config)

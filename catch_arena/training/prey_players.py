@@ -8,12 +8,32 @@ from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.spaces import checked_action
-from catch_arena.errors import ActionError, AgentError, reason
+from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import PreyLimits
-from catch_arena.tournament.entrants import agent_class, create_policy, resolve_spec
+from catch_arena.tournament.entrants import SHIPPED_PREY, agent_class, create_policy, resolve_spec
 
 Place = tuple[int, int]
 """An arena, and the number of a prey in it."""
+
+
+def who_plays_prey(config: ArenaConfig, agent: str | None) -> str | None:
+    """The agent that plays prey in such arenas: the one that is named, or else a shipped one; None where there is none.
+
+    Args:
+        config: the arenas' settings.
+        agent: a shipped name, a file or `package.module:Class`.
+
+    Raises:
+        ConfigError: for an agent where there is no prey.
+        AgentError: for an agent that is not there, or has no class `Prey`.
+    """
+    if not config.prey:
+        if agent is not None:
+            raise ConfigError(f"prey must be at least 1 for an agent to play it, got 0 and the agent {agent}")
+        return None
+    agent = SHIPPED_PREY if agent is None else agent
+    agent_class(resolve_spec(agent), "prey")
+    return agent
 
 
 class PreyPlayers:
@@ -22,15 +42,11 @@ class PreyPlayers:
     Args:
         config: the arenas' settings.
         num_envs: B.
-        agent: who plays: a shipped name, a file or `package.module:Class`.
-
-    Raises:
-        AgentError: for an agent that is not there, or has no class `Prey`.
+        agent: who plays, see `who_plays_prey`.
     """
 
     def __init__(self, config: ArenaConfig, num_envs: int, agent: str) -> None:
         spec = resolve_spec(agent)
-        agent_class(spec, "prey")
         self._name, self._limits = agent, PreyLimits.of(config)
         self._players: dict[Place, Any] = {
             (arena, index): create_policy(spec, "prey") for arena in range(num_envs) for index in range(config.prey)

@@ -302,7 +302,7 @@ class _CallLine:
         self._frames: SimpleQueue[dict[str, Any] | None] = SimpleQueue()
         self._connection: ClientConnection | None = None
         self.is_free = True
-        """Whether a call may be sent; never again after the connection has ended."""
+        """Whether no call is under way; one that is lost with its connection stays so."""
         threading.Thread(target=self._run, name="rosbridge calls", daemon=True).start()
 
     def send(self, frame: dict[str, Any]) -> None:
