@@ -33,6 +33,8 @@ LOST: Final = 1e3
 """Above every time [s]: a race that is lost comes behind all that are won."""
 LONGEST_LEAD_S: Final = 1.5
 """Nobody knows where a target turns to after that."""
+SLOWEST_GAIN_MPS: Final = 0.1
+"""What flees nearly as fast as the hunter is caught at some time as well: at a wall, or by two."""
 THERE_M: Final = 0.02
 """Who waits stands still so near to its place."""
 SPAWN_LOW_M: Final = 0.5
@@ -177,7 +179,11 @@ def look_ahead(scene: Scene, weights: Weights) -> Float64Array:
 
 
 class RolloutArena:
-    """C copies of each of N scenes; in each the hunter goes to another place first."""
+    """C copies of each of N scenes; in each the hunter goes to another place first.
+
+    Everybody drives to where it would meet a target that moves, and a target that flees takes longer; but straight to
+    where it is now if it is faster, and where prey is played.
+    """
 
     def __init__(self, scene: Scene, weights: Weights) -> None:
         self.scene, self.weights, self.limits = scene, weights, scene.limits
@@ -193,6 +199,8 @@ class RolloutArena:
         self.idle = np.where(scene.races, 0.0, np.inf)[:, None, :, None]
         self.strangers = np.where(scene.mates, np.inf, 0.0)[:, None, :, None]
         self.worth = np.where(scene.mates, 1.0, -weights.rivals)
+        slower = self.limits.target_speed_mps < self.limits.max_speed_mps
+        self.leads = self.limits.targets_move and slower and not self.limits.prey  # where prey turns to, nobody knows
         self.rows, self.copies = np.arange(count)[:, None, None], np.arange(copies)[:, None]
         self._look()
 
@@ -202,6 +210,30 @@ class RolloutArena:
         self.dy = self.target_y[:, :, None] - self.y[..., None]
         self.distance = np.sqrt(self.dx * self.dx + self.dy * self.dy)
         self.cosine, self.sine = np.cos(self.heading), np.sin(self.heading)
+        if self.limits.targets_move:
+            self.target_vx, self.target_vy = self._target_velocities()
+
+    def _target_velocities(self) -> tuple[Float64Array, Float64Array]:
+        """Straight on, or, with a hunter nearer than the alarm, away from it (R3.10): (N, C, K)."""
+        straight = self.scene.target_vx[:, None], self.scene.target_vy[:, None]
+        if not self.limits.alarm_m:
+            return straight
+        threat, targets = (self.distance + self.absent).argmin(axis=2), np.arange(self.targets)
+        away = self.distance[self.rows, self.copies, threat, targets]
+        speed = self.limits.target_speed_mps / np.maximum(1e-6, away)
+        vx, vy = (
+            np.where(away < self.limits.alarm_m, speed * from_all[self.rows, self.copies, threat, targets], calm)
+            for from_all, calm in zip((self.dx, self.dy), straight, strict=True)
+        )
+        return vx, vy
+
+    def _meetings(self) -> tuple[Float64Array, Float64Array]:
+        """Where each hunter could meet each target that moves on as it does now: (N, C, H, K)."""
+        lead, side = np.minimum(LONGEST_LEAD_S, self.distance / self.limits.max_speed_mps), self.limits.side_m
+        return (
+            np.clip(self.target_x[:, :, None] + lead * self.target_vx[:, :, None], 0.0, side),
+            np.clip(self.target_y[:, :, None] + lead * self.target_vy[:, :, None], 0.0, side),
+        )
 
     def _arrivals_s(self, dx: Float64Array, dy: Float64Array, way: Float64Array) -> Float64Array:
         """The way at full speed, and half of the turn; infinite for who is not there."""
@@ -214,8 +246,17 @@ class RolloutArena:
 
     def _races_s(self) -> Float64Array:
         """When each hunter could reach each target; infinite for who does not race: (N, C, H, K)."""
-        way = np.maximum(0.0, self.distance - self.limits.reach_m)
-        return self._arrivals_s(self.dx, self.dy, way) + self.idle
+        limits, dx, dy = self.limits, self.dx, self.dy
+        way = np.maximum(0.0, self.distance - limits.reach_m)
+        if limits.alarm_m and self.leads:  # on what flees the hunter gains by the difference of both speeds alone
+            gains = max(SLOWEST_GAIN_MPS, limits.max_speed_mps - limits.target_speed_mps)
+            chase = np.maximum(0.0, np.minimum(self.distance, limits.alarm_m) - limits.reach_m)
+            way = way + limits.target_speed_mps / gains * chase
+        elif self.leads:
+            x, y = self._meetings()
+            dx, dy = x - self.x[..., None], y - self.y[..., None]
+            way = np.maximum(0.0, np.sqrt(dx * dx + dy * dy) - limits.reach_m)
+        return self._arrivals_s(dx, dy, way) + self.idle
 
     def catch(self) -> Float64Array:
         """Whoever is nearest to a target, and within reach, catches it: what that is worth, (N, C)."""
@@ -263,10 +304,17 @@ class RolloutArena:
         """
         cost = self.costs()
         choice, drives = cost.argmin(axis=3), cost.min(axis=3) < np.inf
-        x, y = (c[self.rows, self.copies, choice] for c in (self.target_x, self.target_y))
-        sent = np.full(self.goal_x.shape, waits)
+        goal_x, goal_y = self.goal_x, self.goal_y
+        if self.leads:
+            meet_x, meet_y = self._meetings()
+            x, y = (c[self.rows, self.copies, np.arange(self.x.shape[2]), choice] for c in (meet_x, meet_y))
+            goal_x, goal_y, its = goal_x.copy(), goal_y.copy(), np.arange(self.targets)
+            goal_x[:, : self.targets], goal_y[:, : self.targets] = meet_x[:, its, 0, its], meet_y[:, its, 0, its]
+        else:
+            x, y = (c[self.rows, self.copies, choice] for c in (self.target_x, self.target_y))
+        sent = np.full(goal_x.shape, waits)
         sent[:, : self.targets] = self.alive.diagonal(axis1=1, axis2=2)
-        x[:, :, 0], y[:, :, 0] = np.where(sent, self.goal_x, x[:, :, 0]), np.where(sent, self.goal_y, y[:, :, 0])
+        x[:, :, 0], y[:, :, 0] = np.where(sent, goal_x, x[:, :, 0]), np.where(sent, goal_y, y[:, :, 0])
         drives[:, :, 0] |= sent
         self._drive(x - self.x, y - self.y, drives)
         if self.limits.targets_move:
@@ -287,19 +335,9 @@ class RolloutArena:
         self.heading += turn
 
     def _move_targets(self) -> None:
-        """Straight on, or, with a hunter nearer than the alarm, away from it (R3.10)."""
-        vx, vy = self.scene.target_vx[:, None], self.scene.target_vy[:, None]
-        if self.limits.alarm_m:
-            threat = (self.distance + self.absent).argmin(axis=2)
-            away = self.distance[self.rows, self.copies, threat, np.arange(self.targets)]
-            flees = away < self.limits.alarm_m
-            speed = self.limits.target_speed_mps / np.maximum(1e-6, away)
-            vx, vy = (
-                np.where(flees, speed * from_all[self.rows, self.copies, threat, np.arange(self.targets)], straight)
-                for from_all, straight in ((self.dx, vx), (self.dy, vy))
-            )
-        self.target_x = np.clip(self.target_x + STEP_S * vx, 0.0, self.limits.side_m)
-        self.target_y = np.clip(self.target_y + STEP_S * vy, 0.0, self.limits.side_m)
+        """By a step, as they drive now."""
+        self.target_x = np.clip(self.target_x + STEP_S * self.target_vx, 0.0, self.limits.side_m)
+        self.target_y = np.clip(self.target_y + STEP_S * self.target_vy, 0.0, self.limits.side_m)
         self.goal_x[:, : self.targets] = self.target_x.diagonal(axis1=1, axis2=2)
         self.goal_y[:, : self.targets] = self.target_y.diagonal(axis1=1, axis2=2)
 

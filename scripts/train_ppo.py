@@ -28,6 +28,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+# past selves play in NumPy, whose threads would wait for torch's, and for those of another run
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
 
 from catch_arena.errors import CatchArenaError, install_hint

@@ -144,6 +144,47 @@ def test_the_light_arena_plays_much_as_the_engine_does():
         assert abs(0.2 * steps - 0.1 * played) <= 0.45
 
 
+def chased(scenario, target):
+    """A hunter at (2, 2) that faces along the diagonal drives to a target: for how long it expects to [s], and how long
+    it takes in the engine.
+    """
+    arena = VectorArena(scenario, 1, control="velocity", spawning=False, initial_targets=1)
+    arena.reset(seed=1)
+    seen, _ = arena.place([[(2.0, 2.0, np.pi / 4, 1.0)] + [(np.nan,) * 4] * 3], [[(*target, 0.0, 0.0)]])
+    limits, expected = Limits.of(arena.config), None
+    for step in range(1, 100):
+        scene = Scene.of(BatchView(seen[:, 0], np.zeros((1, 0), np.int8), limits))
+        if expected is None:
+            expected = RolloutArena(scene, Weights())._races_s()[0, 0, 0, 0]
+        commands = np.zeros((1, 4, 2), np.float32)
+        commands[:, 0] = drive_to(scene, np.zeros(1, np.intp))
+        seen, rewards, *_ = arena.step(commands)
+        if rewards[0, 0]:
+            return expected, step / 10
+    raise AssertionError("it was not caught")
+
+
+@pytest.mark.parametrize("away", [0.6, 1.2, 1.8, 2.6])
+def test_it_knows_how_long_a_target_that_flees_takes(away):
+    """It gains by the difference of both speeds alone as soon as the target flees (R3.10)."""
+    place = 2.0 + away / 2**0.5
+    expected, took = chased("evasive", (place, place, np.pi / 4))
+    assert took == pytest.approx(expected, abs=0.35)
+
+
+def test_it_meets_what_drives_by():
+    """In the light arena all drive ahead of a target, not behind it."""
+    arena = VectorArena("wander", 1, control="velocity", copy=True)
+    arena.reset(seed=1)
+    seen, _ = arena.place([[(3.0, 3.0, 0.0, 1.0)] + [(np.nan,) * 4] * 3], [[(5.0, 3.0, np.pi / 2, 1.0, 0.0)]])
+    light = RolloutArena(Scene.of(BatchView(seen[:, 0], np.zeros((1, 0), np.int8), Limits.of(arena.config))), Weights())
+    x, y = light._meetings()
+    assert x[0, 0, 0, 0] == pytest.approx(5.0, abs=0.01)
+    assert y[0, 0, 0, 0] == pytest.approx(4.0, abs=0.01)  # R3.9: a metre a second, for the second that it takes
+    light.move(waits=True)
+    assert light.heading[0, 0, 0] == pytest.approx(np.arctan2(1.0, 2.0), abs=0.02)
+
+
 def test_team_mates_are_no_rivals_of_it():
     config = scenario("pairs", control="velocity")
     arena = VectorArena(config, 1, copy=True)
