@@ -15,11 +15,14 @@ from ros.processes import own_domain, started
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
+from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleResponse
 from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.ros.node_tests.cases import can_be_asked
+from catch_arena.ros.node_tests.grading import grade_node
 from catch_arena.testing import select_cases
+from catch_arena.tournament.grading import read_spec
 
 SPEC = """
 title = "The referee"
@@ -32,6 +35,8 @@ name = "names"
 cases = ["names.unknown", "names.caught-in-the-last-step", "names.ones-own"]
 points = 2
 """
+
+GIVEN_UP = "it has not answered 3 requests one after the other, and is given up"
 
 
 def tried(mistake, *words):
@@ -136,17 +141,53 @@ def test_a_node_that_falls_silent_keeps_what_it_has_earned(outcomes, folder):
     code, stdout, stderr = outcomes["graded until it is silent"]
     assert code == 1, stderr
     assert "passed  4/4  within reach: 3 of 3 cases" in stdout
-    silent = "the node has not answered 3 requests one after the other: it is given up"
+    silent = f"the node fell silent at names.unknown: {GIVEN_UP}"
     assert f"failed  0/2  names: 0 of 3 cases\n        {silent}\n" in stdout
     assert stdout.endswith("The referee: ros:/catch_turtle has 4 of 6 points\n")
     suite = ET.parse(folder / "silent.xml").getroot()  # noqa: S314 - our own
     assert [len(case.findall("failure")) for case in suite.findall("testcase")] == [0, 1]
 
 
+class DyingNode:
+    """Says yes to everything, so many times; then it is silent, or the bus is gone."""
+
+    keeps_the_list = False
+
+    def __init__(self, answers, error=None):
+        self.answers, self.error = answers, error
+
+    def meet(self):
+        pass
+
+    def ask(self, *_):
+        self.answers -= 1
+        if self.answers >= 0:
+            return True
+        if self.error is not None:
+            raise self.error
+        return None
+
+
+@pytest.mark.parametrize("error", [None, BusError("the bus is gone")])
+def test_a_node_that_falls_silent_is_told_where_and_what_it_had_answered(tmp_path, error):
+    """Basics: a case passed, then one failed, which is asked twice, then silence, told from its first case on."""
+    spec = tmp_path / "spec.toml"
+    spec.write_text(
+        '[[test]]\nname = "first"\ncases = ["basics", "reach.3"]\npoints = 4\n'
+        '[[test]]\nname = "second"\ncases = ["names.empty"]\npoints = 2\n'
+    )
+    first, second = grade_node(read_spec(spec), DyingNode(3, error))
+    silent = f"the node fell silent at basics.the-farther-target: {GIVEN_UP if error is None else error}"
+    assert (first.points, first.possible, first.cases, first.passed) == (0.0, 4.0, 6, 1)
+    assert first.failures == (silent, "R5.3: 1 case: basics.out-of-reach")
+    assert len(first.hints) == 1
+    assert (second.points, second.cases, second.passed, second.failures) == (0.0, 1, 0, (silent,))
+
+
 def test_a_node_that_never_answers_is_given_up_in_one_line(outcomes):
     code, _, stderr = outcomes["silent"]
     assert code == 2
-    assert stderr == "catch-arena: the node has not answered 3 requests one after the other: it is given up\n"
+    assert re.fullmatch(rf"catch-arena: the node fell silent at basics\.[a-z0-9-]+: {GIVEN_UP}\n", stderr)
 
 
 def test_where_nobody_serves_it_one_line_says_so(outcomes):

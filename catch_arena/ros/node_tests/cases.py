@@ -15,7 +15,7 @@ from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, Expe
 from catch_arena.conformance.comparison import REFUSED, Call, Strictness, compare
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, LeftOut, Result
-from catch_arena.errors import BusError
+from catch_arena.errors import BusError, MissingServiceError
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.ros.node_tests.node_under_test import ANSWER_S, NodeUnderTest, Place
 from catch_arena.verdicts import Ruling, Verdict
@@ -47,6 +47,20 @@ _WITHOUT_A_TARGETS_NAME: Final = frozenset(
 """Cases about names that mean the same whatever the targets are called."""
 
 
+class NodeLostError(BusError):
+    """Raised where a node that was asked cases no longer answers.
+
+    Args:
+        case: the id of the first that it did not answer.
+        why: it was given up.
+        before: the report of the cases before that one.
+    """
+
+    def __init__(self, case: str, why: BusError, before: Report) -> None:
+        super().__init__(f"the node fell silent at {case}: {why}")
+        self.before = before
+
+
 def can_be_asked(case: ArbiterCase | ArenaCase) -> bool:
     """Whether a case can be asked of a service by name: one hunter, one request, nothing out of the ordinary; and where
     the float32 of a Pose does not change the answer.
@@ -67,11 +81,23 @@ def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -
     """Try a node with those of the cases that can be asked of it; the report has the others as not played.
 
     Raises:
-        BusError: where the service is not there, or no longer answers.
+        BusError: where the service is not there.
+        NodeLostError: where it no longer answers.
     """
     node.meet()
     run = _RunWithItsList(node) if node.keeps_the_list else _Run(node)
-    return Report(tuple(map(run.result, cases)), _STRICTNESS)
+    results: list[Result] = []
+    for case in cases:
+        try:
+            results.append(run.result(case))
+        except MissingServiceError:
+            raise
+        except BusError as error:
+            first = run.unanswered[0] if run.unanswered else case.id
+            ids = [*(result.case.id for result in results), case.id]
+            before = tuple(results[: ids.index(first)])
+            raise NodeLostError(first, error, Report(before, _STRICTNESS)) from error
+    return Report(tuple(results), _STRICTNESS)
 
 
 class _Run:
@@ -81,14 +107,17 @@ class _Run:
         self._node = node
         self._id = secrets.token_hex(3)
         self._plays = 0
-        self._silent = 0
+        self._case = ""
         self._calls: list[Call] = []
+        self.unanswered: list[str] = []
+        """The ids of the last cases, if they had no answer."""
 
     def result(self, case: ArbiterCase | ArenaCase) -> Result:
         """What came of a case. A wrong answer counts if it comes twice, the second time after a second's peace."""
         start = time.perf_counter()
         if not isinstance(case, ArbiterCase) or not self._can_play(case):
             return Result(case, None, 0.0, _NOT_BY_SERVICE)
+        self._case = case.id
         differences = self._played(case, _SETTLE_S)
         if differences and not any(isinstance(one, UnreadableAnswer) for one in differences):
             differences = self._played(case, _SETTLE_AGAIN_S)
@@ -128,9 +157,9 @@ class _Run:
         targets = {self._sent(one): place for one, place in arguments["targets"].items()}
         success = self._node.ask(arguments["hunters"][0], targets, self._sent(name), settle_s)
         if success is None:
-            self._silent += 1
-            if self._silent == _MOST_SILENT:
-                raise BusError(f"the node has not answered {_MOST_SILENT} requests one after the other: it is given up")
+            self.unanswered.append(self._case)
+            if len(self.unanswered) == _MOST_SILENT:
+                raise BusError(f"it has not answered {_MOST_SILENT} requests one after the other, and is given up")
             raise DiffersError(
                 UnreadableAnswer(
                     request_in_words(1, expected),
@@ -140,7 +169,7 @@ class _Run:
                     "Every request gets exactly one verdict (R5.2).",
                 )
             )
-        self._silent = 0
+        self.unanswered.clear()
         ruling = Ruling(Verdict.GRANTED if success else REFUSED, 0, name)
         self._calls.append(Call(arguments, (ruling,)))
         compare([ruling], [replace(expected, target=name)], lots=(), refused=(), strictness=_STRICTNESS)

@@ -1,13 +1,13 @@
 """A node graded by a spec: what its service answers in cases of the conformance suite, and points."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from catch_arena.conformance.answers import counted
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.report import Report
-from catch_arena.errors import BusError, ConfigError, MissingServiceError
-from catch_arena.ros.node_tests.cases import can_be_asked, run_on_node
+from catch_arena.errors import ConfigError
+from catch_arena.ros.node_tests.cases import NodeLostError, can_be_asked, run_on_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
 from catch_arena.tournament.grading import GradingSpec, GradingTest
@@ -24,7 +24,7 @@ class NodeGrade:
     cases: int
     passed: int
     failures: tuple[str, ...]
-    """A line for each clause that some case failed."""
+    """A line for each clause that some case failed, after one that says where the node fell silent, if it did."""
     hints: tuple[str, ...]
     log: str = ""
 
@@ -39,7 +39,7 @@ class NodeGrade:
 
 def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[NodeGrade]:
     """The tests of a spec, one after the other. A node that ends or falls silent keeps what it has earned, and gets
-    nothing for the rest.
+    nothing for that test and the rest; the cases that it had answered are told.
 
     Raises:
         ConfigError: for a test without cases that can be asked of a service, before any is asked.
@@ -47,19 +47,21 @@ def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[NodeGrade]:
     """
     tests = [(test, _cases(test)) for test in spec.tests]
     node.meet()
-    lost: BusError | None = None
+    lost: NodeLostError | None = None
     for test, cases in tests:
-        if lost is None:
-            try:
-                report = run_on_node(node, cases)
-            except MissingServiceError:
-                raise
-            except BusError as error:
-                lost = error
-            else:
-                yield _grade(test, report)
-                continue
-        yield NodeGrade(test.name, 0.0, test.points, len(cases), 0, (str(lost),), ())
+        if lost is not None:
+            yield NodeGrade(test.name, 0.0, test.points, len(cases), 0, (str(lost),), ())
+            continue
+        try:
+            report = run_on_node(node, cases)
+        except NodeLostError as error:
+            lost = error
+            told = _grade(test, lost.before)
+            yield replace(told, points=0.0, cases=len(cases), failures=(str(lost), *told.failures))
+        else:
+            if not any(result.played for result in report.results):
+                raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")
+            yield _grade(test, report)
 
 
 def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
@@ -76,8 +78,6 @@ def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
 
 def _grade(test: GradingTest, report: Report) -> NodeGrade:
     played = sum(result.played for result in report.results)
-    if not played:
-        raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")
     by_clause: dict[str, list[str]] = {}
     for failure in report.failures:
         by_clause.setdefault(failure.case.clauses[0], []).append(failure.case.id)
