@@ -50,6 +50,24 @@ def test_several_seats_have_their_own_names_and_every_hunter_is_seen():
     assert (len(match.sent("/hunter_0/pose")), len(match.sent("/hunter_1/pose"))) == (1, 1)
 
 
+@pytest.mark.parametrize("twists", [0, 3])
+def test_a_node_that_was_not_remapped_is_told_how_in_one_line(twists):
+    """Also one that waits for its pose before it drives; the line names a hunter that nobody drives yet."""
+    match = Match(hunters=2, hunter_poses=TWO)
+    match.drive(match.a)
+    match.tick()
+    publish = match.b.publisher("/turtle1/cmd_vel", TWIST)
+    for _ in range(twists):
+        publish(TwistMessage(Vector3(1.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0)))
+    match.tick(20)
+    (line,) = [line for line in match.said if "turtle1" in line]
+    assert line == (
+        "warning: a node drives turtle1, which is no hunter where several seats are for nodes: start it with "
+        "--ros-args -r /turtle1/cmd_vel:=/hunter_1/cmd_vel -r /turtle1/pose:=/hunter_1/pose "
+        "-r /catch_turtle:=/hunter_1/catch_turtle"
+    )
+
+
 def test_the_list_of_targets_is_published_when_it_changes_and_once_a_second_besides():
     """Those who come late are not blind until the next change."""
     match = Match(hunter_poses=ONE)
@@ -201,7 +219,8 @@ def test_two_nodes_that_drive_a_hunter_are_told_where_the_bus_does_not_tell_who_
     """As over rclpy: both are heard. Once, and not where there is one."""
     match = Match(hunters=2, hunter_poses=TWO, time_limit_s=10)
     nobody = match.hub.bus(None)
-    match.node._bus.publishers_of = lambda topic: frozenset("ab" if topic == "/hunter_0/cmd_vel" else "a")
+    publishers = {"/hunter_0/cmd_vel": "ab", "/hunter_1/cmd_vel": "a"}
+    match.node._bus.publishers_of = lambda topic: frozenset(publishers.get(topic, ""))
     for _ in range(20):
         for turtle in ("hunter_0", "hunter_1"):
             match.drive(nobody, 1.0, turtle=turtle)

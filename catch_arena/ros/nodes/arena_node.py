@@ -42,6 +42,7 @@ _MOST_WAITING: Final = 1000
 """Catch requests that are kept for the match's first step; those beyond are answered and not judged."""
 _EXERCISE_REACH_UM: Final = 500_000
 """How near many solutions of the exercise go before they ask."""
+_EXERCISE_CMD_VEL: Final = graph_names.cmd_vel_of(graph_names.TURTLE)
 _NOT_JUDGED: Final = CatchTurtleResponse(success=False)
 """What is answered where no hunter asks, or too many do."""
 
@@ -94,8 +95,10 @@ class ArenaNode:
         poses = {hunter: [graph_names.pose_of(hunter)] for hunter in hunters}
         if len(self.seats) == 1:  # the exercise's own names
             (only,) = self.seats
-            self._topics[only.hunter].append(graph_names.cmd_vel_of(graph_names.TURTLE))
+            self._topics[only.hunter].append(_EXERCISE_CMD_VEL)
             poses[only.hunter].append(graph_names.pose_of(graph_names.TURTLE))
+        elif self.seats:  # nobody has them: a node that was not remapped is told so
+            bus.subscribe(_EXERCISE_CMD_VEL, TWIST, lambda _twist, _peer: self._explain_remapping())
         self._poses = [[bus.publisher(topic, interfaces.pose) for topic in poses[hunter]] for hunter in hunters]
         self._alive = bus.publisher(graph_names.ALIVE_TURTLES, interfaces.turtle_array)
         self._rulings = self._optional_publisher(graph_names.RULINGS, RULING)
@@ -206,6 +209,8 @@ class ArenaNode:
         if often:
             for seat in self.seats:
                 seat.look_for(self._publishers(seat))
+            if len(self.seats) > 1 and self._bus.publishers_of(_EXERCISE_CMD_VEL):
+                self._explain_remapping()  # it may wait for a pose before its first Twist
         ranks, scores = self.standings()
         is_news = (scores, self.over) != self._standing
         for number, hunter in enumerate(world.hunters):
@@ -222,6 +227,20 @@ class ArenaNode:
                 )
         self._standing = scores, self.over
         self._ticks += 1
+
+    def _explain_remapping(self) -> None:
+        hunter = (self.missing or self.seats)[0].hunter
+        names = [
+            (_EXERCISE_CMD_VEL, graph_names.cmd_vel_of(hunter)),
+            (graph_names.pose_of(graph_names.TURTLE), graph_names.pose_of(hunter)),
+            (graph_names.CATCH_TURTLE, graph_names.catch_turtle_of(hunter)),
+        ]
+        remapping = " ".join(f"-r {name}:={own}" for name, own in names)
+        self._warn_once(
+            f"a node drives {graph_names.TURTLE}, which is no hunter where several seats are for nodes: start it with "
+            f"--ros-args {remapping}",
+            graph_names.TURTLE,
+        )
 
     def _publishers(self, seat: RosSeat) -> frozenset[str] | None:
         found = [self._bus.publishers_of(topic) for topic in self._topics[seat.hunter]]
