@@ -202,6 +202,7 @@ class RolloutArena:
         slower = self.limits.target_speed_mps < self.limits.max_speed_mps
         self.leads = self.limits.targets_move and slower and not self.limits.prey  # where prey turns to, nobody knows
         self.rows, self.copies = np.arange(count)[:, None, None], np.arange(copies)[:, None]
+        self.numbers = np.arange(self.x.shape[2])
         self._look()
 
     def _look(self) -> None:
@@ -212,6 +213,7 @@ class RolloutArena:
         self.cosine, self.sine = np.cos(self.heading), np.sin(self.heading)
         if self.limits.targets_move:
             self.target_vx, self.target_vy = self._target_velocities()
+        self.meet_x, self.meet_y = self._meetings()
 
     def _target_velocities(self) -> tuple[Float64Array, Float64Array]:
         """Straight on, or, with a hunter nearer than the alarm, away from it (R3.10): (N, C, K)."""
@@ -228,11 +230,14 @@ class RolloutArena:
         return vx, vy
 
     def _meetings(self) -> tuple[Float64Array, Float64Array]:
-        """Where each hunter could meet each target that moves on as it does now: (N, C, H, K)."""
+        """Where each hunter drives for each target: to meet it if it moves on as it does now: (N, C, H, K)."""
+        x, y = (np.broadcast_to(c[:, :, None], self.distance.shape) for c in (self.target_x, self.target_y))
+        if not self.leads:
+            return x, y
         lead, side = np.minimum(LONGEST_LEAD_S, self.distance / self.limits.max_speed_mps), self.limits.side_m
         return (
-            np.clip(self.target_x[:, :, None] + lead * self.target_vx[:, :, None], 0.0, side),
-            np.clip(self.target_y[:, :, None] + lead * self.target_vy[:, :, None], 0.0, side),
+            np.clip(x + lead * self.target_vx[:, :, None], 0.0, side),
+            np.clip(y + lead * self.target_vy[:, :, None], 0.0, side),
         )
 
     def _arrivals_s(self, dx: Float64Array, dy: Float64Array, way: Float64Array) -> Float64Array:
@@ -253,8 +258,7 @@ class RolloutArena:
             chase = np.maximum(0.0, np.minimum(self.distance, limits.alarm_m) - limits.reach_m)
             way = way + limits.target_speed_mps / gains * chase
         elif self.leads:
-            x, y = self._meetings()
-            dx, dy = x - self.x[..., None], y - self.y[..., None]
+            dx, dy = self.meet_x - self.x[..., None], self.meet_y - self.y[..., None]
             way = np.maximum(0.0, np.sqrt(dx * dx + dy * dy) - limits.reach_m)
         return self._arrivals_s(dx, dy, way) + self.idle
 
@@ -304,17 +308,12 @@ class RolloutArena:
         """
         cost = self.costs()
         choice, drives = cost.argmin(axis=3), cost.min(axis=3) < np.inf
-        goal_x, goal_y = self.goal_x, self.goal_y
-        if self.leads:
-            meet_x, meet_y = self._meetings()
-            x, y = (c[self.rows, self.copies, np.arange(self.x.shape[2]), choice] for c in (meet_x, meet_y))
-            goal_x, goal_y, its = goal_x.copy(), goal_y.copy(), np.arange(self.targets)
-            goal_x[:, : self.targets], goal_y[:, : self.targets] = meet_x[:, its, 0, its], meet_y[:, its, 0, its]
-        else:
-            x, y = (c[self.rows, self.copies, choice] for c in (self.target_x, self.target_y))
-        sent = np.full(goal_x.shape, waits)
+        x, y = (c[self.rows, self.copies, self.numbers, choice] for c in (self.meet_x, self.meet_y))
+        for goal, meet in ((self.goal_x, self.meet_x), (self.goal_y, self.meet_y)):
+            goal[:, : self.targets] = meet[:, :, 0].diagonal(axis1=1, axis2=2)
+        sent = np.full(self.goal_x.shape, waits)
         sent[:, : self.targets] = self.alive.diagonal(axis1=1, axis2=2)
-        x[:, :, 0], y[:, :, 0] = np.where(sent, goal_x, x[:, :, 0]), np.where(sent, goal_y, y[:, :, 0])
+        x[:, :, 0], y[:, :, 0] = np.where(sent, self.goal_x, x[:, :, 0]), np.where(sent, self.goal_y, y[:, :, 0])
         drives[:, :, 0] |= sent
         self._drive(x - self.x, y - self.y, drives)
         if self.limits.targets_move:
@@ -338,8 +337,6 @@ class RolloutArena:
         """By a step, as they drive now."""
         self.target_x = np.clip(self.target_x + STEP_S * self.target_vx, 0.0, self.limits.side_m)
         self.target_y = np.clip(self.target_y + STEP_S * self.target_vy, 0.0, self.limits.side_m)
-        self.goal_x[:, : self.targets] = self.target_x.diagonal(axis1=1, axis2=2)
-        self.goal_y[:, : self.targets] = self.target_y.diagonal(axis1=1, axis2=2)
 
 
 def best_races(scene: Scene, weights: Weights) -> NDArray[np.intp]:

@@ -178,7 +178,7 @@ def test_it_meets_what_drives_by():
     arena.reset(seed=1)
     seen, _ = arena.place([[(3.0, 3.0, 0.0, 1.0)] + [(np.nan,) * 4] * 3], [[(5.0, 3.0, np.pi / 2, 1.0, 0.0)]])
     light = RolloutArena(Scene.of(BatchView(seen[:, 0], np.zeros((1, 0), np.int8), Limits.of(arena.config))), Weights())
-    x, y = light._meetings()
+    x, y = light.meet_x, light.meet_y
     assert x[0, 0, 0, 0] == pytest.approx(5.0, abs=0.01)
     assert y[0, 0, 0, 0] == pytest.approx(4.0, abs=0.01)  # R3.9: a metre a second, for the second that it takes
     light.move(waits=True)
