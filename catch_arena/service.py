@@ -16,6 +16,7 @@ from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
 from catch_arena.replay import Replay
 from catch_arena.replay.fileformat import checked_text
+from catch_arena.replay.named_requests import RequestBudget
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
@@ -54,6 +55,7 @@ class ArenaService:
         self._subscribers: list[Callable[[TurtleArray], object]] = []
         self._record_as: tuple[tuple[str, ...], str] | None = None
         self._replay: Replay | None = None
+        self._budget = RequestBudget(self._config.hunters)
 
     def reset(self, seed: int | None = None) -> None:
         """Begin an episode, and publish its targets.
@@ -67,6 +69,7 @@ class ArenaService:
         self._appeared = {target.name for target in self.world.targets}
         if self._record_as is not None:
             self._replay = Replay(self._config, self._seed, *self._record_as)
+            self._budget = RequestBudget(self._config.hunters)
             self._replay.note(self._engine)
         self._publish(self.alive_turtles())
 
@@ -99,6 +102,11 @@ class ArenaService:
     def is_recorded(self) -> bool:
         """Whether this episode is."""
         return self._replay is not None
+
+    @property
+    def requests_left_out(self) -> int:
+        """How many requests by name are not in the replay: each hunter has its part of 65,536 a match."""
+        return self._budget.left_out
 
     @property
     def seed(self) -> int:
@@ -219,13 +227,14 @@ class ArenaService:
             the other hunters.
 
         Raises:
-            ActionError: for a hunter that does not exist, or a Twist that is not finite; nothing has moved then.
+            ActionError: for a hunter that does not exist, a request of one that is not under full control, or a Twist
+                that is not finite; nothing has moved then.
             EpisodeError: before the first reset.
         """
         before = self.world
         goals = goals or {}
         slots = {target.name: slot for slot, target in enumerate(before.targets)}
-        seats = [self._seat(hunter) for hunter, _ in requests]
+        seats = [self._asking_seat(hunter) for hunter, _ in requests]
         names = [request.name for _, request in requests]
         hosted = self._hosted_requests(before, goals) if requests else []  # else the engine finds them itself
         table = np.zeros((len(seats) + len(hosted), REQUEST_COLUMNS), dtype=np.int64)
@@ -238,6 +247,7 @@ class ArenaService:
         running = not self.over
         self._engine.step(choices, commands, requests=table)
         if self._replay is not None and running:
+            self._record_named(self._replay, choices[0], list(zip(seats, names, strict=True)))
             self._replay.append(choices[0], commands[0], self._engine)
         self._publish_changes(before)
         return rulings_of(table[: len(seats)], names, before.step)
@@ -268,6 +278,15 @@ class ArenaService:
         for (seat, slot), name in zip(table[::-1, [REQUEST_SEAT, REQUEST_TARGET]].tolist(), names[::-1], strict=True):
             ranks[0, seat] = self._engine.rank_of(0, seat, name) if slot >= 0 else 0
         return ranks
+
+    def _record_named(self, replay: Replay, choices: NDArray[np.int64], asked: Sequence[tuple[int, object]]) -> None:
+        """R8.4: what no rank stands for; a hunter's rank stands for its first request."""
+        ranked = {seat for seat, rank in enumerate(choices.tolist()) if rank}
+        for seat, name in asked:
+            if seat in ranked:
+                ranked.discard(seat)
+            elif (kept := self._budget.admit(replay.steps, seat, name)) is not None:
+                replay.named_requests.append(kept)
 
     def _commands(self, cmd_vel: Mapping[str, Twist]) -> NDArray[np.float32]:
         """Twists as fractions of the limits, (1, H, 2)."""
@@ -305,6 +324,13 @@ class ArenaService:
             raise EpisodeError(
                 f"{what} must fall into an episode that is not recorded: a replay could not play it again"
             )
+
+    def _asking_seat(self, hunter: str) -> int:
+        seat = self._seat(hunter)
+        control = self._config.controls[seat]
+        if control != "full":
+            raise ActionError(f"{hunter}: a request must be of a hunter under full control, and it is under {control}")
+        return seat
 
     def _seat(self, hunter: str) -> int:
         names = self._config.hunter_names

@@ -1,11 +1,17 @@
 """Recorded matches, as fixtures for the tests of replays and of explanations."""
 
 from collections.abc import Callable
+from random import Random
 
 import pytest
 
 import catch_arena
+from catch_arena import ArenaService, Ruling
+from catch_arena.messages import CatchTurtleRequest, Twist
 from catch_arena.replay import Replay
+
+ODD_NAMES = ("x", "", "target_turtle_999", "target_turtle_01", "target_turtle_1\n", "y" * 300, "\ud800", 7)
+"""What is asked for beside targets that are alive or were."""
 
 
 @pytest.fixture(scope="session")
@@ -99,3 +105,45 @@ def hunted_once(play) -> Replay:
         reach_m=1.2,
         max_cycles=200,
     )
+
+
+def play_by_name(seed: int) -> tuple[Replay, list[list[Ruling]]]:
+    """A match in which hunters ask for all that can be asked for by name, several times in a step, with faults,
+    dropouts, a withdrawal and a partial view; and what was answered in each step, where nobody but they asked.
+    """
+    source = Random(seed)
+    service = ArenaService(
+        "faulty",
+        hunters=3,
+        control=("full", "velocity", "full"),
+        control_period_ms=16,
+        time_limit_s=4,
+        reach_m=(3.0, 1e-6, 2.0),
+        dropout_rate=0.001,
+        initial_targets=5,
+        view_angle_deg=source.choice([360.0, 90.0]),
+        policy=source.choice(["nearest", "first_come"]),
+    )
+    service.record(("a", "b", "c"))
+    service.reset(seed)
+    met: dict[str, None] = {}
+    answers = []
+    while not service.over:
+        met |= dict.fromkeys(target.name for target in service.world.targets)
+        names = [*met, *ODD_NAMES]
+        asked = [
+            (source.choice(["hunter_0", "hunter_2"]), CatchTurtleRequest(source.choice(names)))
+            for _ in range(source.choice([0, 0, 1, 2, 5]))
+        ]
+        if service.world.step == 200:
+            service.withdraw("hunter_2")
+        twists = {f"hunter_{seat}": Twist(source.uniform(0, 2), source.uniform(-4, 4)) for seat in range(3)}
+        answers.append(service.step(twists, asked))
+    return service.replay, answers
+
+
+@pytest.fixture(scope="session")
+def named() -> Replay:
+    """A match of hunters that ask by name."""
+    replay, _ = play_by_name(1)
+    return replay

@@ -52,8 +52,8 @@ class Contest:
 
 @dataclass(slots=True)
 class Refusals:
-    """One hunter's requests for one target that were refused for the same reason, with no other target, no catch and no
-    contest of its own between.
+    """One hunter's requests for one target that were refused for the same reason, with no catch and no contest of its
+    own between, and no other target asked for by rank.
     """
 
     seat: int
@@ -64,7 +64,9 @@ class Refusals:
     """When the first of them was judged: the step's beginning (R1.4)."""
     last_ms: int
     target: str | None
-    """None where the rank that was asked for had none."""
+    """None where the rank that was asked for had none, or no text was given."""
+    by_name: bool = False
+    """Whether no rank stood for it (R8.4)."""
     times: int = 0
     nearest_um: int | None = None
     farthest_um: int | None = None
@@ -145,6 +147,16 @@ class PreySummary:
 
 
 @dataclass(frozen=True, slots=True)
+class Answer:
+    """What a hunter asked for by name, beside the rank of its action, and the verdict (R8.4)."""
+
+    target: str | None
+    verdict: Verdict
+    reason: str
+    distance_um: int | None
+
+
+@dataclass(frozen=True, slots=True)
 class HunterAction:
     """What one hunter did in a step, and the answer."""
 
@@ -170,6 +182,8 @@ class HunterAction:
     """How many targets it saw (R7.5)."""
     unseen: tuple[Unseen, ...]
     """Those that it did not, the nearest first."""
+    by_name: tuple[Answer, ...]
+    """What else it requested, in its order."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,7 +30,7 @@ from catch_arena.explanation.sentences import (
     summary_sentence,
 )
 from catch_arena.replay import Replay
-from catch_arena.verdicts import Verdict
+from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
 
@@ -108,12 +108,13 @@ def explain(
     names = labels(replay.hunter_names)
     contests: list[Contest] = []
     refusals: list[Refusals] = []
-    running: dict[tuple[int, Verdict], Refusals] = {}
+    running: dict[tuple[int, Verdict, str], Refusals] = {}
     refused = [Counter[str]() for _ in names]
     summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
     scores: tuple[int, ...] = ()
     prey = PreyRecord(replay)
     seen_in_match = _SeenInMatch(replay) if replay.config.partial_view else None
+    before: World | None = None
     for step, world in enumerate(replay.worlds()):
         if seen_in_match is not None:
             seen_in_match.note(world, summaries)
@@ -123,12 +124,14 @@ def explain(
         contests += found
         judged_ms = world.time_ms - replay.config.control_period_ms
         contested = {claim.seat for contest in found for claim in contest.claims}
-        _note_refusals(world, judged_ms, contested, running, refusals)
+        named = replay.named_rulings(before, world) if before is not None else []
+        _note_refusals(world.rulings, named, judged_ms, contested, running, refusals)
         _note_forestalled(world, found, summaries)
-        for ruling in world.rulings:
+        for ruling in (*world.rulings, *named):
             if ruling.verdict not in (Verdict.GRANTED, Verdict.LOST_CONTEST):
                 refused[ruling.hunter][ruling.verdict.name] += 1
         scores = tuple(hunter.score for hunter in world.hunters)
+        before = world
         if progress is not None:
             progress(step, replay.steps)
     _count_contests(summaries, contests)
@@ -168,26 +171,33 @@ def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
 
 
 def _note_refusals(
-    world: World,
+    by_rank: Sequence[Ruling],
+    by_name: Sequence[Ruling],
     judged_ms: int,
     contested: set[int],
-    running: dict[tuple[int, Verdict], Refusals],
+    running: dict[tuple[int, Verdict, str], Refusals],
     found: list[Refusals],
 ) -> None:
-    """Adds the step's refusals to the runs that they go on, or begins new ones; a contest is told as such."""
-    for ruling in world.rulings:
-        if ruling.success or ruling.hunter in contested:
-            for verdict in Verdict:
-                running.pop((ruling.hunter, verdict), None)
-            continue
+    """Adds the step's refusals to the runs that they go on, or begins new ones; a contest is told as such.
+
+    Whoever asks by rank has one target at a time. By name a node may ask for several in turn, in each step: so many
+    runs go on beside each other.
+    """
+    told_elsewhere = {ruling.hunter for ruling in by_rank if ruling.success or ruling.hunter in contested}
+    for key in [key for key in running if key[0] in told_elsewhere]:
+        del running[key]
+    refused = [(ruling, False) for ruling in by_rank if ruling.hunter not in told_elsewhere]
+    for ruling, named in [*refused, *((ruling, True) for ruling in by_name)]:
         target = None if ruling.target is None else str(ruling.target)
-        run = running.get((ruling.hunter, ruling.verdict))
+        key = ruling.hunter, ruling.verdict, repr(target) if named else ""
+        run = running.get(key)
         if run is None or run.target != target:
-            run = Refusals(ruling.hunter, ruling.verdict, world.step, world.step, judged_ms, judged_ms, target)
-            running[ruling.hunter, ruling.verdict] = run
+            step = ruling.step + 1
+            run = Refusals(ruling.hunter, ruling.verdict, step, step, judged_ms, judged_ms, target, named)
+            running[key] = run
             found.append(run)
         run.times += 1
-        run.last_step, run.last_ms = world.step, judged_ms
+        run.last_step, run.last_ms = ruling.step + 1, judged_ms
         if (distance := ruling.distance_um) is not None:
             run.nearest_um = distance if run.nearest_um is None else min(run.nearest_um, distance)
             run.farthest_um = distance if run.farthest_um is None else max(run.farthest_um, distance)

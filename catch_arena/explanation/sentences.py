@@ -17,6 +17,7 @@ from catch_arena.explanation.facts import (
 from catch_arena.explanation.formatting import exact_length, metres, seconds
 from catch_arena.explanation.seats import with_seat
 from catch_arena.explanation.seen_targets import Unseen
+from catch_arena.replay.named_requests import name_in_words
 from catch_arena.verdicts import REASONS, Verdict
 
 _EMPTY_RANK: Final = "a rank that no target in its view has"
@@ -116,8 +117,11 @@ def refusals_sentence(run: Refusals, name: str, reach_um: int, prey: str | None)
         when = f"From {seconds(run.first_ms)} to {seconds(run.last_ms)} (steps {run.first_step} to {run.last_step})"
         often = f"asked {run.times} times"
     farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
-    place = "" if run.nearest_um is None else f" from {metres(run.nearest_um)}{farthest}"
-    target = None if run.target is None else _called(run.target, prey)
+    place = f"{_from(run.nearest_um)}{farthest}"
+    if run.by_name:
+        target = name_in_words(run.target)
+    else:
+        target = _EMPTY_RANK if run.target is None else _called(run.target, prey)
     return f"{when} {name} {often} for {_answered(target, place, run.verdict, reach_um)}."
 
 
@@ -125,10 +129,14 @@ def _called(target: str, prey: str | None) -> str:
     return target if prey is None else f"{prey}, {target}"
 
 
-def _answered(target: str | None, place: str, verdict: Verdict, reach_um: int) -> str:
+def _from(distance_um: int | None) -> str:
+    return "" if distance_um is None else f" from {metres(distance_um)}"
+
+
+def _answered(target: str, place: str, verdict: Verdict, reach_um: int) -> str:
     """What was asked for, from which place, and the answer with its reason."""
     limit = f"; within reach is less than {metres(reach_um)}" if verdict is Verdict.OUT_OF_REACH else ""
-    return f"{target or _EMPTY_RANK}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
+    return f"{target}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
 
 
 def capture_sentence(one: Capture, names: Sequence[str], prey_names: Sequence[str]) -> str:
@@ -219,14 +227,18 @@ def _left(one: HunterAction) -> str:
 
 
 def _requested(one: HunterAction, names: Sequence[str], reach_um: int) -> str:
-    if one.verdict is None:
-        return "It requested nothing."
-    place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
-    winner = ""
-    if one.verdict is Verdict.LOST_CONTEST and one.winner is not None:
-        mate = ", its own team-mate (R11.3)" if one.mate else ""
-        winner = f"; the winner is {names[one.winner]}{mate}"
-    return f"It requested {_answered(one.target, place, one.verdict, reach_um)}{winner}."
+    told = []
+    if one.verdict is not None:
+        winner = ""
+        if one.verdict is Verdict.LOST_CONTEST and one.winner is not None:
+            mate = ", its own team-mate (R11.3)" if one.mate else ""
+            winner = f"; the winner is {names[one.winner]}{mate}"
+        told.append(f"{_answered(one.target or _EMPTY_RANK, _from(one.distance_um), one.verdict, reach_um)}{winner}")
+    told += [
+        _answered(name_in_words(other.target), _from(other.distance_um), other.verdict, reach_um)
+        for other in one.by_name
+    ]
+    return f"It requested {'; then '.join(told) or 'nothing'}."
 
 
 def _sight(one: HunterAction, view_radius_m: float | None, view_angle_deg: float) -> str:

@@ -1,6 +1,7 @@
 """All about one step: what each hunter did, what it asked for, and how far everybody was from that."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.contests import contests_of
-from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, facts_as_json
+from catch_arena.explanation.facts import Answer, Contest, HunterAction, PreyAction, facts_as_json
 from catch_arena.explanation.formatting import seconds
 from catch_arena.explanation.seats import find_subjects, how_it_left, labels, prey_labels
 from catch_arena.explanation.seen_targets import SeenTargets
@@ -113,10 +114,15 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     before, after = islice(replay.worlds(), step - 1, step + 1)
     seen_targets = SeenTargets(replay.config)
     rulings = {ruling.hunter: ruling for ruling in after.rulings}
-    hunters = tuple(_hunter_action(replay, seen_targets, (before, after), seat, rulings.get(seat)) for seat in seats)
+    by_name = replay.named_rulings(before, after)
+    hunters = tuple(
+        _hunter_action(replay, seen_targets, (before, after), seat, rulings.get(seat), by_name) for seat in seats
+    )
     prey = tuple(_prey_action(replay, before, after, index) for index in prey_indices)
     played = {one.target for one in prey if one.target is not None}
-    named = played | {name for one in hunters for name in (one.chosen, one.target) if name is not None}
+    chosen = {name for one in hunters for name in (one.chosen, one.target) if name is not None}
+    asked = {one.target for hunter in hunters for one in hunter.by_name if one.target is not None}
+    named = (played | chosen | asked) & {target.name for target in before.targets}
     unseen = [{one.target for one in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
     return StepExplanation(
         step=step,
@@ -163,7 +169,12 @@ def _prey_action(replay: Replay, before: World, after: World, index: int) -> Pre
 
 
 def _hunter_action(
-    replay: Replay, seen_targets: SeenTargets, worlds: tuple[World, World], seat: int, ruling: Ruling | None
+    replay: Replay,
+    seen_targets: SeenTargets,
+    worlds: tuple[World, World],
+    seat: int,
+    ruling: Ruling | None,
+    by_name: Sequence[Ruling],
 ) -> HunterAction:
     before, after = worlds
     step = before.step
@@ -190,6 +201,11 @@ def _hunter_action(
         out=how_it_left(replay, seat) if after.hunters[seat].withdrawn else None,
         seen=len(before.targets) - len(unseen),
         unseen=unseen,
+        by_name=tuple(
+            Answer(None if one.target is None else str(one.target), one.verdict, one.reason, one.distance_um)
+            for one in by_name
+            if one.hunter == seat
+        ),
     )
 
 

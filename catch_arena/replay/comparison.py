@@ -97,7 +97,10 @@ def _actions(replay: Replay, step: int) -> list[str]:
     """What each agent did in a step, counted from 0; nobody does anything after the end."""
     if step == replay.steps:
         return []
-    hunters = [replay.action(step, seat) for seat in range(replay.config.hunters)]
+    hunters = []
+    for seat in range(replay.config.hunters):
+        named = ", ".join(replay.asked_by_name(step, seat))
+        hunters.append(f"{replay.action(step, seat)}{f', also {named}' if named else ''}")
     return hunters + [replay.prey_action(step, index) for index in range(replay.config.prey)]
 
 

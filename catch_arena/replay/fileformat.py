@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, ReplayError
 from catch_arena.replay.codec import Reader, pack_columns
+from catch_arena.replay.named_requests import NamedRequest, pack_requests, read_requests
 from catch_arena.replay.quantisation import QuantisedState, driven_seats, pack_states, state_length, unpack_states
 from catch_arena.seeding import checked_seed
 
@@ -26,8 +27,10 @@ LARGEST_FILE: Final = 1 << 26
 """No file is longer than this, and no body when it is unpacked [bytes]."""
 _MAGIC: Final = b"\x89CATCH\r\n"  # as PNG does it: a transfer that mangles bytes is noticed at once
 _FORMAT: Final = 2
-_FORMAT_WITH_PREY: Final = 3
-"""A match without prey needs nothing that is new in it."""
+_WITH_PREY: Final = 1
+_WITH_NAMED_REQUESTS: Final = 2
+"""Added to the format of a match that has them: one without needs nothing that is new in it."""
+_NEWEST: Final = _FORMAT + _WITH_PREY + _WITH_NAMED_REQUESTS
 _PREFIX: Final = struct.Struct("<8sIQ")
 _LENGTH: Final = struct.Struct("<I")
 _CHECKSUM_BYTES: Final = 32
@@ -62,6 +65,8 @@ class ReplayContent:
     """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
     withdrawals: list[tuple[int, int]] = field(default_factory=list)
     """(steps played before it, agent): R1.6, R12.5. Agents count as in `names`."""
+    named_requests: list[NamedRequest] = field(default_factory=list)
+    """What was asked for by name and no rank stands for, in the order in which it was asked: R8.4."""
 
 
 def encode_replay(match: ReplayContent) -> bytes:
@@ -97,6 +102,7 @@ def encode_replay(match: ReplayContent) -> bytes:
             pack_columns(choices.T),
             _pack_commands(commands[:, driven]),
             _pack_commands(prey_commands),
+            pack_requests(match.named_requests) if match.named_requests else b"",
             *match.digests,
             states,
         )
@@ -104,7 +110,7 @@ def encode_replay(match: ReplayContent) -> bytes:
     if len(text) > _LONGEST_HEADER or len(body) > LARGEST_FILE:
         raise ReplayError(f"is too long to be kept: {len(body)} bytes, {len(text)} of them its header")
     shrunk = zlib.compress(body, 9)
-    content = _PREFIX.pack(_MAGIC, _format_of(config), len(shrunk)) + shrunk
+    content = _PREFIX.pack(_MAGIC, _format_of(match), len(shrunk)) + shrunk
     return content + _checksum(content)
 
 
@@ -118,7 +124,8 @@ def decode_replay(content: bytes) -> ReplayContent:
     reader = Reader(body)
     header = _checked_header(_header_of(reader))
     config, steps = header.config, header.steps
-    if form != _format_of(config):
+    named = (form - _FORMAT) & _WITH_NAMED_REQUESTS
+    if (form - _FORMAT) & _WITH_PREY != (_WITH_PREY if config.prey else 0):
         raise ReplayError(f"is of format {form}, which is not that of a match with {config.prey} prey")
     choices = reader.columns(config.hunters, steps)
     for seat, control in enumerate(config.controls):
@@ -129,6 +136,7 @@ def decode_replay(content: bytes) -> ReplayContent:
     commands = np.zeros((steps, config.hunters, 2), dtype=np.float32)
     commands[:, driven] = _read_commands(reader, steps, len(driven))
     prey_commands = _read_commands(reader, steps, config.prey)
+    named_requests = read_requests(reader, config, steps) if named else []
     digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
     states = unpack_states(config, commands, prey_commands, reader, header.spans)
     reader.end()
@@ -143,11 +151,13 @@ def decode_replay(content: bytes) -> ReplayContent:
         digests=digests,
         states=states,
         withdrawals=header.withdrawals,
+        named_requests=named_requests,
     )
 
 
-def _format_of(config: ArenaConfig) -> int:
-    return _FORMAT_WITH_PREY if config.prey else _FORMAT
+def _format_of(match: ReplayContent) -> int:
+    prey, named = bool(match.config.prey), bool(match.named_requests)
+    return _FORMAT + _WITH_PREY * prey + _WITH_NAMED_REQUESTS * named
 
 
 def _pack_commands(commands: NDArray[np.float32]) -> bytes:
@@ -208,8 +218,8 @@ def _checked_body(content: bytes) -> tuple[int, bytes]:
     if len(content) > LARGEST_FILE:
         raise ReplayError(f"is longer than {LARGEST_FILE} bytes")
     _, form, length = _PREFIX.unpack_from(content)
-    if form not in (_FORMAT, _FORMAT_WITH_PREY):
-        raise ReplayError(f"is of format {form}, and this version reads formats {_FORMAT} and {_FORMAT_WITH_PREY}")
+    if not _FORMAT <= form <= _NEWEST:
+        raise ReplayError(f"is of format {form}, and this version reads formats {_FORMAT} to {_NEWEST}")
     whole = _PREFIX.size + length + _CHECKSUM_BYTES
     if len(content) != whole:
         raise ReplayError(f"should be {whole} bytes long, got {len(content)}")

@@ -5,6 +5,7 @@ what is left after R2.2's motion has been taken off, which is almost nothing, an
 stand once.
 """
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from functools import cache
 from typing import Final
@@ -47,6 +48,7 @@ _STILL_TARGET: Final = {"number": "", "x": "m", "y": "m", "theta": "rad", "appea
 _MOVING_TARGET: Final = {**_STILL_TARGET, "linear velocity": "m/s", "angular velocity": "rad/s", "at wall": ""}
 X, Y, THETA, SPEED, TURN_RATE, ACTIVE, SCORE = 0, 1, 2, 3, 4, 7, 8
 """Of a hunter; a target's motion is packed in the order of the first five, with its wall flag behind them."""
+_USED_UP: Final = ARENA.index("numbers used up")
 _NUMBER: Final = 0
 _PLAYS, _TIMES_CAUGHT = 0, 1
 """Of prey: the number of its target, and its score."""
@@ -114,6 +116,15 @@ def scores(state: QuantisedState, config: ArenaConfig) -> tuple[list[int], list[
     """Every hunter's score in that state, and every prey's."""
     _, hunters, _, prey = parts_of(state, config)
     return hunters[:, SCORE].tolist(), prey[:, _TIMES_CAUGHT].tolist()
+
+
+def first_state_with(number: int, states: Sequence[QuantisedState], config: ArenaConfig) -> int | None:
+    """In which state a target appeared; None where it never did, as where its number's spawn was refused."""
+    first = bisect_left(states, number, key=lambda state: int(state[_USED_UP]))
+    if first == len(states):
+        return None
+    _, _, targets, _ = parts_of(states[first], config)
+    return first if number in targets[:, _NUMBER] else None
 
 
 def state_length(config: ArenaConfig) -> int:

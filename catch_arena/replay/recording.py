@@ -15,8 +15,10 @@ from catch_arena.engine import Engine
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
 from catch_arena.replay.fileformat import LARGEST_FILE, ReplayContent, decode_replay, encode_replay
-from catch_arena.replay.quantisation import quantise
+from catch_arena.replay.named_requests import judge_again, name_in_words, number_of, requests_of_step
+from catch_arena.replay.quantisation import first_state_with, quantise
 from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
+from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
 _NO_PREY: Final = np.zeros((0, 2), dtype=np.float32)
@@ -58,11 +60,18 @@ class Replay(ReplayContent):
         """What a seat did in a step, counted from 0, in words; nine digits tell any two float32 apart."""
         control = self.config.controls[seat]
         rank = int(self.choices[step][seat])
-        ranked = f"rank {rank}" if rank else "nothing" if control == "full" else "hold"
         if control == "target":
-            return ranked
+            return f"rank {rank}" if rank else "hold"
         commanded = _in_words(self.commands[step][seat])
-        return commanded if control == "velocity" else f"{commanded}, catch {ranked}"
+        if control == "velocity":
+            return commanded
+        asked = f"rank {rank}" if rank else "by name" if self.asked_by_name(step, seat) else "nothing"
+        return f"{commanded}, catch {asked}"
+
+    def asked_by_name(self, step: int, seat: int) -> list[str]:
+        """What else a seat asked for in a step, in words, in its order (R8.4)."""
+        requests = requests_of_step(self.named_requests, step)
+        return [name_in_words(one.name) for one in requests if one.seat == seat]
 
     def prey_action(self, step: int, index: int) -> str:
         """What a prey did in a step, likewise."""
@@ -143,6 +152,23 @@ class Replay(ReplayContent):
                     f"{on_one_line(found)}"
                 )
             yield engine
+
+    def named_rulings(self, before: World, after: World) -> list[Ruling]:
+        """The rulings on what was asked for by name in the step between two worlds, beside those of the latter (R8.4);
+        names are in short.
+        """
+        requests = requests_of_step(self.named_requests, before.step)
+        if not requests:
+            return []
+        alive = {target.name for target in before.targets}
+        gone = {one.name for one in requests if one.name is not None} - alive
+        caught = {name for name in gone if self._has_appeared(name, before.step)}
+        return judge_again(self.config, self.seed, requests, caught, before, after)
+
+    def _has_appeared(self, name: str, step: int) -> bool:
+        number = number_of(self.config, name)
+        state = None if number is None else first_state_with(number, self.states, self.config)
+        return state is not None and state <= step
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the match, played in the report's player where that was imported."""

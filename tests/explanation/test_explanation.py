@@ -166,6 +166,32 @@ def test_refusals_of_two_targets_are_two_runs(play):
     assert len({target for _, target in found}) > 10
 
 
+def test_what_was_asked_for_by_name_is_told_with_its_verdict(named):
+    """Each of them is counted, is in a run of its name, and in its step; what cannot be printed is not printed."""
+    told = explain(named)
+    runs, counted, asked = Counter(), Counter(), Counter()
+    for before, after in pairwise(named.worlds()):
+        for one in named.named_rulings(before, after):
+            asked[one.hunter, one.verdict, one.target] += 1
+    for run in told.refusals:
+        if run.by_name:
+            runs[run.seat, run.verdict, run.target] += run.times
+    assert runs == asked
+    for record in told.records:
+        counted.update(record.refused)
+    assert counted["DUPLICATE"] == sum(times for (_, verdict, _), times in asked.items() if verdict.name == "DUPLICATE")
+    assert all(line.isprintable() for line in told.lines())
+    assert any('for "x": UNKNOWN_TARGET, no such target was ever spawned (R5.2)' in line for line in told.lines())
+    step, seat, _ = next(one for one in named.named_requests if one.name == "x")
+    (action,) = explain_step(named, step + 1, seat).hunters
+    assert [one.target for one in action.by_name] == [
+        name for at, who, name in named.named_requests if (at, who) == (step, seat)
+    ]
+    text = " ".join(explain_step(named, step + 1, seat).lines())
+    assert '"x": ' in text
+    assert "It requested nothing" not in text
+
+
 def test_every_refusal_has_its_reason_and_clause(play):
     """Outages, refused kills, empty ranks, a withdrawn hunter: each verdict that occurs is told with its clause."""
     match = play("faulty", seed=5, control="full", reach_m=3.0, max_cycles=200, withdraw={50: ["hunter_1"]})

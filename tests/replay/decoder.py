@@ -36,7 +36,7 @@ def decode(content: bytes) -> dict[str, Any]:
     """The header's entries, and `ranks`, `commands`, `prey_commands`, `digests` and `states`, by state or step."""
     assert content[:8] == bytes.fromhex("894341544348 0D0A")
     form, length = struct.unpack("<IQ", content[8:20])
-    assert form in (2, 3)
+    assert 2 <= form <= 5
     assert len(content) == 20 + length + 32
     assert hashlib.blake2b(content[:-32], digest_size=32).digest() == content[-32:]
     body = Body(zlib.decompress(content[20:-32]))
@@ -51,8 +51,9 @@ def decode(content: bytes) -> dict[str, Any]:
         if controls[seat] != "target"
     }
     many = config.get("prey", 0)
-    assert form == (3 if many else 2)
+    assert (form - 2) % 2 == (1 if many else 0)
     prey_commands = [[[float32(word) for word in body.column(steps)] for _ in range(2)] for _ in range(many)]
+    requests = named_requests(body) if form >= 4 else []
     digests = [body.bytes(8) for _ in range(steps + 1)]
     clock = [summed(body.column(steps + 1)) for _ in range(CLOCK)]
     ticks = [0, *(max(0, min(62, now // 16 - then // 16)) for then, now in zip(clock[0], clock[0][1:], strict=False))]
@@ -98,9 +99,18 @@ def decode(content: bytes) -> dict[str, Any]:
         "ranks": ranks,
         "commands": commands,
         "prey_commands": prey_commands,
+        "named_requests": requests,
         "digests": digests,
         "states": states,
     }
+
+
+def named_requests(body: Body) -> list[tuple[int, int, str | None]]:
+    """(steps before, seat, name) of each."""
+    names = json.loads(body.bytes(struct.unpack("<I", body.bytes(4))[0]).decode("utf-8"))
+    (count,) = struct.unpack("<I", body.bytes(4))
+    later, seats, places = (body.column(count) for _ in range(3))
+    return [(step, seat, names[place]) for step, seat, place in zip(summed(later), seats, places, strict=True)]
 
 
 def asked_of_prey(config: dict[str, Any], commands: list[list[float]], n: int) -> list[int]:

@@ -176,7 +176,7 @@ def test_a_minute_of_four_hunters_is_small(play, tmp_path, most, overrides):
     assert len(file_of(match, tmp_path)) < most
 
 
-@pytest.mark.parametrize("which", ["mixed", "fleeing", "hunted", "hunted_once"])
+@pytest.mark.parametrize("which", ["mixed", "fleeing", "hunted", "hunted_once", "named"])
 def test_a_replay_is_the_same_after_saving_and_loading(which, request, tmp_path):
     """Everything, and the file that it is saved to again."""
     match = request.getfixturevalue(which)
@@ -288,7 +288,7 @@ def test_every_flipped_bit_is_refused(small):
         (b"\x89CATCH\r\n" + bytes(9), "is truncated"),
         (
             b"\x89CATCH\r\n" + struct.pack("<IQ", 1, 5) + bytes(37),
-            "is of format 1, and this version reads formats 2 and 3",
+            "is of format 1, and this version reads formats 2 to 5",
         ),
         (b"\x89CATCH\r\n" + struct.pack("<IQ", 2, 2**63) + bytes(37), "should be 9223372036854775860 bytes long"),
         (sealed(b"", packed_as=b"not zlib"), "its body does not unpack"),
@@ -309,8 +309,56 @@ def test_what_is_no_replay_is_refused_with_its_reason(tmp_path, content, says):
     assert says in refusal(content, tmp_path)
 
 
-def test_only_a_match_with_prey_is_kept_in_the_format_that_has_prey(small, small_hunted):
-    assert (small[8], small_hunted[8]) == (2, 3)
+def test_only_a_match_with_prey_or_requests_by_name_is_kept_in_a_format_that_has_them(
+    small, small_hunted, named, tmp_path
+):
+    assert (small[8], small_hunted[8], file_of(named, tmp_path)[8]) == (2, 3, 4)
+
+
+def test_requests_by_name_are_read_by_the_document_alone(named, tmp_path):
+    """Names of every kind, among them those that are no text and those that no UTF-8 holds."""
+    read = decode(file_of(named, tmp_path))
+
+    assert read["named_requests"] == named.named_requests
+    assert {len(name or "") for _, _, name in read["named_requests"]} >= {0, 256}
+    assert {"\ud800", None} <= {name for _, _, name in read["named_requests"]}
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(seat=1)), "that no hunter could have made"),
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(seat=-1)), "that no hunter could have made"),
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(step=10**6)), "not in the order of the steps"),
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(step=-1)), "not in the order of the steps"),
+        (lambda asked: asked.reverse(), "not in the order of the steps"),
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(name="x" * 257)), "names that no replay keeps"),
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(name=7)), "names that no replay keeps"),
+        (lambda asked: asked.extend([asked[-1]] * 2**16), "and 1 to 65536 can be kept"),
+    ],
+)
+def test_requests_by_name_that_cannot_be_are_refused(named, tmp_path, change, says):
+    """Of a hunter under another control, after the end, in another order, of names that were not cut, too many."""
+    assert says in refusal(rebuilt(named, tmp_path, lambda match: change(match.named_requests)), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("table", "says"),
+    [
+        (struct.pack("<I", 2**31), "its table of names is 2147483648 bytes long"),
+        (struct.pack("<I", 2) + b"\xff\xfe", "no readable table of names"),
+        (struct.pack("<I", 9000) + b"[" * 9000, "no readable table of names"),
+        (struct.pack("<I", 2) + b"[]" + struct.pack("<I", 0), "holds 0 requests by name"),
+        (struct.pack("<I", 2) + b"[]" + struct.pack("<I", 1) + bytes(3), "that no hunter could have made"),
+        (struct.pack("<I", 2) + b"{}", "names that no replay keeps"),
+    ],
+)
+def test_a_table_of_names_that_lies_is_refused(play, tmp_path, table, says):
+    """In the place where requests by name stand: behind the commands, before the digests."""
+    content = file_of(play("duel", max_cycles=3, control="full"), tmp_path)
+    match, body = decode_replay(content), body_of(content)
+    at = body.index(match.digests[0])
+    assert says in refusal(sealed(body[:at] + table + body[at:], form=4), tmp_path)
 
 
 def test_a_format_that_is_not_that_of_its_match_is_refused(small, small_hunted, tmp_path):
@@ -320,7 +368,7 @@ def test_a_format_that_is_not_that_of_its_match_is_refused(small, small_hunted, 
     )
     text = refusal(sealed(body_of(small_hunted), form=2), tmp_path)
     assert text == "is of format 2, which is not that of a match with 2 prey"
-    assert "is of format 4, and this version reads formats 2 and 3" in refusal(sealed(b"", form=4), tmp_path)
+    assert "is of format 6, and this version reads formats 2 to 5" in refusal(sealed(b"", form=6), tmp_path)
     names = ["a", "b"]
     config = {**decode(small_hunted)["config"], "prey": 0}
     text = refusal(with_header(small_hunted, config=config, names=names, withdrawals=[]), tmp_path)

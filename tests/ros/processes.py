@@ -5,12 +5,15 @@ import os
 import subprocess
 import sys
 import tempfile
+import threading
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 HERE = Path(__file__).parent
 DOMAINS = range(1, 101)
 """Without 0, which people use; the ports of those above belong to the system's own range."""
+LONGEST_S = 180
+"""No test needs a process for longer, on any machine."""
 
 
 @contextmanager
@@ -45,7 +48,10 @@ def started(script, *arguments):
         stderr=subprocess.PIPE,
         text=True,
     ) as process:
+        last = threading.Timer(LONGEST_S, process.kill)  # who waits for a line of it would wait for ever
+        last.start()
         try:
             yield process
         finally:
+            last.cancel()
             process.kill()

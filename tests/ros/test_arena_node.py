@@ -310,6 +310,20 @@ def test_a_person_only_drives_and_what_is_in_reach_is_asked_for_them():
     assert [(one.hunter, one.target) for one in match.sent("/rulings") if one.success] == [("hunter_0", first)]
 
 
+def test_a_request_for_a_person_is_answered_and_not_judged():
+    """The arena asks for them already; told once."""
+    match = Match(hunter_poses=((2.0, 2.0, 0.0),), people=[0], record=True)
+    answers = [match.ask(match.a, "target_turtle_1") for _ in range(2)]
+    match.tick()
+
+    assert [answer.response for answer in answers] == [NO, NO]
+    assert match.sent("/rulings") == []
+    assert [line for line in match.said if "by itself" in line] == [
+        "warning: hunter_0 asks by itself for what is in its reach (R4.4): no request for it is heard"
+    ]
+    assert verify(match.service.replay) == []
+
+
 # what strangers send
 
 

@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 from ros.bags import Recorder, without_definitions
+from ros.match import Match
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
@@ -138,6 +141,36 @@ def test_what_was_written_from_a_match_comes_back_with_the_same_rulings(tmp_path
     assert last.team_scores == world.team_scores  # whose lead the video shows
     for here, there in zip(last.hunters, world.hunters, strict=True):
         assert (here.x, here.y) == pytest.approx((there.x, there.y), abs=2e-6)
+
+
+def test_a_bag_tells_every_ruling_that_the_bus_carried_and_the_import_rules_the_same(tmp_path):
+    """Requests for what was caught, for what never was there, and several in a step are among them."""
+    match = Match(hunters=2, hunter_poses=((5.0, 5.0, 0.0), (6.0, 6.0, 0.0)), initial_targets=8, record=True,
+                  time_limit_s=2, reach_m=3.0)  # fmt: skip
+    names = ["nonsense", "target_turtle_99", "n" * 300]
+    while not match.node.over:
+        step = match.service.world.step
+        names += [turtle.name for turtle in match.service.alive_turtles().turtles if turtle.name not in names]
+        for number in range(step % 4):
+            match.ask(match.a, names[(step + 5 * number) % len(names)], f"/hunter_{step % 2}/catch_turtle")
+        match.tick()
+    match.service.replay.save(tmp_path / "m.replay")
+    assert run("ros", "bag", tmp_path / "m.replay", "-o", tmp_path / "m").exit_code == 0
+    sent = [(one.step, one.hunter, one.target[:256], one.verdict) for one in match.sent("/rulings")]
+    judged = [one.ruling for one in judge_bag(read_bag(tmp_path / "m"), reach_m=3.0)]
+    told = [(one.hunter, one.target[:255], one.verdict.name) for one in judged]
+    assert sorted(told) == sorted((int(hunter[-1]), target, verdict) for _, hunter, target, verdict in sent)
+    assert {verdict for _, _, verdict in told} == {
+        "GRANTED", "DUPLICATE", "ALREADY_CAUGHT", "UNKNOWN_TARGET", "OUT_OF_REACH", "MALFORMED",
+    }  # fmt: skip
+    typestore = AnyReader([tmp_path / "m"], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+    with typestore as reader:
+        rulings = [
+            reader.deserialize(data, connection.msgtype)
+            for connection, _, data in reader.messages()
+            if connection.topic == "/rulings"
+        ]
+    assert sorted((one.step, one.hunter, one.target, one.verdict) for one in rulings) == sorted(sent)
 
 
 def test_ghosts_repeats_and_kills_that_did_not_happen_are_told_apart(tmp_path):

@@ -1,6 +1,7 @@
 """A recorded match as the messages that a ROS 2 bus would have carried while it was played."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -28,7 +29,7 @@ from catch_arena.ros.middleware.graph_names import (
 from catch_arena.ros.middleware.interfaces import RULING, Interfaces, MessageType, Time
 from catch_arena.ros.middleware.rulings import ruling_message
 from catch_arena.verdicts import Ruling
-from catch_arena.world import HunterState, World
+from catch_arena.world import HunterState
 
 _NS: Final = 1_000_000
 """In a millisecond."""
@@ -103,7 +104,8 @@ def bus_messages(
     numbers = [0] * len(topics.hunters)
     for after in worlds:
         motion = step_motion(before, after)
-        yield from _judged(topics, before, after, numbers)
+        rulings = [*after.rulings, *replay.named_rulings(before, after)]
+        yield from _judged(topics, before.time_ms, rulings, numbers)
         if {target.number for target in before.targets} - {target.number for target in after.targets}:
             yield _alive(topics, motion, before.time_ms)
         yield from _moved(topics, motion, always=replay.config.targets_move)
@@ -112,16 +114,17 @@ def bus_messages(
             progress(after.step, replay.steps)
 
 
-def _judged(topics: BusTopics, before: World, after: World, numbers: list[int]) -> Iterator[TimedMessage]:
+def _judged(topics: BusTopics, time_ms: int, rulings: Sequence[Ruling], numbers: list[int]) -> Iterator[TimedMessage]:
     """R1.4: the requests of a step are judged on the state at its beginning."""
-    time_ns = before.time_ms * _NS
-    for ruling in after.rulings:
-        seat = ruling.hunter
+    for ruling in rulings:
+        seat, asked = ruling.hunter, ruling
         if ruling.target is not None:  # a rank that no target has is nothing that could be asked by name
+            name = str(ruling.target).encode(errors="backslashreplace").decode()  # half of a pair is no UTF-8
+            asked = replace(ruling, target=name)
             numbers[seat] += 1
-            for event in _call(ruling, before.time_ms, numbers[seat]):
-                yield TimedMessage(time_ns, topics.requests[seat], topics.request, event)
-        yield TimedMessage(time_ns, RULINGS, RULING, ruling_message(ruling, before.time_ms, topics.hunters))
+            for event in _call(asked, time_ms, numbers[seat]):
+                yield TimedMessage(time_ms * _NS, topics.requests[seat], topics.request, event)
+        yield TimedMessage(time_ms * _NS, RULINGS, RULING, ruling_message(asked, time_ms, topics.hunters))
 
 
 def _call(ruling: Ruling, time_ms: int, number: int) -> tuple[ServiceEvent, ServiceEvent]:

@@ -85,7 +85,10 @@ class ArenaNode:
         hunters = service.config.hunter_names
         self._names = names
         self._parties = Parties.of(service.config)
-        self.seats = [RosSeat(hunters[seat], log) for seat in sorted(driven)]
+        self.seats = [
+            RosSeat(hunters[seat], log, only_drives=service.config.controls[seat] == "velocity")
+            for seat in sorted(driven)
+        ]
         self._pending: list[_PendingRequest] = []
         self._logged: set[str] = set()
         self._ticks = 0
@@ -256,7 +259,7 @@ class ArenaNode:
                 self._warn_once(f"the node that drives {asks_for[0].hunter} asks for {seat.hunter}: it is not heard")
                 request.answer(_NOT_JUDGED)
             else:
-                self._pending.append(_PendingRequest(seat.hunter, request))
+                self._ask(seat, request)
 
         return callback
 
@@ -264,6 +267,13 @@ class ArenaNode:
         """The service that all share."""
         seat = seat_of(request.peer, self.seats, self._warn_once)
         if seat is None:
+            request.answer(_NOT_JUDGED)
+        else:
+            self._ask(seat, request)
+
+    def _ask(self, seat: RosSeat, request: Request) -> None:
+        if seat.only_drives:
+            self._warn_once(f"{seat.hunter} asks by itself for what is in its reach (R4.4): no request for it is heard")
             request.answer(_NOT_JUDGED)
         else:
             self._pending.append(_PendingRequest(seat.hunter, request))

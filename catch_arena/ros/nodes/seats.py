@@ -20,10 +20,11 @@ class RosSeat:
     Args:
         hunter: its name.
         log: takes one line when the seat's state changes.
+        only_drives: whether the arena asks for what is in its reach (R4.4), and its node does not.
     """
 
-    def __init__(self, hunter: str, log: Log) -> None:
-        self.hunter = hunter
+    def __init__(self, hunter: str, log: Log, *, only_drives: bool = False) -> None:
+        self.hunter, self.only_drives = hunter, only_drives
         self.driver: Peer | None = None
         """Who drives it, where the middleware tells."""
         self.driven = False

@@ -10,7 +10,6 @@ from catch_arena import interrupts
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
-from catch_arena.replay import Replay
 from catch_arena.ros.middleware.bus import Bus, Log
 from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.ros.nodes.agents import AgentSeats
@@ -109,7 +108,7 @@ def serve_match(
                 node.tick()
         except KeyboardInterrupt:
             if record is not None:
-                _save(service.replay, record)
+                _save(service, record, log)
             raise
         ranks, scores = node.standings()
         last = Rate(rate.period_s)  # not the match's own, whose ticks are counted
@@ -121,17 +120,19 @@ def serve_match(
                     node.tick()
             finally:
                 if record is not None:  # it takes as long as many ticks, and nothing is sent meanwhile
-                    _save(service.replay, record)
+                    _save(service, record, log)
 
         interrupts.linger(end)
     return Served(tuple(names), ranks, scores, rate)
 
 
-def _save(replay: Replay, record: Path) -> None:
+def _save(service: ArenaService, record: Path, log: Log) -> None:
     """Whatever else comes; a line about an interrupt then says where it is."""
 
     def save() -> None:
-        replay.save(record)
+        service.replay.save(record)
         interrupts.also_say(lambda: f"replay: {record}")
+        if service.requests_left_out:
+            log(f"the replay is without {service.requests_left_out} refused requests: there were too many to keep")
 
     interrupts.keep(save)

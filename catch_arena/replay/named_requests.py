@@ -1,0 +1,185 @@
+"""Rulebook R8.4: what hunters asked for by name, beside the rank that an action holds.
+
+A rank stands for one target in view. A node may ask for what was caught, for what never was there, or twice in a step:
+such requests change nothing in the arena, but each was answered. A replay keeps them as they came, and the arbiter
+judges them again.
+"""
+
+import json
+import struct
+from bisect import bisect_left
+from collections.abc import Collection, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from catch_arena.arbitration import arbitrate
+from catch_arena.config import ArenaConfig
+from catch_arena.core.jit import entry
+from catch_arena.core.random import kill_service_down
+from catch_arena.errors import ReplayError
+from catch_arena.replay.codec import Reader, pack_columns
+from catch_arena.text import printable
+from catch_arena.verdicts import Ruling
+from catch_arena.world import World
+
+MOST_REQUESTS: Final = 1 << 16
+"""Of a match; each hunter may have its part of them. A node can ask thousands of times in a second."""
+MOST_CHARACTERS: Final = 1 << 20
+"""Of all their names; likewise."""
+_LONGEST_NAME: Final = 256
+"""One more than a name may have (R5.2): what is longer stays too long."""
+_LONGEST_SHOWN: Final = 60
+_MOST_DIGITS: Final = 9
+"""Far more targets than a replay can hold."""
+_LONGEST_TABLE: Final = 1 << 24
+_LENGTH: Final = struct.Struct("<I")
+
+
+class NamedRequest(NamedTuple):
+    """One request that no rank stands for."""
+
+    step: int
+    """How many steps were played before."""
+    seat: int
+    name: str | None
+    """At most 256 characters; None for what was no text."""
+
+
+class RequestBudget:
+    """Keeps what one hunter after the other asks for, until a hunter has asked for its part of what a file may hold.
+
+    Args:
+        hunters: how many share it.
+    """
+
+    def __init__(self, hunters: int) -> None:
+        self._requests = [MOST_REQUESTS // hunters] * hunters
+        self._characters = [MOST_CHARACTERS // hunters] * hunters
+        self.left_out = 0
+        """How many requests had no place any more."""
+
+    def admit(self, step: int, seat: int, name: object) -> NamedRequest | None:
+        """The request as it is kept; None where the hunter's part is used up."""
+        kept = name[:_LONGEST_NAME] if isinstance(name, str) else None
+        self._requests[seat] -= 1
+        self._characters[seat] -= len(kept or "")
+        if min(self._requests[seat], self._characters[seat]) < 0:
+            self.left_out += 1
+            return None
+        return NamedRequest(step, seat, kept)
+
+
+def requests_of_step(requests: Sequence[NamedRequest], step: int) -> Sequence[NamedRequest]:
+    """Those of one step, in the order in which they came."""
+    first, end = (bisect_left(requests, at, key=lambda one: one.step) for at in (step, step + 1))
+    return requests[first:end]
+
+
+def judge_again(
+    config: ArenaConfig,
+    seed: int,
+    requests: Sequence[NamedRequest],
+    caught: Collection[str],
+    before: World,
+    after: World,
+) -> list[Ruling]:
+    """The rulings on the requests of one step.
+
+    Args:
+        config: the arena's settings.
+        seed: the match's.
+        requests: those of the step.
+        caught: which of their names were targets that were caught earlier.
+        before: the state on which they are judged (R5.1).
+        after: the state that the step led to; its rulings tell what was asked for by rank, which came first.
+    """
+    seats = {one.seat for one in requests}
+    ranked = [(ruling.hunter, ruling.target) for ruling in after.rulings if ruling.hunter in seats]
+    rulings = arbitrate(
+        hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
+        targets={target.name: (target.x, target.y) for target in before.targets},
+        requests=[*ranked, *((one.seat, one.name) for one in requests)],
+        reach_m=config.reaches,
+        policy=config.policy,
+        seed=seed,
+        step=before.step,
+        caught=caught,
+        inactive=[seat for seat, hunter in enumerate(after.hunters) if hunter.withdrawn],
+        kill_service_up=not _kill_service_down(np.uint64(seed), before.step, config.faults.kill_down),
+    )
+    return rulings[len(ranked) :]
+
+
+def name_in_words(name: str | None) -> str:
+    """A name that a stranger gave, in quotes and in short."""
+    if name is None:
+        return "what is no text"
+    short = name if len(name) <= _LONGEST_SHOWN else f"{name[:_LONGEST_SHOWN]}..."
+    return f'"{printable(short)}"'
+
+
+def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
+    """A table of the names, each once, and columns: by how many steps each is later than the one before, the seat, and
+    the name's place in the table.
+    """
+    places: dict[str | None, int] = {}
+    for one in requests:
+        places.setdefault(one.name, len(places))
+    table = json.dumps(list(places), separators=(",", ":")).encode()
+    numbers = np.array([(one.step, one.seat, places[one.name]) for one in requests], dtype=np.int64)
+    numbers[1:, 0] -= numbers[:-1, 0].copy()
+    return b"".join((_LENGTH.pack(len(table)), table, _LENGTH.pack(len(requests)), pack_columns(numbers.T)))
+
+
+def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[NamedRequest]:
+    """What `pack_requests` wrote.
+
+    Raises:
+        ReplayError: for whatever no arena would have heard.
+    """
+    names = _read_names(reader)
+    (count,) = _LENGTH.unpack(reader.take(_LENGTH.size))
+    if not 0 < count <= MOST_REQUESTS:
+        raise ReplayError(f"holds {count} requests by name, and 1 to {MOST_REQUESTS} can be kept")
+    numbers = reader.columns(3, count)
+    later, seats, places = numbers.T
+    at = np.cumsum(later)
+    if later.min() < 0 or later.max() >= steps or at[-1] >= steps:
+        raise ReplayError("holds requests by name that are not in the order of the steps")
+    full = [seat for seat, control in enumerate(config.controls) if control == "full"]
+    if not np.isin(seats, full).all() or not 0 <= places.min() <= places.max() < len(names):
+        raise ReplayError("holds requests by name that no hunter could have made")
+    return [
+        NamedRequest(step, seat, names[place])
+        for step, seat, place in zip(at.tolist(), seats.tolist(), places.tolist(), strict=True)
+    ]
+
+
+def _read_names(reader: Reader) -> list[str | None]:
+    (length,) = _LENGTH.unpack(reader.take(_LENGTH.size))
+    if length > _LONGEST_TABLE:
+        raise ReplayError(f"is damaged: its table of names is {length} bytes long, more than {_LONGEST_TABLE}")
+    try:
+        names = json.loads(reader.take(length).decode())
+    except (ValueError, RecursionError):
+        raise ReplayError("is damaged: it has no readable table of names") from None
+    if not isinstance(names, list) or not all(
+        name is None or (isinstance(name, str) and len(name) <= _LONGEST_NAME) for name in names
+    ):
+        raise ReplayError("holds requests for names that no replay keeps")
+    return names
+
+
+def number_of(config: ArenaConfig, name: str | None) -> int | None:
+    """The number of the target that has this name, or would have it (R3.4); None for a name that no target has."""
+    digits = (name or "").removeprefix(config.name_prefix)
+    if not (digits.isascii() and digits.isdecimal() and len(digits) <= _MOST_DIGITS):
+        return None
+    return int(digits) if config.target_name(int(digits)) == name else None
+
+
+@entry
+def _kill_service_down(seed: np.uint64, step: int, rate: float) -> bool:
+    """R8.3: the core's own rule, as Python can call it."""
+    return kill_service_down(seed, step, rate)
