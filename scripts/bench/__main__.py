@@ -14,11 +14,12 @@ import platform
 import shlex
 import sys
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import against
-from checkout import CheckoutError
+from checkout import CheckoutError, current
 from puffer import HEADER
 
 # before numpy, torch and jax load, which read these once
@@ -30,7 +31,13 @@ os.environ |= {
 
 COMMAND = shlex.join(["python", *(Path(one).name if Path(one).is_absolute() else one for one in sys.argv)])
 """As the tables have it: where folders lie on this machine is nobody's business."""
-PARTS = ("start", "peers", "ours", "phases")
+PARTS = {
+    "start": "import and first steps, in fresh processes",
+    "peers": "other environments beside ours",
+    "ours": "one arena, and batches of many sizes",
+    "limits": "what a missed target comes up against",
+    "phases": "where a step's time goes",
+}
 MARKS = ("<!-- made by make bench -->", "<!-- made until here -->")
 AGAINST_MARKS = ("<!-- made by scripts/bench against a commit -->", "<!-- made against it until here -->")
 
@@ -59,10 +66,14 @@ def parse() -> Args:
     parser = argparse.ArgumentParser(prog="bench", description=__doc__.splitlines()[0])
     rows = ", ".join(against.ROWS)
     parser.add_argument(
-        "--only", nargs="+", metavar="PART", help=f"a part: {', '.join(PARTS)}; with --against a row: {rows}"
+        "--only",
+        nargs="+",
+        metavar="PART",
+        help=f"a part: {', '.join(f'{part} ({what})' for part, what in PARTS.items())}; with --against a row: {rows}; "
+        "all of them unless given",
     )
-    parser.add_argument("--rounds", type=int, default=10, help="turns of each subject")
-    parser.add_argument("--seconds", type=float, default=0.25, help="CPU-seconds of a turn")
+    parser.add_argument("--rounds", type=int, default=10, help="turns of each subject (%(default)s)")
+    parser.add_argument("--seconds", type=float, default=0.25, help="CPU-seconds of a turn (%(default)s)")
     parser.add_argument(
         "--quick", action="store_true", help="tiny sizes, to see that it runs; the figures mean nothing"
     )
@@ -93,7 +104,9 @@ def parse() -> Args:
 
 
 def machine() -> str:
-    """The processor, and the versions of what the figures depend on."""
+    """The processor, how many arenas the core plays in one register of it, and the versions of what the figures depend
+    on.
+    """
     model = platform.processor() or platform.machine()
     known = Path("/proc/cpuinfo")
     if known.exists():
@@ -105,7 +118,19 @@ def machine() -> str:
             versions.append(f"{package} {importlib.metadata.version(package)}")
         except importlib.metadata.PackageNotFoundError:
             continue
-    return f"{model}, {os.cpu_count()} cores, {platform.system()}; {', '.join(versions)}"
+    from catch_arena.core.vectors import PLAYED  # after what NumPy reads once
+
+    lanes = f"{len(PLAYED)} arenas in a register"
+    return f"{model}, {os.cpu_count()} cores, {lanes}, {platform.system()}; {', '.join(versions)}"
+
+
+def measured_version() -> str:
+    """Of what, and when."""
+    try:
+        version = f"commit {current()}"
+    except CheckoutError:
+        version = f"version {importlib.metadata.version('catch-arena')}"
+    return f"Catch Arena, {version}, on {datetime.now(UTC).date()}"
 
 
 def beside_a_commit(args: Args) -> tuple[dict[str, Any], str]:
@@ -126,13 +151,19 @@ def rounds_of(args: Args) -> tuple[int, float]:
 def beside_peers(args: Args) -> tuple[dict[str, Any], str]:
     """The figures of all parts, and their tables."""
     import ours
+    from limits import limits
     from measure import play_rounds
     from page import written
     from peers import peers
     from phases import phases
     from startup import startup
 
-    figures: dict[str, Any] = {"machine": machine(), "command": COMMAND, "skipped": {}}
+    figures: dict[str, Any] = {
+        "machine": machine(),
+        "version": measured_version(),
+        "command": COMMAND,
+        "skipped": {},
+    }
     if "start" in args.only:
         figures["startup"] = startup(quick=args.quick)
     subjects = []
@@ -146,6 +177,8 @@ def beside_peers(args: Args) -> tuple[dict[str, Any], str]:
         subjects += ours.all_others(quick=args.quick)
     play_rounds(subjects, *rounds_of(args))
     figures["subjects"] = [subject.figures() for subject in subjects]
+    if "limits" in args.only:
+        figures["limits"] = limits(quick=args.quick)
     if "phases" in args.only:
         figures["phases"] = phases(quick=args.quick)
     return figures, written(figures, subjects)

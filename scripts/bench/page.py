@@ -17,7 +17,7 @@ def written(figures: Mapping[str, Any], subjects: Sequence[Subject]) -> str:
     groups: dict[str, list[Subject]] = {}
     for subject in subjects:
         groups.setdefault(subject.group, []).append(subject)
-    sections = [f"{figures['machine']}. Command: `{figures['command']}`."]
+    sections = [f"{figures['machine']}. {figures['version']}. Command: `{figures['command']}`."]
     if subjects:
         sections += ["### Wanted, and measured", _wanted(figures, subjects)]
     if PEERS in groups or figures["skipped"]:
@@ -30,6 +30,8 @@ def written(figures: Mapping[str, Any], subjects: Sequence[Subject]) -> str:
         sections += ["### Reset and memory", _reset_and_memory(groups[ours.RESET], figures["bytes_per_arena"])]
     if "startup" in figures:
         sections += ["### Import and start-up", _startup(figures["startup"])]
+    if "limits" in figures:
+        sections += ["### What stands in the way", _limits(figures["limits"])]
     if "phases" in figures:
         sections += ["### Where a step's time goes", _phases(figures["phases"])]
     return "\n\n".join(sections) + "\n"
@@ -162,13 +164,32 @@ def _startup(startup: Mapping[str, Mapping[str, float]]) -> str:
     return table(("a process that ends with", "s", "CPU-s"), rows)
 
 
+def _limits(limits: Mapping[str, Any]) -> str:
+    """A small table for each."""
+    parts = []
+    for control, us in limits["one_arena_us"].items():
+        rest = us["whole"] - us["engine"] - us["five dicts"]
+        parts.append((control, *(f"{value:.2f}" for value in (us["whole"], us["engine"], us["five dicts"], rest))))
+    head = ("one arena, us a step", "whole", "the engine alone", "an env that only makes five dicts", "the rest")
+    tables = [table(head, parts)]
+    for title, key, digits in (
+        ("memory of a large batch, by part", "memory_bytes", "{:,.0f}"),
+        ("first step of one arena, cold, by part", "cold_cpu_s", "{:.2f}"),
+        ("two threads beside one, without an arena", "two_threads", "{:.2f}x"),
+    ):
+        if key in limits:
+            unit = {"memory_bytes": "bytes an arena", "cold_cpu_s": "CPU-s", "two_threads": "on the wall"}[key]
+            tables.append(table((title, unit), [(what, digits.format(one)) for what, one in limits[key].items()]))
+    return "\n\n".join(tables)
+
+
 def _phases(batches: Sequence[Mapping[str, Any]]) -> str:
-    head = ["phase"]
+    head = ["phase, ns per agent-step"]
     texts = []
     for one in batches:
-        head += [f"ns per agent-step, {one['envs']:,} arenas", "share"]
+        head += [one["title"], "share"]
         texts.append(
-            f"With {one['envs']:,} arenas a step writes {one['bytes_written_per_agent_step']:.0f} bytes of "
+            f"- {one['title']}: a step writes {one['bytes_written_per_agent_step']:.0f} bytes of "
             f"observations, masks and rewards for each agent, and reads and writes {one['state_bytes_per_agent']:.0f} "
             f"bytes of state; this machine fills as much memory with {one['fill_gigabytes_per_s']:.1f} GB/s."
         )

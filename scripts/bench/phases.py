@@ -8,7 +8,7 @@ import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,22 @@ from catch_arena.core.vectors import Width
 
 WHOLE = "the whole step"
 _LARGE = 16384
+
+
+class Played(NamedTuple):
+    """A batch whose step is taken apart."""
+
+    title: str
+    envs: int
+    settings: Mapping[str, Any] = {}
+
+
+_BATCHES = (
+    Played("1,024 arenas", 1024),
+    Played("16,384 arenas", _LARGE),
+    Played("full control", _LARGE, {"control": "full"}),
+    Played("64 hunters", 1024, {"hunters": 64, "initial_targets": 16, "spawn_frequency_hz": 10.0}),
+)
 
 
 @phase
@@ -93,18 +109,19 @@ def _time_from(saved: NDArray[np.float64], engine: catch_arena.Engine, step: Cal
     caches.
     """
     spent = []
-    for _ in range(1 + max(1, _LARGE // engine.num_arenas)):
+    for _ in range(1 + max(1, 4 * _LARGE // (engine.num_arenas * engine.config.hunters))):
         engine.blocks[:] = saved
         spent.append(_time(step))
     return statistics.mean(spent[1:])
 
 
 def phases(*, quick: bool) -> list[dict[str, Any]]:
-    """For batches that fit the caches and that do not: CPU-nanoseconds an agent and step by phase, and for plain memory
-    traffic of the same size.
+    """For batches that fit the caches and that do not, under full control and with many hunters: CPU-nanoseconds an
+    agent and step by phase, and for plain memory traffic of the same size.
     """
     titles = list(_PHASES)[:1] if quick else list(_PHASES)
-    _at_play(33)  # the whole step is compiled, and kept for other processes, before anything stands in for a phase
+    small = Played("33 arenas", 33)
+    _at_play(small)  # the whole step is compiled, and kept for other processes, before anything stands in for a phase
     changed = [(tick, name) for name in (*_WRITTEN_OUT, _CALLER)]
     changed += [(module, name) for module, stand_ins in _PHASES.values() for name in stand_ins]
     originals = [(module, name, getattr(module, name)) for module, name in changed]
@@ -112,22 +129,27 @@ def phases(*, quick: bool) -> list[dict[str, Any]]:
     try:
         for title in titles:
             variants[title] = _compiled_without(title)
-            _at_play(33)  # compiles
+            _at_play(small)  # compiles
             for module, name, original in originals:
                 setattr(module, name, original)
-        return [_measured(envs, variants, rounds=3 if quick else 61) for envs in ((1, 33) if quick else (1024, _LARGE))]
+        batches = (Played("one arena", 1), small) if quick else _BATCHES
+        return [_measured(batch, variants, rounds=3 if quick else 61) for batch in batches]
     finally:
         for module, name, original in originals:
             setattr(module, name, original)
 
 
-def _at_play(envs: int) -> tuple[catch_arena.Engine, Callable[[], None]]:
-    """A batch in the middle of an episode, and its step."""
-    config = catch_arena.scenario("standard")
-    engine = catch_arena.Engine(config, envs, with_infos=False)
-    engine.reset(range(envs))
-    choices = np.ones((envs, config.hunters), dtype=np.int64)
-    commands = np.zeros((envs, config.hunters, 2), dtype=np.float32)
+def _at_play(batch: Played) -> tuple[catch_arena.Engine, Callable[[], None]]:
+    """A batch in the middle of an episode, and its step; of many hunters each chases a rank of its own."""
+    config = catch_arena.scenario("standard", **batch.settings)
+    engine = catch_arena.Engine(config, batch.envs, with_infos=False)
+    engine.reset(range(batch.envs))
+    choices = np.ones((batch.envs, config.hunters), dtype=np.int64)
+    if "hunters" in batch.settings:
+        choices += np.arange(config.hunters) % config.targets_seen
+    full = config.control == "full"
+    drawn = np.random.default_rng(1).uniform(-1, 1, (batch.envs, config.hunters, 2))
+    commands = (drawn if full else np.zeros_like(drawn)).astype(np.float32)
 
     def step() -> None:
         engine.step(choices, commands)
@@ -137,8 +159,8 @@ def _at_play(envs: int) -> tuple[catch_arena.Engine, Callable[[], None]]:
     return engine, step
 
 
-def _measured(envs: int, variants: Mapping[str, Any], rounds: int) -> dict[str, Any]:
-    engine, step = _at_play(envs)
+def _measured(batch: Played, variants: Mapping[str, Any], rounds: int) -> dict[str, Any]:
+    engine, step = _at_play(batch)
     saved = engine.blocks.copy()
     output = np.empty(sum(array.nbytes for array in (engine.observations, engine.masks, engine.rewards)), np.uint8)
     state = saved.copy()
@@ -152,11 +174,12 @@ def _measured(envs: int, variants: Mapping[str, Any], rounds: int) -> dict[str, 
         spent["fill"].append(_time(lambda: output.fill(1)))
         spent["touch"].append(spent["fill"][-1] + _time(lambda: np.negative(state, out=state)))
 
-    agents = envs * engine.config.hunters
+    agents = batch.envs * engine.config.hunters
     ns = {name: 1e9 * _undisturbed(seconds) / agents for name, seconds in spent.items()}
     gains = {title: ns[""] - ns[title] for title in variants if title}
     return {
-        "envs": envs,
+        "title": batch.title,
+        "envs": batch.envs,
         "bytes_written_per_agent_step": output.nbytes / agents,
         "state_bytes_per_agent": state.nbytes / agents,
         "fill_gigabytes_per_s": output.nbytes / agents / ns["fill"],

@@ -21,7 +21,7 @@ def times(value: float) -> str:
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """Columns of even width, so that it reads on a screen too; all but the first are set to the right."""
     lines = [[str(cell) for cell in row] for row in (head, *rows)]
-    widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
+    widths = [max(3, *(len(line[column]) for line in lines)) for column in range(len(head))]  # Markdown asks for three
     text = [
         "| "
         + " | ".join((cell.rjust if column else cell.ljust)(widths[column]) for column, cell in enumerate(line))

@@ -48,7 +48,16 @@ def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")
     (folder / "page.md").write_bytes((ROOT / "docs" / "performance.md").read_bytes())
     done = bench(
-        "--quick", "--only", "start", "peers", "ours", "--json", folder / "bench.json", "--page", folder / "page.md"
+        "--quick",
+        "--only",
+        "start",
+        "peers",
+        "ours",
+        "limits",
+        "--json",
+        folder / "bench.json",
+        "--page",
+        folder / "page.md",
     )
     assert done.returncode == 0, done.stderr
     return folder
@@ -82,6 +91,20 @@ def test_the_tables_are_complete(run):
     assert [row[0].split()[2] for row in table(page, "More targets")[1:]] == ["4", "8", "16", "32", "64"]
     for heading in ("Beside others", "One arena, and batches", "Reset and memory", "Import and start-up"):
         assert len({len(row) for row in table(page, heading)}) == 1
+
+
+def test_the_parts_of_what_stands_in_the_way_add_up(run):
+    """One arena's step by control, and a batch's memory."""
+    page = (run / "page.md").read_text()
+    head, *rows = table(page, "What stands in the way")
+    assert [row[0] for row in rows] == ["target", "velocity", "full"]
+    for _, whole, *parts in rows:
+        assert float(whole) == pytest.approx(sum(map(float, parts)), abs=0.03)
+        assert min(map(float, parts[:2])) > 0
+    figures = json.loads((run / "bench.json").read_text())["limits"]
+    *parts, whole = figures["memory_bytes"].values()
+    assert sum(parts) == pytest.approx(whole)
+    assert figures["two_threads"].keys() == {"numbers", "memory"}
 
 
 def test_every_target_stands_beside_its_figure_or_says_that_there_is_none(run):
@@ -170,7 +193,7 @@ def test_the_page_keeps_what_is_written_by_hand(run):
     ("arguments", "message"),
     [
         (("--only", "everything"), "invalid choice: 'everything'"),
-        (("--only", "batch"), "choose from start, peers, ours, phases"),
+        (("--only", "batch"), "choose from start, peers, ours, limits, phases"),
         (("--against", "HEAD", "--only", "peers"), "choose from batch, threads"),
         (("--pufferlib", "docs"), "docs has no pufferlib/ocean/target/target.h"),
         (("--against", "HEAD", "--page", "README.md"), "README.md must be a page that holds"),
