@@ -7,7 +7,7 @@ import math
 from bisect import insort
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from html import escape
 from typing import Any, Final, Literal, NoReturn, get_args
 
@@ -26,6 +26,7 @@ from catch_arena.envs.global_state import state_vector
 from catch_arena.envs.infos import LazyInfos
 from catch_arena.envs.spaces import (
     action_space,
+    checked_action,
     checked_choice,
     checked_command,
     checked_full,
@@ -50,9 +51,12 @@ RENDER_SIZE: Final = (500, 500)
 
 _UNCHANGING: Final = frozenset(
     ("config", "_controls", "_evidence", "_masks", "_observation_spaces", "_breakdowns", "_record_as", "_rewards")
-) | {"_seats", "_seen"}
+) | {"_places", "_seats", "_seen"}
 """What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
-_NO_COMMAND: Final = (0.0, 0.0)
+_NO_MORE: Final = (None, (), None)
+"""The last arguments of `_infos`, where there are no dropouts that stay, no teams and no prey."""
+_BOUND: Final = ("_play", "_choice_items", "_command_items")
+"""What `_bind_engine_buffers` makes anew."""
 _WITHDRAWN = row_of(state.WITHDRAWN)
 _NO_ANSWER: Final[dict[str, Any]] = dict.fromkeys(("verdict", "reason", "target", "distance_um", "winner"))
 
@@ -139,10 +143,15 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.agents: list[str] = []
         self._nobody: dict[str, bool] = {}
         """False for each of `agents`: copied, since a dict made anew takes five times as long."""
+        self._views: list[tuple[str, slice]] = []
+        """Where each of `agents` stands in what the engine puts out."""
         self.max_cycles = config.max_steps
         self._seats = {name: seat for seat, name in enumerate(config.hunter_names)}
         self._prey = {name: index for index, name in enumerate(config.prey_names)}
-        self._indices = {name: index for index, name in enumerate(self.possible_agents)}
+        drives_itself: tuple[Control] = ("velocity",)
+        controls = config.controls + drives_itself * config.prey
+        self._places = dict(zip(self.possible_agents, enumerate(controls), strict=True))
+        """Each agent's index and control; prey drives itself."""
         self._observation_spaces: dict[str, spaces.Space[Any]] = {}
         self._action_spaces: dict[str, spaces.Space[Any]] = {}
         self._engine = Engine(config)
@@ -159,6 +168,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._dropouts_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
         self._prey_leaves = config.prey > 0 and config.prey_returns_s is None
         self._team_by_seat = config.team_by_seat
+        self._mask_in_observation = config.mask_in_observation
+        self._has_more_for_infos = self._dropouts_stay or config.teams is not None or config.prey > 0
         self._leaving: dict[str, str] = {}
         """Who leaves with the end of the next step, and who has left, each with the reason."""
         self._record_as: tuple[tuple[str, ...], str] | None = None
@@ -181,6 +192,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         }
         self._breakdowns, self._evidence, self._masks = slice(0, begin), slice(begin, seen), slice(masks, end)
         self._rewards = engine.rewards[0]
+        # items of a memoryview are written in half the time of an array's
+        self._choice_items: Any = self._choices[0].data
+        self._command_items: Any = self._commands.reshape(-1).data
         self._play = engine.stepper(self._choices, self._hunter_commands, self._prey_commands)
         if self._prey:
             begin, seen = (
@@ -204,8 +218,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return twin
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the window and what is painted in it, and machine code, which belong to one env and one process."""
-        return {**self.__dict__, "_painter": None, "_window": None, "_play": None}
+        """All but the window and what is painted in it, machine code and addresses, which belong to one env and one
+        process.
+        """
+        return {**self.__dict__, "_painter": None, "_window": None, **dict.fromkeys(_BOUND)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """What was copied or unpickled looks at its own engine."""
@@ -343,6 +359,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def _set_agents(self, agents: list[str]) -> None:
         self.agents = agents
         self._nobody = dict.fromkeys(agents, False)
+        self._views = [(agent, self._seen[agent]) for agent in agents]
 
     def withdraw(self, agent: str) -> None:
         """R1.6, R12.5: the agent takes no further part.
@@ -361,7 +378,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._engine.withdraw(0, self._seats[agent])
         self._leaving[agent] = "was withdrawn"
         if self._replay is not None:
-            insort(self._replay.withdrawals, (self._replay.steps, self._indices[agent]))  # agents fail in any order
+            insort(self._replay.withdrawals, (self._replay.steps, self._places[agent][0]))  # agents fail in any order
 
     def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
         """R8.1: a target outside the timer; its name, or "" where the arena is full. A recorded episode takes none."""
@@ -521,10 +538,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def check_action(self, agent: str, action: object) -> None:
         """Raise the ActionError that `step` would raise for that action; nothing moves."""
-        if self._known(agent) in self._prey:
-            checked_command(agent, "an action", action)
-        else:
-            self._checked(agent, self._seats[agent], action)
+        _, control = self._places[self._known(agent)]
+        checked_action(control, agent, action, self._ranks)
 
     def _known(self, agent: str) -> str:
         if agent not in self._seats and agent not in self._prey:
@@ -541,7 +556,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         agents = self.agents
         if len(actions) != len(agents):
             self._explain_mismatch(actions)
-        choices, commands = self._choices[0], self._commands[0].reshape(-1)
+        choices, commands = self._choice_items, self._command_items
         ranks, seats = self._ranks, self._seats
         try:
             if self._all_target_control:
@@ -551,11 +566,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                     choices[seats[agent]] = action if legal else checked_choice(agent, "an action", action, ranks)
             else:
                 for agent in agents:
-                    index = self._indices[agent]
-                    if agent in self._prey:
+                    index, control = self._places[agent]
+                    if control == "velocity":
                         speed, turn_rate = checked_command(agent, "an action", actions[agent])
+                    elif control == "full":
+                        choices[index], (speed, turn_rate) = checked_full(agent, actions[agent], ranks)
                     else:
-                        choices[index], (speed, turn_rate) = self._checked(agent, index, actions[agent])
+                        choices[index] = checked_choice(agent, "an action", actions[agent], ranks)
+                        continue
                     commands[2 * index] = speed
                     commands[2 * index + 1] = turn_rate
         except KeyError:
@@ -564,20 +582,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             if agent not in agents:
                 if agent in seats:
                     choices[seats[agent]] = 0
-                self._commands[0, self._indices[agent]] = 0.0
-
-    def _checked(self, agent: str, seat: int, action: Any) -> tuple[int, tuple[float, float]]:
-        """A seat's choice and command.
-
-        Raises:
-            ActionError: for an action that is not legal.
-        """
-        control = self._controls[seat]
-        if control == "velocity":
-            return 0, checked_command(agent, "an action", action)
-        if control == "full":
-            return checked_full(agent, action, self._ranks)
-        return checked_choice(agent, "an action", action, self._ranks), _NO_COMMAND
+                self._commands[0, self._places[agent][0]] = 0.0
 
     def _explain_mismatch(self, actions: Mapping[str, Any]) -> NoReturn:
         for agent in actions:
@@ -592,14 +597,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self, agents: Sequence[str], cut: Sequence[str] = ()
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Observations and infos of these agents, from one copy of what the engine tells; `cut` are truncated."""
-        outputs, seen = self._engine.outputs.copy(), self._seen
+        outputs = self._engine.outputs.copy()
         infos: dict[str, dict[str, Any]]
         if self._infos_level == "full":
             infos = LazyInfos(self._nobody)
-            withdrawn = self._engine.hunter_rows(0)[:, _WITHDRAWN].tolist() if self._dropouts_stay else None
-            team_scores = () if self.config.teams is None else self._engine.team_scores[0].tolist()
-            prey = self._engine.prey_rows(0).copy() if self._prey else None
-            infos.make = lambda: self._infos(agents, cut, outputs, withdrawn, team_scores, prey)
+            more = self._more_for_infos() if self._has_more_for_infos else _NO_MORE
+            infos.make = partial(self._infos, agents, cut, outputs, *more)
         elif self._infos_level == "mask":
             infos = {agent: {} for agent in agents}
             masks = self._masks_in(outputs)
@@ -608,13 +611,22 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                     infos[agent]["action_mask"] = masks[seat]
         else:
             infos = {agent: {} for agent in agents}
-        observations: dict[str, Any] = {agent: outputs[seen[agent]] for agent in agents}
-        if self.config.mask_in_observation:
+        observations: dict[str, Any] = {agent: outputs[seen] for agent, seen in self._views}
+        if self._mask_in_observation:
             masks = self._masks_in(outputs).copy()
             for agent, seat in self._seats.items():
                 if agent in observations and self._controls[seat] == "target":
                     observations[agent] = {"observation": observations[agent], "action_mask": masks[seat]}
         return observations, infos
+
+    def _more_for_infos(self) -> tuple[Sequence[float] | None, Sequence[float], NDArray[np.float64] | None]:
+        """The last arguments of `_infos`, which few scenarios have."""
+        engine = self._engine
+        return (
+            engine.hunter_rows(0)[:, _WITHDRAWN].tolist() if self._dropouts_stay else None,
+            () if self.config.teams is None else engine.team_scores[0].tolist(),
+            engine.prey_rows(0).copy() if self._prey else None,
+        )
 
     def _masks_in(self, outputs: NDArray[np.float32]) -> NDArray[np.int8]:
         shape = self._engine.masks.shape[1:]

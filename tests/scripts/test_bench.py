@@ -96,7 +96,7 @@ def test_the_tables_are_complete(run):
 def test_the_parts_of_what_stands_in_the_way_add_up(run):
     """One arena's step by control, and a batch's memory."""
     page = (run / "page.md").read_text()
-    head, *rows = table(page, "What stands in the way")
+    _, *rows = table(page, "What stands in the way")
     assert [row[0] for row in rows] == ["target", "velocity", "full"]
     for _, whole, *parts in rows:
         assert float(whole) == pytest.approx(sum(map(float, parts)), abs=0.03)
