@@ -100,7 +100,8 @@ def number_of(bits: int) -> float:
 
 def put_rows(out: NDArray[np.float32], at: int, stride: int, columns: tuple[float, ...]) -> None:
     """Columns become rows: the first lane's numbers, rounded to float32, stand side by side from out[at] on, the next
-    lane's from out[at + stride] on. With more lanes than one it writes whole fours: up to three numbers too many.
+    lane's from out[at + stride] on. Compiled it takes one lane or eight. With eight it writes whole fours: up to three
+    numbers too many.
     """
     count, lanes = len(columns), max(map(np.size, columns))
     rows = np.empty((count, lanes))

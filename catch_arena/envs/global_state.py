@@ -29,7 +29,7 @@ def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
     for prey in world.prey:
         its = played.get(prey.name)
         if its is None:
-            numbers += [0.0] * 7
+            numbers += [0.0] * (len(STATE_PREY_COLUMNS) - 2)  # all but the last two
         else:
             numbers += [1.0, its.x, its.y, np.cos(its.theta), np.sin(its.theta)]
             numbers += [its.linear_velocity, its.angular_velocity]

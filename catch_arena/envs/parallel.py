@@ -7,7 +7,7 @@ import math
 from bisect import insort
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from html import escape
 from typing import Any, Final, Literal, NoReturn, get_args
 
@@ -602,7 +602,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._infos_level == "full":
             infos = LazyInfos(self._nobody)
             more = self._more_for_infos() if self._has_more_for_infos else _NO_MORE
-            infos.make = partial(self._infos, agents, cut, outputs, *more)
+            infos.make, infos.arguments = self._infos, (agents, cut, outputs, *more)
         elif self._infos_level == "mask":
             infos = {agent: {} for agent in agents}
             masks = self._masks_in(outputs)

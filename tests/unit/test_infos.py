@@ -15,7 +15,7 @@ CONTENT = {"hunter_0": {"verdict": None}, "hunter_1": {"verdict": 3}}
 
 def untold():
     infos = LazyInfos(dict.fromkeys(CONTENT))
-    infos.make = lambda: {name: dict(info) for name, info in CONTENT.items()}
+    infos.make, infos.arguments = lambda content: {name: dict(info) for name, info in content.items()}, (CONTENT,)
     return infos
 
 
