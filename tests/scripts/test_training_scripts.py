@@ -62,6 +62,30 @@ def test_without_torch_a_line_says_what_to_install(script):
     assert "which is not installed: pip install '.[" in done.stderr
 
 
+CURVE = """decisions,seconds,agent,matches,rating,rating_low,rating_high,win_share,win_share_low,win_share_high
+{first},60,ppo,60,{rating},0,0,{share},0,1
+{first},60,patrol,60,130,0,0,0.3,0,1
+{first},60,nearest,60,-90,0,0,0.1,0,1
+"""
+
+
+def test_curves_of_several_seeds_are_one_table(tmp_path):
+    """The mean, the least and the most; the lead is that over the best of the others."""
+    for name, first, rating, share in (("a", 507904, 190, 0.5), ("b", 491520, 100, 0.4), ("c", 500000, 220, 0.75)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "curve.csv").write_text(CURVE.format(first=first, rating=rating, share=share))
+    *_, row = run("training_curves.py", *(tmp_path / name for name in "abc")).splitlines()
+    assert row == "| 0.5 million | 60 | 55 % | 40 to 75 % | +40 (-30 to +90) |"
+    (tmp_path / "c" / "curve.csv").write_text("decisions,agent\n1,ppo\n")
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "training_curves.py", tmp_path / "c"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "must be a curve that train_ppo.py has written" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
 @pytest.mark.torch
 @pytest.mark.parametrize(
     ("head", "opponents"), [("destination", "triage,nearest"), ("rank", "contested"), ("velocity", "patrol")]
