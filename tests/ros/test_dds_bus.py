@@ -402,7 +402,7 @@ def test_a_domain_that_cannot_be_is_one_line(domain):
         open_bus("cyclonedds", domain=domain)
 
 
-@pytest.mark.parametrize("word", ["-1", "x", "1.5", "9999"])
+@pytest.mark.parametrize("word", ["-1", "x", "1.5", "9999", "\u0663", "\u00b2"])
 def test_so_is_one_from_the_environment(monkeypatch, word):
     """By its name."""
     monkeypatch.setenv("ROS_DOMAIN_ID", word)

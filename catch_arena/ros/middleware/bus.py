@@ -177,7 +177,7 @@ def checked_package(option: str, name: str) -> str:
 
 def _checked_domain(domain: int | None) -> int:
     word = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0" if domain is None else str(domain)
-    if not word.isdecimal() or int(word) > HIGHEST_DOMAIN:
+    if not (word.isascii() and word.isdecimal()) or int(word) > HIGHEST_DOMAIN:
         name = "ROS_DOMAIN_ID" if domain is None else "the domain id"
         raise ConfigError(f"{name} must be a whole number from 0 to {HIGHEST_DOMAIN}, got {word}")
     return int(word)

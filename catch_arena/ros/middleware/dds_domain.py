@@ -81,10 +81,7 @@ def join(domain: int, discovery: Discovery, qos: Qos) -> DomainParticipant:
     except UnicodeEncodeError:
         raise BusError("CYCLONEDDS_URI must be ASCII, which is all that the package cyclonedds takes") from None
     except DDSException as error:
-        raise BusError(
-            f"DDS domain {domain} cannot be joined ({code_of(error)}): is there a network interface? "
-            "ROS_LOCALHOST_ONLY=1 keeps to this machine"
-        ) from None
+        raise BusError(f"DDS domain {domain} cannot be joined ({code_of(error)}): {_advice(discovery)}") from None
 
 
 def configuration(discovery: Discovery, own: str) -> str:
@@ -94,6 +91,13 @@ def configuration(discovery: Discovery, own: str) -> str:
         discovery: where others are looked for.
         own: the user's, which comes after it and overrides it.
     """
+    return (
+        f"<CycloneDDS><Domain>{'' if discovery.is_default else _reach(discovery)}"
+        f"<Internal><MaxSampleSize>{LONGEST} B</MaxSampleSize></Internal></Domain></CycloneDDS>,{own}"
+    )
+
+
+def _reach(discovery: Discovery) -> str:
     general, peers = "", discovery.peers
     if discovery.localhost:
         is_alone = all(peer.startswith("127.") for peer in peers)
