@@ -1,5 +1,6 @@
 """One match from its beginning to its end, on a bus of the test's own."""
 
+from contextlib import contextmanager, nullcontext
 from types import SimpleNamespace
 
 import pytest
@@ -41,7 +42,7 @@ class InterruptedBus(LocalBus):
 def served(config, record, bus=None):
     names = [f"p{seat}" for seat in range(config.hunters)]
     return serve_match(
-        bus or Hub().bus("arena"),
+        nullcontext(bus or Hub().bus("arena")),
         config,
         5,
         {},
@@ -53,6 +54,20 @@ def served(config, record, bus=None):
         record=record,
         log=lambda _: None,
     )
+
+
+def test_the_bus_is_joined_when_all_else_is_settled(tmp_path):
+    """Nobody hears of an arena that cannot be."""
+
+    @contextmanager
+    def never():
+        raise AssertionError
+        yield
+
+    with pytest.raises(ConfigError, match="prey must be 0"):
+        serve_match(
+            never(), scenario("tag"), 5, {}, None, names=["a"], interfaces=Interfaces(), record=tmp_path / "x.replay"
+        )
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
