@@ -1,5 +1,6 @@
 """One match on a ROS 2 bus, from the first node that is waited for to the last answer."""
 
+import gc
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
@@ -97,6 +98,8 @@ def serve_match(
         joined = stack.enter_context(bus)
         node = ArenaNode(joined, service, driven, names, players, interfaces, clock=speed != 1.0, log=log)
         node.begin(seed)
+        gc.freeze()  # to look for garbage in all that was loaded takes as long as several ticks
+        stack.callback(gc.unfreeze)
         rate = Rate(TICK_MS / 1000.0 / speed)
         if wait and node.missing:
             log(f"waiting for {' and '.join(f'/{seat.hunter}/cmd_vel' for seat in node.missing)}")
