@@ -38,8 +38,10 @@ _SECOND: Final = 1000 // TICK_MS
 """In ticks: what listeners may have missed is told again."""
 _OFTEN: Final = 6
 """In ticks: targets that move are told anew, and who has gone is looked for."""
-_MOST_WAITING: Final = 1000
-"""Catch requests that are kept for the match's first step; those beyond are answered and not judged."""
+_MOST_JUDGED: Final = 4
+"""R8.4: of one hunter's catch requests in one step. Only the first can be granted, and whoever shares the service hears
+all answers, in a queue of ten.
+"""
 _EXERCISE_REACH_UM: Final = 500_000
 """How near many solutions of the exercise go before they ask."""
 _EXERCISE_CMD_VEL: Final = graph_names.cmd_vel_of(graph_names.TURTLE)
@@ -139,9 +141,6 @@ class ArenaNode:
     def wait(self) -> None:
         """One tick in which the clock stands: nodes hear where all is, and get to know each other."""
         self._bus.spin()
-        self._pending, flood = self._pending[:_MOST_WAITING], self._pending[_MOST_WAITING:]
-        for one in flood:
-            one.request.answer(_NOT_JUDGED)
         self._publish_state(self._service.world)
 
     def tick(self) -> None:
@@ -229,6 +228,8 @@ class ArenaNode:
         self._ticks += 1
 
     def _explain_remapping(self) -> None:
+        if graph_names.TURTLE in self._logged:
+            return
         hunter = (self.missing or self.seats)[0].hunter
         names = [
             (_EXERCISE_CMD_VEL, graph_names.cmd_vel_of(hunter)),
@@ -256,7 +257,7 @@ class ArenaNode:
                 self._warn_once(f"the node that drives {asks_for[0].hunter} asks for {seat.hunter}: it is not heard")
                 request.answer(_NOT_JUDGED)
             else:
-                self._pending.append(_PendingRequest(seat.hunter, request))
+                self._ask(seat, request)
 
         return callback
 
@@ -266,7 +267,15 @@ class ArenaNode:
         if seat is None:
             request.answer(_NOT_JUDGED)
         else:
+            self._ask(seat, request)
+
+    def _ask(self, seat: RosSeat, request: Request) -> None:
+        """R8.4: in the next step."""
+        if sum(one.hunter == seat.hunter for one in self._pending) < _MOST_JUDGED:
             self._pending.append(_PendingRequest(seat.hunter, request))
+        else:
+            self._warn_once(f"{seat.hunter}: only the first {_MOST_JUDGED} of its catch requests in a step are judged")
+            request.answer(_NOT_JUDGED)
 
     def _on_spawn(self, request: Request) -> None:
         """R8.1: a target of the arena's own next name; out of bounds turtlesim puts it at the wall, and so do we."""
