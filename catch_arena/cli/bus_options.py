@@ -14,6 +14,7 @@ from catch_arena.ros.middleware.names import BRIDGE_URL, INTERFACES, TURTLESIM, 
 if TYPE_CHECKING:
     from catch_arena.ros.middleware.bus import Bus
     from catch_arena.ros.middleware.interfaces import Interfaces
+    from catch_arena.ros.middleware.parameters import Parameters
 
 BusOption = Annotated[
     Backend | None,
@@ -84,8 +85,8 @@ class BusOptions(NamedTuple):
         return interfaces_of(self.interfaces, self.turtlesim)
 
     @contextmanager
-    def joined(self, node: str) -> Iterator["Bus"]:
-        """The bus, with a node of this name on it; it is left in the end.
+    def joined(self, node: str, parameters: "Parameters | None" = None) -> Iterator["Bus"]:
+        """The bus, with a node of this name and these parameters on it; it is left in the end.
 
         Raises:
             BusError: where it cannot be reached.
@@ -96,6 +97,8 @@ class BusOptions(NamedTuple):
             self.backend, node=node, domain=self.domain, url=self.url, log=lambda line: say(line, err=True)
         )
         try:
+            if parameters is not None:
+                joined.declare(parameters)
             yield joined
         finally:
             joined.close()

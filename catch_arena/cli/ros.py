@@ -1,6 +1,7 @@
 """`catch-arena ros`: the arena, and our own nodes, on a ROS 2 bus."""
 
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -98,7 +99,7 @@ def serve(
 
     given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     seats = _seats(seat or [])
-    config = _arena(scenario, settings, max(seats, default=0) + 1)
+    config = _arena(scenario, settings, seats)
     if seats and max(seats) >= config.hunters:
         raise ConfigError(
             f"--seat must be from 0 to {config.hunters - 1} in {scenario or 'standard'}, got {max(seats)}"
@@ -119,23 +120,21 @@ def serve(
         entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
         for number in range(config.hunters)
     ]
-    with given_bus.joined(called) as joined:
-        joined.declare(parameters)
-        served = serve_match(
-            joined,
-            config,
-            arena_seed(seed),
-            entrants,
-            allowed,
-            names=names,
-            people=[number for number, (word, _) in nodes.items() if word == HUMAN],
-            interfaces=types,
-            speed=speed,
-            wait=wait,
-            record=record,
-            title=scenario or "standard",
-            log=say,
-        )
+    served = serve_match(
+        given_bus.joined(called, parameters),
+        config,
+        arena_seed(seed),
+        entrants,
+        allowed,
+        names=names,
+        people=[number for number, (word, _) in nodes.items() if word == HUMAN],
+        interfaces=types,
+        speed=speed,
+        wait=wait,
+        record=record,
+        title=scenario or "standard",
+        log=say,
+    )
     _print_ranking(served, config)
     late = served.rate
     say(f"{late.late} of {late.ticks} ticks were late by more than 5 ms, the worst by {late.latest_s * 1e3:.0f} ms")
@@ -196,10 +195,9 @@ def controller(
     with (
         sandbox_for(allowed) as sandbox,
         start_players(entrants, sandbox) as players,
-        given_bus.joined(called) as joined,
+        given_bus.joined(called, parameters) as joined,
     ):
         node = Controller(joined, players, config, turtle, types, closest_first, service=service, log=say)
-        joined.declare(parameters)
         rate = Rate(PERIOD_S)
         try:
             while True:
@@ -253,9 +251,8 @@ def spawner(
         spawn_frequency_hz=frequency.value, name_prefix=parameters[NAME_PREFIX].value
     )
     types = given_bus.types()
-    with given_bus.joined(called) as joined:
+    with given_bus.joined(called, parameters) as joined:
         node = Spawner(joined, turtles, types, config, frequency, seed=arena_seed(seed), log=say)
-        joined.declare(parameters)
         rate = Rate(DT)
         if not node.ready:
             say("waiting for turtlesim: /spawn and /kill")
@@ -332,10 +329,19 @@ def _seat_fault(who: str) -> str | None:
     return None
 
 
-def _arena(scenario: str | None, settings: list[str] | None, hunters: int) -> ArenaConfig:
-    for key in (setting.partition("=")[0] for setting in settings or ()):
+def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[int]) -> ArenaConfig:
+    keys = [setting.partition("=")[0] for setting in settings or ()]
+    for key in keys:
         if key in _OWN_SETTINGS:
             raise ConfigError(f"--set {key}=... must be left out: {_OWN_SETTINGS[key]}")
     if scenario is not None:
         return arena(scenario, settings)
-    return arena("standard", [f"hunters={hunters}", *(settings or ())])
+    config = arena("standard", [f"hunters={max(seats, default=0) + 1}", *(settings or ())])
+    left_out = set(range(max(seats, default=0))) - set(seats)
+    if left_out and "hunters" not in keys:
+        seat = min(left_out)
+        raise ConfigError(
+            f"--seat {seat} must be given too, as {seat}={NODE}: there is a hunter for each --seat, where neither "
+            "--scenario nor --set hunters=... says how many"
+        )
+    return config

@@ -14,18 +14,21 @@ DOMAINS = range(1, 101)
 """Without 0, which people use; the ports of those above belong to the system's own range."""
 LONGEST_S = 180
 """No test needs a process for longer, on any machine."""
+_had = set()
+"""Of this process: DDS configures each only once in a process, as whoever comes first wants it."""
 
 
 @contextmanager
 def own_domain():
     """A DDS domain in which no other test of this machine is: a referee there would answer for ours."""
-    for domain in DOMAINS:
+    for domain in sorted(set(DOMAINS) - _had):
         with ExitStack() as stack:
             try:
                 lock = stack.enter_context((Path(tempfile.gettempdir()) / f"catch-arena-domain-{domain}").open("w"))
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:  # somebody has it
                 continue
+            _had.add(domain)
             yield domain
             return
     raise AssertionError("every domain is taken")

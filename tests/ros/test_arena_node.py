@@ -68,6 +68,19 @@ def test_a_node_that_was_not_remapped_is_told_how_in_one_line(twists):
     )
 
 
+def test_a_node_that_was_told_costs_nothing_more():
+    """It may send thousands of Twists a second."""
+    match = Match(hunters=2, hunter_poses=TWO)
+    publish = match.b.publisher("/turtle1/cmd_vel", TWIST)
+    match.tick()
+    asked = []
+    match.node._bus.publishers_of = asked.append
+    for _ in range(1000):
+        publish(TwistMessage.of(1.0, 0.0))
+    match.node._bus.spin()
+    assert asked == []
+
+
 def test_the_list_of_targets_is_published_when_it_changes_and_once_a_second_besides():
     """Those who come late are not blind until the next change."""
     match = Match(hunter_poses=ONE)
@@ -392,13 +405,29 @@ def test_many_requests_in_one_step_have_one_answer_each():
     assert [answer.response for answer in answers] == [YES] + 299 * [NO]
 
 
+def test_of_a_hunters_requests_in_one_step_only_the_first_four_are_judged():
+    """R8.4: the others have their answer at once, whoever else asks is judged, and each step begins anew."""
+    match = Match(hunters=2, hunter_poses=TWO)
+    for _ in range(2):
+        name = match.service.spawn(2.3, 2.1)
+        before = len(match.sent("/rulings"))
+        flood = [match.ask(match.a, "nonsense", "/hunter_0/catch_turtle") for _ in range(300)]
+        own = match.ask(match.b, name, "/hunter_1/catch_turtle")
+        match.tick()
+        assert [answer.response for answer in flood] == 300 * [NO]
+        assert own.response == YES
+        rulings = match.sent("/rulings")[before:]
+        assert [one.hunter for one in rulings] == 4 * ["hunter_0"] + ["hunter_1"]
+    assert match.said == ["warning: hunter_0: only the first 4 of its catch requests in a step are judged"]
+
+
 def test_a_flood_of_requests_before_the_match_is_answered_and_the_first_ones_are_judged():
     """Nobody waits for an answer for ever."""
     match = Match(hunter_poses=ONE)
     name = match.service.spawn(2.1, 2.0)
     answers = [match.ask(match.a, name) for _ in range(1500)]
     match.node.wait()
-    assert [answer.response for answer in answers] == 1000 * [None] + 500 * [NO]
+    assert [answer.response for answer in answers] == 4 * [None] + 1496 * [NO]
 
     match.tick()
     assert [answer.response for answer in answers] == [YES] + 1499 * [NO]

@@ -27,6 +27,13 @@ def run(*arguments):
         (("serve", "--seat", "0="), "--seat must be SEAT=WHO"),
         (("serve", "--seat", "0=ros", "--seat", "0=nearest"), "--seat 0 must be given once"),
         (("serve", "--seat", "0=ros:\x1b[31m"), "--seat 0: its name must be of characters that can be printed"),
+        (
+            ("serve", "--seat", "9=ros"),
+            "--seat 0 must be given too, as 0=ros: there is a hunter for each --seat, where neither --scenario nor",
+        ),
+        (("serve", "--seat", "0=ros", "--seat", "2=nearest"), "--seat 1 must be given too, as 1=ros"),
+        (("serve", "--set", "hunters=4", "--seat", "9=ros"), "--seat must be from 0 to 3 in standard, got 9"),
+        (("serve", "--set", "hunters=4", "--seat", "3=ros", "--speed", "0"), "--speed must be above 0"),
         (("serve", "-s", "duel", "--seat", "2=ros"), "--seat must be from 0 to 1 in duel, got 2"),
         (("serve", "--seat", "999=ros"), "hunters must be a whole number from 1 to 64"),
         (("serve", "--domain", "233"), "the domain id must be a whole number from 0 to 232, got 233"),
@@ -93,6 +100,7 @@ def test_what_cannot_be_is_one_line(arguments, said, monkeypatch, tmp_path):
     assert status == 2
     assert said in " ".join(output.split())
     assert "Traceback" not in output
+    assert "bus: " not in output  # it is not joined for that
 
 
 def test_a_missing_extra_is_one_line_that_says_what_to_install(monkeypatch):
@@ -120,6 +128,22 @@ def test_without_a_network_interface_it_is_one_line():
         "catch-arena: DDS domain 0 cannot be joined (DDS_RETCODE_ERROR): is there a network interface? "
         "ROS_LOCALHOST_ONLY=1 keeps to this machine"
     )
+
+
+@pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
+def test_who_keeps_to_this_machine_is_not_advised_to():
+    """The loopback interface is down too."""
+    found = subprocess.run(
+        ["unshare", "--net", sys.executable, "-m", "catch_arena", "ros", "serve"],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        env=os.environ | {"ROS_LOCALHOST_ONLY": "1"},
+    )
+    assert found.returncode == 2
+    (line,) = [line for line in found.stderr.splitlines() if line.startswith("catch-arena")]
+    assert line.endswith("cannot be joined (DDS_RETCODE_ERROR): is there a network interface?")
 
 
 def test_importing_the_package_loads_nothing_of_it():

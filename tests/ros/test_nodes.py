@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
 from time import monotonic
+from types import SimpleNamespace
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -19,6 +20,7 @@ from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleResponse
 from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.interfaces import Interfaces
+from catch_arena.ros.node_tests import grading
 from catch_arena.ros.node_tests.cases import can_be_asked
 from catch_arena.ros.node_tests.grading import grade_node
 from catch_arena.testing import select_cases
@@ -119,6 +121,18 @@ def test_the_exercises_spawner_which_keeps_the_list_is_asked_for_its_own_targets
     assert "cases: 5 passed, 0 failed" in right[1]
     assert wrong[0] == 1, wrong
     assert "cases: 0 passed, 2 failed" in wrong[1]
+
+
+def test_a_failed_case_of_several_clauses_names_them_all():
+    """Any of them may be the one."""
+    failed = [
+        SimpleNamespace(case=SimpleNamespace(id=name, clauses=clauses))
+        for name, clauses in (("a", ("R5.2", "R5.7")), ("b", ("R5.2",)), ("c", ("R5.2", "R5.7")))
+    ]
+    results = [SimpleNamespace(played=True)] * 3
+    report = SimpleNamespace(results=results, failures=failed, diagnoses=())
+    found = grading._grade(SimpleNamespace(name="test", points=1.0), report)
+    assert found.failures == ("R5.2, R5.7: 2 cases: a, c", "R5.2: 1 case: b")
 
 
 def test_the_marks_say_which_clause_failed(outcomes, folder):

@@ -8,8 +8,8 @@ import pytest
 
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware import bus
-from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware import bus, rclpy_bus
+from catch_arena.ros.middleware.bus import SPIN_S, open_bus
 from catch_arena.ros.middleware.interfaces import RULING, TWIST, Interfaces, TwistMessage
 from catch_arena.ros.middleware.parameters import spawner_parameters
 
@@ -38,6 +38,10 @@ class Future:
         while not self.is_set:
             yield
         return self.value
+
+
+class Group:
+    """rclpy.callback_groups.ReentrantCallbackGroup: in another kind an unanswered request keeps all else waiting."""
 
 
 class Executor:
@@ -82,7 +86,8 @@ class Node:
 
         return SimpleNamespace(publish=publish)
 
-    def create_subscription(self, kind, topic, callback, depth):
+    def create_subscription(self, kind, topic, callback, depth, callback_group):
+        assert isinstance(callback_group, Group)
         assert kind is not None
         assert depth == 10
         self.context.heard.setdefault(topic, []).append(callback)
@@ -92,10 +97,13 @@ class Node:
         topic, callback = subscription
         self.context.heard[topic].remove(callback)
 
-    def create_service(self, kind, service, callback):
+    def create_service(self, kind, service, callback, callback_group):
+        assert isinstance(callback_group, Group)
         self.context.served[service] = kind, callback
 
-    def create_client(self, kind, service):
+    def create_client(self, kind, service, callback_group):
+        assert isinstance(callback_group, Group)
+
         def call_async(request):
             served, callback = self.context.served[service]
             assert served is kind
@@ -157,6 +165,7 @@ def joined(monkeypatch):
     )
     module(monkeypatch, "rclpy.executors", SingleThreadedExecutor=Executor)
     module(monkeypatch, "rclpy.task", Future=Future)
+    module(monkeypatch, "rclpy.callback_groups", ReentrantCallbackGroup=Group)
     vector = message(x=float, y=float, z=float)
     turtle = message(name=str, x=float, y=float, theta=float)
     numbers = dict.fromkeys(Pose._fields, float)
@@ -211,7 +220,9 @@ def test_a_topic_is_heard_no_more_when_it_was_unsubscribed(joined):
 
 
 def test_a_service_is_answered_at_once_or_later(joined):
-    """Several may wait, and those who ask later are heard meanwhile; an answer goes out without another spin."""
+    """Several may wait, and those who ask later are heard meanwhile; answers leave together, before what is published
+    next.
+    """
     asked = []
     joined.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
     client = joined.client("/catch_turtle", TYPES.catch_turtle)
@@ -222,11 +233,38 @@ def test_a_service_is_answered_at_once_or_later(joined):
     assert [one.message.name for one in asked] == ["a", "b", "c"]
     assert [call.response for call in calls] == [None, None, None]
 
+    publish, told = joined.publisher("/a", TWIST), []
+    joined.subscribe("/a", TWIST, lambda *_: told.append([call.response for call in calls]))
     asked[1].answer(CatchTurtleResponse(True))
+    publish(TwistMessage.of(1.0, 2.0))
     assert [call.response for call in calls] == [None, CatchTurtleResponse(True), None]
     asked[0].answer(CatchTurtleResponse(False))
     asked[2].answer(CatchTurtleResponse(False))
+    publish(TwistMessage.of(1.0, 2.0))
     assert [call.response.success for call in calls] == [False, True, False]
+    joined.spin()
+    assert len(told) == 2
+
+
+def test_a_spin_ends_in_time_whatever_comes(joined, monkeypatch):
+    """A flood's rest waits in ROS's queues, and the next spin goes on with it."""
+    heard = []
+
+    def slow(*_):
+        heard.append(True)
+        clock.append(clock[-1] + SPIN_S / 3)
+
+    clock = [0.0]
+    monkeypatch.setattr(rclpy_bus.time, "monotonic", lambda: clock[-1])
+    joined.subscribe("/a", TWIST, slow)
+    publish = joined.publisher("/a", TWIST)
+    for _ in range(50):
+        publish(TwistMessage.of(1.0, 2.0))
+    joined.spin()
+    assert 1 < len(heard) < 10
+    for _ in range(50):
+        joined.spin()
+    assert len(heard) == 50
 
 
 def test_parameters_are_the_nodes_own(joined):

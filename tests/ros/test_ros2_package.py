@@ -107,10 +107,11 @@ def test_cmake_builds_each_of_its_files_and_installs_the_launch_file():
 
 def test_the_launch_file_names_options_that_there_are(monkeypatch):
     """Whatever it is given."""
-    command, _ = launched(monkeypatch, **dict.fromkeys(declared(monkeypatch), "x"))
+    command, _ = launched(monkeypatch, **dict.fromkeys(declared(monkeypatch), "x") | {"force": "true"})
     options = {word for word in command if word.startswith("--")}
     assert options == {
-        *("--seat", "--scenario", "--record", "--interfaces", "--turtlesim", "--bus", "--set"),
+        *("--seat", "--scenario", "--seed", "--speed", "--record", "--force"),
+        *("--interfaces", "--turtlesim", "--bus", "--set"),
     }
     helped = CliRunner().invoke(main, ["ros", "serve", "--help"], env={"COLUMNS": "200"}).output
     assert all(option in helped for option in options)
@@ -123,9 +124,29 @@ def test_the_launch_file_passes_on_what_it_is_given_and_nothing_else(monkeypatch
     assert variables == {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
 
     command, variables = launched(
-        monkeypatch, seats="0=ros:anna 1=patrol", scenario="duel", record="a.replay", bus="rosbridge", domain="7"
+        monkeypatch,
+        seats="0=ros:anna 1=patrol",
+        scenario="duel",
+        record="a.replay",
+        bus="rosbridge",
+        domain="7",
+        seed="3",
+        speed="2.0",
     )
     seats = ["--seat", "0=ros:anna", "--seat", "1=patrol"]
     others = ["--bus", "rosbridge", "--record", "a.replay"]
-    assert command == ["catch-arena", "ros", "serve", *seats, "--scenario", "duel", *OWN_DEFAULTS, *others]
+    assert command == [
+        "catch-arena",
+        "ros",
+        "serve",
+        *seats,
+        "--scenario",
+        "duel",
+        "--seed",
+        "3",
+        "--speed",
+        "2.0",
+        *OWN_DEFAULTS,
+        *others,
+    ]
     assert variables == {"ROS_DOMAIN_ID": "7"}

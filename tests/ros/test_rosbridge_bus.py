@@ -4,6 +4,7 @@ import json
 import math
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 from ros.bridge import running_bridge
@@ -12,7 +13,7 @@ from websockets.sync.client import connect
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import rosbridge_bus
-from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.bus import SPIN_S, open_bus
 from catch_arena.ros.middleware.interfaces import EMPTY, TWIST, Empty, Interfaces, TwistMessage
 from catch_arena.ros.middleware.rosbridge_bus import from_json, to_json
 
@@ -318,8 +319,8 @@ def test_calls_one_after_the_other_share_a_connection_until_the_server_comes_bac
     assert failed == 4 * ["/kill: Service /kill does not exist"]
 
 
-def test_what_rosbridge_has_cut_does_not_end_the_connection(bridge, joined):
-    """A piece has 10 MB, and twice as many where all of it is quotes."""
+def test_a_frame_that_is_too_long_is_left_out_with_a_line_and_does_not_end_the_connection(bridge, joined):
+    """A piece of what rosbridge has cut has 10 MB, and twice as many where all of it is quotes."""
     ours, said = joined
     heard = []
     ours.subscribe("/t", TWIST, lambda message, _: heard.append(message))
@@ -327,7 +328,44 @@ def test_what_rosbridge_has_cut_does_not_end_the_connection(bridge, joined):
     bridge[0].raw(json.dumps({"op": "fragment", "id": "1", "num": 0, "total": 3, "data": '"' * 10_000_000}))
     bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": to_json(TWIST, TwistMessage.of(1.0, 2.0))}))
     until(joined, lambda: heard)
+    assert said == ["warning: rosbridge: a frame of more than 128 kB is left out"]
+
+
+def test_a_name_that_is_too_long_for_the_rules_is_read(bridge, joined):
+    """R5.2 tells it from a short one."""
+    ours, said = joined
+    asked = []
+    ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
+    until(joined, lambda: bridge[0].frames)
+    bridge[0].raw(json.dumps({"op": "call_service", "service": "/catch_turtle", "args": {"name": "x" * 100_000}}))
+    until(joined, lambda: asked)
+    assert len(asked[0].message.name) == 100_000
     assert said == []
+
+
+def test_a_spin_ends_in_time_and_has_heard_every_topic(joined, monkeypatch):
+    """One topic's flood keeps no other waiting; its rest is heard in the next spins."""
+    ours, _ = joined
+    heard = []
+    clock = [0.0]
+    monkeypatch.setattr(rosbridge_bus, "time", SimpleNamespace(monotonic=lambda: clock[-1]))
+
+    def slow(message, _):
+        heard.append(message.linear.x)
+        clock.append(clock[-1] + SPIN_S / 3)
+
+    for topic in ("/flood", "/quiet"):
+        ours.subscribe(topic, TWIST, slow)
+    until_read = [("/flood", 1.0)] * 10 + [("/quiet", 2.0)]
+    for topic, speed in until_read:
+        frame = {"op": "publish", "topic": topic, "msg": to_json(TWIST, TwistMessage.of(speed, 0.0))}
+        ours._sort_in(json.dumps(frame))
+    ours.spin()
+    assert heard[:2] == [1.0, 2.0]
+    assert len(heard) < 10
+    for _ in range(10):
+        ours.spin()
+    assert heard == [1.0, 2.0] + 9 * [1.0]
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """One match from its beginning to its end, on a bus of the test's own."""
 
+import gc
+from contextlib import contextmanager, nullcontext
 from types import SimpleNamespace
 
 import pytest
@@ -41,7 +43,7 @@ class InterruptedBus(LocalBus):
 def served(config, record, bus=None):
     names = [f"p{seat}" for seat in range(config.hunters)]
     return serve_match(
-        bus or Hub().bus("arena"),
+        nullcontext(bus or Hub().bus("arena")),
         config,
         5,
         {},
@@ -53,6 +55,20 @@ def served(config, record, bus=None):
         record=record,
         log=lambda _: None,
     )
+
+
+def test_the_bus_is_joined_when_all_else_is_settled(tmp_path):
+    """Nobody hears of an arena that cannot be."""
+
+    @contextmanager
+    def never():
+        raise AssertionError
+        yield
+
+    with pytest.raises(ConfigError, match="prey must be 0"):
+        serve_match(
+            never(), scenario("tag"), 5, {}, None, names=["a"], interfaces=Interfaces(), record=tmp_path / "x.replay"
+        )
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -95,6 +111,21 @@ def test_an_interrupt_in_the_match_keeps_the_replay_and_says_where_it_is(tmp_pat
         served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK - 20))
     assert Replay.load(record).steps == LAST_TICK - 21
     assert [more() for more in said] == [f"replay: {record}"]
+
+
+def test_no_tick_waits_for_a_look_at_all_that_was_loaded_before(tmp_path):
+    """Python's search for garbage leaves that out for the time of a match."""
+    frozen = []
+
+    class Bus(LocalBus):
+        def spin(self, timeout_s=0.0):
+            frozen.append(gc.get_freeze_count())
+            super().spin(timeout_s)
+
+    before = gc.get_freeze_count()
+    served(scenario("duel", time_limit_s=1), tmp_path / "match.replay", Bus(Hub(), "arena"))
+    assert min(frozen) > 10_000
+    assert gc.get_freeze_count() == before
 
 
 def test_nobody_waits_while_the_replay_is_saved(tmp_path, monkeypatch):

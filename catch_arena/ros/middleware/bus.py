@@ -15,6 +15,12 @@ from catch_arena.ros.middleware.parameters import Parameters
 
 DEPTH: Final = 10
 """Of every topic's history: ROS's usual one. Who reads less often loses the oldest."""
+SPIN_S: Final = 0.004
+"""Whatever comes, a spin takes no longer than this, and one message more of each topic and service."""
+LONGEST: Final = 2**17
+"""Bytes of a message. What is longer is left out: nobody waits until it has been read, and all that the arena needs is
+far shorter.
+"""
 HIGHEST_DOMAIN: Final = 232
 """The ports of the domains above it do not exist."""
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
@@ -96,7 +102,9 @@ class Bus(Protocol):
         """Who publishes on a topic that was subscribed to; None where the middleware does not tell."""
 
     def spin(self, timeout_s: float = 0.0) -> None:
-        """Take what has come, at most DEPTH messages of each topic; where nothing has, wait for it so long."""
+        """Take what has come, one message of each topic and service after the other, for SPIN_S; where nothing has
+        come, wait for it so long. What is left waits for the next spin, in queues that lose their oldest.
+        """
 
     def close(self) -> None:
         """Leave the bus."""
@@ -177,7 +185,7 @@ def checked_package(option: str, name: str) -> str:
 
 def _checked_domain(domain: int | None) -> int:
     word = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0" if domain is None else str(domain)
-    if not word.isdecimal() or int(word) > HIGHEST_DOMAIN:
+    if not (word.isascii() and word.isdecimal()) or int(word) > HIGHEST_DOMAIN:
         name = "ROS_DOMAIN_ID" if domain is None else "the domain id"
         raise ConfigError(f"{name} must be a whole number from 0 to {HIGHEST_DOMAIN}, got {word}")
     return int(word)

@@ -8,11 +8,11 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import count
 from typing import Any, Final
 from uuid import UUID
 
+from cyclonedds._clayer import ddspy_take
 from cyclonedds.core import DDSException, Policy, Qos, ReadCondition, WaitSet
 from cyclonedds.core import InstanceState as Instances
 from cyclonedds.core import SampleState as Samples
@@ -23,7 +23,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.middleware.dds_domain import Discovery, code_of, join
 from catch_arena.ros.middleware.dds_graph import Graph
 from catch_arena.ros.middleware.dds_peers import FAST_DDS, PeerWatch, is_fast_dds, own_hash
@@ -35,7 +35,14 @@ from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import one_line
 
 _SERVICE_DEPTH: Final = 64
-"""Requests that may come between two steps: a whole class asks in one."""
+"""Of what is written, and of responses."""
+_REQUESTS: Final = 16
+"""Of one sender, at one service, between two spins."""
+_HISTORY: Final = 512
+"""Samples that a reader keeps until it is looked at, of all senders together: one that floods must not push out what
+others send, and 20,000 a second are 320 in a tick.
+"""
+_ANY: Final[int] = Views.Any | Instances.Any | Samples.Any
 _REPLY_WAIT_S: Final = 0.1
 """A client may be asking before its reader of responses is known here: so long a response waits for it."""
 
@@ -91,6 +98,7 @@ class DdsBus:
     def unsubscribe(self, topic: str) -> None:
         """Hear it no more; the reader ends with its last reference."""
         gone = self._topics.pop(topic)
+        gone.waiting.clear()
         self._readers.remove(gone)
         self._waiting.detach(gone.fresh)
         self._graph.remove_reader(gone.reader.guid)
@@ -99,13 +107,11 @@ class DdsBus:
         """Answer a service."""
         name = _absolute(service)
         self._watch.serve(name, f"rr{name}Reply")
-        self._serve(name, kind, on_request, at_once=_SERVICE_DEPTH)
+        self._serve(name, kind, on_request)
 
     def declare(self, parameters: Parameters) -> None:
-        """Answer the services of the node's parameters, one request of each in a spin: they take long to read, and
-        nobody is in a hurry. That two nodes have one name is ROS's to tell.
-        """
-        serve_parameters(partial(self._serve, at_once=1), self._node, parameters)
+        """Answer the services of the node's parameters. That two nodes have one name is ROS's to tell."""
+        serve_parameters(self._serve, self._node, parameters)
 
     def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_DdsClient":
         """Call a service."""
@@ -128,10 +134,16 @@ class DdsBus:
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Take what has come."""
-        if timeout_s > 0.0:
+        if timeout_s > 0.0 and not any(reader.waiting for reader in self._readers):
             self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._late else timeout_s))
-        for reader in tuple(self._readers):  # a callback may hear of more or fewer
-            reader.take(self._log)
+        end = time.monotonic() + SPIN_S
+        for reader in self._readers:
+            reader.take()
+        busy = tuple(self._readers)
+        while busy:
+            busy = tuple(reader for reader in busy if reader.hand_out(self._log))
+            if time.monotonic() > end:
+                break
         if self._late:
             self._late = [reply for reply in self._late if not reply.send()]
         self._watch.look()
@@ -146,7 +158,7 @@ class DdsBus:
         self._late.clear()
         del self._waiting, self._participant
 
-    def _serve(self, name: str, kind: ServiceType, on_request: Callable[[Request], object], *, at_once: int) -> None:
+    def _serve(self, name: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         user = Policy.Userdata(f"serviceid={self._next_id()};".encode())
         clients = _Clients(self._writer(f"rr{name}Reply", kind.response, user, header=True))
 
@@ -156,12 +168,11 @@ class DdsBus:
                 Request(from_attributes(kind.request, sample), peer, lambda response: self._answer(reply, response))
             )
 
-        asked = self._reader(f"rq{name}Request", kind.request, _SERVICE_DEPTH, on_sample, user, header=True)
-        asked.at_once = at_once
+        self._reader(f"rq{name}Request", kind.request, _REQUESTS, on_sample, user, header=True)
 
     def _answer(self, reply: "_Reply", response: Any) -> None:
         reply.sample = to_sample(reply.kind, response, client=reply.client, number=reply.number)
-        if not reply.send():
+        if not reply.send(may_wait=len(self._late) < _SERVICE_DEPTH):
             self._late.append(reply)
 
     def _write(self, writer: DataWriter[Any], sample: Any) -> None:
@@ -200,7 +211,7 @@ class DdsBus:
     ) -> "_Reader":
         self._watch.expect(topic, kind)
         reader: DataReader[Any] = DataReader(
-            self._participant, self._topic(topic, kind, header=header), qos=_qos(depth, *policies)
+            self._participant, self._topic(topic, kind, header=header), qos=_qos(_HISTORY, *policies)
         )
         self._graph.add_reader(reader.guid)
         made = _Reader(topic, reader, depth, on_sample)
@@ -213,34 +224,54 @@ class DdsBus:
 
 
 class _Reader:
-    """One reader, and what its samples are given to."""
+    """One reader, and what its samples are given to. Each sender has a queue of its own, and they take turns.
+
+    Args:
+        topic: as DDS calls it.
+        reader: DDS's.
+        depth: of each sender's queue.
+        on_sample: takes a sample, and who sent it.
+    """
 
     def __init__(
         self, topic: str, reader: DataReader[Any], depth: int, on_sample: Callable[[Any, Peer | None], None]
     ) -> None:
         self.reader = reader
         self.fresh = ReadCondition(reader, Views.Any | Instances.Any | Samples.NotRead)
-        self._topic, self._on_sample = topic, on_sample
-        self.at_once = depth
-        """So many samples are taken in one spin."""
+        self.waiting: dict[Peer | None, deque[bytes]] = {}
+        """What has come, by its sender; whose turn it is comes first."""
+        self._topic, self._depth, self._on_sample = topic, depth, on_sample
         self._peers: dict[int, Peer | None] = {}
         self._warned = False
 
-    def take(self, log: Log) -> None:
-        """What lies there, one after the other: what cannot be read must not take others with it."""
-        for _ in range(self.at_once):
-            try:
-                samples = self.reader.take(1)
-            except Exception as error:  # noqa: BLE001 - what strangers send may fail anywhere in the decoder
-                if not self._warned:
-                    self._warned = True
-                    log(f"warning: a message on {ros_name(self._topic)} cannot be read: {type(error).__name__}")
-                continue
-            if not samples:
-                return
-            sample = samples[0]
-            if sample.sample_info.valid_data:
-                self._on_sample(sample, self.peer(sample.sample_info.publication_handle))
+    def take(self) -> None:
+        """All that lies there, as bytes: to decode it takes longer, and much of a flood is lost before."""
+        taken = ddspy_take(self.reader._ref, _ANY, _HISTORY)  # noqa: SLF001 - the package's own take decodes at once
+        if isinstance(taken, int):
+            raise DDSException(taken, f"on {ros_name(self._topic)}")
+        for data, info in taken:
+            if info.valid_data:
+                peer = self.peer(info.publication_handle)
+                self.waiting.setdefault(peer, deque(maxlen=self._depth)).append(data)
+
+    def hand_out(self, log: Log) -> bool:
+        """The oldest sample of the sender whose turn it is; whether there was one."""
+        if not self.waiting:
+            return False
+        peer, queue = next(iter(self.waiting.items()))
+        del self.waiting[peer]
+        data = queue.popleft()
+        if queue:  # behind the others
+            self.waiting[peer] = queue
+        try:
+            sample = self.reader.topic.data_type.deserialize(data)
+        except Exception as error:  # noqa: BLE001 - what strangers send may fail anywhere in the decoder
+            if not self._warned:
+                self._warned = True
+                log(f"warning: a message on {ros_name(self._topic)} cannot be read: {type(error).__name__}")
+        else:
+            self._on_sample(sample, peer)
+        return True
 
     def peer(self, handle: int) -> Peer | None:
         """Whose writer it is; kept, since a writer may be gone before its last sample is taken."""
@@ -254,28 +285,22 @@ class _Reader:
 
 
 class _Clients:
-    """Who hears a service's responses. The exercise's controller makes a client for each call, and keeps them all: they
-    are listed only for a process of which no reader is known, and each is looked up once.
+    """Who hears a service's responses. The exercise's controller makes a client for each call, and keeps them all: each
+    is looked up once, which takes longer than to list them all.
     """
 
     def __init__(self, writer: DataWriter[Any]) -> None:
         self.writer = writer
         self._peers: dict[int, Peer] = {}
-        self._readers: dict[Peer, int] = {}
-        """One of each process."""
 
     def __contains__(self, peer: Peer) -> bool:
-        reader = self._readers.get(peer)
-        if reader is not None and self.writer.get_matched_subscription_data(reader) is not None:
-            return True
         known, self._peers = self._peers, {}
         for handle in _matched(self.writer.get_matched_subscriptions):
             if handle in known:
                 self._peers[handle] = known[handle]
             elif (found := self.writer.get_matched_subscription_data(handle)) is not None:
                 self._peers[handle] = str(found.participant_key)
-        self._readers = {owner: handle for handle, owner in self._peers.items()}
-        return peer in self._readers
+        return peer in self._peers.values()
 
 
 @dataclass(slots=True)
@@ -291,11 +316,12 @@ class _Reply:
     sample: Any = None
     since: float = 0.0
 
-    def send(self) -> bool:
+    def send(self, *, may_wait: bool = True) -> bool:
         """Whether it was sent: it is where the client's reader is known, or has been waited for long enough."""
         now = time.monotonic()
         self.since = self.since or now
-        if self.peer is not None and now < self.since + _REPLY_WAIT_S and self.peer not in self.clients:
+        may_wait = may_wait and now < self.since + _REPLY_WAIT_S
+        if may_wait and self.peer is not None and self.peer not in self.clients:
             return False
         self.write(self.clients.writer, self.sample)
         return True

@@ -9,7 +9,7 @@ from cyclonedds.core import DDSException, Qos
 from cyclonedds.domain import Domain, DomainParticipant
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import Log
+from catch_arena.ros.middleware.bus import LONGEST, Log
 
 _DEFAULTS: Final = ("OFF", "SYSTEM_DEFAULT")
 """The discovery ranges that leave all to DDS: the second says so, and with the first nobody would find anybody."""
@@ -71,7 +71,7 @@ def join(domain: int, discovery: Discovery, qos: Qos) -> DomainParticipant:
         BusError: where there is no network interface to use, or where CYCLONEDDS_URI cannot be.
     """
     try:
-        if not discovery.is_default and domain not in _domains:
+        if domain not in _domains:
             try:
                 _domains[domain] = Domain(domain, configuration(discovery, os.environ.get("CYCLONEDDS_URI", "")))
             except DDSException as error:
@@ -81,10 +81,7 @@ def join(domain: int, discovery: Discovery, qos: Qos) -> DomainParticipant:
     except UnicodeEncodeError:
         raise BusError("CYCLONEDDS_URI must be ASCII, which is all that the package cyclonedds takes") from None
     except DDSException as error:
-        raise BusError(
-            f"DDS domain {domain} cannot be joined ({code_of(error)}): is there a network interface? "
-            "ROS_LOCALHOST_ONLY=1 keeps to this machine"
-        ) from None
+        raise BusError(f"DDS domain {domain} cannot be joined ({code_of(error)}): {_advice(discovery)}") from None
 
 
 def configuration(discovery: Discovery, own: str) -> str:
@@ -94,6 +91,13 @@ def configuration(discovery: Discovery, own: str) -> str:
         discovery: where others are looked for.
         own: the user's, which comes after it and overrides it.
     """
+    return (
+        f"<CycloneDDS><Domain>{'' if discovery.is_default else _reach(discovery)}"
+        f"<Internal><MaxSampleSize>{LONGEST} B</MaxSampleSize></Internal></Domain></CycloneDDS>,{own}"
+    )
+
+
+def _reach(discovery: Discovery) -> str:
     general, peers = "", discovery.peers
     if discovery.localhost:
         is_alone = all(peer.startswith("127.") for peer in peers)
@@ -102,10 +106,17 @@ def configuration(discovery: Discovery, own: str) -> str:
         peers = (_THIS_MACHINE, *peers)
     listed = "".join(f'<Peer address="{peer}"/>' for peer in peers)
     return (
-        f"<CycloneDDS><Domain>{general}<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+        f"{general}<Discovery><ParticipantIndex>auto</ParticipantIndex>"
         f"<MaxAutoParticipantIndex>{_MOST_PROCESSES}</MaxAutoParticipantIndex>"
-        f"{f'<Peers>{listed}</Peers>' if listed else ''}</Discovery></Domain></CycloneDDS>,{own}"
+        f"{f'<Peers>{listed}</Peers>' if listed else ''}</Discovery>"
     )
+
+
+def _advice(discovery: Discovery) -> str:
+    if os.environ.get("CYCLONEDDS_URI"):
+        return "is CYCLONEDDS_URI right? What cyclonedds says above is about it, or about a network interface"
+    alone = "" if discovery.localhost else " ROS_LOCALHOST_ONLY=1 keeps to this machine"
+    return f"is there a network interface?{alone}"
 
 
 def code_of(error: DDSException) -> str:

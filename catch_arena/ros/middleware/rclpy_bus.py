@@ -1,12 +1,13 @@
 """The bus by ROS's own library: whatever middleware is set there works, services too."""
 
+import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
 from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameters import Parameters
@@ -27,13 +28,15 @@ class RclpyBus:
     def __init__(self, node: str, domain: int, *, log: Log) -> None:
         try:
             rclpy = import_module("rclpy")
-            executors = import_module("rclpy.executors")
+            groups, executors = import_module("rclpy.callback_groups"), import_module("rclpy.executors")
             self._future = import_module("rclpy.task").Future
         except ImportError as error:  # its C parts need the libraries that sourcing ROS makes known
             raise BusError(f"rclpy cannot be loaded ({error}): source ROS first") from None
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain)
         self._node = rclpy.create_node(node, context=self._context)
+        self._group = groups.ReentrantCallbackGroup()
+        """Of everything: in ROS's usual one an unanswered request keeps all else waiting."""
         self._executor = executors.SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._log = log
@@ -41,6 +44,8 @@ class RclpyBus:
         self._heard = 0
         self._owed = 0
         self._spinning = False
+        self._answered = 0
+        """How many answers were given that have not left yet."""
 
     @property
     def backend(self) -> Backend:
@@ -50,7 +55,13 @@ class RclpyBus:
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic."""
         made = self._node.create_publisher(ros_class(kind.name), topic, DEPTH)
-        return lambda message: made.publish(to_ros(kind, message, ros_class(kind.name)()))
+
+        def publish(message: Any) -> None:
+            if not self._spinning:
+                self._send_answers()
+            made.publish(to_ros(kind, message, ros_class(kind.name)()))
+
+        return publish
 
     def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
         """Hear a topic."""
@@ -59,14 +70,18 @@ class RclpyBus:
             self._heard += 1
             on_message(from_attributes(kind, message), None)
 
-        self._subscriptions[topic] = self._node.create_subscription(ros_class(kind.name), topic, hear, DEPTH)
+        self._subscriptions[topic] = self._node.create_subscription(
+            ros_class(kind.name), topic, hear, DEPTH, callback_group=self._group
+        )
 
     def unsubscribe(self, topic: str) -> None:
         """Hear it no more."""
         self._node.destroy_subscription(self._subscriptions.pop(topic))
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
-        """Answer a service; its callback is a coroutine, which the executor goes on with once there is an answer."""
+        """Answer a service; its callback is a coroutine, which the executor goes on with once there is an answer. Those
+        that are given between two spins leave together, before whatever is published next.
+        """
 
         async def handle(request: Any, response: Any) -> Any:
             self._heard += 1
@@ -74,22 +89,22 @@ class RclpyBus:
             answered = self._future(executor=self._executor)
 
             def answer(value: Any) -> None:
+                self._answered += 1
                 answered.set_result(value)
-                if not self._spinning:
-                    self.spin()
 
             on_request(Request(from_attributes(kind.request, request), None, answer))
             value = await answered
             self._owed -= 1
+            self._answered -= 1
             self._heard += 1
             return to_ros(kind.response, value, response)
 
-        self._node.create_service(ros_class(kind.name), service, handle)
+        self._node.create_service(ros_class(kind.name), service, handle, callback_group=self._group)
 
     def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_RclpyClient":
         """Call a service."""
         del on_failure  # rclpy does not tell
-        return _RclpyClient(self._node.create_client(ros_class(kind.name), service), kind)
+        return _RclpyClient(self._node.create_client(ros_class(kind.name), service, callback_group=self._group), kind)
 
     def declare(self, parameters: Parameters) -> None:
         """The node serves them itself, and has others of its own."""
@@ -121,16 +136,23 @@ class RclpyBus:
         )
 
     def spin(self, timeout_s: float = 0.0) -> None:
-        """Take what has come. An executor does one thing at a time, and looks at each unanswered request in between."""
+        """Take what has come. An executor does one thing at a time, for all topics and services in turn, and looks at
+        each unanswered request in between.
+        """
         self._spinning = True
-        idle = 0
-        for _ in range(DEPTH * DEPTH):
+        idle, end = 0, None
+        while end is None or (idle <= self._owed + 1 and time.monotonic() < end):
             heard = self._heard
-            self._executor.spin_once(timeout_sec=timeout_s)
-            timeout_s = 0.0
+            self._executor.spin_once(timeout_sec=timeout_s if end is None else 0.0)
+            end = end or time.monotonic() + SPIN_S
             idle = 0 if self._heard > heard else idle + 1
-            if idle > self._owed + 1:
-                break
+        self._spinning = False
+
+    def _send_answers(self) -> None:
+        self._spinning = True
+        end = time.monotonic() + SPIN_S
+        while self._answered and time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.0)
         self._spinning = False
 
     def close(self) -> None:

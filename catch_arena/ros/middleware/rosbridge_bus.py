@@ -16,7 +16,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SPIN_S, Call, Log, OnMessage, Peer, Request
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, values_by_field
 from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameters import Parameters
@@ -153,22 +153,16 @@ class RosbridgeBus:
         with self._come:
             if timeout_s > 0.0 and not any(self._inboxes.values()):
                 self._come.wait(timeout_s)
-            taken = [(key, frame) for key, inbox in self._inboxes.items() for frame in inbox]
-            for inbox in self._inboxes.values():
-                inbox.clear()
             notes = list(self._notes)
             self._notes.clear()
         for note in notes:
             self._log(note)
-        for key, frame in taken:
-            if key not in self._handlers:  # one before it has unsubscribed
-                continue
-            try:
-                self._handlers[key](frame)
-            except ValueError as error:
-                if key[1] not in self._unreadable:
-                    self._unreadable.add(key[1])
-                    self._log(f"warning: a message on {key[1]} cannot be read: {error}")
+        end = time.monotonic() + SPIN_S
+        busy = tuple(self._inboxes)
+        while busy:
+            busy = tuple(key for key in busy if self._hand_out(key))
+            if time.monotonic() > end:
+                break
 
     def close(self) -> None:
         """Leave the bus. The services end before it: rosbridge would keep them, and whoever calls one would wait for
@@ -183,6 +177,19 @@ class RosbridgeBus:
             with suppress(OSError, WebSocketException):
                 connection.close()
         self._thread.join(_CLOSE_S)
+
+    def _hand_out(self, key: tuple[str, str]) -> bool:
+        """The oldest frame of an inbox to its handler; whether there was one."""
+        inbox = self._inboxes.get(key)  # a handler before it may have unsubscribed
+        if not inbox:
+            return False
+        try:
+            self._handlers[key](inbox.popleft())
+        except ValueError as error:
+            if key[1] not in self._unreadable:
+                self._unreadable.add(key[1])
+                self._log(f"warning: a message on {key[1]} cannot be read: {error}")
+        return True
 
     def _handle(self, key: tuple[str, str], depth: int, handle: Callable[[dict[str, Any]], None]) -> None:
         with self._come:
@@ -258,6 +265,9 @@ class RosbridgeBus:
 
     def _sort_in(self, text: str | bytes) -> str:
         """A frame into its inbox; what it does, as rosbridge calls it."""
+        if len(text) > LONGEST:
+            self._complain(f"a frame of more than {LONGEST // 1024} kB is left out")
+            return ""
         try:
             frame = json.loads(text)
         except (ValueError, RecursionError):

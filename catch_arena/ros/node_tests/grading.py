@@ -24,7 +24,9 @@ class NodeGrade:
     cases: int
     passed: int
     failures: tuple[str, ...]
-    """A line for each clause that some case failed, after one that says where the node fell silent, if it did."""
+    """A line for the clause, or the clauses, of each failed case, after one that says where the node fell silent, if it
+    did.
+    """
     hints: tuple[str, ...]
     log: str = ""
 
@@ -78,15 +80,17 @@ def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
 
 def _grade(test: GradingTest, report: Report) -> NodeGrade:
     played = sum(result.played for result in report.results)
-    by_clause: dict[str, list[str]] = {}
+    by_clauses: dict[str, list[str]] = {}
     for failure in report.failures:
-        by_clause.setdefault(failure.case.clauses[0], []).append(failure.case.id)
+        by_clauses.setdefault(", ".join(failure.case.clauses), []).append(failure.case.id)
     return NodeGrade(
         test=test.name,
         points=0.0 if report.failures else test.points,
         possible=test.points,
         cases=played,
         passed=played - len(report.failures),
-        failures=tuple(f"{clause}: {counted(len(ids), 'case')}: {', '.join(ids)}" for clause, ids in by_clause.items()),
+        failures=tuple(
+            f"{clauses}: {counted(len(ids), 'case')}: {', '.join(ids)}" for clauses, ids in by_clauses.items()
+        ),
         hints=tuple(f"it looks like «{one.looks_like}». {one.rule}" for one in report.diagnoses),
     )

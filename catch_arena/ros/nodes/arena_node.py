@@ -38,8 +38,10 @@ _SECOND: Final = 1000 // TICK_MS
 """In ticks: what listeners may have missed is told again."""
 _OFTEN: Final = 6
 """In ticks: targets that move are told anew, and who has gone is looked for."""
-_MOST_WAITING: Final = 1000
-"""Catch requests that are kept for the match's first step; those beyond are answered and not judged."""
+_MOST_JUDGED: Final = 4
+"""R8.4: of one hunter's catch requests in one step. Only the first can be granted, and whoever shares the service hears
+all answers, in a queue of ten.
+"""
 _EXERCISE_REACH_UM: Final = 500_000
 """How near many solutions of the exercise go before they ask."""
 _EXERCISE_CMD_VEL: Final = graph_names.cmd_vel_of(graph_names.TURTLE)
@@ -142,9 +144,6 @@ class ArenaNode:
     def wait(self) -> None:
         """One tick in which the clock stands: nodes hear where all is, and get to know each other."""
         self._bus.spin()
-        self._pending, flood = self._pending[:_MOST_WAITING], self._pending[_MOST_WAITING:]
-        for one in flood:
-            one.request.answer(_NOT_JUDGED)
         self._publish_state(self._service.world)
 
     def tick(self) -> None:
@@ -232,6 +231,8 @@ class ArenaNode:
         self._ticks += 1
 
     def _explain_remapping(self) -> None:
+        if graph_names.TURTLE in self._logged:
+            return
         hunter = (self.missing or self.seats)[0].hunter
         names = [
             (_EXERCISE_CMD_VEL, graph_names.cmd_vel_of(hunter)),
@@ -272,11 +273,15 @@ class ArenaNode:
             self._ask(seat, request)
 
     def _ask(self, seat: RosSeat, request: Request) -> None:
+        """R8.4: in the next step."""
         if seat.only_drives:
             self._warn_once(f"{seat.hunter} asks by itself for what is in its reach (R4.4): no request for it is heard")
             request.answer(_NOT_JUDGED)
-        else:
+        elif sum(one.hunter == seat.hunter for one in self._pending) < _MOST_JUDGED:
             self._pending.append(_PendingRequest(seat.hunter, request))
+        else:
+            self._warn_once(f"{seat.hunter}: only the first {_MOST_JUDGED} of its catch requests in a step are judged")
+            request.answer(_NOT_JUDGED)
 
     def _on_spawn(self, request: Request) -> None:
         """R8.1: a target of the arena's own next name; out of bounds turtlesim puts it at the wall, and so do we."""

@@ -1,7 +1,8 @@
 """One match on a ROS 2 bus, from the first node that is waited for to the last answer."""
 
+import gc
 from collections.abc import Collection, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -37,7 +38,7 @@ class Served:
 
 
 def serve_match(
-    bus: Bus,
+    bus: AbstractContextManager[Bus],
     config: ArenaConfig,
     seed: int,
     agents: Mapping[int, Entrant],
@@ -55,7 +56,7 @@ def serve_match(
     """Play one match with the nodes on a bus, and with agents in some seats.
 
     Args:
-        bus: the bus.
+        bus: the bus; it is joined when all else is settled, and left in the end.
         config: the arena's settings; its control period is set to TICK_MS.
         seed: a whole number in [0, 2^64).
         agents: by seat; nodes drive the others.
@@ -72,6 +73,7 @@ def serve_match(
     Raises:
         ConfigError: for a speed, a match to be recorded, or an arena with prey, that cannot be.
         OutputError: for a replay that cannot be written.
+        BusError: where the bus cannot be joined.
         NoContest: where isolated agents could not be held.
     """
     if not 0.0 < speed <= FASTEST:
@@ -92,8 +94,11 @@ def serve_match(
             players = AgentSeats(service, stack.enter_context(start_players(agents, sandbox)), log)
             stack.callback(players.close)
         driven = [seat for seat in range(config.hunters) if seat not in agents]
-        node = ArenaNode(bus, service, driven, names, players, interfaces, clock=speed != 1.0, log=log)
+        joined = stack.enter_context(bus)
+        node = ArenaNode(joined, service, driven, names, players, interfaces, clock=speed != 1.0, log=log)
         node.begin(seed)
+        gc.freeze()  # to look for garbage in all that was loaded takes as long as several ticks
+        stack.callback(gc.unfreeze)
         rate = Rate(TICK_MS / 1000.0 / speed)
         if wait and node.missing:
             log(f"waiting for {' and '.join(f'/{seat.hunter}/cmd_vel' for seat in node.missing)}")

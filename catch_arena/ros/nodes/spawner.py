@@ -178,10 +178,11 @@ class Spawner:
         """
         last = max((self._hunter_heard, *self._heard.values()))
         ghosts = [name for name, tick in self._heard.items() if last >= tick + _SILENT_TICKS]
-        for name in ghosts:
-            self._log(f"{name} is not in turtlesim any more")
-            self._forget(name)
         if ghosts:
+            others = f" and {len(ghosts) - 1} more are" if len(ghosts) > 1 else " is"
+            self._log(f"{ghosts[0]}{others} not in turtlesim any more")
+            for name in ghosts:
+                self._forget(name)
             self._publish_alive()
 
     def _forget(self, name: str) -> None:

@@ -18,7 +18,7 @@ from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-_OPTIONS = ("scenario", "interfaces", "turtlesim", "bus", "record")
+_OPTIONS = ("scenario", "seed", "speed", "interfaces", "turtlesim", "bus", "record")
 """Of `catch-arena ros serve`."""
 _SETTINGS = {"spawn_frequency": "spawn_frequency_hz", "name_prefix": "name_prefix", "time_limit": "time_limit_s"}
 """What --set calls them."""
@@ -34,8 +34,16 @@ def generate_launch_description() -> LaunchDescription:
                 "seats", default_value="", description="Who drives, as in '0=ros:anna 1=patrol'; else your node alone."
             ),
             DeclareLaunchArgument("scenario", default_value="", description="The arena to play in; else standard."),
+            DeclareLaunchArgument("seed", default_value="", description="Of the match; else drawn."),
+            DeclareLaunchArgument("speed", default_value="", description="Of the simulation; else 1, real time."),
             DeclareLaunchArgument(
                 "record", default_value="", description="A file for the replay; else it is not kept."
+            ),
+            DeclareLaunchArgument(
+                "force",
+                default_value="false",
+                choices=["true", "false"],
+                description="Whether the replay replaces a file that is there.",
             ),
             DeclareLaunchArgument("interfaces", default_value="my_robot_interfaces", description="Your interfaces."),
             DeclareLaunchArgument("turtlesim", default_value="turtlesim", description="turtlesim_msgs from Kilted on."),
@@ -63,6 +71,8 @@ def _begin(context: LaunchContext) -> list:
     for option in _OPTIONS:
         if given(option):
             command += [f"--{option}", given(option)]
+    if given("force") == "true":
+        command.append("--force")
     for name, setting in _SETTINGS.items():
         if given(name):
             command += ["--set", f"{setting}={given(name)}"]
