@@ -64,11 +64,15 @@ class Student:
         return found
 
 
-def ready(*nodes):
+def wait_for(*conditions):
     end = time.monotonic() + 20
-    while not all(node.ready for node in nodes):
+    while not all(condition() for condition in conditions):
         assert time.monotonic() < end
         time.sleep(0.01)
+
+
+def ready(*nodes):
+    wait_for(*(lambda node=node: node.ready for node in nodes))
 
 
 @pytest.mark.parametrize("services", [("/catch_turtle",) * 2, ("/hunter_0/catch_turtle", "/hunter_1/catch_turtle")])
@@ -106,8 +110,7 @@ def test_a_second_node_that_floods_a_hunter_does_not_take_it_from_its_driver(our
     heard = []
     ours.subscribe("/hunter_0/cmd_vel", TWIST, lambda twist, peer: heard.append((twist.linear.x, peer)))
     driver, other = (Student(domain, "hunter_0", "/none") for _ in range(2))
-    while not (driver.twists.matched() and other.twists.matched()):
-        time.sleep(0.01)
+    wait_for(driver.twists.matched, other.twists.matched)
     driver.drive(1.0)
     for _ in range(FLOOD):
         other.drive(2.0)
@@ -146,8 +149,7 @@ def test_answers_that_nobody_hears_do_not_pile_up(ours, domain, monkeypatch):
     """A client that has no reader for them: each answer waits for it a while, and only so many do."""
     ours.serve("/deaf", TYPES.catch_turtle, lambda request: request.answer(CatchTurtleResponse(False)))
     asks = wire.Node(domain).writer("rq/deafRequest", wire.catch_turtle()[0])
-    while not asks.matched():
-        time.sleep(0.01)
+    wait_for(asks.matched)
     monkeypatch.setattr(dds_bus, "time", SimpleNamespace(monotonic=lambda: 1.0))
     for _ in range(10):
         for number in range(FLOOD):
