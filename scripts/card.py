@@ -37,8 +37,6 @@ from catch_arena.tournament.execution.executors import usable_cores
 from catch_arena.tournament.statistics.intervals import Estimate
 
 PAGE: Final = Path(__file__).parent.parent / "docs" / "card.md"
-FEWER_BLOCKS: Final = {"search": 1}
-"""Of agents that would take hours: a move of these takes milliseconds."""
 TRAINED: Final = ("ppo_", "trained_", "learned_")
 """What the names of trained agents begin with."""
 WEAK: Final = 0.45
@@ -91,7 +89,7 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
     opponents, are thrown away.
     """
     folder = folder_of(out, agent)
-    blocks = SUITE.blocks if agent.name in REFERENCES else min(most, FEWER_BLOCKS.get(agent.name, most))
+    blocks = SUITE.blocks if agent.name in REFERENCES else most
     evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder, blocks, None, MAX_FORFEITS)
     done = 0
     with progress_bar(agent.name, evaluation.matches) as show:
