@@ -13,6 +13,7 @@ and then all is compiled in Numba's own way.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import RLock
 from typing import Any, Final
 
 import numba._dynfunc
@@ -238,15 +239,26 @@ class WholeCompiler(_Compiler):
     lowering = _LowerWhole
 
 
+_patching: Final = RLock()
+
+
 @contextmanager
 def quick_typing() -> Iterator[None]:
     """In this block Numba remembers what it asks itself again and again, which is a third of the time: the type of
     `a + b`, for which it tries some thirty overloads at every plus sign, and compares all its flags for each; and
-    which modules of its own it has imported.
+    which modules of its own it has imported. One thread is in such a block at a time, since Numba could not be left as
+    it was if blocks overlapped; others wait before theirs.
     """
-    if not USABLE:
-        yield
-        return
+    with _patching:
+        if USABLE:
+            with _patched_numba():
+                yield
+        else:
+            yield
+
+
+@contextmanager
+def _patched_numba() -> Iterator[None]:
     function, flags, context = types.functions.BaseFunction, compiler.Flags, cpu.CPUContext
     slow = function.get_call_type, flags.__hash__, context.load_additional_registries
     signatures: dict[Any, Any] = {}

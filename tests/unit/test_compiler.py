@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from threading import Event, Thread
 from typing import NamedTuple
 
 import numba
@@ -142,21 +143,42 @@ def test_a_branch_that_is_taken_for_numbers_above_zero_alone_is_not_compiled_whe
         whole(Numbers(3, 0, 0.0))
 
 
+def patched():
+    """What `quick_typing` puts others in the place of."""
+    owners = compiler.types.functions.BaseFunction, compiler.compiler.Flags, compiler.cpu.CPUContext
+    names = "get_call_type", "__hash__", "load_additional_registries"
+    return [getattr(owner, name) for owner, name in zip(owners, names, strict=True)]
+
+
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_numba_is_left_as_it_was():
     """Also where compiling fails: others use it too."""
-    owners = compiler.types.functions.BaseFunction, compiler.compiler.Flags, compiler.cpu.CPUContext
-    names = "get_call_type", "__hash__", "load_additional_registries"
-
-    def found():
-        return [getattr(owner, name) for owner, name in zip(owners, names, strict=True)]
 
     def fail():
         with compiler.quick_typing():
-            assert before != found()
+            assert before != patched()
             numba.njit(lambda number: number + "text")(1)
 
-    before = found()
+    before = patched()
     with pytest.raises(numba.TypingError):
         fail()
-    assert before == found()
+    assert before == patched()
+
+
+def test_numba_is_left_as_it_was_by_two_threads_at_once():
+    """The second comes before the first has gone."""
+    before = patched()
+    inside, go = Event(), Event()
+
+    def second():
+        with compiler.quick_typing():
+            inside.set()
+            go.wait()
+
+    thread = Thread(target=second)
+    with compiler.quick_typing():
+        thread.start()
+        inside.wait(0.2)
+    go.set()
+    thread.join()
+    assert before == patched()
