@@ -102,7 +102,9 @@ class CompileClock(event.Listener):
     """
 
     pace: ClassVar[float | None] = None
-    """How many times as long as usual it takes on this machine; None until the first functions have told."""
+    """How many times as long as usual it takes on this machine, as far as is known; None until the first functions
+    have told.
+    """
 
     def __init__(self, variant: Variant) -> None:
         usual = _ALL if variant.options else _COMMON
@@ -126,6 +128,11 @@ class CompileClock(event.Listener):
         elif self._functions == _SAMPLE and self.pace is None:
             CompileClock.pace = (self.elapsed_s - self._sample_began_s) / _SAMPLE_S
 
+    def finish(self) -> None:
+        """All is compiled, which tells more than the first functions of how long the next variant will take."""
+        if self.elapsed_s > _QUIET_S:
+            CompileClock.pace = self.elapsed_s / self._usual_s
+
     @property
     def elapsed_s(self) -> float:
         """Since the first function; 0 as long as nothing is compiled."""
@@ -133,7 +140,7 @@ class CompileClock(event.Listener):
 
     @property
     def total_s(self) -> float | None:
-        """How long it will take; None until that is known, and then always the same."""
+        """How long it will take; None until that is known, and then the same to the end."""
         return None if self.pace is None else self._usual_s * self.pace
 
 
@@ -150,6 +157,7 @@ def progress_shown(variant: Variant) -> Iterator[None]:
     finally:
         over.set()
         teller.join()
+    clock.finish()
 
 
 def _tell(variant: Variant, clock: CompileClock, over: threading.Event) -> None:
@@ -182,6 +190,6 @@ def _draw(console: "Console", clock: CompileClock, total_s: float, over: threadi
 
 
 def _told(elapsed_s: float, total_s: float) -> str:
-    if elapsed_s <= total_s:
+    if round(elapsed_s) <= round(total_s):
         return f"{elapsed_s:.0f} of about {total_s:.0f} s"
     return f"{elapsed_s:.0f} s instead of about {total_s:.0f}"

@@ -54,6 +54,21 @@ def test_the_first_functions_tell_how_long_it_takes_on_this_machine(now):
     assert clock.total_s == expected
 
 
+@pytest.mark.usefixtures("new_process")
+def test_how_long_one_variant_took_tells_how_long_the_next_will_take(now):
+    """Three times as long as usual. What is over at once, since most of it was kept, tells nothing."""
+    clock = CompileClock(ALL_FOR_ONE)
+    clock.on_start(None)
+    now.s += 3.0 * compiling._ALL.first_s
+    clock.finish()
+    assert CompileClock(BATCH).total_s == pytest.approx(3.0 * compiling._COMMON.later_s)
+    clock = CompileClock(BATCH)
+    clock.on_start(None)
+    now.s += 0.1
+    clock.finish()
+    assert CompileClock.pace == pytest.approx(3.0)
+
+
 def test_it_is_told_of_each_variant_how_long_it_takes(monkeypatch):
     """The next one of a process shares functions with the first, and all rules are more than the common ones."""
     monkeypatch.setattr(CompileClock, "pace", 2.0)
