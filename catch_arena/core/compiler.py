@@ -67,7 +67,11 @@ class _Translated(_Library):  # type: ignore[misc]
 
     def add_llvm_module(self, module: Any) -> None:
         """As it stands."""
-        self._final_module.link_in(module)
+        try:
+            self._final_module.link_in(module)
+        except BaseException:  # Ctrl-C: LLVM has the module already, and llvmlite would free it once more
+            module.detach()
+            raise
 
 
 class _Part(_Translated):
@@ -96,7 +100,7 @@ class _Whole(_Translated):
             if isinstance(library, _Part):
                 waiting += library._linking_libraries  # noqa: SLF001
             self._reload_init.update(library._reload_init)  # noqa: SLF001
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)  # noqa: SLF001
+            self.add_llvm_module(library._get_module_for_linking().clone())  # noqa: SLF001
         self._final_module.data_layout = self._codegen._data_layout  # noqa: SLF001
         # once, where Numba does so three times; and without the search for loops that could be vectors
         manager, builder = self._codegen._module_pass_manager(opt=2, loop_vectorize=False, slp_vectorize=False)  # noqa: SLF001

@@ -5,10 +5,12 @@ import subprocess
 import sys
 from pathlib import Path
 from threading import Event, Thread
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numba
 import pytest
+from llvmlite import binding as llvm
 
 from catch_arena.core import compiler
 from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
@@ -163,6 +165,19 @@ def test_numba_is_left_as_it_was():
     with pytest.raises(numba.TypingError):
         fail()
     assert before == patched()
+
+
+def test_an_interrupt_while_llvm_takes_over_a_module_lets_nobody_free_it_again():
+    """LLVM frees what is linked; llvmlite would do so too, if it were not told, and the process would crash."""
+    linked = llvm.parse_assembly("")
+
+    def link_in(_):
+        raise KeyboardInterrupt
+
+    library = SimpleNamespace(_final_module=SimpleNamespace(link_in=link_in))
+    with pytest.raises(KeyboardInterrupt):
+        compiler._Translated.add_llvm_module(library, linked)
+    assert linked.closed
 
 
 def test_numba_is_left_as_it_was_by_two_threads_at_once():
