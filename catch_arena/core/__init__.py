@@ -1,6 +1,8 @@
-"""The rules as compiled functions over arrays: numpy and numba only, no frameworks, no validation.
+"""The rules as compiled functions over arrays: NumPy, Numba with its llvmlite, and platformdirs for the cache's place;
+no frameworks, no validation.
 
-A *rule* is scalars in, scalars out, and cites its clause. A *phase* is one block: the loop over its lanes; an
+A *rule* works out a value, or a few, for one lane or a group of lanes, from numbers or from what it reads in arrays. It
+writes nothing, and cites its clause if it stands for one. A *phase* is one block: the loop over its lanes; an
 *outlined* one is called, and not written out where it is used. An *inlined* function is phases in their order. An
 *entry* is what Python calls: it walks the blocks.
 

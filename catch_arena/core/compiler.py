@@ -13,6 +13,7 @@ and then all is compiled in Numba's own way.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import RLock
 from typing import Any, Final
 
 import numba._dynfunc
@@ -66,7 +67,11 @@ class _Translated(_Library):  # type: ignore[misc]
 
     def add_llvm_module(self, module: Any) -> None:
         """As it stands."""
-        self._final_module.link_in(module)
+        try:
+            self._final_module.link_in(module)
+        except BaseException:  # Ctrl-C: LLVM has the module already, and llvmlite would free it once more
+            module.detach()
+            raise
 
 
 class _Part(_Translated):
@@ -95,7 +100,7 @@ class _Whole(_Translated):
             if isinstance(library, _Part):
                 waiting += library._linking_libraries  # noqa: SLF001
             self._reload_init.update(library._reload_init)  # noqa: SLF001
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)  # noqa: SLF001
+            self.add_llvm_module(library._get_module_for_linking().clone())  # noqa: SLF001
         self._final_module.data_layout = self._codegen._data_layout  # noqa: SLF001
         # once, where Numba does so three times; and without the search for loops that could be vectors
         manager, builder = self._codegen._module_pass_manager(opt=2, loop_vectorize=False, slp_vectorize=False)  # noqa: SLF001
@@ -238,15 +243,26 @@ class WholeCompiler(_Compiler):
     lowering = _LowerWhole
 
 
+_patching: Final = RLock()
+
+
 @contextmanager
 def quick_typing() -> Iterator[None]:
     """In this block Numba remembers what it asks itself again and again, which is a third of the time: the type of
     `a + b`, for which it tries some thirty overloads at every plus sign, and compares all its flags for each; and
-    which modules of its own it has imported.
+    which modules of its own it has imported. One thread is in such a block at a time, since Numba could not be left as
+    it was if blocks overlapped; others wait before theirs.
     """
-    if not USABLE:
-        yield
-        return
+    with _patching:
+        if USABLE:
+            with _patched_numba():
+                yield
+        else:
+            yield
+
+
+@contextmanager
+def _patched_numba() -> Iterator[None]:
     function, flags, context = types.functions.BaseFunction, compiler.Flags, cpu.CPUContext
     slow = function.get_call_type, flags.__hash__, context.load_additional_registries
     signatures: dict[Any, Any] = {}

@@ -12,6 +12,7 @@ would miss an edit in another one.
 import contextlib
 import hashlib
 import os
+import pickle
 import shutil
 import stat
 import sys
@@ -22,7 +23,10 @@ from pathlib import Path
 from typing import Any, Final, TypeVar, cast
 
 import numba
+import numba.core.caching
 import numba.core.config
+import numba.core.serialize
+import numba.core.sigutils
 import numba.extending
 import numpy as np
 import platformdirs
@@ -32,6 +36,9 @@ from catch_arena.core.compiler import USABLE, OutlinedCompiler, PartCompiler, Wh
 
 _numba: Any = numba.core.config
 """Numba's settings; the module fills itself, so that type checkers see none of them."""
+_caching: Any = numba.core.caching
+_serialize: Any = numba.core.serialize
+_sigutils: Any = numba.core.sigutils
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -98,27 +105,77 @@ def _drop_old_folders(current: Path) -> None:
 CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
 
 
-INNER: Final[set[str]] = set()
-"""The names of what only compiled code calls: how much there is to compile (engine/compiling.py)."""
+class _CheckedForm(_caching.CompileResultCacheImpl):  # type: ignore[misc]
+    """What stands in a file: Numba's form of it, behind a checksum. A crash can leave a file whole in its length and
+    not in its content, and damaged machine code would run.
+    """
+
+    def reduce(self, compiled: Any) -> tuple[bytes, bytes]:
+        """For the file."""
+        content = _serialize.dumps(super().reduce(compiled))
+        return hashlib.blake2b(content).digest(), content
+
+    def rebuild(self, context: Any, kept: Any) -> Any:
+        """From the file."""
+        checksum, content = kept
+        if hashlib.blake2b(content).digest() != checksum:
+            raise ValueError("damaged")
+        return super().rebuild(context, pickle.loads(content))  # noqa: S301 - Numba's cache is pickled
+
+
+class _Cache(_caching.FunctionCache):  # type: ignore[misc]
+    """Compiled code on the disk. What cannot be read is compiled again, and takes the place of what was there; what
+    cannot be written is compiled at every start.
+    """
+
+    _impl_class = _CheckedForm
+
+    def load_overload(self, types: Any, context: Any) -> Any:
+        """What is kept for arguments of these types, or None."""
+        try:
+            kept = self._load(types, context)
+            # two processes that save at once can leave code for other types under this name
+            if kept is None or kept.signature.args == _sigutils.normalize_signature(types)[0]:
+                return kept
+        except Exception:  # noqa: BLE001, S110 - a damaged file makes pickle raise whatever it likes
+            pass
+        with contextlib.suppress(OSError):  # what cannot be written is told where it is saved
+            self.flush()  # the index may be what is damaged, and it is read again before anything is saved
+        return None
+
+    def _load(self, types: Any, context: Any) -> Any:
+        if not USABLE:
+            return super().load_overload(types, context)
+        # Numba would first import its libraries for the compiler, which machine code does not need: that is more than a
+        # third of a warm start
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(types, context)
+
+    def save_overload(self, types: Any, compiled: Any) -> None:
+        """Keep it, where there is room: on a full disk Numba would raise, and not play."""
+        try:
+            super().save_overload(types, compiled)
+        except Exception as error:  # noqa: BLE001 - a damaged index that cannot be replaced is read here again
+            _tell_not_kept(getattr(error, "strerror", None) or str(error))
 
 
 def rule(function: F) -> F:
-    """A rule: scalars in, scalars out, branch-free where it runs in a lane loop. Compiled code has it written out where
-    it is used; Python runs it as it stands, which gives the same bits.
+    """A rule: a value, or a few, of one lane or a group of lanes, from numbers or from what it reads in arrays; it
+    writes nothing, and is branch-free where it runs in a lane loop. Compiled code has it written out where it is used;
+    Python runs it as it stands, which gives the same bits.
     """
-    INNER.add(function.__qualname__)
     return numba.extending.register_jitable(forceinline=True, **_INNER)(function)
 
 
 def phase(function: F) -> F:
     """A phase: one block, a loop over its lanes."""
-    return _inner(function, forceinline=True, **_INNER)
+    return cast(F, numba.njit(forceinline=True, **_INNER)(function))
 
 
 def inlined(function: F) -> F:
     """Phases in their order, or a name for a part of the memory."""
     if not USABLE:  # Numba's own way lets no function return a part of an array without `_nrt`: it is copied instead
-        return _inner(function, inline="always", **_INNER)
+        return cast(F, numba.njit(inline="always", **_INNER)(function))
     return phase(function)
 
 
@@ -127,12 +184,7 @@ def outlined(function: F) -> F:
     it goes lane by lane, so that it would take longer to compile and hardly be faster. Not for what all steps do with
     every lane.
     """
-    return _inner(function, forceinline=False, **_OUTLINED)
-
-
-def _inner(function: F, **options: Any) -> F:
-    INNER.add(function.__qualname__)
-    return cast(F, numba.njit(**options)(function))
+    return cast(F, numba.njit(forceinline=False, **_OUTLINED)(function))
 
 
 def unkept_entry(function: F) -> F:
@@ -146,19 +198,16 @@ def entry(function: F) -> F:
     """
     if INTERPRETED:
         return _with_silent_overflow(function)
+    compiled = unkept_entry(function)
     if CACHE_DIRECTORY is None:
-        return unkept_entry(function)
+        return compiled
     before = _numba.CACHE_DIR
-    _numba.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while a function is decorated
+    _numba.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while the cache is made
     try:
-        compiled = numba.njit(cache=True, **_WHOLE)(function)
+        cast(Any, compiled)._cache = _Cache(function)  # noqa: SLF001 - Numba has no other way in
     finally:
         _numba.CACHE_DIR = before
-    cache = compiled._cache  # noqa: SLF001 - Numba has no other way in: on a full disk it would raise, and not play
-    cache.save_overload = _kept_or_told(cache.save_overload)
-    if USABLE:
-        cache.load_overload = _lightly(cache)
-    return cast(F, compiled)
+    return compiled
 
 
 _MACHINE_CODE: Final[dict[Hashable, Any]] = {}
@@ -179,29 +228,6 @@ def machine_code(function: F, types: Hashable, *arguments: object) -> F:
     if key not in _MACHINE_CODE:
         _MACHINE_CODE[key] = cast(Any, function).compile(tuple(map(numba.typeof, arguments)))
     return cast(F, _MACHINE_CODE[key])
-
-
-def _lightly(cache: Any) -> Callable[..., Any]:
-    """Machine code from the cache needs none of Numba's libraries for the compiler, which Numba would import first:
-    that is more than a third of a warm start.
-    """
-
-    def load(signature: Any, context: Any) -> Any:
-        with cache._guard_against_spurious_io_errors():  # noqa: SLF001
-            return cache._load_overload(signature, context)  # noqa: SLF001
-
-    return load
-
-
-def _kept_or_told(save: Callable[..., None]) -> Callable[..., None]:
-    @wraps(save)
-    def wrapped(*arguments: object) -> None:
-        try:
-            save(*arguments)
-        except OSError as error:
-            _tell_not_kept(error.strerror or str(error))
-
-    return wrapped
 
 
 @cache

@@ -30,11 +30,11 @@ from catch_arena.core.memory import (
 )
 from catch_arena.core.prey import PREY_RECORD_COLUMNS, withdraw_prey_at
 from catch_arena.core.ranking import selection_network
-from catch_arena.core.state import LANES, PART_NAMES, PREY_PART_NAMES, Options
+from catch_arena.core.state import ALL_OPTIONS, LANES, PART_NAMES, PREY_PART_NAMES
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import BlockViews, row_of
-from catch_arena.engine.compiling import compile_once
+from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
 from catch_arena.engine.placing import place, place_batch
 from catch_arena.engine.world_reading import read_rulings, read_world
@@ -84,8 +84,8 @@ class Engine:
     ) -> None:
         settings = settings_of(config, with_parts=with_infos, any_control=any_control)
         options = state.options_of(settings)
-        few = min(num_arenas, 2)
-        compile_once(f"{few}, {options}", partial(_play_smallest, few, options))
+        variant = Variant(batch=num_arenas > 1, options=options == ALL_OPTIONS)
+        compile_once(variant, partial(_play_smallest, variant))
         self._variant = (*((SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)), options)
         """What of `tick.run` is compiled."""
         self.config = config
@@ -206,7 +206,7 @@ class Engine:
         of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
         self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if section.size]
         """What stands of each arena beside the blocks: (B, bytes) each."""
-        settings = settings_in(sections.settings, state.ALL_OPTIONS)
+        settings = settings_in(sections.settings, ALL_OPTIONS)
         self._views = BlockViews(self.config, state.regions_of(settings), self.blocks)
 
     # playing
@@ -505,9 +505,10 @@ class Engine:
         self._memory[:] = state
 
 
-def _play_smallest(num_arenas: int, options: Options) -> None:
-    """All that an engine of one arena or of a batch calls, so that it is compiled."""
-    config = ArenaConfig(hunters=1, max_targets=1, initial_targets=1, view_noise_m=float(len(options)))
-    smallest = Engine(config, num_arenas)
+def _play_smallest(variant: Variant) -> None:
+    """All that an engine of this variant calls, so that it is compiled."""
+    config = ArenaConfig(hunters=1, max_targets=1, initial_targets=1)
+    num_arenas = 2 if variant.batch else 1
+    smallest = Engine(config, num_arenas, any_control=variant.options)  # one option is enough: all come together
     smallest.reset([0] * num_arenas)
     smallest.step(np.zeros((num_arenas, 1), dtype=np.int64), np.zeros((num_arenas, 1, 2), dtype=np.float32))

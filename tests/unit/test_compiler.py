@@ -4,10 +4,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from threading import Event, Thread
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numba
 import pytest
+from llvmlite import binding as llvm
 
 from catch_arena.core import compiler
 from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
@@ -142,21 +145,55 @@ def test_a_branch_that_is_taken_for_numbers_above_zero_alone_is_not_compiled_whe
         whole(Numbers(3, 0, 0.0))
 
 
+def patched():
+    """What `quick_typing` puts others in the place of."""
+    owners = compiler.types.functions.BaseFunction, compiler.compiler.Flags, compiler.cpu.CPUContext
+    names = "get_call_type", "__hash__", "load_additional_registries"
+    return [getattr(owner, name) for owner, name in zip(owners, names, strict=True)]
+
+
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_numba_is_left_as_it_was():
     """Also where compiling fails: others use it too."""
-    owners = compiler.types.functions.BaseFunction, compiler.compiler.Flags, compiler.cpu.CPUContext
-    names = "get_call_type", "__hash__", "load_additional_registries"
-
-    def found():
-        return [getattr(owner, name) for owner, name in zip(owners, names, strict=True)]
 
     def fail():
         with compiler.quick_typing():
-            assert before != found()
+            assert before != patched()
             numba.njit(lambda number: number + "text")(1)
 
-    before = found()
+    before = patched()
     with pytest.raises(numba.TypingError):
         fail()
-    assert before == found()
+    assert before == patched()
+
+
+def test_an_interrupt_while_llvm_takes_over_a_module_lets_nobody_free_it_again():
+    """LLVM frees what is linked; llvmlite would do so too, if it were not told, and the process would crash."""
+    linked = llvm.parse_assembly("")
+
+    def link_in(_):
+        raise KeyboardInterrupt
+
+    library = SimpleNamespace(_final_module=SimpleNamespace(link_in=link_in))
+    with pytest.raises(KeyboardInterrupt):
+        compiler._Translated.add_llvm_module(library, linked)
+    assert linked.closed
+
+
+def test_numba_is_left_as_it_was_by_two_threads_at_once():
+    """The second comes before the first has gone."""
+    before = patched()
+    inside, go = Event(), Event()
+
+    def second():
+        with compiler.quick_typing():
+            inside.set()
+            go.wait()
+
+    thread = Thread(target=second)
+    with compiler.quick_typing():
+        thread.start()
+        inside.wait(0.2)
+    go.set()
+    thread.join()
+    assert before == patched()

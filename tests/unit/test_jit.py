@@ -2,12 +2,15 @@
 
 import ast
 import os
+import pickle
+import random
 import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from catch_arena.core import jit
@@ -150,3 +153,80 @@ def test_a_disk_without_room_for_it_is_told_and_the_rules_run(tmp_path):
     (line,) = finished.stderr.splitlines()
     assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}/cache/core-")
     assert ": File too large; every start compiles them anew" in line
+
+
+def total_of(row):
+    """What is compiled and kept."""
+    total = 0
+    for value in row:
+        total += value
+    return total
+
+
+@pytest.fixture
+def hits(tmp_path, monkeypatch):
+    """Whether a new process finds that in the cache, which is empty at first; its result is right."""
+    monkeypatch.setattr(jit, "CACHE_DIRECTORY", tmp_path)
+
+    def call(row):
+        compiled = jit.entry(total_of)
+        assert compiled(np.array(row)) == sum(row)
+        return bool(compiled.stats.cache_hits)
+
+    return call
+
+
+@pytest.mark.skipif(jit.INTERPRETED, reason="nothing is compiled")
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        pytest.param(lambda _: b"", id="empty"),
+        pytest.param(lambda content: content[: len(content) // 2], id="truncated"),
+        pytest.param(lambda content: random.Random(1).randbytes(len(content)), id="random"),
+        pytest.param(
+            lambda content: content[: len(content) // 2] + bytes(64) + content[len(content) // 2 + 64 :], id="a gap"
+        ),
+        pytest.param(lambda _: pickle.dumps({"of": "another kind"}), id="another pickle"),
+    ],
+)
+def test_what_is_damaged_in_the_cache_is_compiled_again_and_replaced(tmp_path, hits, suffix, damage):
+    """As a crash of the machine can leave it."""
+    assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
+    (file,) = tmp_path.rglob(f"*.{suffix}")
+    file.write_bytes(damage(file.read_bytes()))
+    assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
+
+
+@pytest.mark.skipif(jit.INTERPRETED, reason="nothing is compiled")
+def test_one_wrong_byte_is_noticed(tmp_path, hits):
+    """Where nothing fails on it: it could as well be in the machine code."""
+    assert not hits([1.5, 2.0])
+    (file,) = tmp_path.rglob("*.nbc")
+    damaged = file.read_bytes().replace(b"total = 0", b"total = 1")  # the source, which Numba keeps beside the code
+    assert damaged != file.read_bytes()
+    file.write_bytes(damaged)
+    assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
+
+
+@pytest.mark.skipif(jit.INTERPRETED, reason="nothing is compiled")
+def test_code_for_other_arguments_under_a_file_s_name_is_not_run(tmp_path, hits):
+    """As two processes can leave it that save at once."""
+    assert not hits([1.5, 2.0])
+    assert not hits([1, 2])
+    of_floats, of_integers = sorted(tmp_path.rglob("*.nbc"))
+    of_floats.write_bytes(of_integers.read_bytes())
+    assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
+
+
+@pytest.mark.skipif(jit.INTERPRETED, reason="nothing is compiled")
+def test_a_damaged_cache_that_cannot_be_replaced_is_told_and_the_rules_run(tmp_path, hits, capsys):
+    """The index is a folder."""
+    assert not hits([1.5, 2.0])
+    (index,) = tmp_path.rglob("*.nbi")
+    index.unlink()
+    index.mkdir()
+    jit._tell_not_kept.cache_clear()
+    assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, False]
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}: Is a directory; every start")
