@@ -317,9 +317,9 @@ def _seat_fault(who: str) -> str | None:
     """Why nobody is called so who could drive a hunter; None where somebody may be."""
     from catch_arena.tournament.entrants import resolve_spec
 
-    word = who.partition(":")[0]
+    word, named, name = who.partition(":")
     if word in {NODE, HUMAN}:
-        return None
+        return f"a name must stand behind the colon, got {who}" if named and not name else None
     if word.lower() in {NODE, HUMAN}:
         return f"did you mean {word.lower()}? got {who}"
     try:

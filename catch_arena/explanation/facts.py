@@ -67,6 +67,8 @@ class Refusals:
     """None where the rank that was asked for had none, or no text was given."""
     by_name: bool = False
     """Whether no rank stood for it (R8.4)."""
+    other_names: bool = False
+    """Whether these are requests for several names: those beyond the first few that the hunter asked for."""
     times: int = 0
     nearest_um: int | None = None
     farthest_um: int | None = None

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -32,6 +32,12 @@ from catch_arena.explanation.sentences import (
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
+
+_MOST_NAMES: Final = 8
+"""So many runs of names are told of one hunter and one verdict: a node may ask for thousands."""
+_RANKED: Final = ""
+_OTHER_NAMES: Final = "others"
+"""Which run a refusal goes on with; a name is in quotes there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,8 +113,7 @@ def explain(
     seats, prey_indices = find_subjects(replay, hunter)
     names = labels(replay.hunter_names)
     contests: list[Contest] = []
-    refusals: list[Refusals] = []
-    running: dict[tuple[int, Verdict, str], Refusals] = {}
+    refusals = _RefusalRuns()
     refused = [Counter[str]() for _ in names]
     summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
     scores: tuple[int, ...] = ()
@@ -125,7 +130,7 @@ def explain(
         judged_ms = world.time_ms - replay.config.control_period_ms
         contested = {claim.seat for contest in found for claim in contest.claims}
         named = replay.named_rulings(before, world) if before is not None else []
-        _note_refusals(world.rulings, named, judged_ms, contested, running, refusals)
+        refusals.note(world.rulings, named, judged_ms, contested)
         _note_forestalled(world, found, summaries)
         for ruling in (*world.rulings, *named):
             if ruling.verdict not in (Verdict.GRANTED, Verdict.LOST_CONTEST):
@@ -152,7 +157,7 @@ def explain(
         contests=tuple(
             one for one in contests if one.target in own_targets or any(claim.seat in seats for claim in one.claims)
         ),
-        refusals=tuple(one for one in refusals if one.target in own_targets or one.seat in seats),
+        refusals=tuple(one for one in refusals.found if one.target in own_targets or one.seat in seats),
         records=tuple(summaries[seat] for seat in seats),
         teams=_teams(replay, scores),
         captures=tuple(one for one in prey.captures if one.prey in prey_indices or one.seat in seats),
@@ -170,32 +175,45 @@ def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
     )
 
 
-def _note_refusals(
-    by_rank: Sequence[Ruling],
-    by_name: Sequence[Ruling],
-    judged_ms: int,
-    contested: set[int],
-    running: dict[tuple[int, Verdict, str], Refusals],
-    found: list[Refusals],
-) -> None:
-    """Adds the step's refusals to the runs that they go on, or begins new ones; a contest is told as such.
-
-    Whoever asks by rank has one target at a time. By name a node may ask for several in turn, in each step: so many
-    runs go on beside each other.
+class _RefusalRuns:
+    """Refusals in runs. Whoever asks by rank has one target at a time. By name a node may ask for several in turn, in
+    each step: so many runs go on beside each other, up to a number of names; what it asks for beyond is one run.
     """
-    told_elsewhere = {ruling.hunter for ruling in by_rank if ruling.success or ruling.hunter in contested}
-    for key in [key for key in running if key[0] in told_elsewhere]:
-        del running[key]
-    refused = [(ruling, False) for ruling in by_rank if ruling.hunter not in told_elsewhere]
-    for ruling, named in [*refused, *((ruling, True) for ruling in by_name)]:
-        target = None if ruling.target is None else str(ruling.target)
-        key = ruling.hunter, ruling.verdict, repr(target) if named else ""
-        run = running.get(key)
+
+    def __init__(self) -> None:
+        self.found: list[Refusals] = []
+        self._running: dict[tuple[int, Verdict, str], Refusals] = {}
+        self._names: Counter[tuple[int, Verdict]] = Counter()
+
+    def note(self, by_rank: Sequence[Ruling], by_name: Sequence[Ruling], judged_ms: int, contested: set[int]) -> None:
+        """A step's refusals go on with their runs, or begin new ones; a contest is told as such."""
+        told_elsewhere = {ruling.hunter for ruling in by_rank if ruling.success or ruling.hunter in contested}
+        for seat, verdict, name in list(self._running):
+            if seat in told_elsewhere and name != _OTHER_NAMES:
+                del self._running[seat, verdict, name]
+        for ruling in by_rank:
+            if ruling.hunter not in told_elsewhere:
+                self._add(ruling, judged_ms, _RANKED)
+        for ruling in by_name:
+            self._add(ruling, judged_ms, self._run_of_name(ruling))
+
+    def _run_of_name(self, ruling: Ruling) -> str:
+        name = repr(ruling.target)
+        if (ruling.hunter, ruling.verdict, name) not in self._running:
+            if self._names[ruling.hunter, ruling.verdict] == _MOST_NAMES:
+                return _OTHER_NAMES
+            self._names[ruling.hunter, ruling.verdict] += 1
+        return name
+
+    def _add(self, ruling: Ruling, judged_ms: int, which: str) -> None:
+        target = None if ruling.target is None or which == _OTHER_NAMES else str(ruling.target)
+        run = self._running.get((ruling.hunter, ruling.verdict, which))
         if run is None or run.target != target:
             step = ruling.step + 1
-            run = Refusals(ruling.hunter, ruling.verdict, step, step, judged_ms, judged_ms, target, named)
-            running[key] = run
-            found.append(run)
+            run = Refusals(ruling.hunter, ruling.verdict, step, step, judged_ms, judged_ms, target)
+            run.by_name, run.other_names = which != _RANKED, which == _OTHER_NAMES
+            self._running[ruling.hunter, ruling.verdict, which] = run
+            self.found.append(run)
         run.times += 1
         run.last_step, run.last_ms = ruling.step + 1, judged_ms
         if (distance := ruling.distance_um) is not None:

@@ -119,7 +119,7 @@ def refusals_sentence(run: Refusals, name: str, reach_um: int, prey: str | None)
     farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
     place = f"{_from(run.nearest_um)}{farthest}"
     if run.by_name:
-        target = name_in_words(run.target)
+        target = "other names" if run.other_names else name_in_words(run.target)
     else:
         target = _EMPTY_RANK if run.target is None else _called(run.target, prey)
     return f"{when} {name} {often} for {_answered(target, place, run.verdict, reach_um)}."

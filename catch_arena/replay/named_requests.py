@@ -20,7 +20,7 @@ from catch_arena.core.random import kill_service_down
 from catch_arena.errors import ReplayError
 from catch_arena.replay.codec import Reader, pack_columns
 from catch_arena.text import printable
-from catch_arena.verdicts import Ruling
+from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
 MOST_REQUESTS: Final = 1 << 16
@@ -34,6 +34,8 @@ _MOST_DIGITS: Final = 9
 """Far more targets than a replay can hold."""
 _LONGEST_TABLE: Final = 1 << 24
 _LENGTH: Final = struct.Struct("<I")
+_FOR_A_RANK: Final = frozenset({Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED})
+"""Verdicts on what is in reach. That is always in view (R7.5), so it has a rank."""
 
 
 class NamedRequest(NamedTuple):
@@ -93,6 +95,10 @@ def judge_again(
         caught: which of their names were targets that were caught earlier.
         before: the state on which they are judged (R5.1).
         after: the state that the step led to; its rulings tell what was asked for by rank, which came first.
+
+    Raises:
+        ReplayError: for a request that could have been granted: a rank would stand for it, and the state would be
+            another one.
     """
     seats = {one.seat for one in requests}
     ranked = [(ruling.hunter, ruling.target) for ruling in after.rulings if ruling.hunter in seats]
@@ -108,6 +114,12 @@ def judge_again(
         inactive=[seat for seat, hunter in enumerate(after.hunters) if hunter.withdrawn],
         kill_service_up=not _kill_service_down(np.uint64(seed), before.step, config.faults.kill_down),
     )
+    for ruling in rulings[len(ranked) :]:
+        if ruling.verdict in _FOR_A_RANK:
+            raise ReplayError(
+                f"step {before.step + 1}: hunter_{ruling.hunter} cannot have asked for "
+                f"{name_in_words(str(ruling.target))} by name alone: it is in reach, and the arena answered nothing"
+            )
     return rulings[len(ranked) :]
 
 

@@ -156,6 +156,9 @@ class Replay(ReplayContent):
     def named_rulings(self, before: World, after: World) -> list[Ruling]:
         """The rulings on what was asked for by name in the step between two worlds, beside those of the latter (R8.4);
         names are in short.
+
+        Raises:
+            ReplayError: for one that cannot have been made: somebody has written it into the file.
         """
         requests = requests_of_step(self.named_requests, before.step)
         if not requests:

@@ -5,9 +5,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from catch_arena.errors import ReplayError
+from catch_arena.replay.named_requests import requests_of_step
 from catch_arena.replay.quantisation import QuantisedState, quantise
 from catch_arena.replay.recording import Replay
 from catch_arena.replay.state_differences import first_lines, on_one_line, state_differences, state_name
+from catch_arena.world import World
 
 
 def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -> list[str]:
@@ -28,8 +31,12 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
         a line for each fault; where a match differs, a further line for each number that does in the first step.
     """
     found = _Findings(replay)
+    before: World | None = None
     for step, engine in enumerate(replay.engines()):
         found.add(step, engine.digest(), quantise(engine.state(), replay.config))
+        if before is not None:
+            found.add_named(before, engine.world())
+        before = engine.world() if requests_of_step(replay.named_requests, step) else None
         if progress is not None:
             progress(step, replay.steps)
     return found.lines()
@@ -55,6 +62,8 @@ class _Findings:
     """The steps that differ until now."""
     rejoined: list[tuple[_Apart, int]] = field(default_factory=list)
     """Where the match differed, and from when on it plays as recorded again."""
+    impossible_requests: list[str] = field(default_factory=list)
+    """Requests by name that the arena would have granted."""
     altered_digests: list[int] = field(default_factory=list)
     """Steps in which only that was altered."""
     altered_numbers: list[int] = field(default_factory=list)
@@ -77,9 +86,16 @@ class _Findings:
             self.first_numbers = self.first_numbers if self.altered_numbers else state
             self.altered_numbers.append(step)
 
+    def add_named(self, before: World, after: World) -> None:
+        """What was asked for by name in one step."""
+        try:
+            self.replay.named_rulings(before, after)
+        except ReplayError as error:
+            self.impossible_requests.append(str(error))
+
     def lines(self) -> list[str]:
         """Each fault, and what it begins with."""
-        found = []
+        found = self.impossible_requests[:1]
         if self.altered_digests:
             found.append(f"{_altered('digest', self.altered_digests)}: the match plays on as recorded")
         if self.altered_numbers:

@@ -2,14 +2,16 @@
 
 from collections import Counter
 from itertools import pairwise
+from math import hypot
 
 import pytest
 from recorded_matches import play_by_name
 
-from catch_arena import ArenaService, Replay, Ruling, Verdict
-from catch_arena.errors import ActionError
+from catch_arena import ArenaService, Replay, Ruling, Verdict, explain
+from catch_arena.errors import ActionError, ReplayError
 from catch_arena.messages import CatchTurtleRequest
 from catch_arena.replay.comparison import replay_differences
+from catch_arena.replay.named_requests import NamedRequest
 from catch_arena.replay.verification import verify
 
 
@@ -35,6 +37,34 @@ def test_r8_4_every_request_is_in_the_replay_with_the_ruling_that_it_had(seed, t
     assert verify(replay) == []
     assert {Verdict.DUPLICATE, Verdict.UNKNOWN_TARGET, Verdict.ALREADY_CAUGHT, Verdict.MALFORMED} <= found.keys()
     assert not found.keys() & {Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED}
+
+
+def test_a_catch_that_was_written_into_the_names_is_found(named):
+    """Whoever makes such a file could else have a catch told that never was: what is in reach has a rank."""
+    forged = named.copy()
+    for step, (before, after) in enumerate(pairwise(named.worlds())):
+        silent = (
+            {0, 2}
+            - {one.hunter for one in after.rulings}
+            - {one.seat for one in named.named_requests if one.step == step}
+        )
+        silent -= {seat for seat in silent if after.hunters[seat].withdrawn}
+        near = [
+            (seat, target.name)
+            for seat in silent
+            for target in before.targets
+            if hypot(target.x - before.hunters[seat].x, target.y - before.hunters[seat].y) < 1.9
+        ]
+        if near:
+            break
+    seat, name = near[0]
+    forged.named_requests.append(NamedRequest(step, seat, name))
+    forged.named_requests.sort(key=lambda one: one.step)
+    (line, *_) = verify(forged)
+    assert line.startswith(f'step {step + 1}: hunter_{seat} cannot have asked for "{name}" by name alone')
+    with pytest.raises(ReplayError, match="by name alone"):
+        explain(forged)
+    assert verify(named) == []
 
 
 def test_one_name_that_differs_is_told(named):

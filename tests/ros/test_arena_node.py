@@ -64,8 +64,19 @@ def test_a_node_that_was_not_remapped_is_told_how_in_one_line(twists):
     assert line == (
         "warning: a node drives turtle1, which is no hunter where several seats are for nodes: start it with "
         "--ros-args -r /turtle1/cmd_vel:=/hunter_1/cmd_vel -r /turtle1/pose:=/hunter_1/pose "
-        "-r /catch_turtle:=/hunter_1/catch_turtle"
+        "-r /catch_turtle:=/hunter_1/catch_turtle to drive hunter_1 (p1)"
     )
+
+
+def test_where_several_seats_are_free_each_is_named_with_its_player():
+    """A node that takes the first one named could take another player's."""
+    match = Match(hunters=3, hunter_poses=(*TWO, (9.0, 9.0, 0.0)), names=["anna", "ben", "cleo"])
+    match.drive(match.a)
+    match.tick()
+    match.b.publisher("/turtle1/cmd_vel", TWIST)
+    match.tick(20)
+    (line,) = [line for line in match.said if "turtle1" in line]
+    assert line.endswith(" to drive hunter_1 (ben); in the same way for hunter_2 (cleo)")
 
 
 def test_a_node_that_was_told_costs_nothing_more():
@@ -297,6 +308,22 @@ def test_each_hunter_has_a_service_of_its_own_that_rivals_cannot_use_up():
     assert any("the node that drives hunter_1 asks for hunter_0" in line for line in match.said)
 
 
+def test_a_node_that_drives_nobody_cannot_ask_before_a_hunters_driver():
+    """At the hunter's own service anybody may ask; its driver's requests come first, however many others there are."""
+    match = Match(hunters=2, hunter_poses=((2.0, 2.0, 0.0), (8.0, 8.0, 0.0)))
+    match.drive(match.a, turtle="hunter_0")
+    match.drive(match.b, turtle="hunter_1")
+    match.tick()
+    for _ in range(3):
+        name = match.service.spawn(2.1, 2.0)
+        thief = [match.ask(match.c, "", "/hunter_0/catch_turtle") for _ in range(20)]
+        own = match.ask(match.a, name, "/hunter_0/catch_turtle")
+        match.tick()
+        assert own.response == YES
+        assert {answer.response for answer in thief} == {NO}
+    assert match.hunter().score == 3
+
+
 def test_where_the_bus_does_not_tell_who_asks_the_shared_service_says_so():
     """Each hunter's own works."""
     match = Match(hunters=2, hunter_poses=TWO)
@@ -418,7 +445,8 @@ def test_of_a_hunters_requests_in_one_step_only_the_first_four_are_judged():
         assert own.response == YES
         rulings = match.sent("/rulings")[before:]
         assert [one.hunter for one in rulings] == 4 * ["hunter_0"] + ["hunter_1"]
-    assert match.said == ["warning: hunter_0: only the first 4 of its catch requests in a step are judged"]
+    (hint,) = match.said
+    assert hint.endswith("only the first request of a step can be granted (R5.2): ask for one that is in reach")
 
 
 def test_a_flood_of_requests_before_the_match_is_answered_and_the_first_ones_are_judged():

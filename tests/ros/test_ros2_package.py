@@ -117,6 +117,14 @@ def test_the_launch_file_names_options_that_there_are(monkeypatch):
     assert all(option in helped for option in options)
 
 
+@pytest.mark.parametrize(("speed", "simulated"), [("", False), ("1", False), ("1.0", False), ("5", True)])
+def test_the_node_goes_by_the_arenas_clock_where_there_is_one(monkeypatch, speed, simulated):
+    """Without /clock its timers would never fire."""
+    (begin,) = (one.fields["function"] for one in described(monkeypatch) if type(one).__name__ == "OpaqueFunction")
+    (node,) = (one for one in begin(declared(monkeypatch) | {"speed": speed}) if type(one).__name__ == "Node")
+    assert node.fields["parameters"] == [{"use_sim_time": simulated}]
+
+
 def test_the_launch_file_passes_on_what_it_is_given_and_nothing_else(monkeypatch):
     """So that a scenario has its own settings; both processes are in one domain, and on one middleware."""
     command, variables = launched(monkeypatch)

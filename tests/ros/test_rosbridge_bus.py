@@ -328,7 +328,7 @@ def test_a_frame_that_is_too_long_is_left_out_with_a_line_and_does_not_end_the_c
     bridge[0].raw(json.dumps({"op": "fragment", "id": "1", "num": 0, "total": 3, "data": '"' * 10_000_000}))
     bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": to_json(TWIST, TwistMessage.of(1.0, 2.0))}))
     until(joined, lambda: heard)
-    assert said == ["warning: rosbridge: a frame of more than 128 kB is left out"]
+    assert said == ["warning: rosbridge: a frame of more than 128 KiB is left out"]
 
 
 def test_a_name_that_is_too_long_for_the_rules_is_read(bridge, joined):

@@ -173,6 +173,7 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake("all have the longest reach", _OWN_REACH, given=wrong.with_one_reach(max)),
     _mistake("all have the shortest reach", _OWN_REACH, given=wrong.with_one_reach(min)),
     _mistake("all have the reach of hunter 0", _OWN_REACH, given=wrong.with_one_reach(lambda reaches: reaches[0])),
+    _mistake("reach is 0.5 m whatever reach_m says", _REACH, within=lambda request, *_: request.away_um < 500_000),
     _mistake(
         "who reaches farther wins",
         _OWN_REACH,

@@ -81,7 +81,7 @@ def summary(judged: Sequence[JudgedCatch]) -> str:
     others = [one for one in judged if not one.asked.success]
     if others:
         wrongly = sum(one.ruling.verdict is Verdict.GRANTED for one in others)
-        line += f"; {len(others)} requests refused, {wrongly} of which it grants"
+        line += f"; {len(others)} request{'s' if len(others) > 1 else ''} refused, {wrongly} of which it grants"
     return line
 
 

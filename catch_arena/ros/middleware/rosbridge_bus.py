@@ -266,7 +266,7 @@ class RosbridgeBus:
     def _sort_in(self, text: str | bytes) -> str:
         """A frame into its inbox; what it does, as rosbridge calls it."""
         if len(text) > LONGEST:
-            self._complain(f"a frame of more than {LONGEST // 1024} kB is left out")
+            self._complain(f"a frame of more than {LONGEST // 1024} KiB is left out")
             return ""
         try:
             frame = json.loads(text)

@@ -39,8 +39,8 @@ _SECOND: Final = 1000 // TICK_MS
 _OFTEN: Final = 6
 """In ticks: targets that move are told anew, and who has gone is looked for."""
 _MOST_JUDGED: Final = 4
-"""R8.4: of one hunter's catch requests in one step. Only the first can be granted, and whoever shares the service hears
-all answers, in a queue of ten.
+"""R8.4: of one hunter's catch requests in one step, by its driver and by others. Only the first can be granted, and
+whoever shares the service hears all answers, in a queue of ten.
 """
 _EXERCISE_REACH_UM: Final = 500_000
 """How near many solutions of the exercise go before they ask."""
@@ -55,6 +55,8 @@ class _PendingRequest:
 
     hunter: str
     request: Request
+    foreign: bool
+    """Whether another node asks than the one that drives the hunter, as far as the middleware tells."""
 
 
 class ArenaNode:
@@ -152,7 +154,7 @@ class ArenaNode:
         before = self._service.world
         commands = {seat.hunter: seat.command(before.time_ms, before.time_ms + TICK_MS) for seat in self.seats}
         goals: dict[str, str] = {}
-        asked, self._pending = self._pending, []
+        asked, self._pending = sorted(self._pending, key=lambda one: one.foreign), []
         requests = [(one.hunter, CatchTurtleRequest(one.request.message.name)) for one in asked]
         if self._agents is not None and not self.over:
             theirs = self._agents.act(before.time_ms)
@@ -166,6 +168,9 @@ class ArenaNode:
             if ruling.verdict is Verdict.OUT_OF_REACH and away_um is not None and away_um < _EXERCISE_REACH_UM:
                 hint = "--set reach_m=0.5 is the reach that many solutions of the exercise have in mind"
                 self._log_once(f"{ruling}; {hint}", one.hunter)
+            if ruling.verdict is Verdict.DUPLICATE and not one.foreign:
+                hint = "only the first request of a step can be granted (R5.2): ask for one that is in reach"
+                self._log_once(f"{one.hunter} asked for several targets at once; {hint}", f"{one.hunter} several")
         world = self._service.world
         asking = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
@@ -233,16 +238,19 @@ class ArenaNode:
     def _explain_remapping(self) -> None:
         if graph_names.TURTLE in self._logged:
             return
-        hunter = (self.missing or self.seats)[0].hunter
+        free = [seat.hunter for seat in self.missing or self.seats]
+        hunter, players = free[0], dict(zip(self._service.config.hunter_names, self._names, strict=True))
         names = [
             (_EXERCISE_CMD_VEL, graph_names.cmd_vel_of(hunter)),
             (graph_names.pose_of(graph_names.TURTLE), graph_names.pose_of(hunter)),
             (graph_names.CATCH_TURTLE, graph_names.catch_turtle_of(hunter)),
         ]
         remapping = " ".join(f"-r {name}:={own}" for name, own in names)
+        others = [f"{one} ({players[one]})" for one in free[1:]]
+        also = f"; in the same way for {', '.join(others)}" if others else ""
         self._warn_once(
             f"a node drives {graph_names.TURTLE}, which is no hunter where several seats are for nodes: start it with "
-            f"--ros-args {remapping}",
+            f"--ros-args {remapping} to drive {hunter} ({players[hunter]}){also}",
             graph_names.TURTLE,
         )
 
@@ -277,10 +285,12 @@ class ArenaNode:
         if seat.only_drives:
             self._warn_once(f"{seat.hunter} asks by itself for what is in its reach (R4.4): no request for it is heard")
             request.answer(_NOT_JUDGED)
-        elif sum(one.hunter == seat.hunter for one in self._pending) < _MOST_JUDGED:
-            self._pending.append(_PendingRequest(seat.hunter, request))
+            return
+        foreign = None not in (request.peer, seat.driver) and request.peer != seat.driver
+        before = sum((one.hunter, one.foreign) == (seat.hunter, foreign) for one in self._pending)
+        if before < _MOST_JUDGED:
+            self._pending.append(_PendingRequest(seat.hunter, request, foreign))
         else:
-            self._warn_once(f"{seat.hunter}: only the first {_MOST_JUDGED} of its catch requests in a step are judged")
             request.answer(_NOT_JUDGED)
 
     def _on_spawn(self, request: Request) -> None:
@@ -297,7 +307,8 @@ class ArenaNode:
                 names = f"{name} for {one_line(asked.name[:40])}"
                 self._warn_once(f"{graph_names.SPAWN}: the arena gives its targets names of its own: {names}", "names")
         except (ActionError, EpisodeError) as error:
-            self._warn_once(f"{graph_names.SPAWN}: {error}", "spawn")
+            recorded = "nothing is spawned in a recorded match" if self._service.is_recorded else str(error)
+            self._warn_once(f"{graph_names.SPAWN}: {recorded}", "spawn")
             name = ""
         request.answer(Name(name))
 
@@ -305,7 +316,8 @@ class ArenaNode:
         try:
             self._service.kill(request.message.name)
         except EpisodeError as error:
-            self._warn_once(f"{graph_names.KILL}: {error}")
+            recorded = "nothing is killed in a recorded match" if self._service.is_recorded else str(error)
+            self._warn_once(f"{graph_names.KILL}: {recorded}")
         request.answer(Empty())
 
     def _on_reset(self, request: Request) -> None:

@@ -111,7 +111,10 @@ def seat_of(peer: Peer | None, seats: list[RosSeat], warn: Callable[[str], objec
     if len(seats) == 1:
         return seats[0]
     if peer is None:
-        warn("this bus does not tell who asks at /catch_turtle: ask at /hunter_0/catch_turtle and its like")
+        warn(
+            "this bus does not tell who asks at /catch_turtle: ask at /hunter_0/catch_turtle and its like, as with "
+            "--ros-args -r /catch_turtle:=/hunter_0/catch_turtle"
+        )
         return None
     driven = [seat for seat in seats if seat.driver == peer]
     if len(driven) == 1:

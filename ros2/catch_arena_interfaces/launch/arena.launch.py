@@ -20,6 +20,8 @@ from launch_ros.actions import Node
 
 _OPTIONS = ("scenario", "seed", "speed", "interfaces", "turtlesim", "bus", "record")
 """Of `catch-arena ros serve`."""
+_REAL_TIME = ("", "1", "1.0")
+"""Speeds at which there is no /clock."""
 _SETTINGS = {"spawn_frequency": "spawn_frequency_hz", "name_prefix": "name_prefix", "time_limit": "time_limit_s"}
 """What --set calls them."""
 
@@ -85,6 +87,11 @@ def _begin(context: LaunchContext) -> list:
     return [
         *actions,
         arena,
-        Node(package=given("package"), executable=given("executable"), output="screen"),
+        Node(
+            package=given("package"),
+            executable=given("executable"),
+            output="screen",
+            parameters=[{"use_sim_time": given("speed") not in _REAL_TIME}],  # its timers go by the arena's /clock
+        ),
         RegisterEventHandler(OnProcessExit(target_action=arena, on_exit=[EmitEvent(event=Shutdown())])),
     ]
