@@ -27,7 +27,7 @@ SHORT_REASONS: Final[dict[Verdict, str]] = {
     Verdict.MATCH_OVER: "match over",
     Verdict.MALFORMED: "no such target",
     Verdict.HUNTER_INACTIVE: "withdrawn",
-    Verdict.DUPLICATE: "asked twice",
+    Verdict.DUPLICATE: "second request",
     Verdict.UNKNOWN_TARGET: "no such target",
     Verdict.ALREADY_CAUGHT: "already caught",
     Verdict.SERVICE_DOWN: "service down",
