@@ -1,13 +1,17 @@
 """Whole numbers as bytes that compress well: column by column, and within a column plane by plane."""
 
+import json
+import struct
 from collections.abc import Iterable
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.errors import ReplayError
 
+LENGTH: Final = struct.Struct("<I")
+"""What stands before that whose length the file has to tell."""
 _WIDEST: Final = 8
 _ONE: Final = np.uint64(1)
 _BYTE: Final = np.uint64(255)
@@ -43,6 +47,29 @@ class Reader:
             raise ReplayError(f"is damaged: its body ends after {len(self._body)} bytes, and more are announced")
         self._at += size
         return bytes(self._body[self._at - size : self._at])
+
+    def length(self) -> int:
+        """The next four bytes, as `LENGTH` has them.
+
+        Raises:
+            ReplayError: where there are fewer.
+        """
+        (number,) = LENGTH.unpack(self.take(LENGTH.size))
+        return int(number)
+
+    def json(self, what: str, longest: int) -> Any:
+        """The next JSON text, behind its length [bytes].
+
+        Raises:
+            ReplayError: that says what it should have been, for one that is longer, or that nobody can read.
+        """
+        length = self.length()
+        if length > longest:
+            raise ReplayError(f"is damaged: its {what} is {length} bytes long, more than {longest}")
+        try:
+            return json.loads(self.take(length).decode())
+        except (ValueError, RecursionError):
+            raise ReplayError(f"is damaged: it has no readable {what}") from None
 
     def column(self, size: int) -> NDArray[np.int64]:
         """The next column, of that many numbers.

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, ReplayError
-from catch_arena.replay.codec import Reader, pack_columns
+from catch_arena.replay.codec import LENGTH, Reader, pack_columns
 from catch_arena.replay.named_requests import NamedRequest, pack_requests, read_requests
 from catch_arena.replay.quantisation import QuantisedState, driven_seats, pack_states, state_length, unpack_states
 from catch_arena.seeding import checked_seed
@@ -32,7 +32,6 @@ _WITH_NAMED_REQUESTS: Final = 2
 """Added to the format of a match that has them: one without needs nothing that is new in it."""
 _NEWEST: Final = _FORMAT + _WITH_PREY + _WITH_NAMED_REQUESTS
 _PREFIX: Final = struct.Struct("<8sIQ")
-_LENGTH: Final = struct.Struct("<I")
 _CHECKSUM_BYTES: Final = 32
 _DIGEST_BYTES: Final = 8
 _LONGEST_HEADER: Final = 1 << 16
@@ -97,7 +96,7 @@ def encode_replay(match: ReplayContent) -> bytes:
     text = json.dumps(header, separators=(",", ":")).encode()
     body = b"".join(
         (
-            _LENGTH.pack(len(text)),
+            LENGTH.pack(len(text)),
             text,
             pack_columns(choices.T),
             _pack_commands(commands[:, driven]),
@@ -239,13 +238,7 @@ def _checked_body(content: bytes) -> tuple[int, bytes]:
 
 
 def _header_of(reader: Reader) -> dict[str, Any]:
-    (length,) = _LENGTH.unpack(reader.take(_LENGTH.size))
-    if length > _LONGEST_HEADER:
-        raise ReplayError(f"is damaged: its header is {length} bytes long, more than {_LONGEST_HEADER}")
-    try:
-        header = json.loads(reader.take(length).decode())
-    except (ValueError, RecursionError):
-        raise ReplayError("is damaged: it has no readable header") from None
+    header = reader.json("header", _LONGEST_HEADER)
     if not isinstance(header, dict):
         raise ReplayError("is damaged: its header is not a table")
     if header.get("ruleset") != RULESET:

@@ -6,7 +6,6 @@ judges them again.
 """
 
 import json
-import struct
 from bisect import bisect_left
 from collections.abc import Collection, Sequence
 from typing import Final, NamedTuple
@@ -18,7 +17,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.jit import entry
 from catch_arena.core.random import kill_service_down
 from catch_arena.errors import ReplayError
-from catch_arena.replay.codec import Reader, pack_columns
+from catch_arena.replay.codec import LENGTH, Reader, pack_columns
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
@@ -33,7 +32,6 @@ _LONGEST_SHOWN: Final = 60
 _MOST_DIGITS: Final = 9
 """Far more targets than a replay can hold."""
 _LONGEST_TABLE: Final = 1 << 24
-_LENGTH: Final = struct.Struct("<I")
 _FOR_A_RANK: Final = frozenset({Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED})
 """Verdicts on what is in reach. That is always in view (R7.5), so it has a rank."""
 
@@ -141,7 +139,7 @@ def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
     table = json.dumps(list(places), separators=(",", ":")).encode()
     numbers = np.array([(one.step, one.seat, places[one.name]) for one in requests], dtype=np.int64)
     numbers[1:, 0] -= numbers[:-1, 0].copy()
-    return b"".join((_LENGTH.pack(len(table)), table, _LENGTH.pack(len(requests)), pack_columns(numbers.T)))
+    return b"".join((LENGTH.pack(len(table)), table, LENGTH.pack(len(requests)), pack_columns(numbers.T)))
 
 
 def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[NamedRequest]:
@@ -151,7 +149,7 @@ def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[Named
         ReplayError: for whatever no arena would have heard.
     """
     names = _read_names(reader)
-    (count,) = _LENGTH.unpack(reader.take(_LENGTH.size))
+    count = reader.length()
     if not 0 < count <= MOST_REQUESTS:
         raise ReplayError(f"holds {count} requests by name, and 1 to {MOST_REQUESTS} can be kept")
     numbers = reader.columns(3, count)
@@ -169,13 +167,7 @@ def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[Named
 
 
 def _read_names(reader: Reader) -> list[str | None]:
-    (length,) = _LENGTH.unpack(reader.take(_LENGTH.size))
-    if length > _LONGEST_TABLE:
-        raise ReplayError(f"is damaged: its table of names is {length} bytes long, more than {_LONGEST_TABLE}")
-    try:
-        names = json.loads(reader.take(length).decode())
-    except (ValueError, RecursionError):
-        raise ReplayError("is damaged: it has no readable table of names") from None
+    names = reader.json("table of names", _LONGEST_TABLE)
     if not isinstance(names, list) or not all(
         name is None or (isinstance(name, str) and len(name) <= _LONGEST_NAME) for name in names
     ):

@@ -90,8 +90,10 @@ def _engine_step(control: str) -> Callable[[], object]:
 
 
 def _null_step() -> Callable[[], object]:
-    agents = ["hunter_0", "hunter_1", "hunter_2", "hunter_3"]
-    seen, rewards = np.zeros((len(agents), 71), np.float32), np.zeros(len(agents))
+    env = catch_arena.parallel_env("standard")
+    agents = env.possible_agents
+    seen = np.zeros((len(agents), *env.observation_space(agents[0]).shape), np.float32)
+    rewards = np.zeros(len(agents))
     nobody, infos = dict.fromkeys(agents, False), {agent: {} for agent in agents}
 
     def step() -> tuple[dict[str, Any], ...]:

@@ -111,20 +111,25 @@ def test_a_missing_extra_is_one_line_that_says_what_to_install(monkeypatch):
         assert (status, "pip install '.[ros]' in the clone of Catch Arena" in output) == (2, True), output
 
 
-@pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
-def test_without_a_network_interface_it_is_one_line():
-    """In a network of its own, whose only interface is down."""
+def served_without_a_network(**variables):
+    """The one line that it ends with, in a network of its own, whose only interface is down."""
     found = subprocess.run(
         ["unshare", "--net", sys.executable, "-m", "catch_arena", "ros", "serve"],
         check=False,
         capture_output=True,
         text=True,
         timeout=60,
+        env=os.environ | variables,
     )
     assert found.returncode == 2
-    lines = [line for line in found.stderr.splitlines() if line.startswith("catch-arena")]
-    (line,) = lines
-    assert line == (
+    (line,) = [line for line in found.stderr.splitlines() if line.startswith("catch-arena")]
+    return line
+
+
+@pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
+def test_without_a_network_interface_it_is_one_line():
+    """In a network of its own, whose only interface is down."""
+    assert served_without_a_network() == (
         "catch-arena: DDS domain 0 cannot be joined (DDS_RETCODE_ERROR): is there a network interface? "
         "ROS_LOCALHOST_ONLY=1 keeps to this machine"
     )
@@ -133,16 +138,7 @@ def test_without_a_network_interface_it_is_one_line():
 @pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
 def test_who_keeps_to_this_machine_is_not_advised_to():
     """The loopback interface is down too."""
-    found = subprocess.run(
-        ["unshare", "--net", sys.executable, "-m", "catch_arena", "ros", "serve"],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        env=os.environ | {"ROS_LOCALHOST_ONLY": "1"},
-    )
-    assert found.returncode == 2
-    (line,) = [line for line in found.stderr.splitlines() if line.startswith("catch-arena")]
+    line = served_without_a_network(ROS_LOCALHOST_ONLY="1")
     assert line.endswith("cannot be joined (DDS_RETCODE_ERROR): is there a network interface?")
 
 
