@@ -12,5 +12,6 @@ writes nothing, and cites its clause if it stands for one. A *phase* is one bloc
 - What is seen: observations, features (of each thing), ranking (in which order), visibility (how far, how blurred),
   prey_views.
 - math, random: functions and random numbers with the same bits on every machine.
-- jit, compiler, vectors: how it is compiled, and several arenas in one instruction.
+- jit, compiler: how it is compiled. vectors, transfers: several arenas in one instruction, and numbers moved between
+  arrays.
 """

@@ -52,16 +52,17 @@ from catch_arena.core.state import (
     targets_of,
     word_of_rank,
 )
-from catch_arena.core.vectors import (
+from catch_arena.core.transfers import (
     COPIED,
-    Width,
+    PREFETCHED,
+    Place,
     copy_eight,
     copy_four,
-    group,
+    prefetch,
     put_rows,
-    single,
     stream_eight,
 )
+from catch_arena.core.vectors import Width, group, single
 from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
 from catch_arena.core.workspace import FEATURE_STRIDE, Scratch, rival_order_of
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
@@ -80,6 +81,10 @@ _MANY: Final = 4
 """As many hunters for each that is seen: then what is seen of them is found out one by one."""
 _STREAMED: Final = 1 << 21
 """From so many numbers on, what a batch sees would push everything else out of the caches."""
+_CACHED: Final = 1 << 19
+"""So many numbers of state stay in the caches from one step to the next; of more, each block comes from the memory."""
+_LARGE: Final = 1 << 14
+"""A block of so many numbers is not asked for early: it would push out of the second cache what is being played."""
 
 
 @phase
@@ -270,7 +275,7 @@ def write_blurred(key: np.uint64, forward: float, left: float, s: Settings, out:
 
 
 @phase
-def write_self(me: Block, time_left: Block, first: int, width: Width, out: Numbers, at: int, stride: int) -> None:
+def write_self(me: Block, time_left: Block, first: int, width: Width, place: Place) -> None:
     """R7.1: what a hunter knows of itself, in the lanes of one group.
 
     Args:
@@ -278,9 +283,7 @@ def write_self(me: Block, time_left: Block, first: int, width: Width, out: Numbe
         time_left: until the time limit [s], one row, (LANES,).
         first: the first lane of the group.
         width: how many lanes the group has.
-        out: observations, flat; the columns of `layout.SelfFeatures` are written.
-        at: where in `out` those of the first lane begin.
-        stride: how far behind them those of the next lane begin.
+        place: see `transfers.Place`; the columns of `layout.SelfFeatures` are written.
     """
     lane = group(first, width)
     seen = SelfFeatures(
@@ -295,7 +298,7 @@ def write_self(me: Block, time_left: Block, first: int, width: Width, out: Numbe
         distance_integral=me[DISTANCE_INTEGRAL + lane],
         bearing_integral=me[BEARING_INTEGRAL + lane],
     )
-    put_rows(out, at, stride, seen)
+    put_rows(place.out, place.at, place.stride, seen)
 
 
 @phase
@@ -390,6 +393,12 @@ def write_rivals(
 
 
 @rule
+def target_width(s: Settings) -> int:
+    """R7.4: how many columns there are of each target."""
+    return MOVING_TARGET_WIDTH if s.targets_move else TARGET_WIDTH
+
+
+@rule
 def rival_width(s: Settings) -> int:
     """R7.4: how many columns there are of each rival."""
     return TEAM_RIVAL_WIDTH if s.has_teams else RIVAL_WIDTH
@@ -436,6 +445,76 @@ def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) ->
         out[at + offset] = staging[offset]
 
 
+@phase
+def write_seat(
+    block: Block,
+    seat: int,
+    s: Settings,
+    first: int,
+    width: Width,
+    slots: int,
+    teams: NDArray[np.int64],
+    scratch: Scratch,
+    place: Place,
+) -> None:
+    """R7.1: the observations of one seat, in the lanes of one group.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        s: the settings.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        slots: how many slots are in use in any lane.
+        teams: see `memory.Sections`.
+        scratch: see `workspace.Scratch`; ages, the time left (its first row) and the rivals' orders are read.
+        place: see `transfers.Place`.
+    """
+    me, targets = seat_of(block, seat), targets_of(block, s)
+    targets_in_order, rivals_in_order = target_order_of(block, seat, s), rival_order_of(scratch, seat)
+    ages, features, rivals = scratch.ages, scratch.target_features, scratch.rival_features
+    few_of_many = s.hunters > _MANY * s.hunters_seen
+    write_self(me, scratch.rows, first, width, place)
+    if s.targets_move:
+        compute_moving_target_features(me, targets, ages, first, width, slots, s, features)
+    else:
+        compute_target_features(me, targets, ages, first, width, slots, s, features)
+    if not few_of_many:
+        compute_rival_features(block, seat, first, width, s, teams, rivals)
+    if s.view_noise_m > 0.0:
+        blur_targets(block, seat, targets, targets_in_order, first, width, s, features)
+        if not few_of_many:
+            blur_rivals(block, seat, rivals_in_order, first, width, s, teams, rivals)
+    alone = s.hunters_seen == 0
+    for lane in range(first, first + len(width)):
+        out, at = place.out, place.at + (lane - first) * place.stride + SELF_WIDTH
+        # a call for each width, so that the compiler knows it
+        if s.targets_move:
+            write_ranked(targets_in_order, s.targets_seen, alone, lane, features, width, MOVING_TARGET_WIDTH, out, at)
+        else:
+            write_ranked(targets_in_order, s.targets_seen, alone, lane, features, width, TARGET_WIDTH, out, at)
+        at += s.targets_seen * target_width(s)
+        if few_of_many:
+            write_rivals(block, seat, rivals_in_order, s.hunters_seen, lane, s, teams, out, at)
+        elif s.has_teams:
+            write_ranked(rivals_in_order, s.hunters_seen, True, lane, rivals, width, TEAM_RIVAL_WIDTH, out, at)
+        else:
+            write_ranked(rivals_in_order, s.hunters_seen, True, lane, rivals, width, RIVAL_WIDTH, out, at)
+
+
+@phase
+def prefetch_part(ahead: Block, part: int, parts: int) -> None:
+    """Ask for one of as many parts of what is played next. All at once would make this block wait too.
+
+    Args:
+        ahead: the next block; or nothing.
+        part: which one, from 0.
+        parts: how many there are.
+    """
+    for at in range(len(ahead) * part // parts, len(ahead) * (part + 1) // parts, PREFETCHED):
+        prefetch(ahead, at)
+
+
 @inlined
 def write(
     block: Block,
@@ -447,6 +526,7 @@ def write(
     scratch: Scratch,
     out: Numbers,
     arena: int,
+    ahead: Block,
 ) -> None:
     """R7.1: the observations of a block, one group of lanes after the other.
 
@@ -463,60 +543,35 @@ def write(
         scratch: see `workspace.Scratch`.
         out: the observations of the whole batch, flat.
         arena: which of the batch is the first lane.
+        ahead: see `prefetch_part`.
     """
-    targets = targets_of(block, s)
-    time_left = scratch.rows[:LANES]
-    compute_ages(block, targets, width, slots, s, scratch.ages)
-    compute_time_left(block, s, width, time_left)
-    target_width = MOVING_TARGET_WIDTH if s.targets_move else TARGET_WIDTH
-    columns = SELF_WIDTH + s.targets_seen * target_width + s.hunters_seen * rival_width(s)
-    few_of_many = s.hunters > _MANY * s.hunters_seen
-    alone = s.hunters_seen == 0
+    compute_ages(block, targets_of(block, s), width, slots, s, scratch.ages)
+    compute_time_left(block, s, width, scratch.rows)
+    columns = SELF_WIDTH + s.targets_seen * target_width(s) + s.hunters_seen * rival_width(s)
     stride = s.hunters * columns
-    for first in range(0, span(width), len(width)):
-        if first >= lanes:
-            break
+    for first in range(0, min(lanes, span(width)), len(width)):
         apart = lanes - first < len(width) or len(out) > _STREAMED
         to = scratch.staging if apart else out
         begin = 0 if apart else (arena + first) * stride
         for seat in range(s.hunters):
-            me, targets_seen, rivals_seen = (
-                seat_of(block, seat),
-                target_order_of(block, seat, s),
-                rival_order_of(scratch, seat),
-            )
-            write_self(me, time_left, first, width, to, begin + seat * columns, stride)
-            ages, features, rivals = scratch.ages, scratch.target_features, scratch.rival_features
-            if s.targets_move:
-                compute_moving_target_features(me, targets, ages, first, width, slots, s, features)
-            else:
-                compute_target_features(me, targets, ages, first, width, slots, s, features)
-            if not few_of_many:
-                compute_rival_features(block, seat, first, width, s, teams, rivals)
-            if s.view_noise_m > 0.0:
-                blur_targets(block, seat, targets, targets_seen, first, width, s, features)
-                if not few_of_many:
-                    blur_rivals(block, seat, rivals_seen, first, width, s, teams, rivals)
-            for lane in range(first, first + len(width)):
-                at = begin + (lane - first) * stride + seat * columns + SELF_WIDTH
-                # a call for each width, so that the compiler knows it
-                if s.targets_move:
-                    write_ranked(
-                        targets_seen, s.targets_seen, alone, lane, features, width, MOVING_TARGET_WIDTH, to, at
-                    )
-                else:
-                    write_ranked(targets_seen, s.targets_seen, alone, lane, features, width, TARGET_WIDTH, to, at)
-                at += s.targets_seen * target_width
-                if few_of_many:
-                    write_rivals(block, seat, rivals_seen, s.hunters_seen, lane, s, teams, to, at)
-                elif s.has_teams:
-                    write_ranked(rivals_seen, s.hunters_seen, True, lane, rivals, width, TEAM_RIVAL_WIDTH, to, at)
-                else:
-                    write_ranked(rivals_seen, s.hunters_seen, True, lane, rivals, width, RIVAL_WIDTH, to, at)
+            prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
+            write_seat(block, seat, s, first, width, slots, teams, scratch, Place(to, begin + seat * columns, stride))
         if apart:
             copy_to_observations(
                 scratch.staging, min(len(width), lanes - first) * stride, out, (arena + first) * stride
             )
+
+
+@inlined
+def block_after(blocks: NDArray[np.float64], first: int) -> Block:
+    """The block that is played next, if it has to come from the memory and is not large; or nothing.
+
+    Args:
+        blocks: see `memory.Sections`.
+        first: the first arena of the block that is played.
+    """
+    after = first // LANES + 1
+    return blocks[after : after + (1 if blocks.size > _CACHED and blocks.shape[1] < _LARGE else 0)].reshape(-1)
 
 
 @inlined
@@ -559,7 +614,8 @@ def observe(
                 sort_keys(scratch.keys, sections.rival_network, width, s.hunters)
                 resolve_ties(block, seat, width, lanes, s, sections.teams, scratch.keys)
                 pack_order(scratch.keys, s.hunters, s.hunters_seen, width, order)
-    write(block, s, width, lanes, slots, sections.teams, scratch, sections.observations.reshape(-1), first)
+    observations, ahead = sections.observations.reshape(-1), block_after(sections.blocks, first)
+    write(block, s, width, lanes, slots, sections.teams, scratch, observations, first, ahead)
     write_masks(block, s, lanes, sections.masks[first:last])
     if s.prey > 0:
         observe_as_prey(block, s, width, first, lanes, sections, scratch)

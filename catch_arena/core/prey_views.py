@@ -44,7 +44,8 @@ from catch_arena.core.state import (
     span,
     targets_of,
 )
-from catch_arena.core.vectors import Width, copy_eight, copy_four, group, put_rows, select
+from catch_arena.core.transfers import Place, copy_eight, copy_four, put_rows
+from catch_arena.core.vectors import Width, group, select
 from catch_arena.core.workspace import FEATURE_STRIDE, GATHERED_SIZE, Scratch, gathered_of
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
@@ -95,17 +96,6 @@ class Bodies(NamedTuple):
     """Of rank 1, in the observation of one prey."""
     exactly: bool
     """Whether the last rank is copied only so far as it goes, since nothing is written behind it."""
-
-
-class Place(NamedTuple):
-    """Where the observations of a group of lanes are written."""
-
-    out: Numbers
-    """Observations, flat."""
-    at: int
-    """Where those of the first lane begin."""
-    stride: int
-    """How far behind them those of the next lane begin."""
 
 
 @inlined
@@ -207,7 +197,7 @@ def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, scratch: S
         first: the first lane of the group.
         width: how many lanes the group has.
         scratch: see `workspace.Scratch`; its keys are as `rank_bodies` leaves them.
-        place: see `Place`.
+        place: see `transfers.Place`.
     """
     features = scratch.rival_features
     for item in range(bodies.total):
@@ -236,7 +226,7 @@ def write_self(block: Block, caught: Block, me: Block, s: Settings, first: int, 
         s: the settings.
         first: the first lane of the group.
         width: how many lanes the group has.
-        place: see `Place`.
+        place: see `transfers.Place`.
     """
     lane = group(first, width)
     own = PreySelfFeatures(
@@ -261,7 +251,7 @@ def copy_lanes(staging: Numbers, columns: int, lanes: int, stride: int, out: Num
         staging: see `workspace.Scratch`.
         columns: how many are there, from the first on.
         lanes: how many lanes are arenas.
-        stride: see `Place`.
+        stride: see `transfers.Place`.
         out: observations, flat.
         at: where in `out` that of the first lane begins.
     """

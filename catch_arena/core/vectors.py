@@ -20,7 +20,6 @@ from numba import types
 from numba.core import cgutils
 from numba.core.typeconv.castgraph import Conversion
 from numba.extending import lower_builtin, lower_cast, models, register_model, type_callable
-from numpy.typing import NDArray
 
 Width = tuple[int, ...]
 """How many lanes a group has: as many as the tuple is long, which the compiler knows."""
@@ -32,8 +31,6 @@ PLAYED: Final = WIDE if binding.get_host_cpu_features().get("avx512vl", False) e
 """How many lanes of a batch play at a time. AVX-512VL has 32 registers, enough for eight float64 in two each; with the
 16 of AVX2 such code would keep numbers in memory.
 """
-COPIED: Final = 8
-"""How many numbers `copy_eight` and `stream_eight` copy."""
 
 T = TypeVar("T")
 
@@ -98,34 +95,6 @@ def number_of(bits: int) -> float:
     return cast("float", np.asarray(bits).view(np.float64)[()])
 
 
-def put_rows(out: NDArray[np.float32], at: int, stride: int, columns: tuple[float, ...]) -> None:
-    """Columns become rows: the first lane's numbers, rounded to float32, stand side by side from out[at] on, the next
-    lane's from out[at + stride] on. Compiled it takes one lane or eight. With eight it writes whole fours: up to three
-    numbers too many.
-    """
-    count, lanes = len(columns), max(map(np.size, columns))
-    rows = np.empty((count, lanes))
-    for index, column in enumerate(columns):  # a plain number holds in all lanes
-        rows[index] = column
-    for lane in range(lanes):
-        out[at + lane * stride : at + lane * stride + count] = rows[:, lane]
-
-
-def copy_four(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
-    """Four numbers, in one load and one store."""
-    out[at : at + 4] = source[start : start + 4]
-
-
-def copy_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
-    """Eight numbers, in one load and one store."""
-    out[at : at + COPIED] = source[start : start + COPIED]
-
-
-def stream_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
-    """Eight numbers, past the caches where `at` lies on 32 bytes."""
-    out[at : at + COPIED] = source[start : start + COPIED]
-
-
 # ---- for the compiler ----
 
 
@@ -149,22 +118,22 @@ class Lanes(types.Type):
         super().__init__(f"Lanes({count})")
 
 
-_INT32: Final = ir.IntType(32)
+INT32: Final = ir.IntType(32)
 _LOW_LEVEL: Final = {
     types.float64: ir.DoubleType(),
     types.float32: ir.FloatType(),
     types.int64: ir.IntType(64),
-    types.int32: _INT32,
+    types.int32: INT32,
     types.boolean: ir.IntType(1),
 }
 
 
-def _low_level(of: Any) -> Any:
+def low_level(of: Any) -> Any:
     """LLVM's type, in registers."""
     return ir.VectorType(_LOW_LEVEL[of.dtype], of.count) if isinstance(of, Vector) else _LOW_LEVEL[of]
 
 
-def _like(of: Any, dtype: Any) -> Any:
+def like(of: Any, dtype: Any) -> Any:
     """As many numbers of another type."""
     return Vector(dtype, of.count) if isinstance(of, Vector) else dtype
 
@@ -177,7 +146,7 @@ def _number(of: Any) -> Any:
 @register_model(Vector)
 class _VectorModel(models.PrimitiveModel):
     def __init__(self, manager: Any, of: Vector) -> None:
-        super().__init__(manager, of, _low_level(of))
+        super().__init__(manager, of, low_level(of))
 
 
 @register_model(Lanes)
@@ -191,13 +160,20 @@ class _LanesModel(models.PrimitiveModel):
 def _spread(context: Any, builder: Any, number: Any, vector: Vector, value: Any) -> Any:
     """The same number in every lane."""
     value = context.cast(builder, value, types.unliteral(number), vector.dtype)
-    empty = ir.Constant(_low_level(vector), ir.Undefined)
-    first = builder.insert_element(empty, value, _INT32(0))
-    return _shuffle(builder, first, empty, [0] * vector.count)
+    empty = ir.Constant(low_level(vector), ir.Undefined)
+    first = builder.insert_element(empty, value, INT32(0))
+    return shuffle(builder, first, empty, [0] * vector.count)
 
 
-def _shuffle(builder: Any, a: Any, b: Any, chosen: list[int]) -> Any:
-    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT32, len(chosen)), chosen))
+@lower_cast(Vector, Vector)
+def _round(_context: Any, builder: Any, given: Vector, made: Vector, value: Any) -> Any:
+    """To float32, where it is not that already."""
+    return value if given == made else builder.fptrunc(value, low_level(made))
+
+
+def shuffle(builder: Any, a: Any, b: Any, chosen: list[int]) -> Any:
+    """A vector of chosen lanes: those of `a` count from 0, those of `b` follow."""
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(INT32, len(chosen)), chosen))
 
 
 Typer = Callable[..., Any]
@@ -228,7 +204,7 @@ def _operate(symbol: Callable[..., Any], emit: Emitter, *, compares: bool = Fals
 
     def typer(a: Any, b: Any) -> Any:
         both = _common(a, b)
-        return None if both is None else (_like(both, types.boolean) if compares else both)(both, both)
+        return None if both is None else (like(both, types.boolean) if compares else both)(both, both)
 
     @compiled_as(symbol, typer, 2, Vector, Vector)
     def _(_context: Any, builder: Any, signature: Any, both: Any) -> Any:
@@ -289,7 +265,7 @@ def _(_context: Any, builder: Any, _signature: Any, both: Any) -> Any:
     return builder.add(*both)
 
 
-def _pointer(context: Any, builder: Any, array_type: Any, array: Any, first: Any, of: Any) -> Any:
+def pointer_to(context: Any, builder: Any, array_type: Any, array: Any, first: Any, of: Any) -> Any:
     """Where one or more numbers of an array stand; `first` is not negative."""
     view = context.make_array(array_type)(context, builder, array)
     if context.enable_boundscheck:
@@ -297,7 +273,7 @@ def _pointer(context: Any, builder: Any, array_type: Any, array: Any, first: Any
         last = builder.add(first, first.type(of.count - 1 if isinstance(of, Vector) else 0))
         for index in (first, last):
             cgutils.do_boundscheck(context, builder, index, size)
-    return builder.bitcast(builder.gep(view.data, [first]), _low_level(of).as_pointer())
+    return builder.bitcast(builder.gep(view.data, [first]), low_level(of).as_pointer())
 
 
 def _type_of_load(row: Any, lane: Any) -> Any:
@@ -310,7 +286,7 @@ def _type_of_load(row: Any, lane: Any) -> Any:
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     vector = signature.return_type
     row, lane = arguments
-    pointer = _pointer(context, builder, signature.args[0], row, lane, vector)
+    pointer = pointer_to(context, builder, signature.args[0], row, lane, vector)
     return builder.load(pointer, align=vector.dtype.bitwidth // 8)
 
 
@@ -324,7 +300,7 @@ def _type_of_store(row: Any, lane: Any, _value: Any) -> Any:
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     row, lane, value = arguments
     vector = signature.args[2]
-    pointer = _pointer(context, builder, signature.args[0], row, lane, vector)
+    pointer = pointer_to(context, builder, signature.args[0], row, lane, vector)
     builder.store(value, pointer, align=vector.dtype.bitwidth // 8)
     return context.get_dummy_value()
 
@@ -345,7 +321,7 @@ def _type_of_select(condition: Any, a: Any, b: Any) -> Any:
     if isinstance(condition, Vector):
         dtype = _number(a if isinstance(a, Vector) else b)
         dtype = dtype if isinstance(a, Vector) or isinstance(b, Vector) else types.float64
-        vector = _like(condition, dtype)
+        vector = like(condition, dtype)
         return vector(condition, vector, vector)
     number = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else a
     return number(types.boolean, number, number)
@@ -373,7 +349,7 @@ def _rounded_by(name: str) -> Emitter:
     """LLVM's own function, of one number or of all lanes."""
 
     def emit(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        of = _low_level(signature.return_type)
+        of = low_level(signature.return_type)
         kind = f"v{of.count}f64" if isinstance(of, ir.VectorType) else "f64"
         function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(of, [of]), f"llvm.{name}.{kind}")
         return builder.call(function, arguments)
@@ -382,7 +358,7 @@ def _rounded_by(name: str) -> Emitter:
 
 
 def _type_of_rounded(value: Any) -> Any:
-    of = _like(value, types.float64)
+    of = like(value, types.float64)
     return of(of)
 
 
@@ -394,13 +370,13 @@ def _convert(function: Callable[..., Any], source: Any, dtype: Any, *instruction
     """A function that is LLVM's instructions, one after the other, each with the type that it makes."""
 
     def typer(value: Any) -> Any:
-        return _like(value, dtype)(_like(value, source))
+        return like(value, dtype)(like(value, source))
 
     @compiled_as(function, typer, 1)
     def _(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         (value,) = arguments
         for instruction, made in instructions:
-            value = getattr(builder, instruction)(value, _low_level(_like(signature.return_type, made)))
+            value = getattr(builder, instruction)(value, low_level(like(signature.return_type, made)))
         return value
 
 
@@ -410,93 +386,3 @@ _convert(truncate, types.float64, types.int32, ("fptosi", types.int32))
 _convert(long, types.int32, types.int64, ("sext", types.int64))
 _convert(bits_of, types.float64, types.int64, ("bitcast", types.int64))
 _convert(number_of, types.int64, types.float64, ("bitcast", types.float64))
-
-
-# from columns to rows, and copies of these
-
-
-def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
-    """Eight lanes of four or eight columns, as eight rows.
-
-    Two rounds of shuffles within the halves of a register, each pairing columns, and one across them, since halves are
-    dear to cross.
-    """
-    pairs = [
-        _shuffle(builder, columns[k], columns[k + 1], chosen)
-        for k in range(0, len(columns), 2)
-        for chosen in ([0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15])
-    ]
-    fours = [
-        [
-            _shuffle(builder, pairs[k + which], pairs[k + which + 2], chosen)
-            for which in (0, 1)
-            for chosen in ([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15])
-        ]
-        for k in range(0, len(pairs), 4)
-    ]  # the k-th of them has four columns of the lanes k and k + 4
-    if len(fours) == 1:
-        return [_shuffle(builder, one, one, [half + i for i in range(4)]) for half in (0, 4) for one in fours[0]]
-    return [
-        _shuffle(builder, left, right, [half + i for i in (0, 1, 2, 3, 8, 9, 10, 11)])
-        for half in (0, 4)
-        for left, right in zip(*fours, strict=True)
-    ]
-
-
-def _type_of_put_rows(out: Any, _at: Any, _stride: Any, columns: Any) -> Any:
-    return types.void(out, types.int64, types.int64, columns) if isinstance(columns, types.BaseTuple) else None
-
-
-@compiled_as(put_rows, _type_of_put_rows, 4)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    out, at, stride, columns = arguments
-    given = signature.args[3]
-    number = next((_like(each, types.float32) for each in given if isinstance(each, Vector)), types.float32)
-    parts = [
-        context.cast(builder, part, each, number)
-        for part, each in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
-    ]
-    if not isinstance(number, Vector):
-        for index, part in enumerate(parts):
-            to = _pointer(context, builder, signature.args[0], out, builder.add(at, at.type(index)), number)
-            builder.store(part, to)
-        return context.get_dummy_value()
-    nothing = ir.Constant(_low_level(number), None)
-    for first in range(0, len(parts), 8):
-        some = parts[first : first + 8]
-        some += [nothing] * (-len(some) % 4)
-        row = Vector(types.float32, len(some))
-        offset = builder.add(at, at.type(first))
-        for value in _transposed(builder, some):
-            builder.store(value, _pointer(context, builder, signature.args[0], out, offset, row), align=4)
-            offset = builder.add(offset, stride)
-    return context.get_dummy_value()
-
-
-@lower_cast(Vector, Vector)
-def _round(_context: Any, builder: Any, given: Vector, made: Vector, value: Any) -> Any:
-    """To float32, where it is not that already."""
-    return value if given == made else builder.fptrunc(value, _low_level(made))
-
-
-def _type_of_copy(out: Any, _at: Any, source: Any, _start: Any) -> Any:
-    return types.void(out, types.int64, source, types.int64)
-
-
-def _copy(function: Callable[..., Any], count: int, *, streamed: bool = False) -> None:
-    vector = Vector(types.float32, count)
-    align = 32 if streamed else 4
-
-    @compiled_as(function, _type_of_copy, 4)
-    def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        out, at, source, start = arguments
-        numbers = builder.load(_pointer(context, builder, signature.args[2], source, start, vector), align=align)
-        stored = builder.store(numbers, _pointer(context, builder, signature.args[0], out, at, vector), align=align)
-        if streamed:
-            stored.set_metadata("nontemporal", builder.module.add_metadata([_INT32(1)]))
-        return context.get_dummy_value()
-
-
-_copy(copy_four, 4)
-_copy(copy_eight, COPIED)
-_copy(stream_eight, COPIED, streamed=True)

@@ -9,12 +9,13 @@ from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.jit import Block, inlined
 from catch_arena.core.memory import Sections
 from catch_arena.core.state import ABSENT, LANES, MOST, PART_NAMES, RANKS_PER_WORD, WITHDRAWN
-from catch_arena.core.vectors import COPIED, WIDE
+from catch_arena.core.transfers import COPIED
+from catch_arena.core.vectors import WIDE
 
 _ROWS: Final = max(2 + len(PART_NAMES), RANKS_PER_WORD)
 """As many as `rewards.reward_hunters` and `ranking.count_ranks` need, which need the most."""
 FEATURE_STRIDE: Final = 8
-"""How many numbers there is room for of one thing that is seen: at least as many as are copied (`vectors.COPIED`)."""
+"""How many numbers there is room for of one thing that is seen: at least as many as are copied (`transfers.COPIED`)."""
 _FEATURES: Final = (ABSENT + 1) * FEATURE_STRIDE * len(WIDE)
 """Of all slots or seats, and of what is absent: zeros."""
 _ORDER_ROWS: Final = MOST // RANKS_PER_WORD

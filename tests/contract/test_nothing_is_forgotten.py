@@ -18,7 +18,7 @@ from properties.matches import some_config
 import catch_arena
 from catch_arena.config import ArenaConfig, FaultRates, Gains, PreyRewardWeights, RewardWeights, TargetMotion
 from catch_arena.core.state import MOTIONS, Settings
-from catch_arena.core.vectors import COPIED
+from catch_arena.core.transfers import COPIED
 from catch_arena.core.workspace import FEATURE_STRIDE
 from catch_arena.layout import (
     BODY_COLUMNS,

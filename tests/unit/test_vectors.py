@@ -11,18 +11,13 @@ from catch_arena.core.vectors import (
     WIDE,
     any_of,
     bits_of,
-    copy_eight,
-    copy_four,
     floor,
     group,
     long,
     number_of,
-    put_rows,
     select,
-    single,
     single_bits,
     sqrt,
-    stream_eight,
     truncate,
 )
 
@@ -117,24 +112,6 @@ def calculate_keys(a, keys, width):
         keys[4 * SIZE + lane] = (bits >> 3) - 2
 
 
-def write_rows(a, b, out, width):
-    """Columns as rows: five, seven and ten of them."""
-    for first in range(0, SIZE, len(width)):
-        lane = group(first, width)
-        x, y = a[lane], b[lane]
-        at = first * 32
-        put_rows(out, at, 32, (x, y, 1.0, single(y), x))
-        put_rows(out, at + 5, 32, (y, x, x, x, y, y, x))
-        put_rows(out, at + 12, 32, (x, y, y, y, x, x, 0.5, y, x, y))
-
-
-def copy(source, out):
-    """From places that lie anywhere to such places; streamed to one that lies on 32 bytes."""
-    copy_four(out, 3, source, 5)
-    copy_eight(out, 9, source, 2)
-    stream_eight(out, 32, source, 8)
-
-
 def same_bits(one, other):
     """NaN is NaN: its sign is nobody's promise."""
     return np.array_equal(one, other, equal_nan=True) and np.array_equal(
@@ -176,30 +153,6 @@ def test_int32(made, width):
         (bits >> 3) - 2,
     ]
     assert (keys.reshape(5, SIZE) == right).all()
-
-
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@both_ways
-@pytest.mark.parametrize("width", [SINGLE, WIDE], ids=["one", "eight"])
-def test_columns_become_rows(made, width):
-    out = np.zeros(32 * SIZE, dtype=np.float32)
-    made(write_rows)(NUMBERS, OTHERS, out, width)
-    x, y, one = (column.astype(np.float32) for column in (NUMBERS, OTHERS, np.ones(SIZE)))
-    columns = [x, y, one, y, x, y, x, x, x, y, y, x, x, y, y, y, x, x, one / 2, y, x, y]
-    assert np.array_equal(out.reshape(SIZE, 32)[:, :22], np.transpose(columns), equal_nan=True)
-
-
-@both_ways
-def test_copies(made):
-    source = np.arange(64, dtype=np.float32)
-    memory = np.zeros(128, dtype=np.float32)
-    out = memory[-memory.ctypes.data % 32 // 4 :][:64]
-    made(copy)(source[-source.ctypes.data % 32 // 4 :][:40], out)
-    first = source[-source.ctypes.data % 32 // 4]
-    assert (out[3:7] == first + np.arange(5, 9)).all()
-    assert (out[9:17] == first + np.arange(2, 10)).all()
-    assert (out[32:40] == first + np.arange(8, 16)).all()
-    assert not out[[2, 7, 8, 17, 31, 40]].any()
 
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
