@@ -549,13 +549,15 @@ def write(
     compute_time_left(block, s, width, scratch.rows)
     columns = SELF_WIDTH + s.targets_seen * target_width(s) + s.hunters_seen * rival_width(s)
     stride = s.hunters * columns
-    for first in range(0, min(lanes, span(width)), len(width)):
+    for first in range(0, span(width), len(width)):
+        if first >= lanes:
+            break
         apart = lanes - first < len(width) or len(out) > _STREAMED
         to = scratch.staging if apart else out
         begin = 0 if apart else (arena + first) * stride
         for seat in range(s.hunters):
-            prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
             write_seat(block, seat, s, first, width, slots, teams, scratch, Place(to, begin + seat * columns, stride))
+            prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
         if apart:
             copy_to_observations(
                 scratch.staging, min(len(width), lanes - first) * stride, out, (arena + first) * stride
