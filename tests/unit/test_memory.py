@@ -1,12 +1,23 @@
 """An engine's memory: what Python lays out and what compiled code finds there are the same arrays."""
 
 import itertools
+import os
 
 import numpy as np
 import pytest
 
 from catch_arena.core.jit import INTERPRETED, unkept_entry
-from catch_arena.core.memory import CACHE_LINE, DTYPES, NDIMS, Sections, lay_out, sections_of, settings_in, zeros
+from catch_arena.core.memory import (
+    CACHE_LINE,
+    DTYPES,
+    NDIMS,
+    Sections,
+    copy_of,
+    lay_out,
+    sections_of,
+    settings_in,
+    zeros,
+)
 from catch_arena.core.state import ALL_OPTIONS, NO_OPTIONS, Settings
 
 
@@ -82,3 +93,29 @@ def test_a_section_of_another_type_is_refused():
         lay_out(wanted._replace(masks=zeros(1, 2, 3, dtype=np.int64)))
     with pytest.raises(TypeError, match="ends must be of int8 and 1 dimensions, got int8 and 2 dimensions"):
         lay_out(wanted._replace(ends=zeros(1, 2, dtype=np.int8)))
+
+
+@pytest.mark.parametrize("rows", [1, 1 << 18])
+def test_a_copy_shares_no_memory_whatever_its_size(rows):
+    """Large pieces have pages of their own, which nothing else may write to, a child process included."""
+    memory, sections = lay_out(some_sections()._replace(rewards=zeros(rows, 3, dtype=np.float32)))
+    copied = copy_of(memory)
+    assert copied.tobytes() == memory.tobytes()
+    assert copied.ctypes.data % CACHE_LINE == 0
+    sections.rewards[-1, -1] = 5.0
+    assert not sections_of(copied).rewards.any()
+    assert memory.flags.writeable
+    assert copied.flags.writeable
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+@pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")
+def test_a_child_process_writes_to_memory_of_its_own():
+    """As it does with every other array."""
+    _, sections = lay_out(some_sections()._replace(rewards=zeros(1 << 18, 3, dtype=np.float32)))
+    child = os.fork()
+    if child == 0:
+        sections.rewards[:] = 1.0
+        os._exit(int(sections.rewards.sum() != sections.rewards.size))
+    assert os.waitpid(child, 0)[1] == 0
+    assert not sections.rewards.any()
