@@ -119,6 +119,8 @@ RIVAL_COLUMNS: Final = RivalFeatures._fields
 TEAM_RIVAL_COLUMNS: Final = TeamRivalFeatures._fields
 PREY_SELF_COLUMNS: Final = PreySelfFeatures._fields
 BODY_COLUMNS: Final = BodyFeatures._fields
+OF_A_RANK: Final = (TargetFeatures, MovingTargetFeatures, RivalFeatures, TeamRivalFeatures, BodyFeatures)
+"""The tables of what is seen by rank."""
 MOST_SEEN_BY_PREY: Final = 8
 """R12.4: of hunters, and of other prey."""
 

@@ -56,8 +56,7 @@ from catch_arena.core.transfers import (
     COPIED,
     PREFETCHED,
     Place,
-    copy_eight,
-    copy_four,
+    copy_rank,
     prefetch,
     put_rows,
     stream_eight,
@@ -315,8 +314,7 @@ def write_ranked(
 ) -> None:
     """R7.1: the features of one lane's targets or rivals, in the order of their ranks.
 
-    Each is copied by `copy_eight`, with what is too much, which the next one is written over. The last is copied by two
-    fours, which meet or overlap. How wide a rank may be for this, tests/contract/test_nothing_is_forgotten.py says.
+    What is copied of one rank too much is written over by the next one.
 
     Args:
         order: slots or seats by rank, packed: see `state.slot_at_rank`.
@@ -325,7 +323,7 @@ def write_ranked(
         lane: the lane.
         features: of every slot or seat: see `compute_target_features`.
         width: how many lanes the group has in which they were computed.
-        columns: how many columns there are of each, at most COPIED.
+        columns: how many columns there are of each, as the compiler knows.
         out: observations, flat.
         at: where in `out` the columns of rank 1 begin.
     """
@@ -334,19 +332,19 @@ def write_ranked(
     rank = 0
     while rank + RANKS_PER_WORD <= copied:
         word = word_of_rank(order, rank, lane)
-        for next_rank in range(RANKS_PER_WORD):  # as often as the compiler knows: eight copies without a loop
+        for next_rank in range(RANKS_PER_WORD):  # as often as the compiler knows: eight ranks without a loop
             source = (slot_in_word(word, next_rank) * len(width) + mine) * FEATURE_STRIDE
-            copy_eight(out, at + next_rank * columns, features, source)
+            copy_rank(out, at + next_rank * columns, features, source, columns, False)
         at += RANKS_PER_WORD * columns
         rank += RANKS_PER_WORD
     while rank < copied:
-        copy_eight(out, at, features, (slot_at_rank(order, rank, lane) * len(width) + mine) * FEATURE_STRIDE)
+        source = (slot_at_rank(order, rank, lane) * len(width) + mine) * FEATURE_STRIDE
+        copy_rank(out, at, features, source, columns, False)
         at += columns
         rank += 1
     if rank < ranks:
         source = (slot_at_rank(order, rank, lane) * len(width) + mine) * FEATURE_STRIDE
-        copy_four(out, at, features, source)
-        copy_four(out, at + columns - 4, features, source + columns - 4)
+        copy_rank(out, at, features, source, columns, True)
 
 
 @phase
@@ -384,8 +382,9 @@ def write_rivals(
         else:
             seen = rival_at(block, seat, other, lane, teams)
             if s.has_teams:
-                out[at + RIVAL_WIDTH] = seen.mate
-            put_rows(out, at, FEATURE_STRIDE, seen[:RIVAL_WIDTH])
+                put_rows(out, at, columns, seen)
+            else:
+                put_rows(out, at, columns, seen[:RIVAL_WIDTH])
             if s.view_noise_m > 0.0:
                 key = draw(blur_key_at(block, seat, RIVAL_KIND, lane), np.uint64(other))
                 write_blurred(key, seen.forward, seen.left, s, out, at)

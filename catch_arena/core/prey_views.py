@@ -44,7 +44,7 @@ from catch_arena.core.state import (
     span,
     targets_of,
 )
-from catch_arena.core.transfers import Place, copy_eight, copy_four, put_rows
+from catch_arena.core.transfers import Place, copy_rank, put_rows
 from catch_arena.core.vectors import Width, group, select
 from catch_arena.core.workspace import FEATURE_STRIDE, GATHERED_SIZE, Scratch, gathered_of
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
@@ -208,11 +208,7 @@ def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, scratch: S
             item = item_of(scratch.keys[rank * LANES + first + mine])
             source = (item * len(width) + mine) * FEATURE_STRIDE
             to = place.at + mine * place.stride + bodies.first_column + rank * _BODY_WIDTH
-            if bodies.exactly and rank == bodies.ranks - 1:
-                copy_four(place.out, to, features, source)
-                copy_four(place.out, to + _BODY_WIDTH - 4, features, source + _BODY_WIDTH - 4)
-            else:
-                copy_eight(place.out, to, features, source)
+            copy_rank(place.out, to, features, source, _BODY_WIDTH, bodies.exactly and rank == bodies.ranks - 1)
 
 
 @phase

@@ -1,7 +1,7 @@
 """Numbers moved between arrays, many in one instruction: columns become rows, rows are copied, stores go past the
 caches, and what is read next is asked for early.
 
-Each function is written twice, as those of `vectors` are: for Python and for the compiler.
+Each function but the last is written twice, as those of `vectors` are: for Python and for the compiler.
 """
 
 from collections.abc import Callable
@@ -13,10 +13,13 @@ from numba import types
 from numba.core import cgutils
 from numpy.typing import NDArray
 
+from catch_arena.core.jit import phase
 from catch_arena.core.vectors import INT32, Vector, compiled_as, like, low_level, pointer_to, shuffle
 
 COPIED: Final = 8
 """How many numbers `copy_eight` and `stream_eight` copy."""
+FOUR: Final = 4
+"""As many `copy_four` copies, and `put_rows` writes a multiple of."""
 PREFETCHED: Final = 8
 """How many numbers of float64 a cache line has: `prefetch` asks for one."""
 
@@ -163,3 +166,35 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     to_read, second_cache, data = INT32(0), INT32(2), INT32(1)
     builder.call(function, [line, to_read, second_cache, data])
     return context.get_dummy_value()
+
+
+# ---- for both ----
+
+
+@phase
+def copy_rank(
+    out: NDArray[np.float32], at: int, features: NDArray[np.float32], start: int, columns: int, exactly: bool
+) -> None:
+    """What is seen of one target or body, in as few copies as there can be; the last may overlap the one before it.
+
+    The compiler has to know how many columns there are: call this with a constant, and no loop remains.
+
+    Args:
+        out: observations, flat.
+        at: where in `out` the columns of its rank begin.
+        features: what is seen, with room for COPIED numbers of each: see `workspace.FEATURE_STRIDE`.
+        start: where in `features` it begins.
+        columns: how many there are, at least FOUR.
+        exactly: whether nothing may be written behind them. Else up to FOUR numbers are, in one copy less; the rank that
+            is written next begins there, and has as many.
+    """
+    if columns >= COPIED:
+        for offset in range(0, columns - COPIED, COPIED):
+            copy_eight(out, at + offset, features, start + offset)
+        copy_eight(out, at + columns - COPIED, features, start + columns - COPIED)
+    elif exactly:
+        for offset in range(0, columns - FOUR, FOUR):
+            copy_four(out, at + offset, features, start + offset)
+        copy_four(out, at + columns - FOUR, features, start + columns - FOUR)
+    else:
+        copy_eight(out, at, features, start)

@@ -9,13 +9,17 @@ from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.jit import Block, inlined
 from catch_arena.core.memory import Sections
 from catch_arena.core.state import ABSENT, LANES, MOST, PART_NAMES, RANKS_PER_WORD, WITHDRAWN
-from catch_arena.core.transfers import COPIED
+from catch_arena.core.transfers import COPIED, FOUR
 from catch_arena.core.vectors import WIDE
+from catch_arena.layout import OF_A_RANK
 
 _ROWS: Final = max(2 + len(PART_NAMES), RANKS_PER_WORD)
 """As many as `rewards.reward_hunters` and `ranking.count_ranks` need, which need the most."""
-FEATURE_STRIDE: Final = 8
-"""How many numbers there is room for of one thing that is seen: at least as many as are copied (`transfers.COPIED`)."""
+_MOST_COLUMNS: Final = max(len(table._fields) for table in OF_A_RANK)
+FEATURE_STRIDE: Final = max(COPIED, -(-_MOST_COLUMNS // FOUR) * FOUR)
+"""How many numbers there is room for of one thing that is seen: for what `transfers.put_rows` writes, whole fours, and
+for what `transfers.copy_rank` reads.
+"""
 _FEATURES: Final = (ABSENT + 1) * FEATURE_STRIDE * len(WIDE)
 """Of all slots or seats, and of what is absent: zeros."""
 _ORDER_ROWS: Final = MOST // RANKS_PER_WORD
