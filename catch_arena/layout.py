@@ -1,12 +1,14 @@
 """Rulebook R7.1: the observation's columns, in one table.
 
 The space, the writer (core/observations.py), the named view for scripted agents (policy.py) and docs/observation.md
-are all made from it.
+are all made from it. A column is a field: its name, and what is said of it. The core makes tuples of these fields.
 """
 
 import math
+from collections.abc import Callable, Iterator
 from functools import lru_cache
-from typing import Final, NamedTuple
+from itertools import chain
+from typing import Annotated, Any, Final, NamedTuple
 
 from catch_arena.config import ArenaConfig
 
@@ -24,93 +26,162 @@ class Column(NamedTuple):
     meaning: str
 
 
+class _Arena(NamedTuple):
+    """What the bounds of columns follow from; ranges are the least and the greatest."""
+
+    side: float
+    """[m]"""
+    diagonal: float
+    """How far apart two bodies can be [m], and a little more: sums and rotations round."""
+    farthest: float
+    """And how far away a hunter can see one, with R7.6's error [m]."""
+    duration: float
+    """Of the longest match [s]."""
+    time_limit: float
+    """[s]"""
+    catches: float
+    """The most that one hunter can make, or that can be made of one prey."""
+    speeds: tuple[float, float]
+    """Of a hunter [m/s]."""
+    turn_rate: float
+    """The greatest of a hunter, to either side [rad/s]."""
+    target_speeds: tuple[float, float]
+    """R3.8, R12.2: of a target or prey [m/s]."""
+    target_turn_rate: float
+    """[rad/s]"""
+
+    @classmethod
+    def of(cls, config: ArenaConfig) -> "_Arena":
+        """Of one config."""
+        # one part in a thousand of slack: sums and rotations round
+        diagonal = 1.001 * math.sqrt(2.0) * config.side_m
+        fastest, fastest_target = max(config.max_speeds), config.target_speed_mps
+        return cls(
+            side=config.side_m,
+            diagonal=diagonal,
+            farthest=diagonal + _FARTHEST_BLUR * config.view_noise_m,
+            duration=config.max_steps * config.control_period_ms / 1000.0,
+            time_limit=config.time_limit_ms / 1000.0,
+            catches=float(config.max_steps),
+            speeds=(-fastest if config.reverse else 0.0, fastest),
+            turn_rate=max(config.max_turn_rates),
+            # only prey drives backwards
+            target_speeds=(-fastest_target if config.prey and config.reverse else 0.0, fastest_target),
+            target_turn_rate=config.target_turn_rate_radps,
+        )
+
+
+class _Said(NamedTuple):
+    """What a table says of a column beside its name."""
+
+    unit: str
+    bounds: Callable[[_Arena], tuple[float, float]]
+    """The least and the greatest value; they hold after rounding to float32."""
+    meaning: str
+
+
+def _either_side(most: float) -> tuple[float, float]:
+    return -most, most
+
+
+def _any_part(_: _Arena) -> tuple[float, float]:
+    return -1.0, 1.0
+
+
+def _flag(_: _Arena) -> tuple[float, float]:
+    return 0.0, 1.0
+
+
 class SelfFeatures(NamedTuple):
     """What a hunter knows of itself."""
 
-    x: float
-    y: float
-    heading_cos: float
-    heading_sin: float
-    linear_velocity: float
-    angular_velocity: float
-    time_left: float
-    score: float
-    distance_integral: float
-    bearing_integral: float
+    x: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
+    y: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of the heading")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of the heading")]
+    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "forward velocity")]
+    angular_velocity: Annotated[float, _Said("rad/s", lambda a: _either_side(a.turn_rate), "turn rate, to the left")]
+    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "until the time limit")]
+    score: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "granted catches so far")]
+    distance_integral: Annotated[
+        float, _Said("m s", lambda a: (0.0, a.diagonal * a.duration), "R4.3's linear integral")
+    ]
+    bearing_integral: Annotated[
+        float, _Said("rad s", lambda a: _either_side(3.15 * a.duration), "R4.3's angular integral")
+    ]
 
 
 class TargetFeatures(NamedTuple):
     """What it sees of each target, nearest first."""
 
-    forward: float
-    left: float
-    present: float
-    age: float
-    active: float
+    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far ahead it is")]
+    left: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far to the left it is")]
+    present: Annotated[float, _Said("flag", _flag, "1 where this rank has a target")]
+    age: Annotated[float, _Said("s", lambda a: (0.0, a.duration), "since it appeared")]
+    active: Annotated[float, _Said("flag", _flag, "1 where it is the hunter's active target")]
 
 
-class MovingTargetFeatures(NamedTuple):
-    """The same where targets move (R7.4)."""
+class MotionFeatures(NamedTuple):
+    """And where targets move (R7.4)."""
 
-    forward: float
-    left: float
-    present: float
-    age: float
-    active: float
-    heading_cos: float
-    heading_sin: float
-    linear_velocity: float
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
+    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.target_speeds, "its forward velocity")]
 
 
 class RivalFeatures(NamedTuple):
     """What it sees of each rival, nearest first."""
 
-    forward: float
-    left: float
-    present: float
-    heading_cos: float
-    heading_sin: float
-    linear_velocity: float
-    score_difference: float
+    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far ahead it is")]
+    left: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far to the left it is")]
+    present: Annotated[float, _Said("flag", _flag, "1 where this rank has a rival")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
+    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
+    score_difference: Annotated[float, _Said("catches", lambda a: _either_side(a.catches), "its score less one's own")]
 
 
-class TeamRivalFeatures(NamedTuple):
-    """The same where there are teams (R7.4)."""
+class TeamFeatures(NamedTuple):
+    """And where there are teams (R7.4)."""
 
-    forward: float
-    left: float
-    present: float
-    heading_cos: float
-    heading_sin: float
-    linear_velocity: float
-    score_difference: float
-    mate: float
+    mate: Annotated[float, _Said("flag", _flag, "1 where it is a team-mate")]
 
 
 class PreySelfFeatures(NamedTuple):
     """What prey knows of itself (R12.4)."""
 
-    x: float
-    y: float
-    heading_cos: float
-    heading_sin: float
-    linear_velocity: float
-    angular_velocity: float
-    time_left: float
-    times_caught: float
-    alive: float
+    x: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
+    y: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of the heading")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of the heading")]
+    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.target_speeds, "forward velocity")]
+    angular_velocity: Annotated[
+        float, _Said("rad/s", lambda a: _either_side(a.target_turn_rate), "turn rate, to the left")
+    ]
+    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "until the time limit")]
+    times_caught: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "how often it was caught so far")]
+    alive: Annotated[float, _Said("flag", _flag, "0 while it is out")]
 
 
 class BodyFeatures(NamedTuple):
     """What prey sees of each hunter and of each other prey, nearest first (R12.4)."""
 
-    forward: float
-    left: float
-    present: float
-    heading_cos: float
-    heading_sin: float
-    linear_velocity: float
+    forward: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "how far ahead it is")]
+    left: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "how far to the left it is")]
+    present: Annotated[float, _Said("flag", _flag, "1 where this rank has {body}")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
+    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
 
+
+def _both(name: str, first: Any, more: Any) -> Any:
+    """A table with the columns of two."""
+    make: Any = NamedTuple  # for type checkers, which want to see the fields
+    return make(name, [*first.__annotations__.items(), *more.__annotations__.items()])
+
+
+MovingTargetFeatures: Final[Any] = _both("MovingTargetFeatures", TargetFeatures, MotionFeatures)
+TeamRivalFeatures: Final[Any] = _both("TeamRivalFeatures", RivalFeatures, TeamFeatures)
 
 SELF_COLUMNS: Final = SelfFeatures._fields
 TARGET_COLUMNS: Final = TargetFeatures._fields
@@ -156,72 +227,32 @@ def prey_observation_size(config: ArenaConfig) -> int:
     return len(PREY_SELF_COLUMNS) + len(BODY_COLUMNS) * (hunters_seen_by_prey(config) + prey_seen_by_prey(config))
 
 
+def _columns_of(table: Any, arena: _Arena) -> tuple[Column, ...]:
+    """The columns of a table, with their bounds."""
+    made = []
+    for name, kind in table.__annotations__.items():
+        unit, bounds, meaning = kind.__metadata__[0]
+        low, high = bounds(arena)
+        made.append(Column(name, unit, low, high, meaning))
+    return tuple(made)
+
+
+def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[Column]:
+    """The same columns again and again: of each rank, seat or place."""
+    return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
+
+
 @lru_cache(maxsize=16)  # a tournament makes an env for each match
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """The columns of a hunter's observation in order; bounds hold after rounding to float32."""
-    side = config.side_m
-    # one part in a thousand of slack: sums and rotations round
-    diagonal = 1.001 * math.sqrt(2.0) * side
-    duration = config.max_steps * config.control_period_ms / 1000.0
-    catches = float(config.max_steps)
-    fastest, quickest_turn = max(config.max_speeds), max(config.max_turn_rates)
-    slowest = -fastest if config.reverse else 0.0
-    farthest = diagonal + _FARTHEST_BLUR * config.view_noise_m
-    own = (
-        Column("x", "m", 0.0, side, "position in the world frame"),
-        Column("y", "m", 0.0, side, "position in the world frame"),
-        Column("heading_cos", "1", -1.0, 1.0, "cosine of the heading"),
-        Column("heading_sin", "1", -1.0, 1.0, "sine of the heading"),
-        Column("linear_velocity", "m/s", slowest, fastest, "forward velocity"),
-        Column(
-            "angular_velocity",
-            "rad/s",
-            -quickest_turn,
-            quickest_turn,
-            "turn rate, to the left",
-        ),
-        Column("time_left", "s", 0.0, config.time_limit_ms / 1000.0, "until the time limit"),
-        Column("score", "catches", 0.0, catches, "granted catches so far"),
-        Column("distance_integral", "m s", 0.0, diagonal * duration, "R4.3's linear integral"),
-        Column("bearing_integral", "rad s", -3.15 * duration, 3.15 * duration, "R4.3's angular integral"),
-    )
-    target: tuple[Column, ...] = (
-        Column("forward", "m", -farthest, farthest, "how far ahead it is"),
-        Column("left", "m", -farthest, farthest, "how far to the left it is"),
-        Column("present", "flag", 0.0, 1.0, "1 where this rank has a target"),
-        Column("age", "s", 0.0, duration, "since it appeared"),
-        Column("active", "flag", 0.0, 1.0, "1 where it is the hunter's active target"),
-    )
-    if config.targets_move:
-        target += (
-            Column("heading_cos", "1", -1.0, 1.0, "cosine of its heading relative to one's own"),
-            Column("heading_sin", "1", -1.0, 1.0, "sine of its heading relative to one's own"),
-            Column("linear_velocity", "m/s", *_target_speeds(config), "its forward velocity"),
-        )
-    rival: tuple[Column, ...] = (
-        Column("forward", "m", -farthest, farthest, "how far ahead it is"),
-        Column("left", "m", -farthest, farthest, "how far to the left it is"),
-        Column("present", "flag", 0.0, 1.0, "1 where this rank has a rival"),
-        Column("heading_cos", "1", -1.0, 1.0, "cosine of its heading relative to one's own"),
-        Column("heading_sin", "1", -1.0, 1.0, "sine of its heading relative to one's own"),
-        Column("linear_velocity", "m/s", slowest, fastest, "its forward velocity"),
-        Column("score_difference", "catches", -catches, catches, "its score less one's own"),
-    )
-    if config.teams is not None:
-        rival += (Column("mate", "flag", 0.0, 1.0, "1 where it is a team-mate"),)
+    arena = _Arena.of(config)
+    target = _columns_of(MovingTargetFeatures if config.targets_move else TargetFeatures, arena)
+    rival = _columns_of(RivalFeatures if config.teams is None else TeamRivalFeatures, arena)
     return (
-        own
-        + tuple(
-            c._replace(name=f"target_{rank}.{c.name}") for rank in range(1, config.targets_seen + 1) for c in target
-        )
-        + tuple(c._replace(name=f"rival_{rank}.{c.name}") for rank in range(1, config.hunters_seen + 1) for c in rival)
+        *_columns_of(SelfFeatures, arena),
+        *_numbered("target", range(1, config.targets_seen + 1), target),
+        *_numbered("rival", range(1, config.hunters_seen + 1), rival),
     )
-
-
-def _target_speeds(config: ArenaConfig) -> tuple[float, float]:
-    """R3.8, R12.2: a target's least and greatest velocity [m/s]; only prey drives backwards."""
-    fastest = config.target_speed_mps
-    return (-fastest if config.prey and config.reverse else 0.0, fastest)
 
 
 @lru_cache(maxsize=16)
@@ -229,39 +260,15 @@ def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R12.4: the columns of prey's observation in order; () where there is no prey."""
     if not config.prey:
         return ()
-    hunters = {column.name: column for column in columns(config.replace(view_noise_m=0.0, observed_hunters=None))}
-    slowest, fastest = _target_speeds(config)
-    turn_rate = config.target_turn_rate_radps
-    own = (
-        *(hunters[name] for name in ("x", "y", "heading_cos", "heading_sin")),
-        hunters["linear_velocity"]._replace(low=slowest, high=fastest),
-        hunters["angular_velocity"]._replace(low=-turn_rate, high=turn_rate),
-        hunters["time_left"],
-        Column("times_caught", "catches", 0.0, float(config.max_steps), "how often it was caught so far"),
-        Column("alive", "flag", 0.0, 1.0, "0 while it is out"),
+    arena = _Arena.of(config)
+    hunter, other = (
+        tuple(column._replace(meaning=column.meaning.format(body=body)) for column in _columns_of(BodyFeatures, of))
+        for body, of in (("a hunter", arena), ("another prey", arena._replace(speeds=arena.target_speeds)))
     )
-    hunter = (
-        hunters["target_1.forward"],
-        hunters["target_1.left"],
-        hunters["target_1.present"]._replace(meaning="1 where this rank has a hunter"),
-        hunters["target_1.heading_cos"],
-        hunters["target_1.heading_sin"],
-        hunters["linear_velocity"]._replace(meaning="its forward velocity"),
-    )
-    other = (
-        *hunter[:2],
-        hunter[2]._replace(meaning="1 where this rank has another prey"),
-        *hunter[3:5],
-        hunter[5]._replace(low=slowest, high=fastest),
-    )
-    return own + tuple(
-        column._replace(name=f"{kind}_{rank}.{column.name.rpartition('.')[2]}")
-        for kind, ranks, table in (
-            ("hunter", hunters_seen_by_prey(config), hunter),
-            ("prey", prey_seen_by_prey(config), other),
-        )
-        for rank in range(1, ranks + 1)
-        for column in table
+    return (
+        *_columns_of(PreySelfFeatures, arena),
+        *_numbered("hunter", range(1, hunters_seen_by_prey(config) + 1), hunter),
+        *_numbered("prey", range(1, prey_seen_by_prey(config) + 1), other),
     )
 
 
@@ -297,37 +304,19 @@ STATE_PREY_COLUMNS: Final = (
 @lru_cache(maxsize=16)
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R7.3: the columns of the global view, in the world frame."""
-    own = {column.name: column for column in columns(config)}
-    slowest, fastest = _target_speeds(config)
-    duration = config.max_steps * config.control_period_ms / 1000.0
-    of_target = {
-        "present": Column("present", "flag", 0.0, 1.0, "1 where this place has a target"),
-        "x": own["x"],
-        "y": own["y"],
-        "age": Column("age", "s", 0.0, duration, "since it appeared"),
-        "heading_cos": own["heading_cos"],
-        "heading_sin": own["heading_sin"],
-        "linear_velocity": own["linear_velocity"]._replace(low=slowest, high=fastest),
-    }
+    arena = _Arena.of(config)
+    hunter, target, prey = (
+        {column.name: column for column in chain.from_iterable(_columns_of(table, arena) for table in tables)}
+        for tables in ((SelfFeatures,), (TargetFeatures, PreySelfFeatures), (PreySelfFeatures,))
+    )
     withdrawn = Column("withdrawn", "flag", 0.0, 1.0, "1 where the hunter takes no further part")
-    table = {**own, "withdrawn": withdrawn}
-    of_prey = {column.name: column for column in prey_columns(config)}
-    of_prey["withdrawn"] = withdrawn._replace(meaning="1 where the prey takes no further part")
+    hunter["withdrawn"] = withdrawn
+    target["present"] = target["present"]._replace(meaning="1 where this place has a target")
+    prey["withdrawn"] = withdrawn._replace(meaning="1 where the prey takes no further part")
+    of_target = STATE_MOVING_TARGET_COLUMNS if config.targets_move else STATE_TARGET_COLUMNS
     return (
-        table["time_left"],
-        *(
-            table[name]._replace(name=f"hunter_{seat}.{name}")
-            for seat in range(config.hunters)
-            for name in STATE_HUNTER_COLUMNS
-        ),
-        *(
-            of_target[name]._replace(name=f"target_{place}.{name}")
-            for place in range(1, config.max_targets + 1)
-            for name in (STATE_MOVING_TARGET_COLUMNS if config.targets_move else STATE_TARGET_COLUMNS)
-        ),
-        *(
-            of_prey[name]._replace(name=f"prey_{index}.{name}")
-            for index in range(config.prey)
-            for name in STATE_PREY_COLUMNS
-        ),
+        hunter["time_left"],
+        *_numbered("hunter", range(config.hunters), tuple(hunter[name] for name in STATE_HUNTER_COLUMNS)),
+        *_numbered("target", range(1, config.max_targets + 1), tuple(target[name] for name in of_target)),
+        *_numbered("prey", range(config.prey), tuple(prey[name] for name in STATE_PREY_COLUMNS)),
     )

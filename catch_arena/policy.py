@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, runtime_checkable
+from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError, ConfigError
@@ -25,7 +25,6 @@ Side = Literal["hunter", "prey"]
 
 _OWN: Final = len(SelfFeatures._fields)
 _PREY: Final = len(PreySelfFeatures._fields)
-_BODY: Final = len(BodyFeatures._fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -271,19 +270,53 @@ class SeenBody(NamedTuple):
         return math.atan2(self.heading_sin, self.heading_cos)
 
 
-def target_features(limits: Limits) -> type[TargetFeatures | MovingTargetFeatures]:
-    """R7.1, R7.4: what a hunter sees of a target."""
+def target_features(limits: Limits) -> Any:
+    """R7.1, R7.4: what a hunter sees of a target, as a table of `layout`."""
     return MovingTargetFeatures if limits.targets_move else TargetFeatures
 
 
-def rival_features(limits: Limits) -> type[RivalFeatures | TeamRivalFeatures]:
-    """R7.1, R7.4: what a hunter sees of a rival."""
+def rival_features(limits: Limits) -> Any:
+    """R7.1, R7.4: what a hunter sees of a rival, as a table of `layout`."""
     return TeamRivalFeatures if limits.teams else RivalFeatures
 
 
 def first_rival_column(limits: Limits) -> int:
     """Where the columns of rivals begin: behind one's own and those of targets."""
     return _OWN + limits.targets_seen * len(target_features(limits)._fields)
+
+
+Seen = TypeVar("Seen", SeenTarget, SeenHunter, SeenBody)
+
+_TYPED: Final = {
+    kind: [(place - 1, of) for place, of in enumerate(kind.__annotations__.values()) if place > 0 and of is not float]
+    for kind in (SeenTarget, SeenHunter, SeenBody)
+}
+"""Of what is seen, which columns become something else than a float."""
+
+
+def _in_view(kind: type[Seen], features: Any, observation: Sequence[float], at: int, most: int) -> tuple[Seen, ...]:
+    """What is seen of one kind, nearest first: behind the rank, `kind` has the columns of `features` in their order,
+    all but `present`.
+
+    Args:
+        kind: what each becomes.
+        features: the table of its columns.
+        observation: where they stand.
+        at: where those of rank 1 begin.
+        most: how many ranks there are.
+    """
+    columns, present = len(features._fields), features._fields.index("present")
+    typed = [(place, of) for place, of in _TYPED[kind] if place < columns - 1]
+    seen = []
+    for rank in range(1, most + 1):
+        its: list[Any] = list(observation[at : at + columns])
+        if not its.pop(present):
+            break
+        for place, of in typed:
+            its[place] = of(its[place])
+        seen.append(kind(rank, *its))
+        at += columns
+    return tuple(seen)
 
 
 class _Body:
@@ -342,35 +375,14 @@ class View(_Body):
     @cached_property
     def targets(self) -> tuple[SeenTarget, ...]:
         """The targets in view, nearest first."""
-        seen = []
-        values, at, features = self.observation, _OWN, target_features(self.limits)
-        columns = len(features._fields)
-        for rank in range(1, self.limits.targets_seen + 1):
-            its = features(*values[at : at + columns])
-            if not its.present:
-                break
-            motion = (
-                (its.heading_cos, its.heading_sin, its.linear_velocity) if isinstance(its, MovingTargetFeatures) else ()
-            )
-            seen.append(SeenTarget(rank, its.forward, its.left, its.age, its.active > 0, *motion))
-            at += columns
-        return tuple(seen)
+        features = target_features(self.limits)
+        return _in_view(SeenTarget, features, self.observation, _OWN, self.limits.targets_seen)
 
     @cached_property
     def rivals(self) -> tuple[SeenHunter, ...]:
         """The rivals in view, nearest first."""
-        seen = []
-        values, at, features = self.observation, first_rival_column(self.limits), rival_features(self.limits)
-        columns = len(features._fields)
-        for rank in range(1, self.limits.hunters_seen + 1):
-            its = features(*values[at : at + columns])
-            if not its.present:
-                break
-            motion = its.heading_cos, its.heading_sin, its.linear_velocity
-            mate = isinstance(its, TeamRivalFeatures) and its.mate > 0
-            seen.append(SeenHunter(rank, its.forward, its.left, *motion, int(its.score_difference), mate))
-            at += columns
-        return tuple(seen)
+        at, features = first_rival_column(self.limits), rival_features(self.limits)
+        return _in_view(SeenHunter, features, self.observation, at, self.limits.hunters_seen)
 
 
 class PreyView(_Body):
@@ -395,22 +407,13 @@ class PreyView(_Body):
     @cached_property
     def hunters(self) -> tuple[SeenBody, ...]:
         """The hunters in view, nearest first."""
-        return self._seen(_PREY, self.limits.hunters_seen)
+        return _in_view(SeenBody, BodyFeatures, self.observation, _PREY, self.limits.hunters_seen)
 
     @cached_property
     def others(self) -> tuple[SeenBody, ...]:
         """The other prey in view, nearest first."""
-        return self._seen(_PREY + _BODY * self.limits.hunters_seen, self.limits.prey_seen)
-
-    def _seen(self, at: int, most: int) -> tuple[SeenBody, ...]:
-        seen = []
-        for rank in range(1, most + 1):
-            its = BodyFeatures(*self.observation[at : at + _BODY])
-            if not its.present:
-                break
-            seen.append(SeenBody(rank, its.forward, its.left, its.heading_cos, its.heading_sin, its.linear_velocity))
-            at += _BODY
-        return tuple(seen)
+        at = _PREY + len(BodyFeatures._fields) * self.limits.hunters_seen
+        return _in_view(SeenBody, BodyFeatures, self.observation, at, self.limits.prey_seen)
 
 
 AnyLimits = Limits | PreyLimits

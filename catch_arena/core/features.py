@@ -2,6 +2,8 @@
 and of the time.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,34 +25,70 @@ from catch_arena.core.state import (
     seat_of,
 )
 from catch_arena.core.vectors import select
-from catch_arena.layout import BodyFeatures, MovingTargetFeatures, TargetFeatures, TeamRivalFeatures
+from catch_arena.layout import (
+    BodyFeatures,
+    MotionFeatures,
+    MovingTargetFeatures,
+    RivalFeatures,
+    TargetFeatures,
+    TeamFeatures,
+    TeamRivalFeatures,
+)
+
+
+@rule
+def in_frame_of(me: Block, x: float, y: float, lane: int) -> tuple[float, float]:
+    """R7.1: how far ahead of an observer a place is, and how far to its left [m].
+
+    Args:
+        me: the rows of the observer's body.
+        x: in the world frame [m].
+        y: the same.
+        lane: the lane.
+    """
+    sine, cosine = me[SINE + lane], me[COSINE + lane]
+    dx, dy = x - me[X + lane], y - me[Y + lane]
+    return cosine * dx + sine * dy, cosine * dy - sine * dx
+
+
+@rule
+def heading_in_frame_of(me: Block, sine: float, cosine: float, lane: int) -> tuple[float, float]:
+    """R7.1: cosine and sine of a heading relative to an observer's.
+
+    Args:
+        me: the rows of the observer's body.
+        sine: of the heading.
+        cosine: of the heading.
+        lane: the lane.
+    """
+    my_sine, my_cosine = me[SINE + lane], me[COSINE + lane]
+    return cosine * my_cosine + sine * my_sine, sine * my_cosine - cosine * my_sine
 
 
 @rule
 def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
-    """R7.1, R12.4: what one body sees of another; both begin with the rows of a body.
+    """R12.4: what one body sees of another; both begin with the rows of a body.
 
     Args:
         me: the rows of the observer.
         other: the rows of the body that it sees.
         lane: the lane.
     """
-    sine, cosine = me[SINE + lane], me[COSINE + lane]
-    other_sine, other_cosine = other[SINE + lane], other[COSINE + lane]
-    dx, dy = other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane]
+    forward, left = in_frame_of(me, other[X + lane], other[Y + lane], lane)
+    heading_cos, heading_sin = heading_in_frame_of(me, other[SINE + lane], other[COSINE + lane], lane)
     return BodyFeatures(
-        forward=cosine * dx + sine * dy,
-        left=cosine * dy - sine * dx,
+        forward=forward,
+        left=left,
         present=1.0,
-        heading_cos=other_cosine * cosine + other_sine * sine,
-        heading_sin=other_sine * cosine - other_cosine * sine,
+        heading_cos=heading_cos,
+        heading_sin=heading_sin,
         linear_velocity=other[SPEED + lane],
     )
 
 
 @rule
-def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.int64]) -> TeamRivalFeatures:
-    """R7.1, R7.4: what one seat sees of another hunter.
+def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.int64]) -> Any:
+    """R7.1, R7.4: what one seat sees of another hunter, a `layout.TeamRivalFeatures`.
 
     Args:
         block: the block.
@@ -60,9 +98,19 @@ def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.i
         teams: see `memory.Sections`.
     """
     me, rival = seat_of(block, seat), seat_of(block, other)
-    body = body_at(me, rival, lane)[:]  # Numba unpacks plain tuples only
-    mate = 1.0 if teams[seat] == teams[other] else 0.0
-    return TeamRivalFeatures(*body, rival[SCORE + lane] - me[SCORE + lane], mate)
+    forward, left = in_frame_of(me, rival[X + lane], rival[Y + lane], lane)
+    heading_cos, heading_sin = heading_in_frame_of(me, rival[SINE + lane], rival[COSINE + lane], lane)
+    seen = RivalFeatures(
+        forward=forward,
+        left=left,
+        present=1.0,
+        heading_cos=heading_cos,
+        heading_sin=heading_sin,
+        linear_velocity=rival[SPEED + lane],
+        score_difference=rival[SCORE + lane] - me[SCORE + lane],
+    )
+    in_teams = TeamFeatures(mate=1.0 if teams[seat] == teams[other] else 0.0)
+    return TeamRivalFeatures(*seen[:], *in_teams[:])  # Numba unpacks plain tuples only
 
 
 @rule
@@ -90,11 +138,10 @@ def target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> Targ
         lane: the lane.
         age: of the target [s].
     """
-    sine, cosine = me[SINE + lane], me[COSINE + lane]
-    dx, dy = targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane]
+    forward, left = in_frame_of(me, targets[TARGET_X + at], targets[TARGET_Y + at], lane)
     return TargetFeatures(
-        forward=cosine * dx + sine * dy,
-        left=cosine * dy - sine * dx,
+        forward=forward,
+        left=left,
         present=1.0,
         age=age,
         active=select(targets[NUMBER + at] == me[ACTIVE + lane], 1.0, 0.0),
@@ -102,11 +149,11 @@ def target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> Targ
 
 
 @rule
-def moving_target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> MovingTargetFeatures:
-    """R7.4: the same where targets move; arguments as of `target_at`."""
-    sine, cosine = me[SINE + lane], me[COSINE + lane]
-    target_sine, target_cosine = targets[BODY + SINE + at], targets[BODY + COSINE + at]
-    heading_cos = target_cosine * cosine + target_sine * sine
-    heading_sin = target_sine * cosine - target_cosine * sine
-    still = target_at(me, targets, at, lane, age)[:]  # Numba unpacks plain tuples only
-    return MovingTargetFeatures(*still, heading_cos, heading_sin, targets[BODY + SPEED + at])
+def moving_target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> Any:
+    """R7.4: the same where targets move, a `layout.MovingTargetFeatures`; arguments as of `target_at`."""
+    heading_cos, heading_sin = heading_in_frame_of(me, targets[BODY + SINE + at], targets[BODY + COSINE + at], lane)
+    motion = MotionFeatures(
+        heading_cos=heading_cos, heading_sin=heading_sin, linear_velocity=targets[BODY + SPEED + at]
+    )
+    seen = target_at(me, targets, at, lane, age)
+    return MovingTargetFeatures(*seen[:], *motion[:])  # Numba unpacks plain tuples only

@@ -185,8 +185,8 @@ def copy_rank(
         features: what is seen, with room for COPIED numbers of each: see `workspace.FEATURE_STRIDE`.
         start: where in `features` it begins.
         columns: how many there are, at least FOUR.
-        exactly: whether nothing may be written behind them. Else up to FOUR numbers are, in one copy less; the rank that
-            is written next begins there, and has as many.
+        exactly: whether nothing may be written behind them. Else up to FOUR numbers are; the rank that is written next
+            begins there, and has as many.
     """
     if columns >= COPIED:
         for offset in range(0, columns - COPIED, COPIED):
