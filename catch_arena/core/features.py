@@ -4,26 +4,18 @@ and of the time.
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from catch_arena.core.jit import Block, rule
 from catch_arena.core.state import (
     ACTIVE,
-    BODY,
     COSINE,
-    NUMBER,
     SCORE,
     SINE,
-    SPEED,
-    TARGET_X,
-    TARGET_Y,
     TIME,
     Settings,
     X,
     Y,
-    seat_of,
 )
+from catch_arena.core.tiles import BodyTile, MotionTile, TargetTile, body_tile
 from catch_arena.core.vectors import select
 from catch_arena.layout import (
     BodyFeatures,
@@ -66,51 +58,80 @@ def heading_in_frame_of(me: Block, sine: float, cosine: float, lane: int) -> tup
 
 
 @rule
-def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
-    """R12.4: what one body sees of another; both begin with the rows of a body.
+def body_seen(me: Block, body: BodyTile, lane: int) -> BodyFeatures:
+    """R12.4: what one body sees of another.
 
     Args:
         me: the rows of the observer.
-        other: the rows of the body that it sees.
+        body: the body that it sees.
         lane: the lane.
     """
-    forward, left = in_frame_of(me, other[X + lane], other[Y + lane], lane)
-    heading_cos, heading_sin = heading_in_frame_of(me, other[SINE + lane], other[COSINE + lane], lane)
+    forward, left = in_frame_of(me, body.x, body.y, lane)
+    heading_cos, heading_sin = heading_in_frame_of(me, body.sine, body.cosine, lane)
     return BodyFeatures(
         forward=forward,
         left=left,
         present=1.0,
         heading_cos=heading_cos,
         heading_sin=heading_sin,
-        linear_velocity=other[SPEED + lane],
+        linear_velocity=body.speed,
     )
 
 
 @rule
-def rival_at(block: Block, seat: int, other: int, lane: int, teams: NDArray[np.int64]) -> Any:
-    """R7.1, R7.4: what one seat sees of another hunter, a `layout.TeamRivalFeatures`.
+def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
+    """R12.4: the same of a body's rows."""
+    return body_seen(me, body_tile(other, 0.0, lane), lane)
+
+
+@rule
+def rival_seen(me: Block, rival: BodyTile, lane: int) -> RivalFeatures:
+    """R7.1: what one hunter sees of another; arguments as of `body_seen`."""
+    body = body_seen(me, rival, lane)
+    return RivalFeatures(
+        forward=body.forward,
+        left=body.left,
+        present=body.present,
+        heading_cos=body.heading_cos,
+        heading_sin=body.heading_sin,
+        linear_velocity=body.linear_velocity,
+        score_difference=rival.score - me[SCORE + lane],
+    )
+
+
+@rule
+def team_rival_seen(me: Block, rival: BodyTile, team: float, lane: int) -> Any:
+    """R7.4: the same where there are teams, a `layout.TeamRivalFeatures`; `team`, the observer's own."""
+    seen, in_teams = rival_seen(me, rival, lane), TeamFeatures(mate=select(rival.team == team, 1.0, 0.0))
+    return TeamRivalFeatures(*seen[:], *in_teams[:])  # Numba unpacks plain tuples only
+
+
+@rule
+def target_seen(me: Block, target: TargetTile, lane: int) -> TargetFeatures:
+    """R7.1: what a hunter sees of a target.
 
     Args:
-        block: the block.
-        seat: who sees.
-        other: the seat that is seen.
+        me: the rows of the hunter.
+        target: the target.
         lane: the lane.
-        teams: see `memory.Sections`.
     """
-    me, rival = seat_of(block, seat), seat_of(block, other)
-    forward, left = in_frame_of(me, rival[X + lane], rival[Y + lane], lane)
-    heading_cos, heading_sin = heading_in_frame_of(me, rival[SINE + lane], rival[COSINE + lane], lane)
-    seen = RivalFeatures(
+    forward, left = in_frame_of(me, target.x, target.y, lane)
+    return TargetFeatures(
         forward=forward,
         left=left,
         present=1.0,
-        heading_cos=heading_cos,
-        heading_sin=heading_sin,
-        linear_velocity=rival[SPEED + lane],
-        score_difference=rival[SCORE + lane] - me[SCORE + lane],
+        age=target.age,
+        active=select(target.number == me[ACTIVE + lane], 1.0, 0.0),
     )
-    in_teams = TeamFeatures(mate=1.0 if teams[seat] == teams[other] else 0.0)
-    return TeamRivalFeatures(*seen[:], *in_teams[:])  # Numba unpacks plain tuples only
+
+
+@rule
+def moving_target_seen(me: Block, target: TargetTile, motion: MotionTile, lane: int) -> Any:
+    """R7.4: the same where targets move, a `layout.MovingTargetFeatures`; `motion`, of the target."""
+    heading_cos, heading_sin = heading_in_frame_of(me, motion.sine, motion.cosine, lane)
+    moving = MotionFeatures(heading_cos=heading_cos, heading_sin=heading_sin, linear_velocity=motion.speed)
+    seen = target_seen(me, target, lane)
+    return MovingTargetFeatures(*seen[:], *moving[:])  # Numba unpacks plain tuples only
 
 
 @rule
@@ -125,35 +146,3 @@ def time_left_at(block: Block, s: Settings, lane: int) -> float:
     remaining = s.time_limit_ms - block[TIME + lane]
     seconds: float = select(remaining > 0.0, remaining / 1000.0, 0.0)
     return seconds
-
-
-@rule
-def target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> TargetFeatures:
-    """R7.1: what a seat sees of the target at `at`, which is that old [s].
-
-    Args:
-        me: the rows of the seat.
-        targets: the slots of the block.
-        at: where in `targets` the slot begins, its lane or group of lanes included.
-        lane: the lane.
-        age: of the target [s].
-    """
-    forward, left = in_frame_of(me, targets[TARGET_X + at], targets[TARGET_Y + at], lane)
-    return TargetFeatures(
-        forward=forward,
-        left=left,
-        present=1.0,
-        age=age,
-        active=select(targets[NUMBER + at] == me[ACTIVE + lane], 1.0, 0.0),
-    )
-
-
-@rule
-def moving_target_at(me: Block, targets: Block, at: int, lane: int, age: float) -> Any:
-    """R7.4: the same where targets move, a `layout.MovingTargetFeatures`; arguments as of `target_at`."""
-    heading_cos, heading_sin = heading_in_frame_of(me, targets[BODY + SINE + at], targets[BODY + COSINE + at], lane)
-    motion = MotionFeatures(
-        heading_cos=heading_cos, heading_sin=heading_sin, linear_velocity=targets[BODY + SPEED + at]
-    )
-    seen = target_at(me, targets, at, lane, age)
-    return MovingTargetFeatures(*seen[:], *motion[:])  # Numba unpacks plain tuples only

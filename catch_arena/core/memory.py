@@ -59,9 +59,8 @@ class Sections(NamedTuple):
     prey_network: Annotated[NDArray[np.int64], 2]
     keys: Annotated[NDArray[np.int32], 2]
     """(T, numbers), as those that follow: see `workspace.Scratch`."""
-    ages: Annotated[NDArray[np.float32], 2]
-    target_features: Annotated[NDArray[np.float32], 2]
-    rival_features: Annotated[NDArray[np.float32], 2]
+    target_tiles: Annotated[NDArray[np.float64], 2]
+    body_tiles: Annotated[NDArray[np.float64], 2]
     staging: Annotated[NDArray[np.float32], 2]
     requests: Annotated[NDArray[np.int64], 3]
     rows: Annotated[NDArray[np.float64], 2]

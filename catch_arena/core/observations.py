@@ -5,7 +5,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.features import moving_target_at, rival_at, target_at, time_left_at
+from catch_arena.core.features import (
+    in_frame_of,
+    moving_target_seen,
+    rival_seen,
+    target_seen,
+    team_rival_seen,
+    time_left_at,
+)
 from catch_arena.core.jit import Block, inlined, outlined, phase, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
@@ -21,12 +28,10 @@ from catch_arena.core.ranking import (
 )
 from catch_arena.core.state import (
     ABSENT,
-    APPEARED,
     BEARING_INTEGRAL,
     COSINE,
     DISTANCE_INTEGRAL,
     LANES,
-    NUMBER,
     RANKS_PER_WORD,
     SCORE,
     SEED_HIGH,
@@ -36,7 +41,6 @@ from catch_arena.core.state import (
     SPEED,
     STEP,
     THETA,
-    TIME,
     TURN_RATE,
     Settings,
     X,
@@ -46,24 +50,36 @@ from catch_arena.core.state import (
     most_alive,
     seat_of,
     slot_at_rank,
-    slot_in_word,
     span,
     target_order_of,
     targets_of,
-    word_of_rank,
+)
+from catch_arena.core.tiles import (
+    TILE_NUMBER,
+    TILE_X,
+    TILE_Y,
+    body_of_tile,
+    motion_of_tile,
+    put_rank,
+    target_of_tile,
+    tile_hunters,
+    tile_index,
+    tile_targets,
 )
 from catch_arena.core.transfers import (
-    COPIED,
     PREFETCHED,
+    STREAMED,
+    TILE,
     Place,
-    copy_rank,
     prefetch,
     put_rows,
     stream_eight,
+    take_half_tile,
+    take_tile,
 )
-from catch_arena.core.vectors import Width, group, single
+from catch_arena.core.vectors import Width, group
 from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
-from catch_arena.core.workspace import FEATURE_STRIDE, Scratch, rival_order_of
+from catch_arena.core.workspace import Scratch, rival_order_of
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
 
 Masks = NDArray[np.int8]
@@ -76,8 +92,6 @@ MOVING_TARGET_WIDTH: Final = len(MovingTargetFeatures._fields)
 RIVAL_WIDTH: Final = len(RivalFeatures._fields)
 TEAM_RIVAL_WIDTH: Final = len(TeamRivalFeatures._fields)
 
-_MANY: Final = 4
-"""As many hunters for each that is seen: then what is seen of them is found out one by one."""
 _STREAMED: Final = 1 << 21
 """From so many numbers on, what a batch sees would push everything else out of the caches."""
 _CACHED: Final = 1 << 19
@@ -102,25 +116,6 @@ def update_heading(me: Block, width: Width) -> None:
 
 
 @phase
-def compute_ages(block: Block, targets: Block, width: Width, slots: int, s: Settings, ages: Numbers) -> None:
-    """R7.1: how long each target has been there.
-
-    Args:
-        block: the block, for its row TIME [ms].
-        targets: the slots of the block.
-        width: how many lanes a group has.
-        slots: how many slots are in use in any lane.
-        s: the settings.
-        ages: the result [s], (slots * LANES,).
-    """
-    for slot in range(slots):
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            appeared = targets[slot * s.slot_size + APPEARED + lane]
-            ages[slot * LANES + lane] = single((block[TIME + lane] - appeared) / 1000.0)
-
-
-@phase
 def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block) -> None:
     """R7.1: until the time limit.
 
@@ -133,122 +128,6 @@ def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block)
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         time_left[lane] = time_left_at(block, s, lane)
-
-
-@phase
-def compute_target_features(
-    me: Block, targets: Block, ages: Numbers, first: int, width: Width, slots: int, s: Settings, features: Numbers
-) -> None:
-    """R7.1: every target as one seat sees it, in the lanes of one group, where targets are still.
-
-    Args:
-        me: the rows of the seat.
-        targets: the slots of the block.
-        ages: how long each has been there [s], (slots * LANES,).
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        slots: how many slots are in use in any lane.
-        s: the settings.
-        features: the result, the columns of `layout.TargetFeatures`: those of slot s in the group's lane l from
-            features[(s * len(width) + l) * FEATURE_STRIDE] on.
-    """
-    lane = group(first, width)
-    for slot in range(slots):
-        seen = target_at(me, targets, slot * s.slot_size + lane, lane, ages[slot * LANES + lane])
-        put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
-
-
-@phase
-def compute_moving_target_features(
-    me: Block, targets: Block, ages: Numbers, first: int, width: Width, slots: int, s: Settings, features: Numbers
-) -> None:
-    """R7.4: the same where targets move, with the columns of `layout.MovingTargetFeatures`."""
-    lane = group(first, width)
-    for slot in range(slots):
-        seen = moving_target_at(me, targets, slot * s.slot_size + lane, lane, ages[slot * LANES + lane])
-        put_rows(features, slot * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
-
-
-@outlined
-def blur_targets(
-    block: Block, seat: int, targets: Block, order: Block, first: int, width: Width, s: Settings, features: Numbers
-) -> None:
-    """R7.6: the targets that one seat sees are seen some way from where they are, in the lanes of one group.
-
-    Args:
-        block: the block.
-        seat: who sees.
-        targets: the slots of the block.
-        order: slots by rank, packed: see `state.slot_at_rank`.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        s: the settings.
-        features: as of `compute_target_features`; forward and left are written anew.
-    """
-    me = seat_of(block, seat)
-    for lane in range(first, first + len(width)):
-        key = blur_key_at(block, seat, TARGET_KIND, lane)
-        for rank in range(int(me[SEEN + lane])):
-            slot = slot_at_rank(order, rank, lane)
-            seen = target_at(me, targets, slot * s.slot_size + lane, lane, 0.0)
-            at = (slot * len(width) + lane - first) * FEATURE_STRIDE
-            number = np.uint64(targets[slot * s.slot_size + NUMBER + lane])
-            write_blurred(draw(key, number), seen.forward, seen.left, s, features, at)
-
-
-@outlined
-def blur_rivals(
-    block: Block,
-    seat: int,
-    order: Block,
-    first: int,
-    width: Width,
-    s: Settings,
-    teams: NDArray[np.int64],
-    features: Numbers,
-) -> None:
-    """R7.6: and the rivals.
-
-    Args:
-        block: the block.
-        seat: who sees.
-        order: seats by rank, packed: see `state.slot_at_rank`.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        s: the settings.
-        teams: see `memory.Sections`.
-        features: as of `compute_rival_features`; forward and left are written anew.
-    """
-    for lane in range(first, first + len(width)):
-        key = blur_key_at(block, seat, RIVAL_KIND, lane)
-        for rank in range(s.hunters_seen):
-            other = slot_at_rank(order, rank, lane)
-            if other != ABSENT:
-                seen = rival_at(block, seat, other, lane, teams)
-                at = (other * len(width) + lane - first) * FEATURE_STRIDE
-                write_blurred(draw(key, np.uint64(other)), seen.forward, seen.left, s, features, at)
-
-
-@phase
-def compute_rival_features(
-    block: Block, seat: int, first: int, width: Width, s: Settings, teams: NDArray[np.int64], features: Numbers
-) -> None:
-    """R7.1: every rival as one seat sees it, in the lanes of one group.
-
-    Args:
-        block: the block.
-        seat: who sees.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        s: the settings.
-        teams: see `memory.Sections`.
-        features: the result, the columns of `layout.TeamRivalFeatures`: those of seat r in the group's lane l from
-            features[(r * len(width) + l) * FEATURE_STRIDE] on.
-    """
-    for other in range(s.hunters):
-        if other != seat:
-            seen = rival_at(block, seat, other, group(first, width), teams)
-            put_rows(features, other * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
 
 
 @rule
@@ -266,7 +145,7 @@ def write_blurred(key: np.uint64, forward: float, left: float, s: Settings, out:
         forward: how far ahead it is [m].
         left: how far to the left [m].
         s: the settings.
-        out: features or observations, flat.
+        out: observations, flat.
         at: where in `out` the two columns begin.
     """
     out[at] = np.float32(forward + blur(key, 0, s.view_noise_m))
@@ -301,50 +180,33 @@ def write_self(me: Block, time_left: Block, first: int, width: Width, place: Pla
 
 
 @phase
-def write_ranked(
-    order: Block,
-    ranks: int,
-    exactly: bool,
-    lane: int,
-    features: Numbers,
-    width: Width,
-    columns: int,
-    out: Numbers,
-    at: int,
-) -> None:
-    """R7.1: the features of one lane's targets or rivals, in the order of their ranks.
-
-    What is copied of one rank too much is written over by the next one.
+def write_targets(block: Block, seat: int, s: Settings, first: int, width: Width, tiles: Block, place: Place) -> None:
+    """R7.1, R7.4: the targets that one seat sees, in the lanes of one group.
 
     Args:
-        order: slots or seats by rank, packed: see `state.slot_at_rank`.
-        ranks: how many ranks are seen.
-        exactly: whether the last one is copied only so far as it goes, since nothing is written behind it.
-        lane: the lane.
-        features: of every slot or seat: see `compute_target_features`.
-        width: how many lanes the group has in which they were computed.
-        columns: how many columns there are of each, as the compiler knows.
-        out: observations, flat.
-        at: where in `out` the columns of rank 1 begin.
+        block: the block.
+        seat: who sees.
+        s: the settings.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        tiles: see `tiles.tile_targets`.
+        place: see `transfers.Place`.
     """
-    mine = lane % len(width)
-    copied = ranks - 1 if exactly else ranks
-    rank = 0
-    while rank + RANKS_PER_WORD <= copied:
-        word = word_of_rank(order, rank, lane)
-        for next_rank in range(RANKS_PER_WORD):  # as often as the compiler knows: eight ranks without a loop
-            source = (slot_in_word(word, next_rank) * len(width) + mine) * FEATURE_STRIDE
-            copy_rank(out, at + next_rank * columns, features, source, columns, False)
-        at += RANKS_PER_WORD * columns
-        rank += RANKS_PER_WORD
-    while rank < copied:
-        source = (slot_at_rank(order, rank, lane) * len(width) + mine) * FEATURE_STRIDE
-        copy_rank(out, at, features, source, columns, False)
-        at += columns
-        rank += 1
-    if rank < ranks:
-        source = (slot_at_rank(order, rank, lane) * len(width) + mine) * FEATURE_STRIDE
-        copy_rank(out, at, features, source, columns, True)
+    me, order, lane = seat_of(block, seat), target_order_of(block, seat, s), group(first, width)
+    for rank in range(s.targets_seen):
+        slots = slot_at_rank(order, rank, lane)
+        there = slots != ABSENT
+        index = tile_index(slots, width)
+        at_rank = Place(place.out, place.at + rank * target_width(s), place.stride)
+        exactly = s.hunters_seen == 0 and rank + 1 == s.targets_seen
+        if s.targets_move:
+            tile = take_tile(tiles, index)
+            seen = moving_target_seen(me, target_of_tile(tile), motion_of_tile(tile), lane)
+            put_rank(at_rank, there, seen, exactly)
+        else:
+            put_rank(at_rank, there, target_seen(me, target_of_tile(take_half_tile(tiles, index)), lane), exactly)
+    if s.view_noise_m > 0.0:
+        blur_seen(block, seat, TARGET_KIND, order, first, width, s, tiles, place)
 
 
 @phase
@@ -352,43 +214,79 @@ def write_rivals(
     block: Block,
     seat: int,
     order: Block,
-    ranks: int,
-    lane: int,
     s: Settings,
+    first: int,
+    width: Width,
     teams: NDArray[np.int64],
-    out: Numbers,
-    at: int,
+    tiles: Block,
+    place: Place,
 ) -> None:
-    """R7.1: the rivals of one lane, each looked at when its rank is written: for a few of very many, of whom it would
-    take longer to compute all features.
+    """R7.1, R7.4: the rivals that one seat sees, in the lanes of one group.
 
     Args:
         block: the block.
         seat: who sees.
         order: seats by rank, packed: see `state.slot_at_rank`.
-        ranks: how many ranks are seen.
-        lane: the lane.
         s: the settings.
+        first: the first lane of the group.
+        width: how many lanes the group has.
         teams: see `memory.Sections`.
-        out: observations, flat.
-        at: where in `out` the columns of rank 1 begin.
+        tiles: see `tiles.tile_hunters`.
+        place: see `transfers.Place`.
     """
-    columns = rival_width(s)
-    for rank in range(ranks):
-        other = slot_at_rank(order, rank, lane)
-        if other == ABSENT:
-            for column in range(columns):
-                out[at + column] = 0.0
+    me, lane = seat_of(block, seat), group(first, width)
+    for rank in range(s.hunters_seen):
+        seats = slot_at_rank(order, rank, lane)
+        there = seats != ABSENT
+        rival = body_of_tile(take_tile(tiles, tile_index(seats, width)))
+        at_rank = Place(place.out, place.at + rank * rival_width(s), place.stride)
+        exactly = rank + 1 == s.hunters_seen
+        if s.has_teams:
+            put_rank(at_rank, there, team_rival_seen(me, rival, float(teams[seat]), lane), exactly)
         else:
-            seen = rival_at(block, seat, other, lane, teams)
-            if s.has_teams:
-                put_rows(out, at, columns, seen)
-            else:
-                put_rows(out, at, columns, seen[:RIVAL_WIDTH])
-            if s.view_noise_m > 0.0:
-                key = draw(blur_key_at(block, seat, RIVAL_KIND, lane), np.uint64(other))
-                write_blurred(key, seen.forward, seen.left, s, out, at)
-        at += columns
+            put_rank(at_rank, there, rival_seen(me, rival, lane), exactly)
+    if s.view_noise_m > 0.0:
+        blur_seen(block, seat, RIVAL_KIND, order, first, width, s, tiles, place)
+
+
+@outlined
+def blur_seen(
+    block: Block,
+    seat: int,
+    kind: np.uint64,
+    order: Block,
+    first: int,
+    width: Width,
+    s: Settings,
+    tiles: Block,
+    place: Place,
+) -> None:
+    """R7.6: what one seat sees is written again, some way from where it is.
+
+    Args:
+        block: the block.
+        seat: who sees.
+        kind: TARGET_KIND or RIVAL_KIND.
+        order: slots or seats by rank, packed: see `state.slot_at_rank`.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        s: the settings.
+        tiles: see `tiles.tile_targets` and `tiles.tile_hunters`.
+        place: see `transfers.Place`.
+    """
+    me, of_targets = seat_of(block, seat), kind == TARGET_KIND
+    columns = target_width(s) if of_targets else rival_width(s)
+    for lane in range(first, first + len(width)):
+        key = blur_key_at(block, seat, kind, lane)
+        at = place.at + (lane - first) * place.stride
+        for rank in range(s.targets_seen if of_targets else s.hunters_seen):
+            item = slot_at_rank(order, rank, lane)
+            if item != ABSENT:
+                tile = (item * len(width) + lane - first) * TILE
+                forward, left = in_frame_of(me, tiles[tile + TILE_X], tiles[tile + TILE_Y], lane)
+                who = np.uint64(tiles[tile + TILE_NUMBER]) if of_targets else np.uint64(item)
+                write_blurred(draw(key, who), forward, left, s, place.out, at)
+            at += columns
 
 
 @rule
@@ -437,8 +335,8 @@ def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) ->
         out: observations, flat.
         at: where in `out` they belong.
     """
-    whole = count - count % COPIED
-    for offset in range(0, whole, COPIED):
+    whole = count - count % STREAMED
+    for offset in range(0, whole, STREAMED):
         stream_eight(out, at + offset, staging, offset)
     for offset in range(whole, count):
         out[at + offset] = staging[offset]
@@ -451,7 +349,6 @@ def write_seat(
     s: Settings,
     first: int,
     width: Width,
-    slots: int,
     teams: NDArray[np.int64],
     scratch: Scratch,
     place: Place,
@@ -464,41 +361,18 @@ def write_seat(
         s: the settings.
         first: the first lane of the group.
         width: how many lanes the group has.
-        slots: how many slots are in use in any lane.
         teams: see `memory.Sections`.
-        scratch: see `workspace.Scratch`; ages, the time left (its first row) and the rivals' orders are read.
+        scratch: see `workspace.Scratch`; tiles, the time left (its first row) and the rivals' orders are read.
         place: see `transfers.Place`.
     """
-    me, targets = seat_of(block, seat), targets_of(block, s)
-    targets_in_order, rivals_in_order = target_order_of(block, seat, s), rival_order_of(scratch, seat)
-    ages, features, rivals = scratch.ages, scratch.target_features, scratch.rival_features
-    few_of_many = s.hunters > _MANY * s.hunters_seen
-    write_self(me, scratch.rows, first, width, place)
-    if s.targets_move:
-        compute_moving_target_features(me, targets, ages, first, width, slots, s, features)
-    else:
-        compute_target_features(me, targets, ages, first, width, slots, s, features)
-    if not few_of_many:
-        compute_rival_features(block, seat, first, width, s, teams, rivals)
-    if s.view_noise_m > 0.0:
-        blur_targets(block, seat, targets, targets_in_order, first, width, s, features)
-        if not few_of_many:
-            blur_rivals(block, seat, rivals_in_order, first, width, s, teams, rivals)
-    alone = s.hunters_seen == 0
-    for lane in range(first, first + len(width)):
-        out, at = place.out, place.at + (lane - first) * place.stride + SELF_WIDTH
-        # a call for each width, so that the compiler knows it
-        if s.targets_move:
-            write_ranked(targets_in_order, s.targets_seen, alone, lane, features, width, MOVING_TARGET_WIDTH, out, at)
-        else:
-            write_ranked(targets_in_order, s.targets_seen, alone, lane, features, width, TARGET_WIDTH, out, at)
-        at += s.targets_seen * target_width(s)
-        if few_of_many:
-            write_rivals(block, seat, rivals_in_order, s.hunters_seen, lane, s, teams, out, at)
-        elif s.has_teams:
-            write_ranked(rivals_in_order, s.hunters_seen, True, lane, rivals, width, TEAM_RIVAL_WIDTH, out, at)
-        else:
-            write_ranked(rivals_in_order, s.hunters_seen, True, lane, rivals, width, RIVAL_WIDTH, out, at)
+    write_self(seat_of(block, seat), scratch.rows[:LANES], first, width, place)
+    targets = Place(place.out, place.at + SELF_WIDTH, place.stride)
+    write_targets(block, seat, s, first, width, scratch.target_tiles, targets)
+    rivals, order = (
+        Place(place.out, targets.at + s.targets_seen * target_width(s), place.stride),
+        rival_order_of(scratch, seat),
+    )
+    write_rivals(block, seat, order, s, first, width, teams, scratch.body_tiles, rivals)
 
 
 @phase
@@ -544,7 +418,6 @@ def write(
         arena: which of the batch is the first lane.
         ahead: see `prefetch_part`.
     """
-    compute_ages(block, targets_of(block, s), width, slots, s, scratch.ages)
     compute_time_left(block, s, width, scratch.rows)
     columns = SELF_WIDTH + s.targets_seen * target_width(s) + s.hunters_seen * rival_width(s)
     stride = s.hunters * columns
@@ -554,8 +427,11 @@ def write(
         apart = lanes - first < len(width) or len(out) > _STREAMED
         to = scratch.staging if apart else out
         begin = 0 if apart else (arena + first) * stride
+        tile_targets(block, targets_of(block, s), first, width, slots, s, scratch.target_tiles)
+        if s.hunters_seen > 0:
+            tile_hunters(block, first, width, s, teams, scratch.body_tiles)
         for seat in range(s.hunters):
-            write_seat(block, seat, s, first, width, slots, teams, scratch, Place(to, begin + seat * columns, stride))
+            write_seat(block, seat, s, first, width, teams, scratch, Place(to, begin + seat * columns, stride))
             prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
         if apart:
             copy_to_observations(

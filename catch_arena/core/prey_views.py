@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.features import body_at, time_left_at
+from catch_arena.core.features import body_seen, time_left_at
 from catch_arena.core.jit import Block, inlined, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import (
@@ -24,6 +24,7 @@ from catch_arena.core.ranking import (
     sort_keys,
 )
 from catch_arena.core.state import (
+    ABSENT,
     BODY,
     BODY_ROWS,
     COSINE,
@@ -44,9 +45,10 @@ from catch_arena.core.state import (
     span,
     targets_of,
 )
-from catch_arena.core.transfers import Place, copy_rank, put_rows
-from catch_arena.core.vectors import Width, group, select
-from catch_arena.core.workspace import FEATURE_STRIDE, GATHERED_SIZE, Scratch, gathered_of
+from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, tile_index
+from catch_arena.core.transfers import TILE, Place, put_rows, take_tile
+from catch_arena.core.vectors import Width, group, long, select
+from catch_arena.core.workspace import GATHERED_SIZE, Scratch, gathered_of
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
 Numbers = NDArray[np.float32]
@@ -199,16 +201,18 @@ def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, scratch: S
         scratch: see `workspace.Scratch`; its keys are as `rank_bodies` leaves them.
         place: see `transfers.Place`.
     """
-    features = scratch.rival_features
+    lane = group(first, width)
     for item in range(bodies.total):
-        seen = body_at(me, body_in(bodies, item), group(first, width))
-        put_rows(features, item * len(width) * FEATURE_STRIDE, FEATURE_STRIDE, seen)
-    for mine in range(len(width)):
-        for rank in range(bodies.ranks):
-            item = item_of(scratch.keys[rank * LANES + first + mine])
-            source = (item * len(width) + mine) * FEATURE_STRIDE
-            to = place.at + mine * place.stride + bodies.first_column + rank * _BODY_WIDTH
-            copy_rank(place.out, to, features, source, _BODY_WIDTH, bodies.exactly and rank == bodies.ranks - 1)
+        body = body_tile(body_in(bodies, item), 0.0, lane)
+        put_rows(scratch.body_tiles, item * len(width) * TILE, TILE, body)
+    for rank in range(bodies.ranks):
+        items = long(item_of(scratch.keys[rank * LANES + lane]))
+        there = items != ABSENT
+        tile = take_tile(scratch.body_tiles, tile_index(items, width))
+        at = place.at + bodies.first_column + rank * _BODY_WIDTH
+        exactly = bodies.exactly and rank == bodies.ranks - 1
+        seen = body_seen(me, body_of_tile(tile), lane)
+        put_rank(Place(place.out, at, place.stride), there, seen, exactly)
 
 
 @phase

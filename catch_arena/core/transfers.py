@@ -1,7 +1,7 @@
-"""Numbers moved between arrays, many in one instruction: columns become rows, rows are copied, stores go past the
+"""Numbers moved between arrays, many in one instruction: columns become rows and rows columns, stores go past the
 caches, and what is read next is asked for early.
 
-Each function but the last is written twice, as those of `vectors` are: for Python and for the compiler.
+Each function is written twice, as those of `vectors` are: for Python and for the compiler.
 """
 
 from collections.abc import Callable
@@ -13,15 +13,14 @@ from numba import types
 from numba.core import cgutils
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import phase
-from catch_arena.core.vectors import INT32, Vector, compiled_as, like, low_level, pointer_to, shuffle
+from catch_arena.core.vectors import INT32, Vector, compiled_as, like, low_level, pointer_to, select, shuffle
 
-COPIED: Final = 8
-"""How many numbers `copy_eight` and `stream_eight` copy."""
-FOUR: Final = 4
-"""As many `copy_four` copies, and `put_rows` writes a multiple of."""
+STREAMED: Final = 8
+"""How many numbers `stream_eight` copies."""
 PREFETCHED: Final = 8
 """How many numbers of float64 a cache line has: `prefetch` asks for one."""
+TILE: Final = 8
+"""How many numbers of float64 a tile has, a cache line too: see `tiles`."""
 
 
 class Place(NamedTuple):
@@ -38,10 +37,10 @@ class Place(NamedTuple):
 # ---- for Python ----
 
 
-def put_rows(out: NDArray[np.float32], at: int, stride: int, columns: tuple[float, ...]) -> None:
-    """Columns become rows: the first lane's numbers, rounded to float32, stand side by side from out[at] on, the next
-    lane's from out[at + stride] on. Compiled it takes one lane or eight. With eight it writes whole fours: up to three
-    numbers too many.
+def put_rows(out: NDArray[Any], at: int, stride: int, columns: tuple[float, ...]) -> None:
+    """Columns become rows: the first lane's numbers, rounded to `out`'s type, stand side by side from out[at] on, the
+    next lane's from out[at + stride] on. Compiled it takes one lane or eight. With eight it writes whole fours: up to
+    three numbers too many.
     """
     count, lanes = len(columns), max(map(np.size, columns))
     rows = np.empty((count, lanes))
@@ -51,19 +50,29 @@ def put_rows(out: NDArray[np.float32], at: int, stride: int, columns: tuple[floa
         out[at + lane * stride : at + lane * stride + count] = rows[:, lane]
 
 
-def copy_four(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
-    """Four numbers, in one load and one store."""
-    out[at : at + 4] = source[start : start + 4]
+def put_exactly(out: NDArray[Any], at: int, stride: int, columns: tuple[float, ...]) -> None:
+    """The same of four columns or more, and none too many: the last four may be written over some before them."""
+    put_rows(out, at, stride, columns)
 
 
-def copy_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
-    """Eight numbers, in one load and one store."""
-    out[at : at + COPIED] = source[start : start + COPIED]
+def take_tile(tiles: NDArray[np.float64], index: int) -> tuple[float, ...]:
+    """Rows become columns: the numbers of the tile at an index, which may be another one in each lane."""
+    return tuple(tiles[index * TILE + number] for number in range(TILE))
+
+
+def take_half_tile(tiles: NDArray[np.float64], index: int) -> tuple[float, ...]:
+    """Its first four numbers."""
+    return take_tile(tiles, index)[: TILE // 2]
+
+
+def where_there(there: bool, columns: tuple[float, ...]) -> tuple[float, ...]:
+    """The columns in lanes where there is something, and zeros in the others."""
+    return tuple(select(there, column, 0.0) for column in columns)
 
 
 def stream_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
-    """Eight numbers, past the caches where `at` lies on 32 bytes."""
-    out[at : at + COPIED] = source[start : start + COPIED]
+    """Eight numbers, past the caches; both places lie on 32 bytes."""
+    out[at : at + STREAMED] = source[start : start + STREAMED]
 
 
 def prefetch(numbers: NDArray[np.float64], at: int) -> None:
@@ -76,7 +85,7 @@ def prefetch(numbers: NDArray[np.float64], at: int) -> None:
 
 
 def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
-    """Eight lanes of four or eight columns, as eight rows.
+    """Eight lanes of four or eight columns of float32, as eight rows.
 
     Two rounds of shuffles within the halves of a register, each pairing columns, and one across them, since halves are
     dear to cross.
@@ -103,57 +112,132 @@ def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
     ]
 
 
-def _type_of_put_rows(out: Any, _at: Any, _stride: Any, columns: Any) -> Any:
+def _exchanged(builder: Any, rows: list[Any], sides: tuple[int, ...]) -> list[Any]:
+    """Of all squares of so many rows of eight lanes, the upper right and the lower left quarter change places: for
+    each of `sides`, half as long as the squares' own. With 1, 2 and 4 that makes columns of rows, and rows of columns.
+    """
+    for side in sides:
+        low = [lane & ~side | (8 if lane & side else 0) for lane in range(8)]
+        high = [lane + side for lane in low]
+        paired = [(row, rows[index ^ side]) for index, row in enumerate(rows)]
+        rows = [
+            shuffle(builder, other, own, high) if index & side else shuffle(builder, own, other, low)
+            for index, (own, other) in enumerate(paired)
+        ]
+    return rows
+
+
+def _transposed_doubles(builder: Any, columns: list[Any]) -> list[Any]:
+    """Eight lanes of four or eight columns of float64, as eight rows."""
+    if len(columns) == 8:
+        return _exchanged(builder, columns, (1, 2, 4))
+    both = _exchanged(builder, columns, (1, 2))  # the k-th of them has the rows k and k + 4
+    return [shuffle(builder, one, one, [half + i for i in range(4)]) for half in (0, 4) for one in both]
+
+
+def _columns_of_doubles(builder: Any, rows: list[Any], count: int) -> list[Any]:
+    """And back."""
+    if count == 8:
+        return _exchanged(builder, rows, (4, 2, 1))
+    both = [shuffle(builder, rows[lane], rows[lane + 4], list(range(8))) for lane in range(4)]
+    return _exchanged(builder, both, (2, 1))
+
+
+def _type_of_put(out: Any, _at: Any, _stride: Any, columns: Any) -> Any:
     return types.void(out, types.int64, types.int64, columns) if isinstance(columns, types.BaseTuple) else None
 
 
-@compiled_as(put_rows, _type_of_put_rows, 4)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    out, at, stride, columns = arguments
-    given = signature.args[3]
-    number = next((like(each, types.float32) for each in given if isinstance(each, Vector)), types.float32)
-    parts = [
-        context.cast(builder, part, each, number)
-        for part, each in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
-    ]
-    if not isinstance(number, Vector):
-        for index, part in enumerate(parts):
-            to = pointer_to(context, builder, signature.args[0], out, builder.add(at, at.type(index)), number)
-            builder.store(part, to)
-        return context.get_dummy_value()
-    nothing = ir.Constant(low_level(number), None)
-    for first in range(0, len(parts), 8):
-        some = parts[first : first + 8]
-        some += [nothing] * (-len(some) % 4)
-        row = Vector(types.float32, len(some))
-        offset = builder.add(at, at.type(first))
-        for value in _transposed(builder, some):
-            builder.store(value, pointer_to(context, builder, signature.args[0], out, offset, row), align=4)
-            offset = builder.add(offset, stride)
-    return context.get_dummy_value()
+def _put(function: Callable[..., Any], pieces_of: Callable[[int], list[tuple[int, int]]]) -> None:
+    """`pieces_of` so many columns: where each begins, and how many it has, four or eight."""
 
-
-def _type_of_copy(out: Any, _at: Any, source: Any, _start: Any) -> Any:
-    return types.void(out, types.int64, source, types.int64)
-
-
-def _copy(function: Callable[..., Any], count: int, *, streamed: bool = False) -> None:
-    vector = Vector(types.float32, count)
-    align = 32 if streamed else 4
-
-    @compiled_as(function, _type_of_copy, 4)
+    @compiled_as(function, _type_of_put, 4)
     def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        out, at, source, start = arguments
-        numbers = builder.load(pointer_to(context, builder, signature.args[2], source, start, vector), align=align)
-        stored = builder.store(numbers, pointer_to(context, builder, signature.args[0], out, at, vector), align=align)
-        if streamed:
-            stored.set_metadata("nontemporal", builder.module.add_metadata([INT32(1)]))
+        out, at, stride, columns = arguments
+        array, given = signature.args[0], signature.args[3]
+        number = next((like(each, array.dtype) for each in given if isinstance(each, Vector)), array.dtype)
+        parts = [
+            context.cast(builder, part, each, number)
+            for part, each in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
+        ]
+        if not isinstance(number, Vector):
+            for index, part in enumerate(parts):
+                builder.store(part, pointer_to(context, builder, array, out, builder.add(at, at.type(index)), number))
+            return context.get_dummy_value()
+        transposed = _transposed if array.dtype == types.float32 else _transposed_doubles
+        nothing = ir.Constant(low_level(number), None)
+        for first, count in pieces_of(len(parts)):
+            some = parts[first : first + count]
+            some += [nothing] * (count - len(some))
+            row = Vector(array.dtype, count)
+            offset = builder.add(at, at.type(first))
+            for value in transposed(builder, some):
+                pointer = pointer_to(context, builder, array, out, offset, row)
+                builder.store(value, pointer, align=array.dtype.bitwidth // 8)
+                offset = builder.add(offset, stride)
         return context.get_dummy_value()
 
 
-_copy(copy_four, 4)
-_copy(copy_eight, COPIED)
-_copy(stream_eight, COPIED, streamed=True)
+_put(put_rows, lambda count: [(first, 4 if count - first <= 4 else 8) for first in range(0, count, 8)])
+_put(
+    put_exactly,
+    lambda count: (
+        [(first, 8) for first in range(0, count - 7, 8)]
+        + [(min(first, count - 4), 4) for first in range(count - count % 8, count, 4)]
+    ),
+)
+
+
+def _take(function: Callable[..., Any], count: int) -> None:
+    def typer(tiles: Any, index: Any) -> Any:
+        return types.UniTuple(like(index, types.float64), count)(tiles, like(index, types.int64))
+
+    @compiled_as(function, typer, 2)
+    def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        (tiles, index), (array, of_index) = arguments, signature.args
+        if isinstance(of_index, Vector):
+            row = Vector(types.float64, count)
+            scaled = builder.shl(index, ir.Constant(index.type, [3] * of_index.count))
+            places = [builder.extract_element(scaled, INT32(lane)) for lane in range(of_index.count)]
+            rows = [builder.load(pointer_to(context, builder, array, tiles, place, row), align=8) for place in places]
+            columns = _columns_of_doubles(builder, rows, count)
+        else:
+            first = builder.mul(index, index.type(TILE))
+            places = [builder.add(first, first.type(number)) for number in range(count)]
+            columns = [
+                builder.load(pointer_to(context, builder, array, tiles, place, types.float64)) for place in places
+            ]
+        return context.make_tuple(builder, signature.return_type, columns)
+
+
+_take(take_tile, TILE)
+_take(take_half_tile, TILE // 2)
+
+
+def _type_of_where(there: Any, columns: Any) -> Any:
+    if not isinstance(columns, types.BaseTuple):
+        return None
+    return types.UniTuple(like(there, types.float64), len(columns))(there, columns)
+
+
+@compiled_as(where_there, _type_of_where, 2)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    (there, columns), number = arguments, signature.return_type.dtype
+    given = signature.args[1]
+    nothing = ir.Constant(low_level(number), None)
+    kept = [
+        builder.select(there, context.cast(builder, column, of, number), nothing)
+        for column, of in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
+    ]
+    return context.make_tuple(builder, signature.return_type, kept)
+
+
+@compiled_as(stream_eight, lambda out, _at, source, _start: types.void(out, types.int64, source, types.int64), 4)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    (out, at, source, start), eight = arguments, Vector(types.float32, STREAMED)
+    numbers = builder.load(pointer_to(context, builder, signature.args[2], source, start, eight), align=32)
+    stored = builder.store(numbers, pointer_to(context, builder, signature.args[0], out, at, eight), align=32)
+    stored.set_metadata("nontemporal", builder.module.add_metadata([INT32(1)]))
+    return context.get_dummy_value()
 
 
 @compiled_as(prefetch, lambda numbers, _at: types.void(numbers, types.int64), 2)
@@ -166,35 +250,3 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     to_read, second_cache, data = INT32(0), INT32(2), INT32(1)
     builder.call(function, [line, to_read, second_cache, data])
     return context.get_dummy_value()
-
-
-# ---- for both ----
-
-
-@phase
-def copy_rank(
-    out: NDArray[np.float32], at: int, features: NDArray[np.float32], start: int, columns: int, exactly: bool
-) -> None:
-    """What is seen of one target or body, in as few copies as there can be; the last may overlap the one before it.
-
-    The compiler has to know how many columns there are: call this with a constant, and no loop remains.
-
-    Args:
-        out: observations, flat.
-        at: where in `out` the columns of its rank begin.
-        features: what is seen, with room for COPIED numbers of each: see `workspace.FEATURE_STRIDE`.
-        start: where in `features` it begins.
-        columns: how many there are, at least FOUR.
-        exactly: whether nothing may be written behind them. Else up to FOUR numbers are; the rank that is written next
-            begins there, and has as many.
-    """
-    if columns >= COPIED:
-        for offset in range(0, columns - COPIED, COPIED):
-            copy_eight(out, at + offset, features, start + offset)
-        copy_eight(out, at + columns - COPIED, features, start + columns - COPIED)
-    elif exactly:
-        for offset in range(0, columns - FOUR, FOUR):
-            copy_four(out, at + offset, features, start + offset)
-        copy_four(out, at + columns - FOUR, features, start + columns - FOUR)
-    else:
-        copy_eight(out, at, features, start)

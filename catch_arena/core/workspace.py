@@ -8,20 +8,12 @@ from numpy.typing import NDArray
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.jit import Block, inlined
 from catch_arena.core.memory import Sections
-from catch_arena.core.state import ABSENT, LANES, MOST, PART_NAMES, RANKS_PER_WORD, WITHDRAWN
-from catch_arena.core.transfers import COPIED, FOUR
+from catch_arena.core.state import LANES, MOST, PART_NAMES, RANKS_PER_WORD, WITHDRAWN
+from catch_arena.core.transfers import STREAMED, TILE
 from catch_arena.core.vectors import WIDE
-from catch_arena.layout import OF_A_RANK
 
 _ROWS: Final = max(2 + len(PART_NAMES), RANKS_PER_WORD)
 """As many as `rewards.reward_hunters` and `ranking.count_ranks` need, which need the most."""
-_MOST_COLUMNS: Final = max(len(table._fields) for table in OF_A_RANK)
-FEATURE_STRIDE: Final = max(COPIED, -(-_MOST_COLUMNS // FOUR) * FOUR)
-"""How many numbers there is room for of one thing that is seen: for what `transfers.put_rows` writes, whole fours, and
-for what `transfers.copy_rank` reads.
-"""
-_FEATURES: Final = (ABSENT + 1) * FEATURE_STRIDE * len(WIDE)
-"""Of all slots or seats, and of what is absent: zeros."""
 _ORDER_ROWS: Final = MOST // RANKS_PER_WORD
 _REFERENCE_ROWS: Final = 3
 _PREY_REFERENCE_ROWS: Final = 4
@@ -34,12 +26,10 @@ class Scratch(NamedTuple):
 
     keys: NDArray[np.int32]
     """Sorting keys, by slot or seat: rows of LANES."""
-    ages: NDArray[np.float32]
-    """Of the targets, by slot [s]: rows of LANES."""
-    target_features: NDArray[np.float32]
-    """What one seat sees of each target in one group of lanes: see `FEATURE_STRIDE`."""
-    rival_features: NDArray[np.float32]
-    """And of each rival."""
+    target_tiles: Block
+    """What is known of the targets in one group of lanes, by slot and lane: see `tiles.tile_index`."""
+    body_tiles: Block
+    """And of the hunters, or of all prey."""
     staging: NDArray[np.float32]
     """The observations of one group of lanes, as they lie in memory."""
     requests: RequestTable
@@ -66,12 +56,11 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
     """The shapes of one thread's scratch memory, for blocks of so many rows and, in an arena, observations of so many
     columns.
     """
-    staging = len(WIDE) * columns + COPIED  # with room for what is written too much
+    staging = len(WIDE) * columns + STREAMED  # with room for what is written too much
     return {
         "keys": (MOST * LANES,),
-        "ages": (MOST * LANES,),
-        "target_features": (_FEATURES,),
-        "rival_features": (_FEATURES,),
+        "target_tiles": ((MOST + 1) * len(WIDE) * TILE,),
+        "body_tiles": ((MOST + 1) * len(WIDE) * TILE,),
         "staging": (-(-staging // LANES) * LANES,),  # whole cache lines: no two threads write to the same one
         "requests": (hunters, REQUEST_COLUMNS),
         "rows": (_ROWS * LANES,),
@@ -89,9 +78,8 @@ def scratch_of(sections: Sections, thread: int) -> Scratch:
     """The scratch memory of one thread."""
     return Scratch(
         keys=sections.keys[thread],
-        ages=sections.ages[thread],
-        target_features=sections.target_features[thread],
-        rival_features=sections.rival_features[thread],
+        target_tiles=sections.target_tiles[thread],
+        body_tiles=sections.body_tiles[thread],
         staging=sections.staging[thread],
         requests=sections.requests[thread],
         rows=sections.rows[thread],
