@@ -325,14 +325,22 @@ class Engine:
         hunters: Sequence[tuple[float, float, float]],
         targets: Sequence[tuple[float, float]],
         prey: Sequence[tuple[float, float, float]] | None = None,
+        ages: Sequence[float] = (),
     ) -> None:
         """A position for tests and lessons: hunters at rest at these poses, and these targets alive instead of those
         that were and that nobody played.
 
-        The targets take the next spawn numbers, in their order, and appear now with theta 0. Prey stays as it is, under
-        its numbers; where poses of all prey are given, those who are in play are at rest there.
+        The targets take the next spawn numbers, in their order, and appear now with theta 0, or are as old as `ages`
+        says [s], to the millisecond. Prey stays as it is, under its numbers; where poses of all prey are given, those
+        who are in play are at rest there.
         """
         place(self._memory, self._views, arena, hunters, targets, prey)
+        if ages:
+            block, lane = divmod(arena, LANES)
+            own, slots = self._views.fields[block, :, lane], self._views.targets[block, :, :, lane]
+            alive = int(own[row_of(state.ALIVE)])
+            appeared = own[row_of(state.TIME)] - np.floor(1000.0 * np.array(ages) + 0.5)
+            slots[alive - len(ages) : alive, row_of(state.APPEARED)] = appeared
         self.observe(arena)
 
     def place_batch(

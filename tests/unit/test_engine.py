@@ -8,6 +8,7 @@ from catch_arena.core.state import RUNNING, TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
+from catch_arena.policy import Limits
 from catch_arena.scenarios import scenario
 from catch_arena.verdicts import Verdict
 
@@ -138,6 +139,23 @@ def test_what_is_kept_together_lies_together():
         assert np.shares_memory(section, engine._kept) == (name in ("blocks", *told, *of_auto_reset)), name
         assert np.shares_memory(section, engine._kept[: engine._kept_by_all]) == (name in ("blocks", *told)), name
         assert (section.shape == other.shape) == (name not in of_auto_reset), name
+
+
+def test_targets_are_put_where_they_have_been_for_some_time():
+    """In one arena of the second block; prey, which has the first slots, is as old as it was."""
+    engine = Engine(scenario("duel", prey=2, target_motion="wander", target_budget=None, initial_targets=2), 34)
+    engine.reset(range(34))
+    for _ in range(3):
+        engine.step(*actions(engine), np.zeros((34, 2, 2), np.float32))
+    hunters, targets = [(5.0, 5.0, 0.0), (9.0, 9.0, 0.0)], [(5.5, 5.0), (5.0, 6.0)]
+    before = [engine.digest(row) for row in range(34)]
+    engine.place(33, hunters, targets, ages=[0.2501, 7.0])
+    assert [engine.digest(row) == before[row] for row in range(34)] == [True] * 33 + [False]
+    view = Limits.of(engine.config).view(engine.observations[33, 0].tolist(), [])
+    assert sorted(target.age for target in view.targets) == [0.25, *[np.float32(0.3)] * 2, 7.0]
+    engine.place(33, hunters, targets)
+    view = Limits.of(engine.config).view(engine.observations[33, 0].tolist(), [])
+    assert sorted(target.age for target in view.targets) == [0.0, 0.0, *[np.float32(0.3)] * 2]
 
 
 def test_who_is_withdrawn_sits_in_one_row_alone():

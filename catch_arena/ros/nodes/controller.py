@@ -14,7 +14,6 @@ from catch_arena.config import ArenaConfig, Gains
 from catch_arena.engine import Engine
 from catch_arena.envs.spaces import checked_action
 from catch_arena.errors import ActionError, AgentError
-from catch_arena.layout import columns
 from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
 from catch_arena.policy import Limits
 from catch_arena.ros.middleware.bus import Bus, Call, Log, Peer
@@ -73,8 +72,6 @@ class Controller:
     ) -> None:
         config = config.replace(**_ALONE, control=players.controls[0], observed_targets=64)
         self._engine = Engine(config)
-        self._ages = [place for place, column in enumerate(columns(config)) if column.name.endswith(".age")]
-        """Where an observation has the targets' ages, by rank."""
         self._players, self._closest_first = players, closest_first
         self._turtle, self._log = turtle, log
         self._pose: Pose | None = None
@@ -112,7 +109,7 @@ class Controller:
             self._log(f"{self._turtle} is silent: no pose for {_SILENT_S:g} s")
             return
         world, names = self._put(self._pose)
-        self._decide(world, names)
+        self._decide()
         after = self._engine.world()
         (hunter,) = after.hunters
         self._cmd_vel(TwistMessage.of(hunter.linear_velocity, hunter.angular_velocity))
@@ -136,7 +133,9 @@ class Controller:
         self._turtles = turtles
 
     def _put(self, pose: Pose) -> tuple[World, list[str]]:
-        """The position as the agent sees it, and what its targets are really called."""
+        """The position as the agent sees it, and what its targets are really called. They are as old as it is long
+        since each was first heard of; who is listed before another is older.
+        """
         side, most = self._engine.config.side_m, self._engine.config.max_targets
         there = [
             turtle
@@ -146,28 +145,20 @@ class Controller:
         if len(there) < min(len(self._turtles.turtles), most) and not self._warned:
             self._warned = True
             self._log("warning: /alive_turtles has targets far outside: is your Turtle.msg of float32? (docs/ros2.md)")
-        self._engine.place(0, [(pose.x, pose.y, pose.theta)], [(turtle.x, turtle.y) for turtle in there])
-        return self._engine.world(), [turtle.name for turtle in there]
-
-    def _observe(self, world: World, names: list[str]) -> list[float]:
-        """What the engine observes, with the age since each target was first heard of; who is listed before another is
-        older.
-        """
-        vector: list[float] = self._engine.observations[0, 0].tolist()
-        now = time.monotonic()
+        now, names = time.monotonic(), [turtle.name for turtle in there]
         self._known = {name: self._known.get(name, now) for name in names}
-        for place, (target, name) in enumerate(zip(world.targets, names, strict=True)):
-            rank = self._engine.rank_of(0, 0, target.name)
-            vector[self._ages[rank - 1]] = now - self._known[name] + 1e-3 * (len(names) - place)
-        return vector
+        ages = [now - self._known[name] + 1e-3 * (len(names) - place) for place, name in enumerate(names)]
+        targets = [(turtle.x, turtle.y) for turtle in there]
+        self._engine.place(0, [(pose.x, pose.y, pose.theta)], targets, ages=ages)
+        return self._engine.world(), names
 
-    def _decide(self, world: World, names: list[str]) -> None:
+    def _decide(self) -> None:
         """The agent's action, played for one step in its own arena: what its hunter does there the turtle does here."""
         config = self._engine.config
         control = config.controls[0]
         mask = [] if control == "velocity" else self._engine.masks[0, 0].tolist()
         seat = 0 if self._closest_first is None or self._closest_first.value else 1
-        action, _, fault = self._players.act({seat: (self._observe(world, names), mask)})[seat]
+        action, _, fault = self._players.act({seat: (self._engine.observations[0, 0].tolist(), mask)})[seat]
         if fault is not None:
             raise AgentError(f"{fault.code}: {fault.reason}")
         try:
