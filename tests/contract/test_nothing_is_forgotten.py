@@ -18,22 +18,22 @@ from properties.matches import some_config
 import catch_arena
 from catch_arena.config import ArenaConfig, FaultRates, Gains, PreyRewardWeights, RewardWeights, TargetMotion
 from catch_arena.core.state import MOTIONS, Settings
-from catch_arena.core.transfers import COPIED
-from catch_arena.core.workspace import FEATURE_STRIDE
 from catch_arena.layout import (
-    BODY_COLUMNS,
-    MOVING_TARGET_COLUMNS,
-    PREY_SELF_COLUMNS,
-    RIVAL_COLUMNS,
-    SELF_COLUMNS,
-    TARGET_COLUMNS,
-    TEAM_RIVAL_COLUMNS,
+    OF_A_RANK,
+    BodyFeatures,
+    MotionFeatures,
+    MovingTargetFeatures,
+    PreySelfFeatures,
+    SelfFeatures,
+    TeamRivalFeatures,
     columns,
     prey_columns,
     state_columns,
 )
+from catch_arena.policy import Limits, PreyLimits, SeenBody, SeenHunter, SeenTarget
 from catch_arena.verdicts import REASONS, Verdict
 
+FOUR = 4
 CORE = Path(catch_arena.__file__).parent / "core"
 
 RICH = ArenaConfig(
@@ -226,43 +226,30 @@ def note(values: dict[str, set[float]], table: Any, numbers: Any) -> None:
         values.setdefault(plain(column.name), set()).add(number)
 
 
-OF_A_RANK = {
-    "TargetFeatures": TARGET_COLUMNS,
-    "MovingTargetFeatures": MOVING_TARGET_COLUMNS,
-    "RivalFeatures": RIVAL_COLUMNS,
-    "TeamRivalFeatures": TEAM_RIVAL_COLUMNS,
-    "BodyFeatures": BODY_COLUMNS,
-}
-FOURS = 4
-"""`put_rows` writes whole fours, and the last rank is copied by two of them."""
-
-
-@pytest.mark.parametrize("kind", OF_A_RANK)
-def test_a_rank_has_as_many_columns_as_the_core_can_copy(kind):
-    """Else columns would stay zero, or a copy would run over numbers that are not written again: nothing else would say
-    so. docs/architecture.md has what a ninth column takes.
+@pytest.mark.parametrize(
+    ("kind", "table"),
+    [(SeenTarget, MovingTargetFeatures), (SeenHunter, TeamRivalFeatures), (SeenBody, BodyFeatures)],
+)
+def test_what_agents_see_by_rank_has_the_columns_of_its_table(kind, table):
+    """policy.py reads them in this order: a column of layout.py is a field of `SeenTarget`, `SeenHunter` or `SeenBody`
+    at the same place. What not every arena shows comes last, and has a default.
     """
-    width = len(OF_A_RANK[kind])
-    assert width <= FEATURE_STRIDE, "compute_...features would write into the next lane's room"
-    assert FEATURE_STRIDE % FOURS == 0, "the same, for what put_rows writes too much"
-    assert width <= COPIED, "write_ranked and prey_views.write_bodies would leave out columns"
-    assert FOURS <= width <= 2 * FOURS, "and of the last rank, the columns between its two fours"
-    assert COPIED <= FEATURE_STRIDE, "they would read the next lane's numbers"
-    assert 2 * width >= COPIED, "what is copied too much would pass the next rank"
+    assert kind._fields == ("rank", *(name for name in table._fields if name != "present"))
+    assert set(kind._field_defaults) <= {"mate", *MotionFeatures._fields}
 
 
-def test_what_is_written_too_much_is_written_over():
-    """What a hunter or prey knows of itself comes before the first rank, and the last target before the first rival."""
-    for own, of_a_rank in (
-        (SELF_COLUMNS, TARGET_COLUMNS),
-        (SELF_COLUMNS, MOVING_TARGET_COLUMNS),
-        (PREY_SELF_COLUMNS, BODY_COLUMNS),
-    ):
-        assert -len(own) % FOURS <= len(of_a_rank)
-    for target, rival in itertools.product(
-        (TARGET_COLUMNS, MOVING_TARGET_COLUMNS), (RIVAL_COLUMNS, TEAM_RIVAL_COLUMNS)
-    ):
-        assert len(target) + len(rival) >= COPIED
+def test_an_agent_reads_by_name_what_it_knows_of_itself():
+    """policy.py: each column of layout.py is an attribute of `View`, or of `PreyView`."""
+    for limits, table in ((Limits.of(RICH, 0), SelfFeatures), (PreyLimits.of(RICH), PreySelfFeatures)):
+        own = [float(place) for place in range(1, len(table._fields) + 1)]
+        view = limits.view([*own, *[0.0] * 100], [])
+        read = {name: getattr(view, name, f"is no attribute of {type(view).__name__}") for name in table._fields}
+        assert read == dict(zip(table._fields, own, strict=True)) | ({"alive": True} if "alive" in read else {})
+
+
+def test_what_is_written_too_much_of_a_rank_ends_within_the_next():
+    """`put_rows` writes whole fours, and `put_exactly` wants four columns."""
+    assert min(len(table._fields) for table in OF_A_RANK) >= FOUR
 
 
 def test_every_verdict_has_its_reason_and_cites_a_clause():

@@ -6,7 +6,18 @@ import pytest
 
 from catch_arena.core import observations
 from catch_arena.core.state import LANES
-from catch_arena.core.transfers import PREFETCHED, copy_eight, copy_four, prefetch, put_rows, stream_eight
+from catch_arena.core.tiles import BodyTile, MotionTile, TargetTile
+from catch_arena.core.transfers import (
+    PREFETCHED,
+    TILE,
+    prefetch,
+    put_exactly,
+    put_rows,
+    stream_eight,
+    take_half_tile,
+    take_tile,
+    where_there,
+)
 from catch_arena.core.vectors import SINGLE, WIDE, group, single
 
 FLAGS = {"nogil": True, "error_model": "numpy", "_nrt": False}
@@ -35,13 +46,6 @@ def write_rows(a, b, out, width):
         put_rows(out, at + 12, 32, (x, y, y, y, x, x, 0.5, y, x, y))
 
 
-def copy(source, out):
-    """From places that lie anywhere to such places; streamed to one that lies on 32 bytes."""
-    copy_four(out, 3, source, 5)
-    copy_eight(out, 9, source, 2)
-    stream_eight(out, 32, source, 8)
-
-
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @both_ways
 @pytest.mark.parametrize("width", [SINGLE, WIDE], ids=["one", "eight"])
@@ -53,17 +57,72 @@ def test_columns_become_rows(made, width):
     assert np.array_equal(out.reshape(SIZE, 32)[:, :22], np.transpose(columns), equal_nan=True)
 
 
+def columns_of(made, count):
+    """A function of a lane that gives so many columns: row by row of eight lanes."""
+    numbers = ", ".join(f"a[{column} * 8 + lane]" for column in range(count))
+    return made(eval(f"lambda a, lane: ({numbers},)"))  # noqa: S307 - a tuple whose length the compiler knows
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("width", [SINGLE, WIDE], ids=["one", "eight"])
+@pytest.mark.parametrize("count", [4, 5, 6, 7, 8, 9, 12, 13, 15, 16, 17])
 @both_ways
-def test_copies(made):
-    source = np.arange(64, dtype=np.float32)
-    memory = np.zeros(128, dtype=np.float32)
-    out = memory[-memory.ctypes.data % 32 // 4 :][:64]
-    made(copy)(source[-source.ctypes.data % 32 // 4 :][:40], out)
-    first = source[-source.ctypes.data % 32 // 4]
-    assert (out[3:7] == first + np.arange(5, 9)).all()
-    assert (out[9:17] == first + np.arange(2, 10)).all()
-    assert (out[32:40] == first + np.arange(8, 16)).all()
-    assert not out[[2, 7, 8, 17, 31, 40]].any()
+def test_any_number_of_columns_is_put_and_nothing_else_is_written(made, count, width, dtype):
+    """Exactly, or up to the next four."""
+    columns = columns_of(made, count)
+
+    def put(a, width, exact, whole):
+        put_exactly(exact, 3, 24, columns(a, group(0, width)))
+        put_rows(whole, 3, 24, columns(a, group(0, width)))
+
+    numbers = np.random.default_rng(count).normal(size=(count, 8))
+    exact, whole = (np.full(8 * 24, np.nan, dtype=dtype) for _ in range(2))
+    made(put)(numbers.reshape(-1), width, exact, whole)
+    wanted = numbers[:, : len(width)].T.astype(dtype)
+    for out, most in ((exact, 0), (whole, 3)):
+        rows = out[: len(width) * 24].reshape(len(width), 24)
+        assert (rows[:, 3 : 3 + count] == wanted).all()
+        assert np.isnan(rows[:, :3]).all()
+        assert np.isnan(rows[:, 3 + count + most :]).all()
+
+
+@pytest.mark.parametrize("width", [SINGLE, WIDE], ids=["one", "eight"])
+@both_ways
+def test_a_tile_is_taken_from_another_place_in_each_lane(made, width):
+    """All of it, or its first half, in lanes where there is one; and what `put_rows` put there."""
+    source = np.random.default_rng(3)
+    numbers, indices = source.normal(size=(20, TILE)), source.permutation(20)[:8]
+
+    def take(tiles, indices, width, out):
+        index = indices[group(0, width)]
+        there = index < 12
+        put_exactly(out, 0, 12, (*take_half_tile(tiles, index), *where_there(there, take_tile(tiles, index))))
+
+    out = np.full((8, 12), np.nan)
+    made(take)(numbers.reshape(-1), indices, width, out.reshape(-1))
+    for lane, index in enumerate(indices[: len(width)]):
+        assert (out[lane, :4] == numbers[index, :4]).all()
+        assert (out[lane, 4:] == (numbers[index] if index < 12 else 0.0)).all()
+    assert np.isnan(out[len(width) :]).all()
+
+
+def test_a_tile_has_room_for_what_is_known_of_anything():
+    """Half of it is fetched where targets stand still."""
+    assert len(BodyTile._fields) <= TILE
+    assert len(TargetTile._fields) == TILE // 2
+    assert len(TargetTile._fields + MotionTile._fields) <= TILE
+
+
+@both_ways
+def test_eight_numbers_are_streamed(made):
+    """From a place that lies on 32 bytes to such a place."""
+    memory = np.zeros((2, 64), dtype=np.float32)
+    source, out = (row[-row.ctypes.data % 32 // 4 :][:40] for row in memory)
+    source[:] = np.arange(40)
+    made(lambda source, out: stream_eight(out, 24, source, 8))(source, out)
+    assert (out[24:32] == np.arange(8, 16)).all()
+    assert not out[:24].any()
+    assert not out[32:].any()
 
 
 @both_ways
