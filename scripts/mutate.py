@@ -50,6 +50,7 @@ MODULES = (
     "rewards",
     "spawner",
     "targets",
+    "tiles",
     "visibility",
 )
 EQUIVALENT = ROOT / "tests" / "mutation" / "equivalent.toml"
