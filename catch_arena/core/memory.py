@@ -51,12 +51,6 @@ class Sections(NamedTuple):
     """(H,): the lowest seat of each seat's team, which stands for that (R11.1)."""
     team_seats: Annotated[NDArray[np.int64], 1]
     """(teams,): and those seats, in the order of the teams; none where there are no teams."""
-    target_network: Annotated[NDArray[np.int64], 2]
-    """(comparators, 2): see `ranking.selection_network`."""
-    rival_network: Annotated[NDArray[np.int64], 2]
-    hunter_network: Annotated[NDArray[np.int64], 2]
-    """The same for what prey sees of hunters."""
-    prey_network: Annotated[NDArray[np.int64], 2]
     keys: Annotated[NDArray[np.int32], 2]
     """(T, numbers), as those that follow: see `workspace.Scratch`."""
     target_tiles: Annotated[NDArray[np.float64], 2]

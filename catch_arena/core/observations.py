@@ -480,7 +480,7 @@ def observe(
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
-        rank_targets(block, me, targets, width, slots, sections.target_network, s, reach_limit_m2, scratch.keys)
+        rank_targets(block, me, targets, width, slots, s, reach_limit_m2, scratch.keys)
         pack_order(scratch.keys, slots, s.targets_seen, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
             order = rival_order_of(scratch, seat)
@@ -488,7 +488,8 @@ def observe(
             if s.hunters <= RANKS_PER_WORD:
                 count_ranks(block, seat, width, s, sections.teams, scratch.keys, scratch.rows, order)
             else:
-                sort_keys(scratch.keys, sections.rival_network, width, s.hunters)
+                # one rank more than is seen: a tie at the edge of the view has to be noticed
+                sort_keys(scratch.keys, s.hunters, s.hunters_seen + 1, width)
                 resolve_ties(block, seat, width, lanes, s, sections.teams, scratch.keys)
                 pack_order(scratch.keys, s.hunters, s.hunters_seen, width, order)
     observations, ahead = sections.observations.reshape(-1), block_after(sections.blocks, first)

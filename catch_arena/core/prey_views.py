@@ -92,8 +92,6 @@ class Bodies(NamedTuple):
     """Which of them is the observer, or _NOT_AMONG_THEM."""
     ranks: int
     """How many are seen."""
-    network: NDArray[np.int64]
-    """(comparators, 2): see `ranking.selection_network`."""
     first_column: int
     """Of rank 1, in the observation of one prey."""
     exactly: bool
@@ -101,9 +99,7 @@ class Bodies(NamedTuple):
 
 
 @inlined
-def bodies_of(
-    block: Block, s: Settings, of_hunters: bool, index: int, sections: Sections, gathered_prey: Block
-) -> Bodies:
+def bodies_of(block: Block, s: Settings, of_hunters: bool, index: int, gathered_prey: Block) -> Bodies:
     """R12.4: the hunters, or the prey, as one prey looks at them.
 
     Args:
@@ -111,7 +107,6 @@ def bodies_of(
         s: the settings.
         of_hunters: whether it is the hunters.
         index: which prey looks.
-        sections: see `memory.Sections`.
         gathered_prey: see `workspace.Scratch`.
     """
     hunters_seen, prey_seen = min(s.hunters, MOST_SEEN_BY_PREY), min(s.prey - 1, MOST_SEEN_BY_PREY)
@@ -122,7 +117,6 @@ def bodies_of(
         total=s.hunters if of_hunters else s.prey,
         myself=_NOT_AMONG_THEM if of_hunters else index,
         ranks=hunters_seen if of_hunters else prey_seen,
-        network=sections.hunter_network if of_hunters else sections.prey_network,
         first_column=_SELF_WIDTH + (0 if of_hunters else hunters_seen * _BODY_WIDTH),
         exactly=exactly,
     )
@@ -152,7 +146,7 @@ def rank_bodies(me: Block, bodies: Bodies, width: Width, lanes: int, keys: Keys)
             key = key_of(other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane], item)
             unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.myself)
             keys[item * LANES + lane] = select(unseen, FAR, key)
-    sort_keys(keys, bodies.network, width, bodies.total)
+    sort_keys(keys, bodies.total, bodies.ranks + 1, width)
     last = min(bodies.ranks, bodies.total - 1)
     for first in range(0, span(width), len(width)):
         if some_tied(keys, last, group(first, width)):
@@ -283,7 +277,7 @@ def observe_as_prey(
         me, caught = gathered_of(scratch, index), prey_of(block, index, s)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
         for side in range(2):  # in a loop, so that what it calls is compiled once
             of_hunters = side == 0
-            bodies = bodies_of(block, s, of_hunters, index, sections, scratch.gathered_prey)
+            bodies = bodies_of(block, s, of_hunters, index, scratch.gathered_prey)
             if bodies.ranks == 0:
                 continue
             rank_bodies(me, bodies, width, lanes, scratch.keys)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from catch_arena.core.features import body_at
 from catch_arena.core.jit import Block, outlined, phase, rule
+from catch_arena.core.sorting import EIGHT, Eight, merged, sorted_bitonic, sorted_eight
 from catch_arena.core.state import (
     ABSENT,
     ALIVE,
@@ -64,72 +65,65 @@ def equally_far(nearer: int, farther: int) -> bool:
     return (nearer < FAR) & ((nearer & ~_SLOTS) == (farther & ~_SLOTS))
 
 
-def selection_network(wires: int, outputs: int) -> NDArray[np.int64]:
-    """The comparators, as an array (n, 2) of wires, that bring the smallest `outputs` of `wires` keys to the front,
-    in order.
-
-    Runs of keys are sorted, and then merged two by two, of which the smaller half goes on: the last part of Batcher's
-    bitonic sort (Knuth, The Art of Computer Programming 3, section 5.3.4). Comparators that no output depends on are
-    left out.
-    """
-    run = 1 << (outputs - 1).bit_length()
-    comparators: list[tuple[int, int]] = []
-    for first in range(0, wires, run):
-        comparators += [(first + low, first + high) for low, high in _sorting_network(min(run, wires - first))]
-    distance = run
-    while distance < wires:
-        for first in range(0, wires - distance, 2 * distance):
-            second = first + distance
-            comparators += [(first + run - 1 - i, second + i) for i in range(min(run, wires - second))]
-            for apart in (run >> shift for shift in range(1, run.bit_length())):
-                comparators += [(first + i, first + i + apart) for i in range(run) if not i & apart]
-        distance *= 2
-    needed = set(range(outputs))
-    kept: list[tuple[int, int]] = []
-    for low, high in reversed(comparators):
-        if low in needed or high in needed:
-            needed |= {low, high}
-            kept.append((low, high))
-    return np.array(kept[::-1], dtype=np.int64).reshape(-1, 2)
+@rule
+def whole_eights(count: int) -> int:
+    """How many rows `sort_keys` takes for so many keys."""
+    return (count + EIGHT - 1) // EIGHT * EIGHT
 
 
-def _sorting_network(wires: int) -> list[tuple[int, int]]:
-    """Batcher's odd-even merge sort for any number of wires (the same volume, algorithm 5.2.2M)."""
-    comparators: list[tuple[int, int]] = []
-    top = 1 << wires.bit_length()  # any power of 2 from half of the wires on gives the same comparators
-    p = top
-    while p > 0:
-        q, r, d = top, 0, p
-        while True:
-            comparators += [(i, i + d) for i in range(wires - d) if i & p == r]
-            if q == p:
-                break
-            d, q, r = q - p, q >> 1, p
-        p >>= 1
-    return comparators
+@rule
+def eight_at(keys: Keys, row: int, lane: int) -> Eight:
+    """The keys of eight rows."""
+    return (
+        keys[row * LANES + lane],
+        keys[(row + 1) * LANES + lane],
+        keys[(row + 2) * LANES + lane],
+        keys[(row + 3) * LANES + lane],
+        keys[(row + 4) * LANES + lane],
+        keys[(row + 5) * LANES + lane],
+        keys[(row + 6) * LANES + lane],
+        keys[(row + 7) * LANES + lane],
+    )
 
 
 @phase
-def sort_keys(keys: Keys, network: NDArray[np.int64], width: Width, wires: int) -> None:
-    """Sort the keys of every lane, as far as the network goes.
+def put_eight(keys: Keys, row: int, lane: int, eight: Eight) -> None:
+    """Write them; arguments as of `eight_at`."""
+    keys[row * LANES + lane] = eight[0]
+    keys[(row + 1) * LANES + lane] = eight[1]
+    keys[(row + 2) * LANES + lane] = eight[2]
+    keys[(row + 3) * LANES + lane] = eight[3]
+    keys[(row + 4) * LANES + lane] = eight[4]
+    keys[(row + 5) * LANES + lane] = eight[5]
+    keys[(row + 6) * LANES + lane] = eight[6]
+    keys[(row + 7) * LANES + lane] = eight[7]
+
+
+@phase
+def sort_keys(keys: Keys, count: int, ranks: int, width: Width) -> None:
+    """Sort the keys of every lane as far as somebody reads them, eight after eight: each is sorted, and then merged
+    with those that have the ranks so far, of whom the larger ones go on in its place.
 
     Args:
         keys: by slot or seat, rows of LANES; sorted in place, the smallest first.
-        network: (comparators, 2): see `selection_network`.
+        count: how many rows have keys.
+        ranks: how many of the smallest are wanted in order; the others follow in any, among some that are FAR, up to
+            `whole_eights`.
         width: how many lanes a group has.
-        wires: how many rows have keys.
     """
-    for comparator in range(len(network)):
-        if network[comparator, 1] >= wires:
-            continue
-        near = network[comparator, 0] * LANES
-        far = network[comparator, 1] * LANES
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            a = keys[near + lane]
-            b = keys[far + lane]
-            keys[near + lane] = select(a < b, a, b)
-            keys[far + lane] = select(a < b, b, a)
+    for row in range(count, whole_eights(count)):
+        for lane in range(span(width)):
+            keys[row * LANES + lane] = FAR
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        for row in range(0, count, EIGHT):
+            eight = sorted_eight(eight_at(keys, row, lane))
+            for ranked in range(0, min(row, ranks), EIGHT):
+                nearer, eight = merged(eight_at(keys, ranked, lane), eight)
+                put_eight(keys, ranked, lane, nearer)
+                if ranked + EIGHT < ranks:
+                    eight = sorted_bitonic(eight)
+            put_eight(keys, row, lane, eight)
 
 
 @phase
@@ -163,7 +157,6 @@ def rank_targets(
     targets: Block,
     width: Width,
     slots: int,
-    network: NDArray[np.int64],
     s: Settings,
     reach_limit_m2: float,
     keys: Keys,
@@ -176,7 +169,6 @@ def rank_targets(
         targets: the slots of the block.
         width: how many lanes a group has.
         slots: how many slots are in use in any lane.
-        network: (comparators, 2): see `selection_network`.
         s: the settings.
         reach_limit_m2: the seat's own: see `visibility.is_seen`.
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
@@ -197,7 +189,7 @@ def rank_targets(
             keys[slot * LANES + lane] = select(there, key_of(dx, dy, slot), FAR)
         seen = block[ALIVE + lane] - hidden
         me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
-    sort_keys(keys, network, width, slots)
+    sort_keys(keys, slots, s.targets_seen, width)
 
 
 @phase
@@ -343,21 +335,21 @@ def some_tied(keys: Keys, ranks: int, lane: int) -> bool:
 
 
 @phase
-def gather_ties(lane: int, ranks: int, wires: int, keys: Keys) -> int:
+def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
     """R7.1: who is as far as the first rival beyond the view comes right after it, in the place of those farther away.
 
     Args:
         lane: the lane.
         ranks: how many rivals are seen; the next one is the first beyond the view.
-        wires: how many keys there are.
-        keys: sorted as far as `ranks`, rows of LANES.
+        total: how many bodies there are.
+        keys: as `sort_keys` leaves them, rows of LANES.
 
     Returns:
         how many keys there are so far; what stands behind them means nothing any more.
     """
     count = ranks + 1
     edge = keys[ranks * LANES + lane]
-    for at in range(count, wires):
+    for at in range(count, whole_eights(total)):
         key = keys[at * LANES + lane]
         if equally_far(edge, key):
             keys[count * LANES + lane] = key

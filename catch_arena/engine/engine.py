@@ -4,7 +4,7 @@ arbitration check what people give.
 
 import hashlib
 from collections.abc import Callable, Sequence
-from functools import cache, partial
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -29,7 +29,6 @@ from catch_arena.core.memory import (
     zeros,
 )
 from catch_arena.core.prey import PREY_RECORD_COLUMNS, withdraw_prey_at
-from catch_arena.core.ranking import selection_network
 from catch_arena.core.state import ALL_OPTIONS, LANES, PART_NAMES, PREY_PART_NAMES
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
@@ -39,7 +38,7 @@ from catch_arena.engine.core_settings import limits_by_seat, settings_of
 from catch_arena.engine.placing import place, place_batch
 from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.errors import ConfigError
-from catch_arena.layout import hunters_seen_by_prey, observation_size, prey_observation_size, prey_seen_by_prey
+from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.seeding import checked_seed
 from catch_arena.threads import Threads
 from catch_arena.verdicts import Ruling
@@ -53,8 +52,6 @@ _NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 _NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
 _NO_PREY: Final = np.zeros(0)
-_NO_NETWORK: Final = np.zeros((0, 2), dtype=np.int64)
-_network: Final = cache(selection_network)
 """For engines that copy it."""
 
 
@@ -113,14 +110,7 @@ class Engine:
                 limits=limits_by_seat(config),
                 teams=np.array([min(config.team_seats[team]) for team in config.team_by_seat]),
                 team_seats=np.array([min(seats) for seats in config.teams or ()], dtype=np.int64),
-                target_network=_network(config.max_targets, seen),
-                # one rank more than is seen: a tie at the edge of the view has to be noticed
-                rival_network=_network(hunters, min(hunters, config.hunters_seen + 1)),
                 prey_commands=zeros(num_arenas, prey, 2, dtype=np.float32),
-                hunter_network=_network(hunters, min(hunters, hunters_seen_by_prey(config) + 1))
-                if prey
-                else _NO_NETWORK,
-                prey_network=_network(prey, min(prey, prey_seen_by_prey(config) + 1)) if prey else _NO_NETWORK,
                 blocks=zeros(num_blocks, num_rows * LANES),
                 breakdowns=zeros(rows_with_infos, hunters, 1 + len(PART_NAMES)),
                 evidence=zeros(rows_with_infos, hunters, len(state.EVIDENCE)),

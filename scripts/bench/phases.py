@@ -55,7 +55,6 @@ def _targets_as_they_lie(
     _targets: Block,
     width: Width,
     slots: int,
-    _network: NDArray[np.int64],
     _s: Settings,
     _reach_limit_m2: float,
     keys: Keys,
