@@ -1,6 +1,7 @@
 """Rulebook chapter 6: the named parts of the reward, and their weighted sum."""
 
-from typing import Final
+from collections import namedtuple
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,11 @@ from catch_arena.verdicts import Verdict
 
 _LOST_CONTEST: Final = float(Verdict.LOST_CONTEST)
 _GRANTED: Final = float(Verdict.GRANTED)
+
+_named: Any = namedtuple  # for type checkers, which want to see the names  # noqa: PYI024
+_PartRows: Final = _named("_PartRows", PART_NAMES)
+_ROW_OF: Final = _PartRows(*range(LANES, (1 + len(PART_NAMES)) * LANES, LANES))
+"""Of each part: where its row begins in scratch memory, behind that of the sum."""
 
 Rewards = NDArray[np.float32]
 """(lanes, H): the sum."""
@@ -245,13 +251,13 @@ def reward_hunters(
             amounts[lane] = total
             if not parts_wanted:
                 continue
-            amounts[LANES + lane] = granted
-            amounts[2 * LANES + lane] = rival
-            amounts[3 * LANES + lane] = lost
-            amounts[4 * LANES + lane] = rejected
-            amounts[5 * LANES + lane] = progress
-            amounts[6 * LANES + lane] = elapsed
-            amounts[7 * LANES + lane] = mate
+            amounts[_ROW_OF.catch + lane] = granted
+            amounts[_ROW_OF.rival_catch + lane] = rival
+            amounts[_ROW_OF.lost_contest + lane] = lost
+            amounts[_ROW_OF.rejected_request + lane] = rejected
+            amounts[_ROW_OF.progress + lane] = progress
+            amounts[_ROW_OF.time + lane] = elapsed
+            amounts[_ROW_OF.mate_catch + lane] = mate
         if parts_wanted:
             for lane in range(lanes):
                 for column in range(1 + len(PART_NAMES)):
