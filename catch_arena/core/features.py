@@ -2,7 +2,7 @@
 and of the time.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from catch_arena.core.jit import Block, rule
 from catch_arena.core.state import (
@@ -15,7 +15,7 @@ from catch_arena.core.state import (
     X,
     Y,
 )
-from catch_arena.core.tiles import BodyTile, MotionTile, TargetTile, body_tile
+from catch_arena.core.tiles import BodyTile, MotionTile, TargetTile
 from catch_arena.core.vectors import select
 from catch_arena.layout import (
     BodyFeatures,
@@ -28,46 +28,49 @@ from catch_arena.layout import (
 )
 
 
-@rule
-def in_frame_of(me: Block, x: float, y: float, lane: int) -> tuple[float, float]:
-    """R7.1: how far ahead of an observer a place is, and how far to its left [m].
+class Observer(NamedTuple):
+    """What has to be known of who looks, in one lane; read once for all that it sees."""
 
-    Args:
-        me: the rows of the observer's body.
-        x: in the world frame [m].
-        y: the same.
-        lane: the lane.
-    """
-    sine, cosine = me[SINE + lane], me[COSINE + lane]
-    dx, dy = x - me[X + lane], y - me[Y + lane]
-    return cosine * dx + sine * dy, cosine * dy - sine * dx
+    x: float
+    y: float
+    sine: float
+    cosine: float
+    active: float
+    """Of a hunter: the number of its active target."""
+    score: float
+    """Of a hunter."""
 
 
 @rule
-def heading_in_frame_of(me: Block, sine: float, cosine: float, lane: int) -> tuple[float, float]:
-    """R7.1: cosine and sine of a heading relative to an observer's.
-
-    Args:
-        me: the rows of the observer's body.
-        sine: of the heading.
-        cosine: of the heading.
-        lane: the lane.
-    """
-    my_sine, my_cosine = me[SINE + lane], me[COSINE + lane]
-    return cosine * my_cosine + sine * my_sine, sine * my_cosine - cosine * my_sine
+def observer_of(me: Block, lane: int) -> Observer:
+    """A body as an observer, of its rows up to SCORE."""
+    return Observer(
+        x=me[X + lane],
+        y=me[Y + lane],
+        sine=me[SINE + lane],
+        cosine=me[COSINE + lane],
+        active=me[ACTIVE + lane],
+        score=me[SCORE + lane],
+    )
 
 
 @rule
-def body_seen(me: Block, body: BodyTile, lane: int) -> BodyFeatures:
-    """R12.4: what one body sees of another.
+def in_frame_of(me: Observer, east: float, north: float) -> tuple[float, float]:
+    """R7.1: of a direction how much of it is ahead of an observer, and how much to its left.
 
     Args:
-        me: the rows of the observer.
-        body: the body that it sees.
-        lane: the lane.
+        me: the observer.
+        east: from the observer to a place [m], or the cosine of a heading.
+        north: the same, or the sine.
     """
-    forward, left = in_frame_of(me, body.x, body.y, lane)
-    heading_cos, heading_sin = heading_in_frame_of(me, body.sine, body.cosine, lane)
+    return me.cosine * east + me.sine * north, me.cosine * north - me.sine * east
+
+
+@rule
+def body_seen(me: Observer, body: BodyTile) -> BodyFeatures:
+    """R12.4: what one body sees of another."""
+    forward, left = in_frame_of(me, body.x - me.x, body.y - me.y)
+    heading_cos, heading_sin = in_frame_of(me, body.cosine, body.sine)
     return BodyFeatures(
         forward=forward,
         left=left,
@@ -79,15 +82,9 @@ def body_seen(me: Block, body: BodyTile, lane: int) -> BodyFeatures:
 
 
 @rule
-def body_at(me: Block, other: Block, lane: int) -> BodyFeatures:
-    """R12.4: the same of a body's rows."""
-    return body_seen(me, body_tile(other, 0.0, lane), lane)
-
-
-@rule
-def rival_seen(me: Block, rival: BodyTile, lane: int) -> RivalFeatures:
-    """R7.1: what one hunter sees of another; arguments as of `body_seen`."""
-    body = body_seen(me, rival, lane)
+def rival_seen(me: Observer, rival: BodyTile) -> RivalFeatures:
+    """R7.1: what one hunter sees of another."""
+    body = body_seen(me, rival)
     return RivalFeatures(
         forward=body.forward,
         left=body.left,
@@ -95,42 +92,36 @@ def rival_seen(me: Block, rival: BodyTile, lane: int) -> RivalFeatures:
         heading_cos=body.heading_cos,
         heading_sin=body.heading_sin,
         linear_velocity=body.linear_velocity,
-        score_difference=rival.score - me[SCORE + lane],
+        score_difference=rival.score - me.score,
     )
 
 
 @rule
-def team_rival_seen(me: Block, rival: BodyTile, team: float, lane: int) -> Any:
+def team_rival_seen(me: Observer, rival: BodyTile, team: float) -> Any:
     """R7.4: the same where there are teams, a `layout.TeamRivalFeatures`; `team`, the observer's own."""
-    seen, in_teams = rival_seen(me, rival, lane), TeamFeatures(mate=select(rival.team == team, 1.0, 0.0))
+    seen, in_teams = rival_seen(me, rival), TeamFeatures(mate=select(rival.team == team, 1.0, 0.0))
     return TeamRivalFeatures(*seen[:], *in_teams[:])  # Numba unpacks plain tuples only
 
 
 @rule
-def target_seen(me: Block, target: TargetTile, lane: int) -> TargetFeatures:
-    """R7.1: what a hunter sees of a target.
-
-    Args:
-        me: the rows of the hunter.
-        target: the target.
-        lane: the lane.
-    """
-    forward, left = in_frame_of(me, target.x, target.y, lane)
+def target_seen(me: Observer, target: TargetTile) -> TargetFeatures:
+    """R7.1: what a hunter sees of a target."""
+    forward, left = in_frame_of(me, target.x - me.x, target.y - me.y)
     return TargetFeatures(
         forward=forward,
         left=left,
         present=1.0,
         age=target.age,
-        active=select(target.number == me[ACTIVE + lane], 1.0, 0.0),
+        active=select(target.number == me.active, 1.0, 0.0),
     )
 
 
 @rule
-def moving_target_seen(me: Block, target: TargetTile, motion: MotionTile, lane: int) -> Any:
+def moving_target_seen(me: Observer, target: TargetTile, motion: MotionTile) -> Any:
     """R7.4: the same where targets move, a `layout.MovingTargetFeatures`; `motion`, of the target."""
-    heading_cos, heading_sin = heading_in_frame_of(me, motion.sine, motion.cosine, lane)
+    heading_cos, heading_sin = in_frame_of(me, motion.cosine, motion.sine)
     moving = MotionFeatures(heading_cos=heading_cos, heading_sin=heading_sin, linear_velocity=motion.speed)
-    seen = target_seen(me, target, lane)
+    seen = target_seen(me, target)
     return MovingTargetFeatures(*seen[:], *moving[:])  # Numba unpacks plain tuples only
 
 

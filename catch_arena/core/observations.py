@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from catch_arena.core.features import (
     in_frame_of,
     moving_target_seen,
+    observer_of,
     rival_seen,
     target_seen,
     team_rival_seen,
@@ -192,7 +193,8 @@ def write_targets(block: Block, seat: int, s: Settings, first: int, width: Width
         tiles: see `tiles.tile_targets`.
         place: see `transfers.Place`.
     """
-    me, order, lane = seat_of(block, seat), target_order_of(block, seat, s), group(first, width)
+    order, lane = target_order_of(block, seat, s), group(first, width)
+    me = observer_of(seat_of(block, seat), lane)
     for rank in range(s.targets_seen):
         slots = slot_at_rank(order, rank, lane)
         there = slots != ABSENT
@@ -201,10 +203,10 @@ def write_targets(block: Block, seat: int, s: Settings, first: int, width: Width
         exactly = s.hunters_seen == 0 and rank + 1 == s.targets_seen
         if s.targets_move:
             tile = take_tile(tiles, index)
-            seen = moving_target_seen(me, target_of_tile(tile), motion_of_tile(tile), lane)
+            seen = moving_target_seen(me, target_of_tile(tile), motion_of_tile(tile))
             put_rank(at_rank, there, seen, exactly)
         else:
-            put_rank(at_rank, there, target_seen(me, target_of_tile(take_half_tile(tiles, index)), lane), exactly)
+            put_rank(at_rank, there, target_seen(me, target_of_tile(take_half_tile(tiles, index))), exactly)
     if s.view_noise_m > 0.0:
         blur_seen(block, seat, TARGET_KIND, order, first, width, s, tiles, place)
 
@@ -234,7 +236,8 @@ def write_rivals(
         tiles: see `tiles.tile_hunters`.
         place: see `transfers.Place`.
     """
-    me, lane = seat_of(block, seat), group(first, width)
+    lane = group(first, width)
+    me = observer_of(seat_of(block, seat), lane)
     for rank in range(s.hunters_seen):
         seats = slot_at_rank(order, rank, lane)
         there = seats != ABSENT
@@ -242,9 +245,9 @@ def write_rivals(
         at_rank = Place(place.out, place.at + rank * rival_width(s), place.stride)
         exactly = rank + 1 == s.hunters_seen
         if s.has_teams:
-            put_rank(at_rank, there, team_rival_seen(me, rival, float(teams[seat]), lane), exactly)
+            put_rank(at_rank, there, team_rival_seen(me, rival, float(teams[seat])), exactly)
         else:
-            put_rank(at_rank, there, rival_seen(me, rival, lane), exactly)
+            put_rank(at_rank, there, rival_seen(me, rival), exactly)
     if s.view_noise_m > 0.0:
         blur_seen(block, seat, RIVAL_KIND, order, first, width, s, tiles, place)
 
@@ -274,16 +277,16 @@ def blur_seen(
         tiles: see `tiles.tile_targets` and `tiles.tile_hunters`.
         place: see `transfers.Place`.
     """
-    me, of_targets = seat_of(block, seat), kind == TARGET_KIND
+    of_targets = kind == TARGET_KIND
     columns = target_width(s) if of_targets else rival_width(s)
     for lane in range(first, first + len(width)):
-        key = blur_key_at(block, seat, kind, lane)
+        me, key = observer_of(seat_of(block, seat), lane), blur_key_at(block, seat, kind, lane)
         at = place.at + (lane - first) * place.stride
         for rank in range(s.targets_seen if of_targets else s.hunters_seen):
             item = slot_at_rank(order, rank, lane)
             if item != ABSENT:
                 tile = (item * len(width) + lane - first) * TILE
-                forward, left = in_frame_of(me, tiles[tile + TILE_X], tiles[tile + TILE_Y], lane)
+                forward, left = in_frame_of(me, tiles[tile + TILE_X] - me.x, tiles[tile + TILE_Y] - me.y)
                 who = np.uint64(tiles[tile + TILE_NUMBER]) if of_targets else np.uint64(item)
                 write_blurred(draw(key, who), forward, left, s, place.out, at)
             at += columns

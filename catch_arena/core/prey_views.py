@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.features import body_seen, time_left_at
+from catch_arena.core.features import body_seen, observer_of, time_left_at
 from catch_arena.core.jit import Block, inlined, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import (
@@ -196,6 +196,7 @@ def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, scratch: S
         place: see `transfers.Place`.
     """
     lane = group(first, width)
+    observer = observer_of(me, lane)
     for item in range(bodies.total):
         body = body_tile(body_in(bodies, item), 0.0, lane)
         put_rows(scratch.body_tiles, item * len(width) * TILE, TILE, body)
@@ -205,7 +206,7 @@ def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, scratch: S
         tile = take_tile(scratch.body_tiles, tile_index(items, width))
         at = place.at + bodies.first_column + rank * _BODY_WIDTH
         exactly = bodies.exactly and rank == bodies.ranks - 1
-        seen = body_seen(me, body_of_tile(tile), lane)
+        seen = body_seen(observer, body_of_tile(tile))
         put_rank(Place(place.out, at, place.stride), there, seen, exactly)
 
 

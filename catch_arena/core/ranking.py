@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.features import body_at
+from catch_arena.core.features import body_seen, observer_of
 from catch_arena.core.jit import Block, outlined, phase, rule
 from catch_arena.core.sorting import EIGHT, Eight, merged, sorted_bitonic, sorted_eight
 from catch_arena.core.state import (
@@ -30,6 +30,7 @@ from catch_arena.core.state import (
     seat_of,
     span,
 )
+from catch_arena.core.tiles import body_tile
 from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
 from catch_arena.core.visibility import is_seen
 
@@ -278,7 +279,8 @@ def lead(me: Block, one: Block, other: Block, lane: int) -> float:
     Returns:
         a number above 0 where `one` comes first, below 0 where `other` does, and 0 where they look alike.
     """
-    a, b = body_at(me, one, lane), body_at(me, other, lane)
+    observer = observer_of(me, lane)
+    a, b = body_seen(observer, body_tile(one, 0.0, lane)), body_seen(observer, body_tile(other, 0.0, lane))
     difference = a.linear_velocity - b.linear_velocity
     difference = select(a.heading_sin == b.heading_sin, difference, a.heading_sin - b.heading_sin)
     difference = select(a.heading_cos == b.heading_cos, difference, a.heading_cos - b.heading_cos)

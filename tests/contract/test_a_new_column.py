@@ -30,7 +30,7 @@ ADDED = [
         "core/features.py",
         "def rival_seen",
         "        score_difference",
-        ["    half_velocity=0.5 * rival.speed,", "    lead=me[SCORE + lane] - rival.score,"],
+        ["    half_velocity=0.5 * rival.speed,", "    lead=me.score - rival.score,"],
     ),
     ("policy.py", "class SeenHunter", "    score_difference", ["half_velocity: float", "lead: float"]),
     (
