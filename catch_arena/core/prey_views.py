@@ -45,8 +45,8 @@ from catch_arena.core.state import (
     span,
     targets_of,
 )
-from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, tile_index
-from catch_arena.core.transfers import TILE, Place, put_rows, take_tile
+from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile, tile_index
+from catch_arena.core.transfers import Place, put_rows, take_tile
 from catch_arena.core.vectors import Width, group, long, select
 from catch_arena.core.workspace import GATHERED_SIZE, Scratch, gathered_of
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
@@ -198,8 +198,7 @@ def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, scratch: S
     lane = group(first, width)
     observer = observer_of(me, lane)
     for item in range(bodies.total):
-        body = body_tile(body_in(bodies, item), 0.0, lane)
-        put_rows(scratch.body_tiles, item * len(width) * TILE, TILE, body)
+        put_tile(scratch.body_tiles, item, width, body_tile(body_in(bodies, item), 0.0, lane))
     for rank in range(bodies.ranks):
         items = long(item_of(scratch.keys[rank * LANES + lane]))
         there = items != ABSENT

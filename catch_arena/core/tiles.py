@@ -131,6 +131,12 @@ def tile_index(item: int, width: Width) -> int:
 
 
 @phase
+def put_tile(tiles: Block, item: int, width: Width, tile: tuple[float, ...]) -> None:
+    """The tiles of a slot, seat or prey, in the lanes of one group; a tuple of four numbers is half of each."""
+    put_rows(tiles, item * len(width) * TILE, TILE, tile)
+
+
+@phase
 def tile_targets(block: Block, targets: Block, first: int, width: Width, slots: int, s: Settings, tiles: Block) -> None:
     """What is known of every target, which all seats read, in the lanes of one group.
 
@@ -148,9 +154,9 @@ def tile_targets(block: Block, targets: Block, first: int, width: Width, slots: 
         at = slot * s.slot_size + lane
         tile = target_tile(block, targets, at, lane)
         if s.targets_move:
-            put_rows(tiles, slot * len(width) * TILE, TILE, (*tile[:], *motion_tile(targets, at)[:]))
+            put_tile(tiles, slot, width, (*tile[:], *motion_tile(targets, at)[:]))
         else:
-            put_rows(tiles, slot * len(width) * TILE, TILE, tile)
+            put_tile(tiles, slot, width, tile)
 
 
 @phase
@@ -166,8 +172,7 @@ def tile_hunters(block: Block, first: int, width: Width, s: Settings, teams: NDA
         tiles: the result: see `workspace.Scratch`.
     """
     for seat in range(s.hunters):
-        tile = body_tile(seat_of(block, seat), float(teams[seat]), group(first, width))
-        put_rows(tiles, seat * len(width) * TILE, TILE, tile)
+        put_tile(tiles, seat, width, body_tile(seat_of(block, seat), float(teams[seat]), group(first, width)))
 
 
 @phase
