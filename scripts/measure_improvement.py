@@ -242,11 +242,12 @@ def to_own(view: BatchView, x: Any, y: Any) -> tuple[Any, Any]:
 def follow(view: BatchView, now: Any) -> tuple[Any, Any]:
     """Where courses, (5, N), lead in the own frame: (N,) each. Those that are at an end become the network's."""
     forward, left = to_own(view, now[X], now[Y])
-    targets, away = view.targets, np.hypot(forward, left)
-    off = np.hypot(targets.forward - forward[:, None], targets.left - left[:, None])
+    away, chasing = np.hypot(forward, left), np.flatnonzero(now[KIND] == TARGET)
+    targets = view.of(chasing).targets
+    off = np.hypot(targets.forward - forward[chasing, None], targets.left - left[chasing, None])
+    over = ((now[KIND] == PASS) & (away < 0.2)) | (now[LEFT] <= 0)
     gone = ~((targets.present > 0) & (off < 0.02)).any(axis=1)  # positions are float32
-    caught = gone | (away < 0.999 * LIMITS.reach_m)  # or as good as that
-    over = ((now[KIND] == TARGET) & caught) | ((now[KIND] == PASS) & (away < 0.2)) | (now[LEFT] <= 0)
+    over[chasing] |= gone | (away[chasing] < 0.999 * LIMITS.reach_m)  # or as good as caught
     now[KIND, over] = NETWORK
     now[LEFT] -= 1
     return forward, left
