@@ -47,7 +47,7 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile, tile_index
 from catch_arena.core.transfers import Place, put_rows, take_tile
-from catch_arena.core.vectors import Width, group, long, select
+from catch_arena.core.vectors import Width, flat, group, long, select
 from catch_arena.core.workspace import GATHERED_SIZE, Scratch, gathered_of
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
@@ -270,7 +270,7 @@ def observe_as_prey(
         scratch: see `workspace.Scratch`.
     """
     gather_prey(block, s, lanes, targets_of(block, s), scratch)
-    out = sections.prey_observations.reshape(-1)
+    out = flat(sections.prey_observations)
     columns = sections.prey_observations.shape[2]
     stride = s.prey * columns
     for index in range(s.prey):

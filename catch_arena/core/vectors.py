@@ -20,6 +20,7 @@ from numba import types
 from numba.core import cgutils
 from numba.core.typeconv.castgraph import Conversion
 from numba.extending import lower_builtin, lower_cast, models, register_model, type_callable
+from numpy.typing import NDArray
 
 Width = tuple[int, ...]
 """How many lanes a group has: as many as the tuple is long, which the compiler knows."""
@@ -88,6 +89,11 @@ def truncate(value: float) -> int:
 def long(value: int) -> int:
     """An int32 as an int64."""
     return cast("int", np.asarray(value).astype(np.int64)[()])
+
+
+def flat(array: NDArray[Any]) -> NDArray[Any]:
+    """All numbers of a C-contiguous array in one dimension; compiled, without Numba's questions whether it can be."""
+    return array.reshape(-1)
 
 
 def bits_of(value: float) -> int:
@@ -330,6 +336,24 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return first
     counted = ir.Constant(low_level(lanes), list(range(lanes.count)))
     return builder.add(_spread(context, builder, types.int64, lanes, first), counted)
+
+
+# arrays
+
+
+def _type_of_flat(array: Any) -> Any:
+    return array.copy(ndim=1)(array) if isinstance(array, types.Array) and array.layout == "C" else None
+
+
+@compiled_as(flat, _type_of_flat, 1)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    whole = context.make_array(signature.args[0])(context, builder, arguments[0])
+    made = context.make_array(signature.return_type)(context, builder)
+    shape, strides = [whole.nitems], [whole.itemsize]
+    context.populate_array(
+        made, data=whole.data, shape=shape, strides=strides, itemsize=whole.itemsize, meminfo=whole.meminfo
+    )
+    return made._getvalue()  # noqa: SLF001
 
 
 # functions of numbers
