@@ -83,11 +83,11 @@ class _Part(_Translated):
         self._finalized = True
 
 
-class _Whole(_Translated):
+class Whole(_Translated):
     """What Python calls, and all that it calls."""
 
-    def finalize(self) -> None:
-        """Link each part once, optimise all, emit."""
+    def link(self) -> Any:
+        """LLVM's module with all parts, each once; not optimised yet."""
         self._raise_if_finalized()
         self._codegen._check_llvm_bugs()  # noqa: SLF001
         linked: set[Any] = set()
@@ -101,6 +101,11 @@ class _Whole(_Translated):
                 waiting += library._linking_libraries  # noqa: SLF001
             self._reload_init.update(library._reload_init)  # noqa: SLF001
             self.add_llvm_module(library._get_module_for_linking().clone())  # noqa: SLF001
+        return self._final_module
+
+    def finalize(self) -> None:
+        """Link, optimise all, emit."""
+        self.link()
         self._final_module.data_layout = self._codegen._data_layout  # noqa: SLF001
         # once, where Numba does so three times; and without the search for loops that could be vectors
         manager, builder = self._codegen._module_pass_manager(opt=2, loop_vectorize=False, slp_vectorize=False)  # noqa: SLF001
@@ -175,7 +180,7 @@ class _LowerWhole(typed_passes.NativeLowering):  # type: ignore[misc]
     _name = "catch_arena_lower_whole"
 
     def run_pass(self, state: Any) -> bool:
-        state.library = _Whole(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library = Whole(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.enable_object_caching()
         return super().run_pass(state)  # type: ignore[no-any-return]
 

@@ -47,6 +47,8 @@ Block = NDArray[np.float64]
 
 INTERPRETED: Final = bool(_numba.DISABLE_JIT)
 """NUMBA_DISABLE_JIT=1: everything below runs as plain Python, for debuggers, coverage and doubters."""
+CHECKED: Final = bool(_numba.BOUNDSCHECK)
+"""NUMBA_BOUNDSCHECK=1: compiled code looks whether each index is one of the array's."""
 
 _FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
 _WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": WholeCompiler} if USABLE else _FLAGS
@@ -58,17 +60,23 @@ _MOST_KEPT: Final = 16
 """How many states of the sources."""
 
 
-def _cache_directory() -> Path | None:
-    """Where compiled code is kept: one folder for each state of the sources; None where nothing can be written."""
+def sources_digest() -> str:
+    """Of all from which the core is compiled."""
     package = Path(__file__).parent.parent
     sources = [*sorted((package / "core").glob("*.py")), package / "layout.py", package / "verdicts.py"]
     digest = hashlib.blake2b(digest_size=8)
     for source in sources:
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
-    checked = "-checked" if _numba.BOUNDSCHECK else ""  # NUMBA_BOUNDSCHECK=1 makes other code of the same sources
+    return digest.hexdigest()
+
+
+def _cache_directory() -> Path | None:
+    """Where compiled code is kept: one folder for each state of the sources; None where nothing can be written."""
+    digest = sources_digest()
+    checked = "-checked" if CHECKED else ""  # which is other code of the same sources
     for parent in _cache_parents():
-        folder = parent / f"core-{digest.hexdigest()}{checked}"
+        folder = parent / f"core-{digest}{checked}"
         with contextlib.suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             if os.access(folder, os.W_OK):

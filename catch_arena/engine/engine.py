@@ -36,6 +36,7 @@ from catch_arena.engine.block_views import BlockViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
 from catch_arena.engine.placing import place, place_batch
+from catch_arena.engine.prebuilt import PrebuiltRun, prebuilt_code
 from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.errors import ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
@@ -82,9 +83,11 @@ class Engine:
         settings = settings_of(config, with_parts=with_infos, any_control=any_control)
         options = state.options_of(settings)
         variant = Variant(batch=num_arenas > 1, options=options == ALL_OPTIONS)
-        compile_once(variant, partial(_play_smallest, variant))
         self._variant = (*((SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)), options)
         """What of `tick.run` is compiled."""
+        self._prebuilt = prebuilt_code(len(self._variant[0]), options=variant.options)
+        if self._prebuilt is None:
+            compile_once(variant, partial(_play_smallest, variant))
         self.config = config
         self.num_arenas = num_arenas
         self.with_infos = with_infos
@@ -140,6 +143,9 @@ class Engine:
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Give the memory's sections their names."""
         self._memory = memory
+        self._run: Callable[..., None] = (
+            partial(tick.run, *self._variant, memory) if self._prebuilt is None else PrebuiltRun(self._prebuilt, memory)
+        )
         self.blocks = sections.blocks
         """The arenas' memory: see core/state.py."""
         self.controls = sections.controls
@@ -247,12 +253,12 @@ class Engine:
             self._prey_commands[:] = prey_commands
         blocks, chunks = len(self.blocks), self._chunks
         if self.threads.size == 1:
-            tick.run(*self._variant, self._memory, 0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
+            self._run(0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
             return
 
         def play(thread: int, chunk: int) -> None:
             first, last = chunk * blocks // chunks, (chunk + 1) * blocks // chunks
-            tick.run(*self._variant, self._memory, thread, first, last, _NO_RESETS, True, choices, commands, requests)
+            self._run(thread, first, last, _NO_RESETS, True, choices, commands, requests)
 
         self.threads.run(chunks, play)
 
@@ -270,9 +276,13 @@ class Engine:
             commands: see `step`.
             prey_commands: see `step`.
         """
-        arguments = (*self._variant, self._memory, 0, 0, 1, _NO_RESETS, True, choices, commands, _NO_REQUESTS)
-        types = self._variant, choices.flags.c_contiguous, commands.flags.c_contiguous
-        play = partial(machine_code(tick.run, types, *arguments), *arguments)
+        given = 0, 0, 1, _NO_RESETS, True, choices, commands, _NO_REQUESTS
+        if isinstance(self._run, PrebuiltRun):
+            play = self._run.bound(*given)
+        else:
+            arguments = (*self._variant, self._memory, *given)
+            types = self._variant, choices.flags.c_contiguous, commands.flags.c_contiguous
+            play = partial(machine_code(tick.run, types, *arguments), *arguments)
         if prey_commands is None:
             return play
 
@@ -289,7 +299,7 @@ class Engine:
 
     def _observe(self, first: int, last: int, resets: NDArray[np.uint64]) -> None:
         """Begin episodes, and observe those blocks; nobody plays."""
-        tick.run(*self._variant, self._memory, 0, first, last, resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
+        self._run(0, first, last, resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
 
     def _observe_blocks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
         """The same of the blocks in which these arenas are; the others keep what they observe."""
@@ -478,7 +488,7 @@ class Engine:
         twin = object.__new__(Engine)
         twin.config, twin.num_arenas = self.config, self.num_arenas
         twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
-        twin._any_control, twin._variant = self._any_control, self._variant
+        twin._any_control, twin._variant, twin._prebuilt = self._any_control, self._variant, self._prebuilt
         twin._chunks, twin.threads = self._chunks, Threads(self.threads.size)
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))
