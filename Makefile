@@ -25,7 +25,7 @@ endef
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help card cgroups compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench pictures golden docs \
+.PHONY: help card cgroups compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench wheel pictures golden docs \
 	clean setup always
 
 help: ## list the targets
@@ -113,6 +113,9 @@ bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs
 
 card: $(VENV)/ready ## measure all shipped agents in the suite, and write docs/card.md; goes on where it was (out/card)
 	$(BIN)/python scripts/card.py
+
+wheel: $(VENV)/ready ## a release, from the last commit: the wheel with machine code in it (dist/); its tests are in nightly
+	$(BIN)/python scripts/wheel
 
 pictures: $(VENV)/ready ## draw the README's picture and its animation
 	$(BIN)/python scripts/pictures.py
