@@ -451,7 +451,7 @@ def block_after(blocks: NDArray[np.float64], first: int) -> Block:
         first: the first arena of the block that is played.
     """
     after = first // LANES + 1
-    return blocks[after : after + (1 if blocks.size > _CACHED and blocks.shape[1] < _LARGE else 0)].reshape(-1)
+    return flat(blocks[after : after + (1 if blocks.size > _CACHED and blocks.shape[1] < _LARGE else 0)])
 
 
 @inlined
@@ -495,7 +495,7 @@ def observe(
                 sort_keys(scratch.keys, s.hunters, s.hunters_seen + 1, width)
                 resolve_ties(block, seat, width, lanes, s, sections.teams, scratch.keys)
                 pack_order(scratch.keys, s.hunters, s.hunters_seen, width, order)
-    observations, ahead = sections.observations.reshape(-1), block_after(sections.blocks, first)
+    observations, ahead = flat(sections.observations), block_after(sections.blocks, first)
     write(block, s, width, lanes, slots, sections.teams, scratch, observations, first, ahead)
     write_masks(block, s, lanes, sections.masks[first:last])
     if s.prey > 0:

@@ -36,10 +36,8 @@ LEVELS = {"x86-64-v4": (V4, WIDE), "x86-64-v3": (V3, HALF), "x86-64-v2": (V2, HA
 """The best first: of each what it adds to x86-64, in LLVM's words, and how many lanes of a batch play at a time there
 (see `vectors.PLAYED`).
 """
-RESOLVED = {"memcpy", "memmove", "memset", "numba_attempt_nocopy_reshape"}
-"""What may be left to be found where the code is loaded: the C library's, and Numba's for `reshape`, which is looked
-for before.
-"""
+RESOLVED = {"memcpy", "memmove", "memset"}
+"""What may be left to be found where the code is loaded: the C library's."""
 ARGUMENTS = (
     types.Array(types.uint8, 1, "C"),
     types.int64,
