@@ -78,7 +78,7 @@ from catch_arena.core.transfers import (
     take_half_tile,
     take_tile,
 )
-from catch_arena.core.vectors import Width, group
+from catch_arena.core.vectors import Width, flat, group
 from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
 from catch_arena.core.workspace import Scratch, rival_order_of
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
@@ -450,8 +450,9 @@ def block_after(blocks: NDArray[np.float64], first: int) -> Block:
         blocks: see `memory.Sections`.
         first: the first arena of the block that is played.
     """
-    after = first // LANES + 1
-    return flat(blocks[after : after + (1 if blocks.size > _CACHED and blocks.shape[1] < _LARGE else 0)])
+    size = blocks.shape[1]
+    begin = (first // LANES + 1) * size
+    return flat(blocks)[begin : begin + (size if blocks.size > _CACHED and size < _LARGE else 0)]
 
 
 @inlined
