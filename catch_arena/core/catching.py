@@ -40,7 +40,6 @@ from catch_arena.core.state import (
     SEED_HIGH,
     SEED_LOW,
     STEP,
-    TALLIES,
     TARGET_X,
     TARGET_Y,
     VERDICT,
@@ -49,6 +48,8 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
+    count,
+    counters_of,
     limits_of,
     seat_of,
     span,
@@ -172,14 +173,15 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
         me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
         me[DISTANCE_UM + lane] = requests[i, REQUEST_DISTANCE]
         me[WINNER + lane] = requests[i, REQUEST_WINNER]
-        me[TALLIES + (requests[i, REQUEST_VERDICT] - 1) * LANES + lane] += 1.0
+        counters = counters_of(block, requests[i, REQUEST_SEAT], s)
+        count(counters, requests[i, REQUEST_VERDICT], lane, s)
         for j in range(len(requests) if contested else 0):
             if (
                 requests[j, REQUEST_VERDICT] == _LOST_CONTEST
                 and requests[j, REQUEST_WINNER] == requests[i, REQUEST_SEAT]
                 and requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
             ):
-                me[CONTESTS_WON + lane] += 1.0
+                count(counters, CONTESTS_WON, lane, s)
                 break
 
 

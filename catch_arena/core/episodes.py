@@ -15,6 +15,7 @@ from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
     ALIVE,
     CONTESTS_WON,
+    COUNTERS,
     DISTANCE_UM,
     ENDED,
     LANES,
@@ -37,6 +38,8 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
+    counted,
+    counters_of,
     seat_of,
     span,
     targets_of,
@@ -83,8 +86,10 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
         record[seat, FINAL_SCORE] = me[SCORE + lane]
         record[seat, FINAL_RANK] = rank
         record[seat, FINAL_REWARD_SUM] = me[REWARD_SUM + lane]
-        for column in range(FINAL_CONTESTS_WON, RECORD_COLUMNS):
-            record[seat, column] = me[CONTESTS_WON + (column - FINAL_CONTESTS_WON) * LANES + lane]
+        counters = counters_of(block, seat, s)
+        record[seat, FINAL_CONTESTS_WON] = counted(counters, CONTESTS_WON, lane, s)
+        for counter in range(1, COUNTERS):
+            record[seat, FINAL_TALLIES + counter - 1] = counted(counters, counter, lane, s)
 
 
 @outlined

@@ -4,8 +4,8 @@ A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. On
 to copy that column. A row is one number of each arena, and the constants below are offsets: r * LANES.
 
 The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then a few for each slot, then the targets in the
-order in which each seat sees them, then PREY_ROWS for each prey. Integers are exact in float64; a seed needs two of
-them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
+order in which each seat sees them, then PREY_ROWS for each prey, and what is counted of each seat. Integers are exact
+in float64; a seed needs two of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
 from typing import ClassVar, Final, NamedTuple
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, inlined, phase, rule
-from catch_arena.core.vectors import Width, bits_of
+from catch_arena.core.vectors import Width, bits_of, number_of
 from catch_arena.verdicts import Verdict
 
 LANES: Final = 32
@@ -70,9 +70,7 @@ VERDICT: Final = 16 * LANES  # R5.2, 0 for no request: then the other rows of th
 DISTANCE_UM: Final = 17 * LANES  # the verdict's evidence [micrometres], -1 for none
 WINNER: Final = 18 * LANES  # seat, -1 for none
 REWARD_SUM: Final = 19 * LANES  # of this episode
-CONTESTS_WON: Final = 20 * LANES  # in this episode: kills granted or refused that a rival could have had
-TALLIES: Final = 21 * LANES  # how often each verdict was met in this episode, in the order of Verdict
-HUNTER_ROWS: Final = 21 + len(Verdict)
+HUNTER_ROWS: Final = 20
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
 HUNTER_DIGEST: Final = (
     X,
@@ -117,6 +115,12 @@ PREY_WITHDRAWN: Final = 4 * LANES  # R12.5's flag
 PREY_REWARD_SUM: Final = 5 * LANES  # of this episode
 PREY_ROWS: Final = 6
 PREY_SIZE: Final = PREY_ROWS * LANES
+
+# counters of a hunter's episode, several to a row (`count`); a verdict has its own number
+CONTESTS_WON: Final = 0  # kills granted or refused that a rival could have had
+COUNTERS: Final = 1 + len(Verdict)
+COUNTER_BITS: Final = 62
+"""For the counters of one row: all but two, so that no row is a NaN, which may lose its bits when it is copied."""
 
 STILL: Final = 0
 WANDERING: Final = 1
@@ -171,6 +175,7 @@ class Settings(NamedTuple):
     start_radius_m: float
     initial_targets: int
     slot_size: int
+    counters_per_row: int
     targets_move: int
     target_motion: int
     target_speed_mps: float
@@ -266,6 +271,12 @@ def slot_rows(targets_move: bool) -> int:
     return MOVING_SLOT_ROWS if targets_move else STILL_SLOT_ROWS
 
 
+@rule
+def counters_size(s: Settings) -> int:
+    """How many numbers of a block one seat's counters take."""
+    return (COUNTERS + s.counters_per_row - 1) // s.counters_per_row * LANES
+
+
 class Regions(NamedTuple):
     """Where in a block the rows of a kind begin, behind each other, and where the last ones end: offsets."""
 
@@ -273,6 +284,7 @@ class Regions(NamedTuple):
     targets: int
     target_orders: int
     prey: int
+    counters: int
     end: int
 
 
@@ -283,7 +295,8 @@ def regions_of(s: Settings) -> Regions:
     targets = hunters + s.hunters * SEAT_SIZE
     target_orders = targets + s.max_targets * s.slot_size
     prey = target_orders + s.hunters * target_order_rows(s.targets_seen) * LANES
-    return Regions(hunters, targets, target_orders, prey, prey + s.prey * PREY_SIZE)
+    counters = prey + s.prey * PREY_SIZE
+    return Regions(hunters, targets, target_orders, prey, counters, counters + s.hunters * counters_size(s))
 
 
 @inlined
@@ -372,3 +385,43 @@ def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
         lane: the lane.
     """
     return slot_in_word(word_of_rank(packed, rank, lane), rank)
+
+
+@inlined
+def counters_of(block: Block, seat: int, s: Settings) -> Block:
+    """What is counted of one seat: see `count`."""
+    size = counters_size(s)
+    first = regions_of(s).counters + seat * size
+    return block[first : first + size]
+
+
+@rule
+def counted(counters: Block, counter: int, lane: int, s: Settings) -> int:
+    """What one of a seat's counters shows: each has the same share of a row's COUNTER_BITS, the first the lowest.
+
+    Args:
+        counters: rows of LANES.
+        counter: CONTESTS_WON or a verdict.
+        lane: the lane.
+        s: the settings.
+    """
+    bits = COUNTER_BITS // s.counters_per_row
+    row = bits_of(counters[counter // s.counters_per_row * LANES + lane])
+    return (row >> (bits * (counter % s.counters_per_row))) & ((1 << bits) - 1)
+
+
+@phase
+def count(counters: Block, counter: int, lane: int, s: Settings) -> None:
+    """One more; a counter that is full stays as it is. It has room for one in each step of an episode, and only callers
+    that let a hunter request several times in a step, whom nobody counts for, could fill it.
+
+    Args:
+        counters: rows of LANES: see `counted`.
+        counter: CONTESTS_WON or a verdict.
+        lane: the lane.
+        s: the settings.
+    """
+    bits = COUNTER_BITS // s.counters_per_row
+    if counted(counters, counter, lane, s) < (1 << bits) - 1:
+        at = counter // s.counters_per_row * LANES + lane
+        counters[at] = number_of(bits_of(counters[at]) + (1 << (bits * (counter % s.counters_per_row))))

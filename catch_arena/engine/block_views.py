@@ -26,7 +26,7 @@ class BlockViews:
         hunters, prey = config.hunters, config.prey
         num_blocks, num_rows = len(blocks), row_of(regions.end)
         slot = slot_rows(config.targets_move)
-        first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
+        first_hunter, first_target, first_order, first_prey, first_counter, end = map(row_of, regions)
         self.fields = blocks.reshape(num_blocks, num_rows, LANES)
         """All rows; the arena's own come first."""
         self.hunters = self.fields[:, first_hunter:first_target].reshape(num_blocks, hunters, state.HUNTER_ROWS, LANES)
@@ -37,8 +37,10 @@ class BlockViews:
             num_blocks, hunters, target_order_rows(config.targets_seen), LANES
         )
         """In which order each seat sees the targets: [block, seat, word, lane], see RANKS_PER_WORD."""
-        self.prey = self.fields[:, first_prey:end].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
+        self.prey = self.fields[:, first_prey:first_counter].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
         """[block, index, row, lane]."""
+        self.counters = self.fields[:, first_counter:end].reshape(num_blocks, hunters, -1, LANES)
+        """What is counted of each seat's episode: [block, seat, row, lane], see `state.count`."""
 
         digest = state.MOVING_TARGET_DIGEST if config.targets_move else state.TARGET_DIGEST
         self.target_digest = [row_of(offset) for offset in digest]

@@ -93,6 +93,7 @@ def place_batch(
     seats[:, :, row_of(state.WITHDRAWN)] = ~here
     seats[:, :, row_of(state.REQUESTED_SLOT)] = state.NO_TARGET
     views.hunters[block, :, :, lane] = seats
+    views.counters[block, :, :, lane] = 0.0
 
     age_ms = np.floor(1000.0 * targets[:, :, 4] + 0.5)
     order = np.argsort(np.where(alive, -age_ms, np.inf), axis=1, kind="stable")  # R8.2

@@ -1,12 +1,15 @@
 """The map of the arena memory: no two things share a row, and the digest reads what A.8 lists."""
 
+import numpy as np
 import pytest
 from oracle.arena import OracleArena
 from oracle.arithmetic import to_float32
 
 from catch_arena.config import MAX_HUNTERS, MAX_PREY, MAX_TARGETS, ArenaConfig
 from catch_arena.core import state
+from catch_arena.core.jit import Block, unkept_entry
 from catch_arena.core.state import LANES
+from catch_arena.engine.core_settings import settings_of
 from catch_arena.envs.parallel import parallel_env
 from catch_arena.layout import (
     MovingTargetFeatures,
@@ -19,7 +22,6 @@ from catch_arena.layout import (
     state_columns,
 )
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.verdicts import Verdict
 
 ARENA = [
     "TIME",
@@ -56,7 +58,6 @@ HUNTER = [
     "DISTANCE_UM",
     "WINNER",
     "REWARD_SUM",
-    "CONTESTS_WON",
 ]
 PREY = ["PREY_SLOT", "TIMES_CAUGHT", "CAUGHT_AT", "CAUGHT_BY", "PREY_WITHDRAWN", "PREY_REWARD_SUM"]
 
@@ -64,8 +65,7 @@ PREY = ["PREY_SLOT", "TIMES_CAUGHT", "CAUGHT_AT", "CAUGHT_BY", "PREY_WITHDRAWN",
 def test_every_row_has_one_owner():
     """Rows are numbered without gap or overlap, and the digest reads them in A.8's order."""
     assert [getattr(state, name) // LANES for name in ARENA] == list(range(state.ARENA_ROWS))
-    assert [getattr(state, name) // LANES for name in HUNTER] == list(range(state.TALLIES // LANES))
-    assert state.TALLIES // LANES + len(Verdict) == state.HUNTER_ROWS
+    assert [getattr(state, name) // LANES for name in HUNTER] == list(range(state.HUNTER_ROWS))
     assert ARENA[state.ARENA_DIGEST_ROWS] == "ALIVE"
     digest = [HUNTER[row // LANES] for row in state.HUNTER_DIGEST]
     assert digest == [*HUNTER[:5], "DISTANCE_INTEGRAL", "BEARING_INTEGRAL", "ACTIVE", "SCORE", "AT_WALL", "WITHDRAWN"]
@@ -134,3 +134,32 @@ def test_the_global_view_has_a_column_for_each_number_that_the_book_names(config
     assert len(table) == len(env.state()) == numbers
     assert len({column.name for column in table}) == len(table)
     assert all(column.low <= number <= column.high for column, number in zip(table, env.state(), strict=True))
+
+
+@unkept_entry
+def _count(counters: Block, counter: int, lane: int, s: state.Settings) -> None:
+    state.count(counters, counter, lane, s)
+
+
+@pytest.mark.parametrize("steps", [1, 600, 2**15, 2**40 - 1, 2**62 - 1])
+def test_counters_share_rows_and_never_spill(steps):
+    """Each takes as many as an episode has steps, the others and other lanes stay as they are; a full one stays so."""
+    s = settings_of(SCENARIOS["standard"], with_parts=False)._replace(
+        counters_per_row=state.COUNTER_BITS // steps.bit_length()
+    )
+    room = (1 << state.COUNTER_BITS // s.counters_per_row) - 1
+    assert room >= steps
+    rows = np.zeros(state.counters_size(s))
+    for counter in range(state.COUNTERS):
+        for _ in range(min(counter + 1, room)):
+            _count(rows, counter, 3, s)
+    shown = [state.counted(rows, counter, 3, s) for counter in range(state.COUNTERS)]
+    assert shown == [min(counter + 1, room) for counter in range(state.COUNTERS)]
+    lanes = rows.reshape(-1, LANES)
+    assert not np.delete(lanes, 3, axis=1).any()
+    assert np.isfinite(lanes).all()
+    full = (1 << state.COUNTER_BITS) - 1
+    rows.view(np.int64)[:] = full
+    assert np.isfinite(rows).all()
+    _count(rows, state.COUNTERS - 1, 3, s)
+    assert (rows.view(np.int64) == full).all()
