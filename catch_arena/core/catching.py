@@ -34,7 +34,6 @@ from catch_arena.core.state import (
     NO_TARGET,
     NUMBER,
     REQUESTED_NUMBER,
-    REQUESTED_SLOT,
     RUNNING,
     SCORE,
     SEED_HIGH,
@@ -55,7 +54,7 @@ from catch_arena.core.state import (
     span,
 )
 from catch_arena.core.vectors import Width, group, select
-from catch_arena.core.workspace import Scratch, progress_reference_of
+from catch_arena.core.workspace import Scratch, progress_reference_of, requested_slots_of
 from catch_arena.verdicts import Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
@@ -74,37 +73,37 @@ def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
 
 
 @inlined
-def count_requests(block: Block, s: Settings, width: Width, counts: Block) -> None:
+def count_requests(s: Settings, width: Width, scratch: Scratch, counts: Block) -> None:
     """How many requests each lane has: `counts`, one row, is the result."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         count = 0.0
         for seat in range(s.hunters):
-            count = count + select(seat_of(block, seat)[REQUESTED_SLOT + lane] == float(NO_TARGET), 0.0, 1.0)
+            count = count + select(requested_slots_of(scratch, seat)[lane] == float(NO_TARGET), 0.0, 1.0)
         counts[lane] = count
 
 
 @phase
-def collect_requests(block: Block, s: Settings, lane: int, requests: RequestTable) -> int:
+def collect_requests(s: Settings, lane: int, scratch: Scratch) -> int:
     """Who asks for which slot, in one lane.
 
     Args:
-        block: the block.
         s: the settings.
         lane: the lane.
-        requests: the result, one row for each seat that asks; the other columns are `fill_requests`'.
+        scratch: see `workspace.Scratch`; of its requests one row is written for each seat that asks, the seat and the
+            slot: the other columns are `fill_requests`'.
 
     Returns:
         how many they are.
     """
-    count = 0
+    number = 0
     for seat in range(s.hunters):
-        slot = int(seat_of(block, seat)[REQUESTED_SLOT + lane])
+        slot = int(requested_slots_of(scratch, seat)[lane])
         if slot != NO_TARGET:
-            requests[count, REQUEST_SEAT] = seat
-            requests[count, REQUEST_TARGET] = slot
-            count += 1
-    return count
+            scratch.requests[number, REQUEST_SEAT] = seat
+            scratch.requests[number, REQUEST_TARGET] = slot
+            number += 1
+    return number
 
 
 @inlined
@@ -256,13 +255,13 @@ def resolve_requests(
     """
     counts = scratch.rows[:LANES]
     clear_verdicts(block, s, width)
-    count_requests(block, s, width, counts)
+    count_requests(s, width, scratch, counts)
     for lane in range(lanes):
         if len(given_requests) == 0 and counts[lane] == 0.0:
             continue
         requests = given_requests
         if len(given_requests) == 0:
-            requests = scratch.requests[: collect_requests(block, s, lane, scratch.requests)]
+            requests = scratch.requests[: collect_requests(s, lane, scratch)]
         fill_requests(block, s, lane, targets, limits, requests)
         judge_requests(block, s, lane, requests)
         commit(block, s, lane, targets, limits, requests, scratch)

@@ -18,7 +18,6 @@ from catch_arena.core.state import (
     MALFORMED_REQUEST,
     NO_TARGET,
     NUMBER,
-    REQUESTED_SLOT,
     SEEN,
     SINE,
     SPEED,
@@ -38,7 +37,7 @@ from catch_arena.core.state import (
     targets_of,
 )
 from catch_arena.core.vectors import SINGLE, Width, group, select, sqrt
-from catch_arena.core.workspace import Scratch, progress_reference_of
+from catch_arena.core.workspace import Scratch, progress_reference_of, requested_slots_of
 
 TARGET_CONTROL: Final = 0
 VELOCITY_CONTROL: Final = 1
@@ -76,6 +75,7 @@ def choose(
     ranks: NDArray[np.int64],
     lanes: int,
     s: Settings,
+    requested: Block,
     goals: Block,
 ) -> None:
     """R4.1: the slots that belong to the ranks chosen, NO_TARGET for hold and MALFORMED_REQUEST for a rank without a
@@ -84,13 +84,14 @@ def choose(
     One lane after the other, since the targets are anywhere.
 
     Args:
-        me: the rows of the seat; REQUESTED_SLOT is written.
+        me: the rows of the seat.
         order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
             them.
         targets: the slots of the block.
         ranks: (lanes,), chosen: from 1 up, or 0 to hold.
         lanes: how many lanes are arenas.
         s: the settings.
+        requested: the result, one row: see `workspace.requested_slots_of`.
         goals: the result, three rows: where the target is to which each lane drives, x and y [m], and its number, 0 for
             none.
     """
@@ -101,23 +102,23 @@ def choose(
         slot = select(seen, slot_at_rank(order, select(seen, rank - 1, 0), lane), 0)
         at = np.uint64(slot) * np.uint64(s.slot_size) + np.uint64(lane)
         unseen = select(rank > there, float(MALFORMED_REQUEST), float(NO_TARGET))
-        me[REQUESTED_SLOT + lane] = select(seen, float(slot), unseen)
+        requested[lane] = select(seen, float(slot), unseen)
         goals[lane] = targets[np.uint64(TARGET_X) + at]
         goals[LANES + lane] = targets[np.uint64(TARGET_Y) + at]
         goals[2 * LANES + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[np.uint64(NUMBER) + at], 0.0)
 
 
 @phase
-def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: SeatLimits) -> None:
+def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: SeatLimits, requested: Block) -> None:
     """R4.1, R4.2, R4.3: the hosted controllers; a target out of reach is driven to, but not yet requested.
 
     Args:
-        me: the rows of the seat; its velocities, integrals and active target are written, and REQUESTED_SLOT where the
-            target is out of reach.
+        me: the rows of the seat; its velocities, integrals and active target are written.
         goals: see `choose`.
         width: how many lanes a group has.
         s: the settings.
         limits: the seat's own.
+        requested: what `choose` has written; NO_TARGET is written where the target is out of reach.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -152,31 +153,34 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: Se
         me[BEARING_INTEGRAL + lane] = select(holds, 0.0, bearing_integral)
         me[ACTIVE + lane] = number
         near = within_reach(to_micrometres(distance), limits.reach_um)
-        wanted = me[REQUESTED_SLOT + lane]
-        me[REQUESTED_SLOT + lane] = select(near | (wanted < 0.0), wanted, float(NO_TARGET))
+        wanted = requested[lane]
+        requested[lane] = select(near | (wanted < 0.0), wanted, float(NO_TARGET))
 
 
 @phase
-def request_nearest(me: Block, order: Block, targets: Block, lanes: int, s: Settings, limits: SeatLimits) -> None:
+def request_nearest(
+    me: Block, order: Block, targets: Block, lanes: int, s: Settings, limits: SeatLimits, requested: Block
+) -> None:
     """R4.4: under velocity control the nearest target is requested whenever it is within reach.
 
     Args:
-        me: the rows of the seat; REQUESTED_SLOT is written.
+        me: the rows of the seat.
         order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
             them.
         targets: the slots of the block.
         lanes: how many lanes are arenas.
         s: the settings.
         limits: the seat's own.
+        requested: the result, one row: see `workspace.requested_slots_of`.
     """
     for lane in range(lanes):
-        me[REQUESTED_SLOT + lane] = NO_TARGET
+        requested[lane] = NO_TARGET
         if me[SEEN + lane] > 0.0:
             slot = slot_at_rank(order, 0, lane)
             at = slot * s.slot_size + lane
             distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
             if within_reach(distance_um, limits.reach_um):
-                me[REQUESTED_SLOT + lane] = slot
+                requested[lane] = slot
 
 
 @phase
@@ -188,7 +192,9 @@ def mark_active(me: Block, goals: Block, width: Width) -> None:
 
 
 @phase
-def drive_by_command(me: Block, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits) -> None:
+def drive_by_command(
+    me: Block, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits, requested: Block
+) -> None:
     """R2.5, R4.4: velocities as fractions of the limits; a request for a rank without a target makes the hunter hold
     (R5.2).
 
@@ -198,13 +204,14 @@ def drive_by_command(me: Block, commands: NDArray[np.float32], width: Width, lan
         width: how many lanes a group has.
         lanes: how many lanes are arenas.
         limits: the seat's own.
+        requested: one row: see `workspace.requested_slots_of`.
     """
     for lane in range(lanes):
         me[SPEED + lane] = np.float64(commands[lane, 0]) * limits.max_speed
         me[TURN_RATE + lane] = np.float64(commands[lane, 1]) * limits.max_turn_rate
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        holds = (me[REQUESTED_SLOT + lane] == float(MALFORMED_REQUEST)) | (me[WITHDRAWN + lane] > 0.0)
+        holds = (requested[lane] == float(MALFORMED_REQUEST)) | (me[WITHDRAWN + lane] > 0.0)
         speed = clamp(me[SPEED + lane], limits.min_speed, limits.max_speed)
         turn_rate = clamp(me[TURN_RATE + lane], -limits.max_turn_rate, limits.max_turn_rate)
         me[SPEED + lane] = select(holds, 0.0, speed)
@@ -224,6 +231,7 @@ def steer_seat(
     commands: NDArray[np.float32],
     s: Settings,
     limits: SeatLimits,
+    requested: Block,
     goals: Block,
 ) -> None:
     """R4.1, R4.4: one seat by one control, in all lanes.
@@ -241,18 +249,19 @@ def steer_seat(
         commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
         s: the settings.
         limits: the seat's own.
+        requested: the result, one row: see `workspace.requested_slots_of`.
         goals: room for three rows: see `choose`.
     """
     if control == TARGET_CONTROL:
-        choose(me, order, targets, choices[:, seat], lanes, s, goals)
-        drive_to_goal(me, goals, width, s, limits)
+        choose(me, order, targets, choices[:, seat], lanes, s, requested, goals)
+        drive_to_goal(me, goals, width, s, limits, requested)
     elif control == VELOCITY_CONTROL:
-        request_nearest(me, order, targets, lanes, s, limits)
-        drive_by_command(me, commands[:, seat], width, lanes, limits)
+        request_nearest(me, order, targets, lanes, s, limits, requested)
+        drive_by_command(me, commands[:, seat], width, lanes, limits, requested)
     else:
-        choose(me, order, targets, choices[:, seat], lanes, s, goals)
+        choose(me, order, targets, choices[:, seat], lanes, s, requested, goals)
         mark_active(me, goals, width)
-        drive_by_command(me, commands[:, seat], width, lanes, limits)
+        drive_by_command(me, commands[:, seat], width, lanes, limits, requested)
 
 
 @outlined
@@ -266,6 +275,7 @@ def steer_lane_by_lane(
     commands: NDArray[np.float32],
     s: Settings,
     limits: SeatLimits,
+    requested: Block,
     goals: Block,
 ) -> None:
     """The same where the seat's control differs by arena: each lane as an arena that is alone.
@@ -281,6 +291,7 @@ def steer_lane_by_lane(
         commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
         s: the settings.
         limits: the seat's own.
+        requested: the result, one row: see `workspace.requested_slots_of`.
         goals: room for three rows: see `choose`.
     """
     for lane in range(len(controls)):
@@ -296,6 +307,7 @@ def steer_lane_by_lane(
             commands[lane:],
             s,
             limits,
+            requested[lane:],
             goals,
         )
 
@@ -332,17 +344,17 @@ def apply_actions(
         limits: (H, 5): see `memory.Sections`.
         choices: (lanes, H), ranks from 1 up, or 0 to hold.
         commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
-        scratch: see `workspace.Scratch`; the progress references are set.
+        scratch: see `workspace.Scratch`; the requested slots and the progress references are set.
     """
     targets, goals = targets_of(block, s), scratch.rows
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         order = target_order_of(block, seat, s)
-        own = limits_of(limits, seat)
+        own, requested = limits_of(limits, seat), requested_slots_of(scratch, seat)
         if s.any_control and differ(controls, seat):
-            steer_lane_by_lane(me, order, targets, seat, controls, choices, commands, s, own, goals)
+            steer_lane_by_lane(me, order, targets, seat, controls, choices, commands, s, own, requested, goals)
         else:
             control = controls[0, seat]
-            steer_seat(me, order, targets, seat, control, width, lanes, choices, commands, s, own, goals)
+            steer_seat(me, order, targets, seat, control, width, lanes, choices, commands, s, own, requested, goals)
         if s.needs_progress:
             set_progress_reference(me, order, targets, lanes, s, progress_reference_of(scratch, seat))

@@ -21,7 +21,6 @@ from catch_arena.core.state import (
     LANES,
     NO_TARGET,
     REQUESTED_NUMBER,
-    REQUESTED_SLOT,
     REWARD_SUM,
     RUNNING,
     SCORE,
@@ -45,6 +44,7 @@ from catch_arena.core.state import (
     targets_of,
 )
 from catch_arena.core.vectors import Width, group, select
+from catch_arena.core.workspace import Scratch, requested_slots_of
 from catch_arena.verdicts import Verdict
 
 # columns of a record: one hunter's episode in figures
@@ -123,7 +123,6 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
             me[X + lane] = s.side_m / 2.0 + s.start_radius_m * cosine
             me[Y + lane] = s.side_m / 2.0 + s.start_radius_m * sine
             me[THETA + lane] = wrap(angle + PI)
-        me[REQUESTED_SLOT + lane] = NO_TARGET
     targets = targets_of(block, s)
     for _ in range(s.initial_targets):
         spawn_next(block, targets, lane, seed, s, 0.0)
@@ -179,7 +178,7 @@ def take_snapshot(block: Block, snapshot: Block) -> None:
 
 @inlined
 def restore_finished(
-    block: Block, s: Settings, lanes: int, snapshot: Block, rewards: Rewards, breakdowns: Breakdowns
+    block: Block, s: Settings, lanes: int, scratch: Scratch, rewards: Rewards, breakdowns: Breakdowns
 ) -> None:
     """R5.2: arenas that had ended are played with the others of their block, and then put back as they were kept:
     nothing moves after the end, and every request is MATCH_OVER.
@@ -188,18 +187,17 @@ def restore_finished(
         block: the block.
         s: the settings.
         lanes: how many lanes are arenas.
-        snapshot: the block before the step.
+        scratch: see `workspace.Scratch`: the block before the step, and the slots requested in it.
         rewards: (lanes, H), or none; those of arenas that had ended become 0.
         breakdowns: (lanes, H, 1 + parts), or none; the same.
     """
     for lane in range(lanes):
-        if snapshot[ENDED + lane] == RUNNING:
+        if scratch.snapshot[ENDED + lane] == RUNNING:
             continue
         for seat in range(s.hunters):
-            now, then = seat_of(block, seat), seat_of(snapshot, seat)
-            then[REQUESTED_SLOT + lane] = now[REQUESTED_SLOT + lane]
+            now, then = seat_of(block, seat), seat_of(scratch.snapshot, seat)
             then[REQUESTED_NUMBER + lane] = now[REQUESTED_NUMBER + lane]
-            then[VERDICT + lane] = 0.0 if now[REQUESTED_SLOT + lane] == NO_TARGET else _MATCH_OVER
+            then[VERDICT + lane] = 0.0 if requested_slots_of(scratch, seat)[lane] == NO_TARGET else _MATCH_OVER
             then[DISTANCE_UM + lane] = -1.0
             then[WINNER + lane] = -1.0
             if len(breakdowns) == 0:
@@ -207,7 +205,7 @@ def restore_finished(
             for column in range(breakdowns.shape[2] if len(breakdowns) > 0 else 0):
                 breakdowns[lane, seat, column] = 0.0
         for row in range(len(block) // LANES):
-            block[row * LANES + lane] = snapshot[row * LANES + lane]
+            block[row * LANES + lane] = scratch.snapshot[row * LANES + lane]
 
 
 @outlined

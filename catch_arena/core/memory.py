@@ -58,6 +58,7 @@ class Sections(NamedTuple):
     staging: Annotated[NDArray[np.float32], 2]
     requests: Annotated[NDArray[np.int64], 3]
     rows: Annotated[NDArray[np.float64], 2]
+    requested_slots: Annotated[NDArray[np.float64], 2]
     rival_orders: Annotated[NDArray[np.float64], 2]
     progress_references: Annotated[NDArray[np.float64], 2]
     team_rows: Annotated[NDArray[np.float64], 2]

@@ -64,13 +64,12 @@ ACTIVE: Final = 10 * LANES  # number of the active target, 0 for none
 SCORE: Final = 11 * LANES  # granted catches
 WITHDRAWN: Final = 12 * LANES  # R1.6's flag
 SEEN: Final = 13 * LANES  # how many targets it sees: those have a rank
-REQUESTED_SLOT: Final = 14 * LANES  # slot requested in this step, NO_TARGET or MALFORMED_REQUEST
-REQUESTED_NUMBER: Final = 15 * LANES  # number of the target requested, 0 for none
-VERDICT: Final = 16 * LANES  # R5.2, 0 for no request: then the other rows of the answer are an older one's
-DISTANCE_UM: Final = 17 * LANES  # the verdict's evidence [micrometres], -1 for none
-WINNER: Final = 18 * LANES  # seat, -1 for none
-REWARD_SUM: Final = 19 * LANES  # of this episode
-HUNTER_ROWS: Final = 20
+REQUESTED_NUMBER: Final = 14 * LANES  # number of the target requested, 0 for none
+VERDICT: Final = 15 * LANES  # R5.2, 0 for no request: then the other rows of the answer are an older one's
+DISTANCE_UM: Final = 16 * LANES  # the verdict's evidence [micrometres], -1 for none
+WINNER: Final = 17 * LANES  # seat, -1 for none
+REWARD_SUM: Final = 18 * LANES  # of this episode
+HUNTER_ROWS: Final = 19
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
 HUNTER_DIGEST: Final = (
     X,
@@ -175,7 +174,9 @@ class Settings(NamedTuple):
     start_radius_m: float
     initial_targets: int
     slot_size: int
+    counter_bits: int
     counters_per_row: int
+    counters_size: int
     targets_move: int
     target_motion: int
     target_speed_mps: float
@@ -271,12 +272,6 @@ def slot_rows(targets_move: bool) -> int:
     return MOVING_SLOT_ROWS if targets_move else STILL_SLOT_ROWS
 
 
-@rule
-def counters_size(s: Settings) -> int:
-    """How many numbers of a block one seat's counters take."""
-    return (COUNTERS + s.counters_per_row - 1) // s.counters_per_row * LANES
-
-
 class Regions(NamedTuple):
     """Where in a block the rows of a kind begin, behind each other, and where the last ones end: offsets."""
 
@@ -296,7 +291,7 @@ def regions_of(s: Settings) -> Regions:
     target_orders = targets + s.max_targets * s.slot_size
     prey = target_orders + s.hunters * target_order_rows(s.targets_seen) * LANES
     counters = prey + s.prey * PREY_SIZE
-    return Regions(hunters, targets, target_orders, prey, counters, counters + s.hunters * counters_size(s))
+    return Regions(hunters, targets, target_orders, prey, counters, counters + s.hunters * s.counters_size)
 
 
 @inlined
@@ -390,14 +385,23 @@ def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
 @inlined
 def counters_of(block: Block, seat: int, s: Settings) -> Block:
     """What is counted of one seat: see `count`."""
-    size = counters_size(s)
-    first = regions_of(s).counters + seat * size
-    return block[first : first + size]
+    first = regions_of(s).counters + seat * s.counters_size
+    return block[first : first + s.counters_size]
+
+
+@rule
+def counter_place(counter: int, s: Settings) -> tuple[int, int]:
+    """Where one of a seat's counters is: the offset of its row, and how many bits of that are other counters'."""
+    row = 0
+    while counter >= s.counters_per_row:  # once at most in most scenarios: a division would take longer
+        counter -= s.counters_per_row
+        row += LANES
+    return row, counter * s.counter_bits
 
 
 @rule
 def counted(counters: Block, counter: int, lane: int, s: Settings) -> int:
-    """What one of a seat's counters shows: each has the same share of a row's COUNTER_BITS, the first the lowest.
+    """What one of a seat's counters shows.
 
     Args:
         counters: rows of LANES.
@@ -405,9 +409,8 @@ def counted(counters: Block, counter: int, lane: int, s: Settings) -> int:
         lane: the lane.
         s: the settings.
     """
-    bits = COUNTER_BITS // s.counters_per_row
-    row = bits_of(counters[counter // s.counters_per_row * LANES + lane])
-    return (row >> (bits * (counter % s.counters_per_row))) & ((1 << bits) - 1)
+    row, shift = counter_place(counter, s)
+    return (bits_of(counters[row + lane]) >> shift) & ((1 << s.counter_bits) - 1)
 
 
 @phase
@@ -416,12 +419,13 @@ def count(counters: Block, counter: int, lane: int, s: Settings) -> None:
     that let a hunter request several times in a step, whom nobody counts for, could fill it.
 
     Args:
-        counters: rows of LANES: see `counted`.
+        counters: rows of LANES.
         counter: CONTESTS_WON or a verdict.
         lane: the lane.
         s: the settings.
     """
-    bits = COUNTER_BITS // s.counters_per_row
-    if counted(counters, counter, lane, s) < (1 << bits) - 1:
-        at = counter // s.counters_per_row * LANES + lane
-        counters[at] = number_of(bits_of(counters[at]) + (1 << (bits * (counter % s.counters_per_row))))
+    row, shift = counter_place(counter, s)
+    full = (1 << s.counter_bits) - 1
+    word = bits_of(counters[row + lane])
+    if (word >> shift) & full != full:
+        counters[row + lane] = number_of(word + (1 << shift))

@@ -78,7 +78,7 @@ def play(
     end_test(block, s, width)
     reward(block, s, width, lanes, sections.teams, scratch, rewards, breakdowns)
     if had_ended:
-        restore_finished(block, s, lanes, scratch.snapshot, rewards, breakdowns)
+        restore_finished(block, s, lanes, scratch, rewards, breakdowns)
     if s.prey > 0:
         prey_rewards, prey_breakdowns = sections.prey_rewards[first:last], sections.prey_breakdowns[first:last]
         reward_prey(block, s, lanes, had_ended, targets, scratch, prey_rewards, prey_breakdowns)

@@ -22,7 +22,7 @@ GATHERED_SIZE: Final = WITHDRAWN + LANES
 
 
 class Scratch(NamedTuple):
-    """For one block; `rows`, `rival_orders` and `progress_references` are rows of LANES."""
+    """For one block; `rows`, `requested_slots`, `rival_orders` and `progress_references` are rows of LANES."""
 
     keys: NDArray[np.int32]
     """Sorting keys, by slot or seat: rows of LANES."""
@@ -36,6 +36,8 @@ class Scratch(NamedTuple):
     """The requests of one lane: see `arbiter`."""
     rows: Block
     """A few rows for whatever a phase counts."""
+    requested_slots: Block
+    """What each seat asks for in this step: see `requested_slots_of`."""
     rival_orders: Block
     """Of the rivals, by seat: see `rival_order_of`."""
     progress_references: Block
@@ -64,6 +66,7 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
         "staging": (-(-staging // LANES) * LANES,),  # whole cache lines: no two threads write to the same one
         "requests": (hunters, REQUEST_COLUMNS),
         "rows": (_ROWS * LANES,),
+        "requested_slots": (hunters * LANES,),
         "rival_orders": (hunters * _ORDER_ROWS * LANES,),
         "progress_references": (hunters * _REFERENCE_ROWS * LANES,),
         "team_rows": (2 * hunters * LANES if team_play else 0,),
@@ -83,6 +86,7 @@ def scratch_of(sections: Sections, thread: int) -> Scratch:
         staging=sections.staging[thread],
         requests=sections.requests[thread],
         rows=sections.rows[thread],
+        requested_slots=sections.requested_slots[thread],
         rival_orders=sections.rival_orders[thread],
         progress_references=sections.progress_references[thread],
         team_rows=sections.team_rows[thread],
@@ -90,6 +94,12 @@ def scratch_of(sections: Sections, thread: int) -> Scratch:
         gathered_prey=sections.gathered_prey[thread],
         snapshot=sections.snapshot[thread],
     )
+
+
+@inlined
+def requested_slots_of(scratch: Scratch, seat: int) -> Block:
+    """What one seat asks for in this step, one row: a slot, NO_TARGET or MALFORMED_REQUEST."""
+    return scratch.requested_slots[LANES * seat : LANES * (seat + 1)]
 
 
 @inlined

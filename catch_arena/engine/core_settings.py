@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
-from catch_arena.core.state import COUNTER_BITS, LANES, MOTIONS, SeatLimits, Settings, slot_rows
+from catch_arena.core.state import COUNTER_BITS, COUNTERS, LANES, MOTIONS, SeatLimits, Settings, slot_rows
 from catch_arena.core.visibility import ALL_ROUND, squared_limit
 
 _SPAWN_LOW_M: Final = 0.5
@@ -46,7 +46,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         start_radius_m=0.3 * config.side_m if config.start_radius_m is None else float(config.start_radius_m),
         initial_targets=config.initial_targets,
         slot_size=slot_rows(config.targets_move) * LANES,
-        counters_per_row=COUNTER_BITS // config.max_steps.bit_length(),
+        **_counters_of(config.max_steps),
         targets_move=int(config.targets_move),
         target_motion=MOTIONS[config.target_motion],
         target_speed_mps=float(config.target_speed_mps),
@@ -79,6 +79,13 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         survived_weight=float(config.prey_rewards.survived),
         gained_weight=float(config.prey_rewards.gained),
     )
+
+
+def _counters_of(steps: int) -> dict[str, int]:
+    """How counters lie that reach that number of steps: `state.count`."""
+    bits = steps.bit_length()
+    per_row = COUNTER_BITS // bits
+    return {"counter_bits": bits, "counters_per_row": per_row, "counters_size": -(-COUNTERS // per_row) * LANES}
 
 
 def _spawned_in_full(config: ArenaConfig) -> float:

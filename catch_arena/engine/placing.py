@@ -91,7 +91,6 @@ def place_batch(
         seats[:, :, row_of(offset)] = np.where(here, hunters[:, :, column], 0.0)
     seats[:, :, row_of(state.THETA)] = _wrapped(seats[:, :, row_of(state.THETA)])
     seats[:, :, row_of(state.WITHDRAWN)] = ~here
-    seats[:, :, row_of(state.REQUESTED_SLOT)] = state.NO_TARGET
     views.hunters[block, :, :, lane] = seats
     views.counters[block, :, :, lane] = 0.0
 

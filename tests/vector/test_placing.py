@@ -5,6 +5,7 @@ import pytest
 
 from catch_arena import VectorArena
 from catch_arena.errors import ConfigError, EpisodeError
+from catch_arena.verdicts import Verdict
 
 NOWHERE = np.nan
 
@@ -74,6 +75,21 @@ def test_targets_are_numbered_by_age_and_those_that_follow_come_from_the_own_see
         later.append([(one.x, one.y, one.spawned_ms) for one in arena.world(0).targets[3:]])
     assert later[0] == later[1] != later[2]
     assert later[0]
+
+
+def test_what_was_counted_before_counts_no_more():
+    """The episode's figures are those of what followed `place`: there is no rank 1, and so a request is MALFORMED."""
+    arena = VectorArena("standard", 2, control="full", time_limit_s=1.0, spawning=False, initial_targets=0)
+    arena.reset(seed=3)
+    hunters, targets = np.tile([[1.0, 1.0, 0.0, 0.0]], (1, 4, 1)), np.full((1, 1, 5), NOWHERE)
+    actions = {"catch": np.ones((2, 4), np.int64), "cmd_vel": np.zeros((2, 4, 2), np.float32)}
+    for _ in range(4):
+        arena.step(actions)
+    arena.place(hunters, targets, steps=4, arenas=[1])
+    for _ in range(6):
+        *_, infos = arena.step(actions)
+    malformed = infos["episode"]["verdicts"][:, :, Verdict.MALFORMED - 1]
+    assert malformed.tolist() == [[10.0] * 4, [6.0] * 4]
 
 
 def test_who_is_placed_nowhere_takes_no_part_and_other_rows_play_on():
