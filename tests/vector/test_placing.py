@@ -78,11 +78,11 @@ def test_targets_are_numbered_by_age_and_those_that_follow_come_from_the_own_see
 
 
 def test_what_was_counted_before_counts_no_more():
-    """The episode's figures are those of what followed `place`: there is no rank 1, and so a request is MALFORMED."""
-    arena = VectorArena("standard", 2, control="full", time_limit_s=1.0, spawning=False, initial_targets=0)
+    """The episode's figures are those of what followed `place`: there is no rank 5, and so a request is MALFORMED."""
+    arena = VectorArena("standard", 2, control="full", time_limit_s=1.0, spawning=False, initial_targets=1)
     arena.reset(seed=3)
-    hunters, targets = np.tile([[1.0, 1.0, 0.0, 0.0]], (1, 4, 1)), np.full((1, 1, 5), NOWHERE)
-    actions = {"catch": np.ones((2, 4), np.int64), "cmd_vel": np.zeros((2, 4, 2), np.float32)}
+    hunters, targets = np.tile([[1.0, 1.0, 0.0, 0.0]], (1, 4, 1)), [[(9.0, 9.0, 0.0, 0.0, 0.0)]]
+    actions = {"catch": np.full((2, 4), 5), "cmd_vel": np.zeros((2, 4, 2), np.float32)}
     for _ in range(4):
         arena.step(actions)
     arena.place(hunters, targets, steps=4, arenas=[1])
