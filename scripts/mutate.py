@@ -48,7 +48,6 @@ MODULES = (
     "prey_views",
     "ranking",
     "rewards",
-    "sorting",
     "spawner",
     "targets",
     "tiles",

@@ -38,7 +38,12 @@ _SERVER_S: Final = 1.0
 _GONE: Final = "the supervisor of the agents' processes has ended"
 _MESSAGE: Final = 100
 _PART: Final = 65536
-_PASSED_ON: Final = ("PATH", "LANG", "LC_ALL", "TZ", "TMPDIR")
+_PASSED_ON: Final = (
+    *("PATH", "LANG", "LC_ALL", "TZ", "TMPDIR"),
+    # which instructions NumPy and its BLAS use: others round sums otherwise, and a network would play otherwise
+    *("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE"),
+    *("MKL_CBWR", "MKL_ENABLE_INSTRUCTIONS"),
+)
 _SETTINGS: Final = {
     "PYTHONDONTWRITEBYTECODE": "1",  # nothing is left beside an agent's file
     "PYTHONHASHSEED": "0",  # equal seeds, equal play

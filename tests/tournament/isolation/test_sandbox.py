@@ -60,6 +60,37 @@ def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):
     assert isolated.forfeits == (None,) * len(names)
 
 
+MULTIPLIED = """
+import zlib
+import numpy as np
+one, other = (np.random.default_rng(seed).normal(size=(64, 64)).astype(np.float32) for seed in (1, 2))
+print(zlib.crc32(one @ other))
+class Agent:
+    def reset(self, seed): pass
+    def act(self, view): return 0
+"""
+"""An agent whose log tells the last bits of a product."""
+ISOLATED = """
+import sys
+from tournament.isolation.test_sandbox import *
+with Sandbox(AgentLimits(level="processes")) as sandbox:
+    entrants = enter([sys.argv[1], "nearest"], inspector(sandbox))
+    print(played(scenario("duel", time_limit_s=1), entrants, sandbox).logs[0])
+"""
+
+
+def test_the_instructions_that_numpy_is_told_to_use_are_an_agents_too(tmp_path):
+    """By others a sum has other last bits, and an isolated network would play otherwise than one that is not."""
+    (tmp_path / "agent.py").write_text(MULTIPLIED)
+    for core in ("Prescott", "Haswell"):
+        environment = os.environ | {"OPENBLAS_CORETYPE": core, "PYTHONPATH": str(HERE.parents[1])}
+        told = [
+            subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.split()
+            for command in ([sys.executable, "-c", MULTIPLIED], [sys.executable, "-c", ISOLATED, tmp_path / "agent.py"])
+        ]
+        assert told[0] == told[1][:1], core
+
+
 def test_agents_that_come_with_the_package_need_no_process(sandbox):
     sandbox.close()
     before = family(os.getpid())  # Python's own helpers may have been started by other tests
