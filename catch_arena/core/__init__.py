@@ -6,7 +6,8 @@ writes nothing, and cites its clause if it stands for one. A *phase* is one bloc
 *outlined* one is called, and not written out where it is used. An *inlined* function is phases in their order. An
 *entry* is what Python calls: it walks the blocks.
 
-- tick: one step, phase by phase: begin to read here. episodes: how an episode begins and ends.
+- tick: one step, phase by phase: begin to read here. episodes: how an episode begins and ends. placing: with bodies put
+  where somebody wants them.
 - What is kept: state (an arena's rows), memory (an engine's bytes), workspace (scratch).
 - The phases: controllers, targets, dropouts, catching with arbiter, physics, spawner, rewards; prey: chapter 12's.
 - What is seen: observations, features (of each thing), tiles (what is known of it), ranking with sorting (in which

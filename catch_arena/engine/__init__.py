@@ -5,7 +5,7 @@ those.
 - compiling: the core is compiled once in a process, and what is printed meanwhile. prebuilt: the machine code that a
   wheel may carry instead.
 - core_settings: a config as the core's numbers. episode_seeds: the seed of each episode.
-- block_views: the memory by what lies in it. placing: bodies are put into it. world_reading: it is read as a World.
+- block_views: the memory by what lies in it. world_reading: it is read as a World.
 """
 
 from catch_arena.engine.engine import Engine as Engine

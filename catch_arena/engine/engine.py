@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core import dropouts, spawner, state, tick
+from catch_arena.core import dropouts, placing, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import RECORD_COLUMNS
@@ -35,7 +35,6 @@ from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import BlockViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
-from catch_arena.engine.placing import place, place_batch
 from catch_arena.engine.prebuilt import PrebuiltRun, prebuilt_code
 from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.errors import ConfigError
@@ -334,13 +333,13 @@ class Engine:
         says [s], to the millisecond. Prey stays as it is, under its numbers; where poses of all prey are given, those
         who are in play are at rest there.
         """
-        place(self._memory, self._views, arena, hunters, targets, prey)
+        rows = np.zeros((len(targets), 5))
+        rows[:, :2] = np.reshape(targets, (-1, 2))
         if ages:
-            block, lane = divmod(arena, LANES)
-            own, slots = self._views.fields[block, :, lane], self._views.targets[block, :, :, lane]
-            alive = int(own[row_of(state.ALIVE)])
-            appeared = own[row_of(state.TIME)] - np.floor(1000.0 * np.array(ages) + 0.5)
-            slots[alive - len(ages) : alive, row_of(state.APPEARED)] = appeared
+            rows[:, 4] = _in_ms(np.array(ages))
+        # 0.0 is added so that no zero has a sign
+        poses, poses_of_prey = (np.reshape(given or (), (-1, 3)) + 0.0 for given in (hunters, prey))
+        placing.place(self._memory, arena, poses, poses_of_prey, rows + 0.0)
         self.observe(arena)
 
     def place_batch(
@@ -360,7 +359,12 @@ class Engine:
                 oldest first.
             steps: (n,), how many have been played.
         """
-        place_batch(self.config, self._views, arenas, hunters, targets, steps)
+        rows = targets + 0.0
+        rows[:, :, 4] = _in_ms(targets[:, :, 4])
+        there = ~np.isnan(targets[:, :, 0])
+        oldest_first = np.argsort(np.where(there, -rows[:, :, 4], np.inf), axis=1, kind="stable")  # R8.2
+        rows = np.take_along_axis(rows, oldest_first[:, :, None], axis=1)
+        placing.place_all(self._memory, arenas, hunters + 0.0, rows, steps)
         self.ends[arenas] = 0
         for told in (self.rewards, self.parts, self.evidence):
             told[arenas[: len(told)]] = 0.0
@@ -511,6 +515,11 @@ class Engine:
     def __setstate__(self, state: Bytes) -> None:
         """Take over what another engine holds."""
         self._memory[:] = state
+
+
+def _in_ms(ages: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of ages in seconds."""
+    return np.floor(1000.0 * ages + 0.5)
 
 
 def _play_smallest(variant: Variant) -> None:

@@ -1,0 +1,144 @@
+"""Bodies put where somebody wants them, for tests, lessons, and positions to learn from."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.core.jit import Block, entry, phase
+from catch_arena.core.math import wrap
+from catch_arena.core.memory import Bytes, sections_of, settings_in
+from catch_arena.core.spawner import add_target, remove_target
+from catch_arena.core.state import (
+    ALIVE,
+    ALL_OPTIONS,
+    AT_REST,
+    AT_WALL,
+    FIRINGS,
+    LANES,
+    LAST_NUMBER,
+    NO_TARGET,
+    PREY_SLOT,
+    SEED_HIGH,
+    SEED_LOW,
+    SPEED,
+    STEP,
+    THETA,
+    TIME,
+    TURN_RATE,
+    WITHDRAWN,
+    Settings,
+    X,
+    Y,
+    body_of,
+    prey_of,
+    seat_of,
+    targets_of,
+)
+
+Table = NDArray[np.float64]
+
+
+@phase
+def put_body(body: Block, lane: int, pose: Table) -> None:
+    """A body is at a pose: x, y [m] and heading [rad]."""
+    body[X + lane] = pose[0]
+    body[Y + lane] = pose[1]
+    body[THETA + lane] = wrap(pose[2])
+
+
+@phase
+def is_played(block: Block, slot: int, lane: int, s: Settings) -> bool:
+    """Whether prey plays the target in a slot."""
+    played = False
+    for index in range(s.prey):
+        played = played or prey_of(block, index, s)[PREY_SLOT + lane] == slot
+    return bool(played)
+
+
+@phase
+def put_target(block: Block, targets: Block, lane: int, s: Settings, target: Table) -> None:
+    """A target appears, with the next number, or as one that has been there.
+
+    Args:
+        block: the block.
+        targets: the slots of the block.
+        lane: the lane.
+        s: the settings.
+        target: x, y [m], heading [rad], linear velocity [m/s], age [ms].
+    """
+    block[LAST_NUMBER + lane] += 1.0
+    add_target(block, targets, lane, s, target[0], target[1], target[2], block[TIME + lane] - target[4])
+    if s.targets_move:
+        body_of(targets, int(block[ALIVE + lane]) - 1, s)[SPEED + lane] = target[3]
+
+
+@entry
+def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table) -> None:
+    """Bodies are at rest at these poses; targets, as far as there is room, take the place of those that nobody plays.
+
+    Args:
+        memory: see core/memory.py.
+        arena: which of the batch.
+        hunters: (n, 3), the poses of the first ones.
+        prey: (P, 3), of those that are in play; or (0, 3), and prey stays as it is.
+        targets: (n, 5): see `put_target`.
+    """
+    sections = sections_of(memory)
+    s = settings_in(sections.settings, ALL_OPTIONS)
+    block, lane = sections.blocks[arena // LANES], arena % LANES
+    for seat in range(len(hunters)):
+        me = seat_of(block, seat)
+        put_body(me, lane, hunters[seat])
+        me[AT_WALL + lane] = 0.0
+        for offset in AT_REST:
+            me[offset + lane] = 0.0
+    every = targets_of(block, s)
+    for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: those behind a removed slot move up
+        if not is_played(block, slot, lane, s):
+            remove_target(block, every, lane, slot, s)
+    for index in range(len(prey)):
+        slot = int(prey_of(block, index, s)[PREY_SLOT + lane])
+        if slot != NO_TARGET:
+            body = body_of(every, slot, s)
+            put_body(body, lane, prey[index])
+            for offset in (SPEED, TURN_RATE, AT_WALL):
+                body[offset + lane] = 0.0
+    for i in range(len(targets)):
+        if block[ALIVE + lane] < s.max_targets:
+            put_target(block, every, lane, s, targets[i])
+
+
+@entry
+def place_all(
+    memory: Bytes, arenas: NDArray[np.int64], hunters: Table, targets: Table, steps: NDArray[np.int64]
+) -> None:
+    """Episodes begin with these bodies; the seeds stay. Not for arenas with prey.
+
+    Args:
+        memory: see core/memory.py.
+        arenas: (n,), which of the batch.
+        hunters: (n, H, 4): x, y, heading, linear velocity; NaN: withdrawn.
+        targets: (n, T, 5): see `put_target`; the oldest first, and NaN behind the last.
+        steps: (n,), how many have been played.
+    """
+    sections = sections_of(memory)
+    s = settings_in(sections.settings, ALL_OPTIONS)
+    for i in range(len(arenas)):
+        block, lane = sections.blocks[arenas[i] // LANES], arenas[i] % LANES
+        high, low = block[SEED_HIGH + lane], block[SEED_LOW + lane]
+        for row in range(len(block) // LANES):
+            block[row * LANES + lane] = 0.0
+        block[SEED_HIGH + lane], block[SEED_LOW + lane] = high, low
+        block[STEP + lane] = steps[i]
+        block[TIME + lane] = steps[i] * s.period_ms
+        block[FIRINGS + lane] = np.floor(block[TIME + lane] / s.spawn_period_ms)
+        for seat in range(s.hunters):
+            me = seat_of(block, seat)
+            if np.isnan(hunters[i, seat, 0]):
+                me[WITHDRAWN + lane] = 1.0
+            else:
+                put_body(me, lane, hunters[i, seat])
+                me[SPEED + lane] = hunters[i, seat, 3]
+        every = targets_of(block, s)
+        for slot in range(targets.shape[1]):
+            if not np.isnan(targets[i, slot, 0]):
+                put_target(block, every, lane, s, targets[i, slot])
