@@ -399,3 +399,21 @@ def test_pufferlib_is_compiled_and_driven_where_its_source_lies(tmp_path, monkey
     header.write_text("no C at all")
     with pytest.raises(RuntimeError, match=r"^pufferlib/ocean/target/target\.h:1:1: error"):
         puffer.Driver(tmp_path)
+
+
+def test_a_batch_whose_phases_are_measured_plays_by_what_it_is_given(monkeypatch):
+    """A stand-in that nobody plays would make every phase cost nothing."""
+    phases, played = module("phases", monkeypatch), []
+    engine = catch_arena.Engine(catch_arena.scenario("standard"), 2)
+    engine.reset(range(2))
+    phases.play_by(engine, lambda *given: played.append(given))
+    engine.step(np.ones((2, 4), dtype=np.int64), np.zeros((2, 4, 2), dtype=np.float32))
+    assert len(played) == 1
+
+
+@pytest.mark.parametrize("arenas", [8, 2048])
+def test_the_memory_of_a_batch_is_counted_whoever_it_is_asked_of(arenas, monkeypatch):
+    """Large batches have pages of their own, of which tracemalloc hears nothing."""
+    of_an_arena = module("ours", monkeypatch).bytes_of_an_arena(arenas)
+    batch = catch_arena.VectorArena("standard", arenas)
+    assert batch.reset(seed=1)[0].nbytes / arenas < of_an_arena < 50_000
