@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from catch_arena.core.jit import Block, entry, phase
 from catch_arena.core.math import wrap
 from catch_arena.core.memory import Bytes, sections_of, settings_in
-from catch_arena.core.spawner import add_target, remove_target
+from catch_arena.core.spawner import add_target, is_played, remove_target
 from catch_arena.core.state import (
     ALIVE,
     ALL_OPTIONS,
@@ -43,15 +43,6 @@ def put_body(body: Block, lane: int, pose: Table) -> None:
     body[X + lane] = pose[0]
     body[Y + lane] = pose[1]
     body[THETA + lane] = wrap(pose[2])
-
-
-@phase
-def is_played(block: Block, slot: int, lane: int, s: Settings) -> bool:
-    """Whether prey plays the target in a slot."""
-    played = False
-    for index in range(s.prey):
-        played = played or prey_of(block, index, s)[PREY_SLOT + lane] == slot
-    return bool(played)
 
 
 @phase

@@ -77,6 +77,15 @@ def add_target(
     block[SPAWNED + lane] += 1.0
 
 
+@phase
+def is_played(block: Block, slot: int, lane: int, s: Settings) -> bool:
+    """Whether prey plays the target in a slot."""
+    played = False
+    for index in range(s.prey):
+        played = played or prey_of(block, index, s)[PREY_SLOT + lane] == slot
+    return bool(played)
+
+
 @outlined
 def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
     """R8.2: one target leaves the alive list; those behind it move up, so that the order stays.
@@ -200,9 +209,8 @@ def kill(memory: Bytes, arena: int, number: int) -> bool:
     targets = targets_of(block, s)
     for slot in range(int(block[ALIVE + lane])):
         if targets[slot * s.slot_size + NUMBER + lane] == number:
-            for index in range(s.prey):
-                if prey_of(block, index, s)[PREY_SLOT + lane] == slot:
-                    return False
+            if is_played(block, slot, lane, s):
+                return False
             remove_target(block, targets, lane, slot, s)
             block[SPAWNED + lane] -= 1.0
             return True
