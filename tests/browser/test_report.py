@@ -278,6 +278,21 @@ def test_every_listed_key_does_what_it_says(player, crowd):
     assert player.get_by_role("button", name="Play", exact=True).is_visible()
 
 
+def test_space_plays_a_replay_that_is_still_being_read(player):
+    player.evaluate("""() => {
+        const replay = document.querySelector("catch-replay");
+        const bundle = replay.getAttribute("bundle");
+        replay.removeAttribute("bundle");
+        replay.setAttribute("bundle", bundle);
+        for (const key of ["ArrowRight", " "]) {  // only one of them means something by now
+            const pressed = new KeyboardEvent("keydown", { key, bubbles: true, composed: true });
+            replay.shadowRoot.querySelector("canvas.arena").dispatchEvent(pressed);
+        }
+    }""")
+    until(player, "document.querySelector('catch-replay').time > 300")
+    assert player.get_by_role("button", name="Pause").is_visible()
+
+
 def test_several_players_stand_on_one_page(quiet, crowd, tmp_path):
     page = opened(quiet, tmp_path, player_html(crowd) + player_html(crowd))
     page.get_by_role("button", name="Next contest").nth(1).click()

@@ -409,8 +409,22 @@ export class CatchReplay extends HTMLElement {
   #key(event) {
     const { replay } = this;
     const [inside] = event.composedPath();
-    if (!replay || event.ctrlKey || event.metaKey || event.altKey || inside === this.pace) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || inside === this.pace) return;
     if (inside !== this.arena && inside !== this.scrub && ["Enter", " "].includes(event.key)) return; // a button's own
+    const action = event.key === " " ? () => this.#toggle() : replay && this.#action(event, replay);
+    if (!action) return;
+    event.preventDefault();
+    event.stopPropagation(); // a notebook has keys of its own
+    action();
+  }
+
+  /**
+   * What a key does, all but the one that plays and pauses: that one counts before the replay has been read, too.
+   * @param {KeyboardEvent} event
+   * @param {Replay} replay
+   * @returns {(() => void) | undefined}
+   */
+  #action(event, replay) {
     const stride = event.shiftKey ? replay.period : 1000;
     /** @type {(way: 1 | -1) => number} */
     const change = (way) => SPEEDS[Math.min(Math.max(SPEEDS.indexOf(this.speed) + way, 0), SPEEDS.length - 1)];
@@ -423,7 +437,6 @@ export class CatchReplay extends HTMLElement {
     const following = this.picked === null ? 0 : this.picked + 1 < seats ? this.picked + 1 : null;
     /** @type {Record<string, () => void>} */
     const actions = {
-      " ": () => this.#toggle(),
       arrowleft: () => this.seek(this.time - stride),
       arrowright: () => this.seek(this.time + stride),
       p: () => this.jump(-1),
@@ -438,11 +451,7 @@ export class CatchReplay extends HTMLElement {
       end: () => this.seek(replay.duration),
     };
     const seat = /^\d$/.test(event.key) ? Number(event.key) : NaN;
-    const action = seat < seats ? () => this.pick(seat) : actions[event.key.toLowerCase()];
-    if (!action) return;
-    event.preventDefault();
-    event.stopPropagation(); // a notebook has keys of its own
-    action();
+    return seat < seats ? () => this.pick(seat) : actions[event.key.toLowerCase()];
   }
 }
 
