@@ -14,7 +14,7 @@ from typer.core import TyperGroup
 
 from catch_arena import interrupts
 from catch_arena.cli.arguments import blank_argument
-from catch_arena.cli.terminal import HELP_OPTIONS, fit_help, let_all_be_written, say
+from catch_arena.cli.terminal import HELP_OPTIONS, fit_help, folded, let_all_be_written, say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.scenarios import scenario
@@ -294,7 +294,7 @@ def say_level(limits: AgentLimits | None) -> None:
     from catch_arena.tournament.isolation.levels import level_here, level_line
 
     if limits is not None and not all(map(is_shipped, limits.entrants)):
-        say(level_line(level_here(limits.level)), err=True)
+        say(folded(level_line(level_here(limits.level)), then="           "), err=True)
 
 
 def enter_agents(

@@ -27,7 +27,6 @@ from catch_arena.core.spawner import remove_target
 from catch_arena.core.state import (
     ALIVE,
     CONTESTS_WON,
-    DISTANCE_UM,
     ENDED,
     EVIDENCE,
     LANES,
@@ -42,16 +41,18 @@ from catch_arena.core.state import (
     TARGET_X,
     TARGET_Y,
     VERDICT,
-    WINNER,
     WITHDRAWN,
     Settings,
     X,
     Y,
     count,
     counters_of,
+    distance_in,
+    evidence_of,
     limits_of,
     seat_of,
     span,
+    winner_in,
 )
 from catch_arena.core.vectors import Width, group, select
 from catch_arena.core.workspace import Scratch, progress_reference_of, requested_slots_of
@@ -61,6 +62,9 @@ _GRANTED: Final = int(Verdict.GRANTED)
 _NO_CATCHER: Final = 1 << 30
 """Above every seat."""
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
+
+ANSWER_COLUMNS: Final = 4
+"""Of `memory.Sections.answers`."""
 
 
 @inlined
@@ -170,8 +174,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
         me = seat_of(block, requests[i, REQUEST_SEAT])
         me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
         me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
-        me[DISTANCE_UM + lane] = requests[i, REQUEST_DISTANCE]
-        me[WINNER + lane] = requests[i, REQUEST_WINNER]
+        me[EVIDENCE + lane] = evidence_of(float(requests[i, REQUEST_DISTANCE]), float(requests[i, REQUEST_WINNER]))
         counters = counters_of(block, requests[i, REQUEST_SEAT], s)
         count(counters, requests[i, REQUEST_VERDICT], lane, s)
         for j in range(len(requests) if contested else 0):
@@ -268,16 +271,20 @@ def resolve_requests(
 
 
 @phase
-def write_evidence(block: Block, s: Settings, lanes: int, evidence: NDArray[np.float64]) -> None:
+def write_answers(block: Block, s: Settings, lanes: int, answers: NDArray[np.float64]) -> None:
     """R5.6: the answers to the requests of this step, for those who look from outside.
 
     Args:
         block: the block.
         s: the settings.
         lanes: how many lanes are arenas.
-        evidence: the result, (lanes, H, 4) in the order of `state.EVIDENCE`, or none.
+        answers: the result, (lanes, H, 4): see `memory.Sections`; or none.
     """
-    for lane in range(min(lanes, len(evidence))):
+    for lane in range(min(lanes, len(answers))):
         for seat in range(s.hunters):
-            for column in range(len(EVIDENCE)):
-                evidence[lane, seat, column] = seat_of(block, seat)[EVIDENCE[column] + lane]
+            me = seat_of(block, seat)
+            answers[lane, seat, 1] = me[VERDICT + lane]
+            if me[VERDICT + lane] > 0.0:
+                answers[lane, seat, 0] = me[REQUESTED_NUMBER + lane]
+                answers[lane, seat, 2] = distance_in(me[EVIDENCE + lane])
+                answers[lane, seat, 3] = winner_in(me[EVIDENCE + lane])

@@ -10,6 +10,7 @@ from catch_arena.core.jit import Block, inlined, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.rewards import set_progress_reference
 from catch_arena.core.state import (
+    ABSENT,
     ACTIVE,
     BEARING_INTEGRAL,
     COSINE,
@@ -18,7 +19,6 @@ from catch_arena.core.state import (
     MALFORMED_REQUEST,
     NO_TARGET,
     NUMBER,
-    SEEN,
     SINE,
     SPEED,
     TARGET_X,
@@ -97,11 +97,10 @@ def choose(
     """
     for lane in range(lanes):
         rank = ranks[lane]
-        there = int(me[SEEN + lane])
-        seen = (rank > 0) & (rank <= there)
-        slot = select(seen, slot_at_rank(order, select(seen, rank - 1, 0), lane), 0)
-        at = np.uint64(slot) * np.uint64(s.slot_size) + np.uint64(lane)
-        unseen = select(rank > there, float(MALFORMED_REQUEST), float(NO_TARGET))
+        slot = slot_at_rank(order, select(rank > 0, rank - 1, 0), lane)
+        seen = (rank > 0) & (slot != ABSENT)
+        at = np.uint64(select(seen, slot, 0)) * np.uint64(s.slot_size) + np.uint64(lane)
+        unseen = select(rank > 0, float(MALFORMED_REQUEST), float(NO_TARGET))
         requested[lane] = select(seen, float(slot), unseen)
         goals[lane] = targets[np.uint64(TARGET_X) + at]
         goals[LANES + lane] = targets[np.uint64(TARGET_Y) + at]
@@ -175,8 +174,8 @@ def request_nearest(
     """
     for lane in range(lanes):
         requested[lane] = NO_TARGET
-        if me[SEEN + lane] > 0.0:
-            slot = slot_at_rank(order, 0, lane)
+        slot = slot_at_rank(order, 0, lane)
+        if slot != ABSENT:
             at = slot * s.slot_size + lane
             distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
             if within_reach(distance_um, limits.reach_um):

@@ -16,8 +16,8 @@ from catch_arena.core.state import (
     ALIVE,
     CONTESTS_WON,
     COUNTERS,
-    DISTANCE_UM,
     ENDED,
+    EVIDENCE,
     LANES,
     NO_TARGET,
     REQUESTED_NUMBER,
@@ -33,12 +33,12 @@ from catch_arena.core.state import (
     TIME,
     TRUNCATED,
     VERDICT,
-    WINNER,
     Settings,
     X,
     Y,
     counted,
     counters_of,
+    evidence_of,
     seat_of,
     span,
     targets_of,
@@ -48,14 +48,12 @@ from catch_arena.core.workspace import Scratch, requested_slots_of
 from catch_arena.verdicts import Verdict
 
 # columns of a record: one hunter's episode in figures
-LENGTH: Final = 0  # steps
-FINAL_SCORE: Final = 1
-FINAL_RANK: Final = 2  # R6.1, R11.1: 1 + how many teams have more
-FINAL_REWARD_SUM: Final = 3
-FINAL_TEAM_SCORE: Final = 4
-FINAL_CONTESTS_WON: Final = 5
-FINAL_TALLIES: Final = 6  # how often each verdict was met, in the order of Verdict
-RECORD_COLUMNS: Final = FINAL_TALLIES + len(Verdict)
+FINAL_SCORE: Final = 0
+FINAL_RANK: Final = 1  # R6.1, R11.1: 1 + how many teams have more
+FINAL_REWARD_SUM: Final = 2
+FINAL_CONTESTS_WON: Final = 3
+FINAL_TALLIES: Final = 4  # how often each verdict was met, in the order of Verdict
+FINAL_TEAM_SCORE: Final = FINAL_TALLIES + len(Verdict)  # where there are teams
 
 _MATCH_OVER: Final = float(Verdict.MATCH_OVER)
 
@@ -69,27 +67,27 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
         s: the settings.
         lane: the lane.
         teams: see `memory.Sections`.
-        record: the result, (H, RECORD_COLUMNS).
+        record: the result, (H, figures).
     """
+    score = FINAL_TEAM_SCORE if s.has_teams else FINAL_SCORE
     for seat in range(s.hunters):
-        record[seat, FINAL_TEAM_SCORE] = 0.0
-    for seat in range(s.hunters):
-        record[teams[seat], FINAL_TEAM_SCORE] += seat_of(block, seat)[SCORE + lane]
-    for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        record[seat, FINAL_TEAM_SCORE] = record[teams[seat], FINAL_TEAM_SCORE]
-        rank = 1.0
-        for other in range(s.hunters):
-            better = teams[other] == other and record[other, FINAL_TEAM_SCORE] > record[seat, FINAL_TEAM_SCORE]
-            rank += 1.0 if better else 0.0
-        record[seat, LENGTH] = block[STEP + lane]
+        me, counters = seat_of(block, seat), counters_of(block, seat, s)
         record[seat, FINAL_SCORE] = me[SCORE + lane]
-        record[seat, FINAL_RANK] = rank
         record[seat, FINAL_REWARD_SUM] = me[REWARD_SUM + lane]
-        counters = counters_of(block, seat, s)
         record[seat, FINAL_CONTESTS_WON] = counted(counters, CONTESTS_WON, lane, s)
         for counter in range(1, COUNTERS):
             record[seat, FINAL_TALLIES + counter - 1] = counted(counters, counter, lane, s)
+    if s.has_teams:
+        for seat in range(s.hunters):
+            first = teams[seat]  # of its team, and the lowest: it comes before the others
+            record[first, score] = record[seat, FINAL_SCORE] + (record[first, score] if seat != first else 0.0)
+        for seat in range(s.hunters):
+            record[seat, score] = record[teams[seat], score]
+    for seat in range(s.hunters):
+        rank = 1.0
+        for other in range(s.hunters):
+            rank += 1.0 if teams[other] == other and record[other, score] > record[seat, score] else 0.0
+        record[seat, FINAL_RANK] = rank
 
 
 @outlined
@@ -198,8 +196,7 @@ def restore_finished(
             now, then = seat_of(block, seat), seat_of(scratch.snapshot, seat)
             then[REQUESTED_NUMBER + lane] = now[REQUESTED_NUMBER + lane]
             then[VERDICT + lane] = 0.0 if requested_slots_of(scratch, seat)[lane] == NO_TARGET else _MATCH_OVER
-            then[DISTANCE_UM + lane] = -1.0
-            then[WINNER + lane] = -1.0
+            then[EVIDENCE + lane] = evidence_of(-1.0, -1.0)
             if len(breakdowns) == 0:
                 rewards[lane, seat] = 0.0
             for column in range(breakdowns.shape[2] if len(breakdowns) > 0 else 0):
@@ -238,6 +235,7 @@ def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sect
         arena = first + lane
         keep_rows(sections.observations[arena], sections.final_observations[arena])
         keep_rows(sections.masks[arena], sections.final_masks[arena])
+        sections.lengths[arena] = block[STEP + lane]
         write_record(block, s, lane, sections.teams, sections.records[arena])
         if s.prey > 0:
             keep_rows(sections.prey_observations[arena], sections.prey_final_observations[arena])

@@ -75,8 +75,11 @@ class Sections(NamedTuple):
     """(B, H, 1 + parts): the reward, and R6.2's parts in the order of `state.PART_NAMES`; or none, and then
     `rewards`.
     """
-    evidence: Annotated[NDArray[np.float64], 3]
-    """(B, H, 4): the answer to each hunter's request, in the order of `state.EVIDENCE`; or none."""
+    answers: Annotated[NDArray[np.float64], 3]
+    """R5.6: (B, H, 4), or none: of each hunter's request the target's number, 0 for none; the verdict, 0 for no
+    request, and then the other numbers are an older one's; the distance [micrometres] and the winner's seat, -1 for
+    none.
+    """
     observations: Annotated[NDArray[np.float32], 3]
     """R7.1: (B, H, D)."""
     masks: Annotated[NDArray[np.int8], 3]
@@ -105,8 +108,10 @@ class Sections(NamedTuple):
     """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""
     final_masks: Annotated[NDArray[np.int8], 3]
     """(B, H, K + 1): the masks that belong to them."""
+    lengths: Annotated[NDArray[np.float32], 1]
+    """(B,): that episode's steps."""
     records: Annotated[NDArray[np.float32], 3]
-    """(B, H, RECORD_COLUMNS): that episode in figures, see `episodes`."""
+    """(B, H, figures): that episode in figures, see `episodes`."""
     prey_final_observations: Annotated[NDArray[np.float32], 3]
     """(B, P, E): as `final_observations`."""
     prey_records: Annotated[NDArray[np.float32], 3]

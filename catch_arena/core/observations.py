@@ -37,7 +37,6 @@ from catch_arena.core.state import (
     SCORE,
     SEED_HIGH,
     SEED_LOW,
-    SEEN,
     SINE,
     SPEED,
     STEP,
@@ -54,6 +53,7 @@ from catch_arena.core.state import (
     span,
     target_order_of,
     targets_of,
+    targets_ranked,
 )
 from catch_arena.core.tiles import (
     TILE_NUMBER,
@@ -319,7 +319,7 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
     for lane in range(lanes):
         seat = 0
         while seat < s.hunters:
-            there = int(seat_of(block, seat)[SEEN + lane])
+            there = targets_ranked(block, target_order_of(block, seat, s), s, lane)
             if masks[lane, seat, there] == 0 or (there < ranks and masks[lane, seat, there + 1] == 1):
                 for rank in range(ranks + 1):
                     masks[lane, seat, rank] = 1 if rank <= there else 0

@@ -29,7 +29,6 @@ from catch_arena.core.state import (
     SEED_HIGH,
     SEED_LOW,
     SPEED,
-    STEP,
     TARGET_X,
     TARGET_Y,
     TIME,
@@ -47,11 +46,10 @@ from catch_arena.core.vectors import sqrt
 from catch_arena.core.workspace import Scratch, prey_reference_of
 
 # columns of a record: one prey's episode in figures
-PREY_LENGTH: Final = 0  # steps
-PREY_TIMES_CAUGHT: Final = 1
-PREY_RANK: Final = 2  # R12.5: 1 + how many are ahead
-PREY_FINAL_REWARD_SUM: Final = 3
-PREY_RECORD_COLUMNS: Final = 4
+PREY_TIMES_CAUGHT: Final = 0
+PREY_RANK: Final = 1  # R12.5: 1 + how many are ahead
+PREY_FINAL_REWARD_SUM: Final = 2
+PREY_RECORD_COLUMNS: Final = 3
 
 # rows of a reference, of each prey from phase 2 to its reward
 IN_PLAY: Final = 0 * LANES  # 1 where it was not out on S_t, else 0
@@ -270,7 +268,6 @@ def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.
         rank = 1.0
         for other in range(s.prey):
             rank += 1.0 if is_ahead(prey_of(block, other, s), me, lane) else 0.0
-        record[index, PREY_LENGTH] = block[STEP + lane]
         record[index, PREY_TIMES_CAUGHT] = me[TIMES_CAUGHT + lane]
         record[index, PREY_RANK] = rank
         record[index, PREY_FINAL_REWARD_SUM] = me[PREY_REWARD_SUM + lane]

@@ -19,7 +19,6 @@ from catch_arena.core.state import (
     RANK_BITS,
     RANKS_PER_WORD,
     SCORE,
-    SEEN,
     SINE,
     TARGET_X,
     TARGET_Y,
@@ -166,7 +165,7 @@ def rank_targets(
 
     Args:
         block: the block, for its row ALIVE.
-        me: the rows of the seat that sees them; SEEN is written: how many have a rank.
+        me: the rows of the seat that sees them.
         targets: the slots of the block.
         width: how many lanes a group has.
         slots: how many slots are in use in any lane.
@@ -178,18 +177,13 @@ def rank_targets(
         lane = group(first, width)
         x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
         alive = truncate(block[ALIVE + lane])
-        hidden = 0.0
         for slot in range(slots):
             at = slot * s.slot_size + lane
             dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
             there = alive > slot
             if s.partial_view:
-                in_view = is_seen(dx, dy, sine, cosine, reach_limit_m2, s)
-                hidden = hidden + select(there, select(in_view, 0.0, 1.0), 0.0)
-                there = there & in_view
+                there = there & is_seen(dx, dy, sine, cosine, reach_limit_m2, s)
             keys[slot * LANES + lane] = select(there, key_of(dx, dy, slot), FAR)
-        seen = block[ALIVE + lane] - hidden
-        me[SEEN + lane] = select(seen < s.targets_seen, seen, float(s.targets_seen))
     sort_keys(keys, slots, s.targets_seen, width)
 
 

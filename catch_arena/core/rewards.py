@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from catch_arena.core.jit import Block, inlined, outlined, phase
 from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
+    ABSENT,
     ALIVE,
     COSINE,
     LANES,
     PART_NAMES,
     REWARD_SUM,
     SCORE,
-    SEEN,
     SINE,
     TARGET_X,
     TARGET_Y,
@@ -62,8 +62,9 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
         reference: the result, three rows: see `workspace.progress_reference_of`.
     """
     for lane in range(lanes):
-        there = me[SEEN + lane] > 0.0
-        at = select(there, slot_at_rank(order, 0, lane), 0) * s.slot_size + lane
+        slot = slot_at_rank(order, 0, lane)
+        there = slot != ABSENT
+        at = select(there, slot, 0) * s.slot_size + lane
         dx = targets[TARGET_X + at] - me[X + lane]
         dy = targets[TARGET_Y + at] - me[Y + lane]
         reference[lane] = targets[TARGET_X + at]

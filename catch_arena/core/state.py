@@ -63,13 +63,11 @@ BEARING_INTEGRAL: Final = 9 * LANES  # [rad s]
 ACTIVE: Final = 10 * LANES  # number of the active target, 0 for none
 SCORE: Final = 11 * LANES  # granted catches
 WITHDRAWN: Final = 12 * LANES  # R1.6's flag
-SEEN: Final = 13 * LANES  # how many targets it sees: those have a rank
-REQUESTED_NUMBER: Final = 14 * LANES  # number of the target requested, 0 for none
-VERDICT: Final = 15 * LANES  # R5.2, 0 for no request: then the other rows of the answer are an older one's
-DISTANCE_UM: Final = 16 * LANES  # the verdict's evidence [micrometres], -1 for none
-WINNER: Final = 17 * LANES  # seat, -1 for none
-REWARD_SUM: Final = 18 * LANES  # of this episode
-HUNTER_ROWS: Final = 19
+REQUESTED_NUMBER: Final = 13 * LANES  # number of the target requested, 0 for none
+VERDICT: Final = 14 * LANES  # R5.2, 0 for no request: then the other rows of the answer are an older one's
+EVIDENCE: Final = 15 * LANES  # the verdict's: see `evidence_of`
+REWARD_SUM: Final = 16 * LANES  # of this episode
+HUNTER_ROWS: Final = 17
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
 HUNTER_DIGEST: Final = (
     X,
@@ -87,8 +85,6 @@ HUNTER_DIGEST: Final = (
 """What stands of a hunter in the digest, in this order (A.8)."""
 AT_REST: Final = (SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE)
 """The rows of a hunter that are zero while nothing drives it."""
-EVIDENCE: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE_UM, WINNER)
-"""The answer to a request (R5.6)."""
 
 # slot rows: two, and a body's; where targets move, these and two more
 NUMBER: Final = 0 * LANES  # the target's spawn number
@@ -253,6 +249,8 @@ class SeatLimits(NamedTuple):
 
 MOST: Final = 64
 """Of hunters and of targets, in one arena: a key of `ranking` has room for as many."""
+_SEATS: Final = 1.0 + MOST
+"""With that of nobody."""
 RANKS_PER_WORD: Final = 8
 """Slots or seats in an order are kept eight to a number, a byte each, the first in the lowest bits."""
 RANK_BITS: Final = 8
@@ -352,6 +350,29 @@ def target_order_of(block: Block, seat: int, s: Settings) -> Block:
 
 
 @rule
+def evidence_of(distance_um: float, winner: float) -> float:
+    """R5.6: both in one number.
+
+    Args:
+        distance_um: a whole number [micrometres], -1 for none.
+        winner: a seat, -1 for none.
+    """
+    return (distance_um + 1.0) * _SEATS + winner + 1.0
+
+
+@rule
+def distance_in(evidence: float) -> float:
+    """The distance of `evidence_of`."""
+    return evidence // _SEATS - 1.0
+
+
+@rule
+def winner_in(evidence: float) -> float:
+    """The winner of `evidence_of`."""
+    return evidence % _SEATS - 1.0
+
+
+@rule
 def word_of_rank(packed: Block, rank: int, lane: int) -> int:
     """The word that holds a rank, and those that follow in it: see `RANKS_PER_WORD`.
 
@@ -380,6 +401,23 @@ def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
         lane: the lane.
     """
     return slot_in_word(word_of_rank(packed, rank, lane), rank)
+
+
+@phase
+def targets_ranked(block: Block, order: Block, s: Settings, lane: int) -> int:
+    """R7.1, R7.5: how many targets a seat sees: those have a rank.
+
+    Args:
+        block: the block, for its row ALIVE.
+        order: see `target_order_of`.
+        s: the settings.
+        lane: the lane.
+    """
+    count = min(int(block[ALIVE + lane]), s.targets_seen)
+    if s.partial_view:
+        while count > 0 and slot_at_rank(order, count - 1, lane) == ABSENT:
+            count -= 1
+    return count
 
 
 @inlined

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import RequestTable
-from catch_arena.core.catching import resolve_requests, write_evidence
+from catch_arena.core.catching import resolve_requests, write_answers
 from catch_arena.core.controllers import apply_actions
 from catch_arena.core.dropouts import drop_out, write_active
 from catch_arena.core.episodes import (
@@ -145,4 +145,4 @@ def run(
             write_team_scores(
                 block, s, width, last - first, sections.teams, sections.team_seats, scratch.rows, team_scores
             )
-        write_evidence(block, s, last - first, sections.evidence[first:last])
+        write_answers(block, s, last - first, sections.answers[first:last])

@@ -3,6 +3,7 @@ arbitration check what people give.
 """
 
 import hashlib
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Final
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig
 from catch_arena.core import dropouts, placing, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
+from catch_arena.core.catching import ANSWER_COLUMNS
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.core.episodes import RECORD_COLUMNS
+from catch_arena.core.episodes import FINAL_TEAM_SCORE
 from catch_arena.core.jit import machine_code
 from catch_arena.core.memory import (
     DTYPES,
@@ -100,6 +102,7 @@ class Engine:
         kept = num_arenas if auto_reset else 0
         seen_by_prey = prey_observation_size(config)
         team_play = config.teams is not None
+        figures = FINAL_TEAM_SCORE + (1 if team_play else 0)
         columns = max(hunters * observation_size(config), prey * seen_by_prey)
         scratch = scratch_shapes(hunters, prey, num_rows, columns, team_play=team_play)
         memory, sections = lay_out(
@@ -115,7 +118,7 @@ class Engine:
                 prey_commands=zeros(num_arenas, prey, 2, dtype=np.float32),
                 blocks=zeros(num_blocks, num_rows * LANES),
                 breakdowns=zeros(rows_with_infos, hunters, 1 + len(PART_NAMES)),
-                evidence=zeros(rows_with_infos, hunters, len(state.EVIDENCE)),
+                answers=zeros(rows_with_infos, hunters, ANSWER_COLUMNS),
                 observations=zeros(num_arenas, hunters, observation_size(config), dtype=np.float32),
                 masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
                 prey_breakdowns=zeros(rows_with_infos, prey, 1 + len(PREY_PART_NAMES)),
@@ -128,7 +131,8 @@ class Engine:
                 team_scores=zeros(num_arenas, len(config.teams or ())),
                 final_observations=zeros(kept, hunters, observation_size(config), dtype=np.float32),
                 final_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
-                records=zeros(kept, hunters, RECORD_COLUMNS, dtype=np.float32),
+                lengths=zeros(kept, dtype=np.float32),
+                records=zeros(kept, hunters, figures, dtype=np.float32),
                 prey_final_observations=zeros(kept, prey, seen_by_prey, dtype=np.float32),
                 prey_records=zeros(kept, prey, PREY_RECORD_COLUMNS, dtype=np.float32),
                 **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
@@ -167,8 +171,10 @@ class Engine:
         """With auto_reset the last observations of the latest episode that ended in each arena: (B, H, D)."""
         self.final_masks = sections.final_masks
         """And the masks that belong to them: (B, H, K + 1)."""
+        self.lengths = sections.lengths
+        """With auto_reset that episode's steps: (B,)."""
         self.records = sections.records
-        """With auto_reset that episode in figures, in the columns of core/episodes.py: (B, H, RECORD_COLUMNS)."""
+        """And it in figures, in the columns of core/episodes.py, the last of which is there with teams: (B, H, F)."""
         self.prey_observations = sections.prey_observations
         """R12.4: (B, P, E)."""
         self.prey_rewards: NDArray[Any] = (
@@ -194,8 +200,8 @@ class Engine:
         self.outputs = self._memory[begin:end].view(np.float32)
         """What `Sections` has from `breakdowns` to `prey_observations`, one behind the other: copied, all at once.
         """
-        self.evidence = sections.evidence
-        """R5.6: (B, H, 4), the rows of `state.EVIDENCE`; or (0, H, 4) where infos are not wanted."""
+        self.answers = sections.answers
+        """R5.6: (B, H, 4), see `memory.Sections`; or (0, H, 4) where infos are not wanted."""
         begin = offset_of("blocks", memory)
         self._kept, self._kept_by_all = memory[begin:], offset_of("final_observations", memory) - begin
         of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
@@ -366,7 +372,7 @@ class Engine:
         rows = np.take_along_axis(rows, oldest_first[:, :, None], axis=1)
         placing.place_all(self._memory, arenas, hunters + 0.0, rows, steps)
         self.ends[arenas] = 0
-        for told in (self.rewards, self.parts, self.evidence):
+        for told in (self.rewards, self.parts, self.answers):
             told[arenas[: len(told)]] = 0.0
         self._observe_blocks_of(arenas)
 
@@ -406,9 +412,9 @@ class Engine:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
         block, lane = divmod(arena, LANES)
         order = self._views.target_orders[block, seat, :, lane]
-        view = order.copy().view(np.uint8)  # a slot is a byte: see RANKS_PER_WORD
-        for rank in range(int(self.hunter_rows(arena)[seat, row_of(state.SEEN)])):
-            slot = view[rank]
+        for rank, slot in enumerate(order.copy().view(np.uint8)):  # a slot is a byte: see RANKS_PER_WORD
+            if slot == state.ABSENT:
+                break
             if self.config.target_name(int(self._views.targets[block, slot, row_of(state.NUMBER), lane])) == name:
                 return rank + 1
         return 0
@@ -477,8 +483,8 @@ class Engine:
 
     def saved_sizes(self, *, alone: bool) -> tuple[int, int]:
         """How long a saved state can be, of one arena or of all: without what only `auto_reset` keeps, and with it."""
-        figures = self.config.hunters * RECORD_COLUMNS, self.config.prey * PREY_RECORD_COLUMNS
-        records = [self.num_arenas * count * np.dtype(np.float32).itemsize for count in figures]
+        figures = (math.prod(section.shape[1:]) for section in (self.lengths, self.records, self.prey_records))
+        records = [self.num_arenas * count * self.records.itemsize for count in figures]
         views = (self.observations, self.masks, self.prey_observations)
         own = [*records, *(section.nbytes for section in views)]
         if not alone:

@@ -18,6 +18,7 @@ from pettingzoo import ParallelEnv
 
 from catch_arena.config import RULESET, ArenaConfig, Control, require_choice
 from catch_arena.core import state
+from catch_arena.core.catching import ANSWER_COLUMNS
 from catch_arena.core.state import PART_NAMES, PREY_PART_NAMES
 from catch_arena.engine import Engine
 from catch_arena.engine.block_views import row_of
@@ -50,7 +51,7 @@ RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
 _UNCHANGING: Final = frozenset(
-    ("config", "_controls", "_evidence", "_masks", "_observation_spaces", "_breakdowns", "_record_as", "_rewards")
+    ("config", "_controls", "_answers", "_masks", "_observation_spaces", "_breakdowns", "_record_as", "_rewards")
 ) | {"_places", "_seats", "_seen"}
 """What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
 _NO_MORE: Final = (None, (), None)
@@ -184,13 +185,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._prey_commands = self._commands[:, hunters:] if self._prey else None
         begin, seen, masks, end = (
             (section.ctypes.data - engine.outputs.ctypes.data) // engine.outputs.itemsize
-            for section in (engine.evidence, engine.observations, engine.masks, engine.ends)
+            for section in (engine.answers, engine.observations, engine.masks, engine.ends)
         )
         width = engine.observations.shape[2]
         self._seen = {
             agent: slice(seen + seat * width, seen + (seat + 1) * width) for agent, seat in self._seats.items()
         }
-        self._breakdowns, self._evidence, self._masks = slice(0, begin), slice(begin, seen), slice(masks, end)
+        self._breakdowns, self._answers, self._masks = slice(0, begin), slice(begin, seen), slice(masks, end)
         self._rewards = engine.rewards[0]
         # items of a memoryview are written in half the time of an array's
         self._choice_items: Any = self._choices[0].data
@@ -647,9 +648,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         infos: dict[str, dict[str, Any]] = {}
         masks = self._masks_in(outputs)
         hunters = self.config.hunters
-        answers = (
-            outputs[self._evidence].view(np.float64)[: hunters * len(state.EVIDENCE)].reshape(hunters, -1).tolist()
-        )
+        answers = outputs[self._answers].view(np.float64)[: hunters * ANSWER_COLUMNS].reshape(hunters, -1).tolist()
         breakdowns = (
             outputs[self._breakdowns].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
         )

@@ -25,6 +25,8 @@ _TERMINATED: Final = np.int8(state.TERMINATED)  # of the same type as `Engine.en
 _TRUNCATED: Final = np.int8(state.TRUNCATED)
 _MOST_ENVS: Final = 10**9  # of which a machine's memory holds fewer
 _MOST_THREADS: Final = 4096
+_NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
+_NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 
 T = TypeVar("T")
 
@@ -121,7 +123,8 @@ class VectorArena:
         self._copy = copy
         self._kinds: Final = set(CONTROLS if any_control else self.config.controls)
         self._begun = False
-        shape = (num_envs, self.config.hunters)
+        self._converted: dict[str, NDArray[Any]] = {}
+        """Room for actions of other types than the engine's, once some have come."""
         try:
             self._engine = Engine(
                 self.config,
@@ -131,10 +134,6 @@ class VectorArena:
                 num_threads=num_threads,
                 any_control=any_control,
             )
-            controls = self._kinds
-            self._choices = np.zeros((0, 0) if controls == {"velocity"} else shape, dtype=np.int64)
-            self._commands = np.zeros((0, 0, 2) if controls == {"target"} else (*shape, 2), dtype=np.float32)
-            self._prey_commands = np.zeros((num_envs, self.config.prey, 2), dtype=np.float32)
             self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
         except MemoryError as error:
             raise ConfigError(f"num_envs must fit into this machine's memory, got {num_envs}: {error}") from None
@@ -152,25 +151,26 @@ class VectorArena:
         if self.num_prey:
             infos["prey_active"] = engine.prey_active
         if engine.auto_reset:
-            records, prey_records = engine.records, engine.prey_records
-            tallies = records[:, :, episodes.FINAL_TALLIES :]
+            records, prey_records, lengths = engine.records, engine.prey_records, engine.lengths[:, None]
+            tallies = records[:, :, episodes.FINAL_TALLIES : episodes.FINAL_TEAM_SCORE]
+            team_score = episodes.FINAL_SCORE if self.config.teams is None else episodes.FINAL_TEAM_SCORE
             infos["_final_obs"] = self._ended
             infos["final_obs"] = self._by_side(engine.final_observations, engine.prey_final_observations)
             if "action_mask" in infos:
                 infos["final_mask"] = engine.final_masks
             infos["episode"] = self._by_side(
                 {
-                    "length": records[:, :, episodes.LENGTH],
+                    "length": np.broadcast_to(lengths, records.shape[:2]),
                     "return": records[:, :, episodes.FINAL_REWARD_SUM],
                     "score": records[:, :, episodes.FINAL_SCORE],
-                    "team_score": records[:, :, episodes.FINAL_TEAM_SCORE],
+                    "team_score": records[:, :, team_score],
                     "rank": records[:, :, episodes.FINAL_RANK],
                     "contests_won": records[:, :, episodes.FINAL_CONTESTS_WON],
                     "contests_lost": tallies[:, :, Verdict.LOST_CONTEST - 1],
                     "verdicts": tallies,
                 },
                 {
-                    "length": prey_records[:, :, prey.PREY_LENGTH],
+                    "length": np.broadcast_to(lengths, prey_records.shape[:2]),
                     "return": prey_records[:, :, prey.PREY_FINAL_REWARD_SUM],
                     "times_caught": prey_records[:, :, prey.PREY_TIMES_CAUGHT],
                     "rank": prey_records[:, :, prey.PREY_RANK],
@@ -389,46 +389,48 @@ class VectorArena:
         if not isinstance(actions, Mapping) or set(actions) != {"hunter", "prey"}:
             raise ActionError(f"actions must be a mapping with hunter and prey, got {_named(actions)}")
         hunters = self._checked_actions("actions['hunter']", actions["hunter"])
-        return *hunters, self._checked_commands("actions['prey']", actions["prey"], self._prey_commands, "prey")
+        return *hunters, self._checked_commands("actions['prey']", actions["prey"], self.num_prey, "prey")
 
     def _checked_actions(self, what: str, actions: Any) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
         controls = self._kinds
         if controls == {"target"}:
-            return self._checked_choices(what, actions), self._commands
+            return self._checked_choices(what, actions), _NO_COMMANDS
         if controls == {"velocity"}:
-            return self._choices, self._checked_commands(what, actions, self._commands)
+            return _NO_CHOICES, self._checked_commands(what, actions, self.num_hunters)
         if not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
             raise ActionError(f"{what} must be a mapping with cmd_vel and catch, got {_named(actions)}")
         choices = self._checked_choices("catch", actions["catch"])
-        return choices, self._checked_commands("cmd_vel", actions["cmd_vel"], self._commands)
+        return choices, self._checked_commands("cmd_vel", actions["cmd_vel"], self.num_hunters)
 
     def _checked_choices(self, what: str, given: Any) -> NDArray[np.int64]:
         ranks = self.config.targets_seen
         choices = _array(what, given)
         if choices.dtype.kind not in "iu":
             raise ActionError(f"{what} must be whole numbers, got {_named(choices)}")
-        self._require_shape(what, choices, self._choices.shape)
+        self._require_shape(what, choices, (self.num_envs, self.num_hunters))
         if choices.min() < 0 or choices.max() > ranks:
             self._blame(what, f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks))
         if choices.dtype == np.int64 and choices.flags.carray:
             return choices
-        np.copyto(self._choices, choices, casting="unsafe")  # every rank fits
-        return self._choices
+        return self._as_type(what, choices, np.int64)  # every rank fits
 
-    def _checked_commands(
-        self, what: str, given: Any, converted: NDArray[np.float32], side: str = "hunter"
-    ) -> NDArray[np.float32]:
+    def _checked_commands(self, what: str, given: Any, agents: int, side: str = "hunter") -> NDArray[np.float32]:
         commands = _array(what, given)
         if commands.dtype.kind not in "fiu":
             raise ActionError(f"{what} must be numbers, got {_named(commands)}")
-        self._require_shape(what, commands, converted.shape)
+        self._require_shape(what, commands, (self.num_envs, agents, 2))
         if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
             illegal = np.any(~((commands >= -1.0) & (commands <= 1.0)), axis=-1)
             self._blame(what, "two numbers in [-1, 1]", commands, illegal, side)
         if commands.dtype == np.float32 and commands.flags.carray:
             return commands
-        np.copyto(converted, commands, casting="unsafe")  # rounded to float32
-        return converted
+        return self._as_type(what, commands, np.float32)  # rounded
+
+    def _as_type(self, what: str, given: NDArray[Any], dtype: type[Any]) -> NDArray[Any]:
+        if what not in self._converted:
+            self._converted[what] = np.zeros(given.shape, dtype)
+        np.copyto(self._converted[what], given, casting="unsafe")
+        return self._converted[what]
 
     @staticmethod
     def _require_shape(what: str, given: NDArray[Any], shape: tuple[int, ...]) -> None:

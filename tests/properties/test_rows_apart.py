@@ -20,7 +20,7 @@ from catch_arena.core.episodes import (
     FINAL_REWARD_SUM,
     FINAL_SCORE,
     FINAL_TALLIES,
-    LENGTH,
+    FINAL_TEAM_SCORE,
 )
 from catch_arena.engine import Engine
 from catch_arena.layout import columns
@@ -209,17 +209,18 @@ def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
             if oracle.terminated or oracle.truncated:
                 scores = [hunter.score for hunter in oracle.hunters]
                 figures = batch.records[row]
-                assert (figures[:, LENGTH] == step).all()
+                assert batch.lengths[row] == step
                 assert figures[:, FINAL_REWARD_SUM].tolist() == [np.float32(one) for one in paid[row]]
                 assert figures[:, FINAL_SCORE].tolist() == scores
                 assert figures[:, FINAL_CONTESTS_WON].tolist() == won[row].tolist()
-                assert figures[:, FINAL_TALLIES:].tolist() == met[row].tolist()
+                assert figures[:, FINAL_TALLIES:FINAL_TEAM_SCORE].tolist() == met[row].tolist()
                 team_scores = oracle.team_scores()
                 for seats, score in zip(config.team_seats, team_scores, strict=True):
+                    assert config.teams is None or (figures[list(seats), FINAL_TEAM_SCORE] == score).all()
                     assert (figures[list(seats), FINAL_RANK] == 1 + sum(other > score for other in team_scores)).all()
                 keys = [(one.withdrawn, one.times_caught) for one in oracle.prey]
                 expected = [
-                    [step, one.times_caught, 1 + sum(other < own for other in keys), np.float32(earned)]
+                    [one.times_caught, 1 + sum(other < own for other in keys), np.float32(earned)]
                     for one, own, earned in zip(oracle.prey, keys, prey_paid[row], strict=True)
                 ]
                 assert batch.prey_records[row].tolist() == expected
@@ -311,7 +312,7 @@ def test_every_row_draws_its_own_lots(policy: str) -> None:
         for row, oracle in enumerate(oracles):
             oracle.step(standing)
             assert by_seat(batch.rulings(row), config) == oracle.rulings, f"row {row}, step {step}"
-            assert batch.evidence[row, :, 1].tolist() == [found[0] if found else 0 for found in oracle.rulings]
+            assert batch.answers[row, :, 1].tolist() == [found[0] if found else 0 for found in oracle.rulings]
             assert [one.number for one in batch.world(row).targets] == [one.number for one in oracle.alive]
             met |= {(row > 0, found[0]) for found in oracle.rulings if found}
     judged = (Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED, Verdict.SERVICE_DOWN)

@@ -130,9 +130,10 @@ def test_what_is_kept_together_lies_together():
     config = scenario("duel", prey=1, target_motion="wander", teams=((0,), (1,)), dropout_rate=0.1)
     engine, plain = Engine(config, 2, auto_reset=True), Engine(config, 2)
     sections, others = sections_of(engine._memory), sections_of(plain._memory)
-    outputs = ("breakdowns", "evidence", "observations", "masks", "prey_breakdowns", "prey_observations")
+    outputs = ("breakdowns", "answers", "observations", "masks", "prey_breakdowns", "prey_observations")
     told = (*outputs, "ends", "active", "prey_active", "team_scores")
-    of_auto_reset = ("final_observations", "final_masks", "records", "prey_final_observations", "prey_records")
+    of_auto_reset = ("final_observations", "final_masks", "lengths", "records")
+    of_auto_reset += ("prey_final_observations", "prey_records")
 
     for name, section, other in zip(Sections._fields, sections, others, strict=True):
         assert np.shares_memory(section, engine.outputs) == (name in outputs), name

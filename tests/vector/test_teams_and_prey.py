@@ -234,10 +234,10 @@ def test_r12_5_withdrawn_prey_ranks_last_in_the_figures_of_an_episode():
     for _ in range(HUNT.max_steps):
         actions = random_actions(HUNT, 3, source)
         engine.step(actions["hunter"], np.zeros((3, 3, 2), np.float32), actions["prey"])
-    _, caught, rank, _ = engine.prey_records[1].T
+    caught, rank, _ = engine.prey_records[1].T
     assert rank[1] == 1
     assert rank[[0, 2]].tolist() == [2 + (caught[2] < caught[0]), 2 + (caught[0] < caught[2])]
     assert caught.any()
     for row in (0, 2):
-        _, caught, rank, _ = engine.prey_records[row].T
+        caught, rank, _ = engine.prey_records[row].T
         assert rank.tolist() == [1 + sum(other < mine for other in caught) for mine in caught]
