@@ -97,8 +97,9 @@ def choose(
     """
     for lane in range(lanes):
         rank = ranks[lane]
-        slot = slot_at_rank(order, select(rank > 0, rank - 1, 0), lane)
-        seen = (rank > 0) & (slot != ABSENT)
+        shown = (rank > 0) & (rank <= s.targets_seen)
+        slot = slot_at_rank(order, select(shown, rank - 1, 0), lane)
+        seen = shown & (slot != ABSENT)
         at = np.uint64(select(seen, slot, 0)) * np.uint64(s.slot_size) + np.uint64(lane)
         unseen = select(rank > 0, float(MALFORMED_REQUEST), float(NO_TARGET))
         requested[lane] = select(seen, float(slot), unseen)
