@@ -86,7 +86,7 @@ def arbitrate(
             row[arbiter.REQUEST_NUMBER] = numbers[name]
             row[arbiter.REQUEST_DISTANCE] = arbiter.measure_um(target_x - x, target_y - y)
             row[arbiter.REQUEST_KILL_REFUSED] = name in refused
-    arbiter.judge(
+    arbiter.judge_alone(
         table,
         arbiter.POLICIES[policy],
         np.uint64(checked_seed(seed)),

@@ -2,9 +2,9 @@
 no frameworks, no validation.
 
 A *rule* works out a value, or a few, for one lane or a group of lanes, from numbers or from what it reads in arrays. It
-writes nothing, and cites its clause if it stands for one. A *phase* is one block: the loop over its lanes; an
-*outlined* one is called, and not written out where it is used. An *inlined* function is phases in their order. An
-*entry* is what Python calls: it walks the blocks.
+writes nothing, and cites its clause if it stands for one. A *phase* is one block: the loop over its lanes, or other
+phases in their order; an *outlined* one is made small, since it is rare. An *entry* is what Python calls: it walks the
+blocks.
 
 - tick: one step, phase by phase: begin to read here. episodes: how an episode begins and ends. placing: with bodies put
   where somebody wants them.
@@ -13,6 +13,7 @@ writes nothing, and cites its clause if it stands for one. A *phase* is one bloc
 - What is seen: observations, features (of each thing), tiles (what is known of it), ranking with sorting (in which
   order), visibility (how far, how blurred), prey_views.
 - math, random: functions and random numbers with the same bits on every machine.
-- jit, compiler: how it is compiled. vectors, transfers: several arenas in one instruction, and numbers moved between
-  arrays.
+- vectors, transfers: several arenas in one instruction, and numbers moved between arrays.
+- jit, compiler: how it is compiled. extending: how the compiler is told of functions and types of ours; addresses,
+  counting: arrays and `range` as it has them.
 """

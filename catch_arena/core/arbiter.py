@@ -11,7 +11,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import entry, outlined, rule
+from catch_arena.core.addresses import by_address
+from catch_arena.core.jit import entry, outlined, phase, rule
 from catch_arena.core.random import service_lot, tie_lot
 from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED
 from catch_arena.core.vectors import floor, sqrt
@@ -156,7 +157,7 @@ def is_preferred(
     return bool(mine < other)  # those of two seats are never equal: A.5's mix is a permutation
 
 
-@entry
+@phase
 def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
     """R5.1 to R5.7: writes the verdict and the winner of every request of one step.
 
@@ -231,3 +232,9 @@ def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uin
     requests[best, REQUEST_VERDICT] = _KILL_FAILED if requests[best, REQUEST_KILL_REFUSED] != 0 else _GRANTED
     if requests[best, REQUEST_KILL_REFUSED] != 0 and claimants == 1:
         requests[best, REQUEST_WINNER] = -1  # R5.6: neither a grant nor a contest
+
+
+@entry
+def judge_alone(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
+    """`judge`, for who has no arena."""
+    judge(by_address(requests), policy, seed, step, over, service_up)

@@ -19,7 +19,7 @@ from catch_arena.core.arbiter import (
     judge,
     measure_um,
 )
-from catch_arena.core.jit import Block, inlined, phase
+from catch_arena.core.jit import Block, phase
 from catch_arena.core.prey import catch_prey
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
 from catch_arena.core.rewards import renew_progress_reference
@@ -67,7 +67,7 @@ ANSWER_COLUMNS: Final = 4
 """Of `memory.Sections.answers`."""
 
 
-@inlined
+@phase
 def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
     """Nobody has an answer yet, and what else there is of an older one counts no more."""
     for seat in range(s.hunters):
@@ -76,7 +76,7 @@ def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
             me[VERDICT + group(first, width)] = 0.0
 
 
-@inlined
+@phase
 def count_requests(s: Settings, width: Width, scratch: Scratch, counts: Block) -> None:
     """How many requests each lane has: `counts`, one row, is the result."""
     for first in range(0, span(width), len(width)):
@@ -110,7 +110,7 @@ def collect_requests(s: Settings, lane: int, scratch: Scratch) -> int:
     return number
 
 
-@inlined
+@phase
 def fill_requests(
     block: Block, s: Settings, lane: int, targets: Block, limits: NDArray[np.float64], requests: RequestTable
 ) -> None:
@@ -155,7 +155,7 @@ def has_verdict(requests: RequestTable, verdict: int) -> bool:
     return bool(found)
 
 
-@inlined
+@phase
 def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable) -> None:
     """R1.4's phase 3 in one lane: the request table is judged, and the evidence noted: of each hunter its first.
 
@@ -187,7 +187,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
                 break
 
 
-@inlined
+@phase
 def commit(
     block: Block,
     s: Settings,
@@ -232,7 +232,7 @@ def commit(
             renew_progress_reference(block, seat_of(block, seat), targets, lane, s, limits_of(limits, seat), reference)
 
 
-@inlined
+@phase
 def resolve_requests(
     block: Block,
     s: Settings,

@@ -1,14 +1,13 @@
 """Numba compiles the core as one piece.
 
 Numba optimises each function and makes machine code of it, then links it into its callers and does so again there.
-All functions of ours are inlined in what Python calls, so the work on each alone is for nothing. Here the parts are
-only translated; the whole is linked, optimised and emitted once; and branches that are never taken, since a setting is
-0, are left out. What is calculated reaches LLVM as it is in Numba's own way: no bit depends on this file (R10.1), only
-the time to compile.
+Here the parts are only translated; the whole is linked, optimised and emitted once; branches that are never taken,
+since a setting is 0, are left out; and what Numba says in much code is said in little (`counting`, `addresses`). What
+is calculated reaches LLVM as it is in Numba's own way: no bit depends on this file (R10.1), only the time to compile.
 
 The passes come from Numba's public `CompilerBase`. What is not public, and may change from one Numba to the next, is
-the library below, what `_Zeros` writes into, and `quick_typing`; `USABLE` is false where Numba has not what they need,
-and then all is compiled in Numba's own way.
+the library below, what `_Substitute` writes into, how parts call each other, and `quick_typing`; `USABLE` is false
+where Numba has not what they need, and then all is compiled in Numba's own way.
 """
 
 from collections.abc import Iterator
@@ -27,7 +26,10 @@ import numba.core.ir_utils
 import numba.core.typed_passes
 import numba.core.types
 import numba.core.untyped_passes
+from numba.core import cgutils
 from numba.core.targetconfig import ConfigStack
+
+from catch_arena.core.counting import count_through
 
 # typed here and there, and not where it matters
 _dynfunc: Any = numba._dynfunc  # noqa: SLF001
@@ -52,10 +54,11 @@ _NEEDED: Final[dict[Any, str]] = {
     compiler.DefaultPassBuilder: "define_nopython_lowering_pipeline define_typed_pipeline define_untyped_pipeline",
     compiler.Flags: "no_compile __hash__",
     ir_utils: "get_definition guard",
-    cpu.CPUContext: "insert_user_function install_registry load_additional_registries",
+    cpu.CPUContext: "insert_func_defn insert_user_function install_registry load_additional_registries",
     types.functions.BaseFunction: "get_call_type",
-    typed_passes: "NativeLowering NopythonRewrites NopythonTypeInference type_inference_stage",
-    untyped_passes: "InlineClosureLikes InlineInlinables RewriteSemanticConstants",
+    typed_passes: "InlineOverloads NativeLowering NopythonRewrites",
+    untyped_passes: "FindLiterallyCalls InlineClosureLikes InlineInlinables LiteralPropagationSubPipelinePass "
+    "LiteralUnroll MakeFunctionToJitFunction RewriteDynamicRaises RewriteSemanticConstants WithLifting",
     _dynfunc: "make_function",
 }
 USABLE: Final = all(hasattr(owner, name) for owner, names in _NEEDED.items() for name in names.split())
@@ -115,12 +118,12 @@ class Whole(_Translated):
 
 
 @_machinery.register_pass(mutates_CFG=False, analysis_only=False)
-class _Zeros(_machinery.FunctionPass):  # type: ignore[misc]
-    """Fields of a parameter whose type names them in `ZERO` are 0: Numba then leaves out the branches that would be
-    taken if they were not, before it looks at what is called there.
+class _Substitute(_machinery.FunctionPass):  # type: ignore[misc]
+    """Fields of a parameter that its type has in `zero` become zeros: Numba then leaves out the branches that would be
+    taken if they were not, before it looks at what is called there. And `range` becomes `count_through`.
     """
 
-    _name = "catch_arena_zeros"
+    _name = "catch_arena_substitute"
 
     def __init__(self) -> None:
         super().__init__()
@@ -129,33 +132,37 @@ class _Zeros(_machinery.FunctionPass):  # type: ignore[misc]
         function = state.func_ir
         for block in function.blocks.values():
             for assignment in block.find_insts(ir.Assign):
-                read = assignment.value
-                if not isinstance(read, ir.Expr) or read.op != "getattr":
-                    continue
-                source = ir_utils.guard(ir_utils.get_definition, function, read.value)
-                if not isinstance(source, ir.Arg):
-                    continue
-                fields: Any = state.args[source.index]
-                if read.attr in getattr(getattr(fields, "instance_class", None), "ZERO", ()):
-                    whole = isinstance(fields[fields.fields.index(read.attr)], types.Integer)
-                    assignment.value = ir.Const(0 if whole else 0.0, read.loc)
-                    function._definitions[assignment.target.name] = [assignment.value]  # noqa: SLF001
+                found = self._in_place_of(assignment.value, function, state.args)
+                if found is not None:
+                    assignment.value = found
+                    function._definitions[assignment.target.name] = [found]  # noqa: SLF001
         return True
 
+    def _in_place_of(self, value: Any, function: Any, parameters: Any) -> Any:
+        if isinstance(value, ir.Global) and value.value is range:
+            return ir.Global(count_through.__name__, count_through, value.loc)
+        if isinstance(value, ir.Expr) and value.op == "getattr":
+            source = ir_utils.guard(ir_utils.get_definition, function, value.value)
+            zero = getattr(parameters[source.index], "zero", {}) if isinstance(source, ir.Arg) else {}
+            return ir.Const(zero[value.attr], value.loc) if value.attr in zero else None
+        return None
 
-@_machinery.register_pass(mutates_CFG=True, analysis_only=False)
-class _Typing(typed_passes.NopythonTypeInference):  # type: ignore[misc]
-    """A part may return an array that it cut out of another: nothing here is counted and freed, so that nothing can be
-    freed too early, which is what Numba's own pass guards against.
+
+def _call_of(described: Any, library: Any) -> Any:
+    """What emits the call of a part. Numba asks behind each call whether it has failed: that is a tenth of all code,
+    and no part of ours raises.
     """
 
-    _name = "catch_arena_typing"
+    def call(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        function = context.declare_function(builder.module, described)
+        result, failure = (argument.type for argument in function.args[:2])
+        place = cgutils.alloca_once(builder, result.pointee)
+        given = context.get_arg_packer(described.argtypes).as_arguments(builder, arguments)
+        builder.call(function, [place, failure(None), *given])
+        return context.get_returned_value(builder, described.restype, builder.load(place))
 
-    def run_pass(self, state: Any) -> bool:
-        state.typemap, state.return_type, state.calltypes, state.typing_errors = typed_passes.type_inference_stage(
-            state.typingctx, state.targetctx, state.func_ir, state.args, state.return_type, state.locals
-        )
-        return True
+    call.libs = (library,)  # type: ignore[attr-defined]
+    return call
 
 
 @_machinery.register_pass(mutates_CFG=True, analysis_only=False)
@@ -170,7 +177,11 @@ class _LowerPart(typed_passes.NativeLowering):  # type: ignore[misc]
         name, module = lowered.fndesc.qualname, lowered.fndesc.lookup_module()
         # what Numba finds the function by: an object without an address, as for every function without a wrapper
         key = _dynfunc.make_function(module, name.rpartition(".")[2], "", 0, lowered.env, (state.library,))
-        state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
+        if state.targetctx.enable_boundscheck:
+            state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
+        else:
+            call = _call_of(lowered.fndesc, state.library)
+            state.targetctx.insert_func_defn([(call, key, lowered.fndesc.argtypes)])
         state["cr"] = lowered._replace(cfunc=key)
         return True
 
@@ -186,11 +197,20 @@ class _LowerWhole(typed_passes.NativeLowering):  # type: ignore[misc]
 
 
 _SKIPPED: Final = {
+    typed_passes.InlineOverloads,
+    typed_passes.NopythonRewrites,
+    untyped_passes.FindLiterallyCalls,
     untyped_passes.InlineClosureLikes,
     untyped_passes.InlineInlinables,
-    typed_passes.NopythonRewrites,
+    untyped_passes.LiteralPropagationSubPipelinePass,
+    untyped_passes.LiteralUnroll,
+    untyped_passes.MakeFunctionToJitFunction,
+    untyped_passes.RewriteDynamicRaises,
+    untyped_passes.WithLifting,
 }
-"""The core has no closures, nothing that is inlined before it is typed, and no arithmetic with whole arrays."""
+"""The core has no closures, contexts and exceptions, nothing that is inlined before it is translated, no loops over
+literals and no arithmetic with whole arrays.
+"""
 
 
 @_machinery.register_pass(mutates_CFG=True, analysis_only=False)
@@ -212,9 +232,8 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
     """The last of the passes."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's passes, but for those that the core does not need, with ours instead of two, and one besides."""
+        """Numba's passes, but for those that the core does not need, with one more, and ours in place of the last."""
         builder = compiler.DefaultPassBuilder
-        others = {typed_passes.NopythonTypeInference: _Typing, typed_passes.NativeLowering: self.lowering}
         manager = _machinery.PassManager("catch_arena")
         for part in (
             builder.define_untyped_pipeline(self.state),
@@ -223,15 +242,17 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
         ):
             for step, description in part.passes:
                 if step is untyped_passes.RewriteSemanticConstants:
-                    manager.add_pass(_Zeros, "what is known to be zero")
-                if step not in _SKIPPED:
-                    manager.add_pass(others.get(step, step), description)
+                    manager.add_pass(_Substitute, "what we have in place of something")
+                if step is typed_passes.NativeLowering:
+                    manager.add_pass(self.lowering, description)
+                elif step not in _SKIPPED:
+                    manager.add_pass(step, description)
         manager.finalize()
         return [manager]
 
 
 class OutlinedCompiler(_Compiler):
-    """For outlined phases: a part that stays a function."""
+    """For outlined phases."""
 
     lowering = _LowerOutlined
 

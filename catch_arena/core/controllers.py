@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import measure_um, to_micrometres, within_reach
-from catch_arena.core.jit import Block, inlined, outlined, phase, rule
+from catch_arena.core.jit import Block, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.rewards import set_progress_reference
 from catch_arena.core.state import (
@@ -72,7 +72,8 @@ def choose(
     me: Block,
     order: Block,
     targets: Block,
-    ranks: NDArray[np.int64],
+    seat: int,
+    choices: NDArray[np.int64],
     lanes: int,
     s: Settings,
     requested: Block,
@@ -88,7 +89,8 @@ def choose(
         order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
             them.
         targets: the slots of the block.
-        ranks: (lanes,), chosen: from 1 up, or 0 to hold.
+        seat: which hunter.
+        choices: (lanes, H), ranks from 1 up, or 0 to hold.
         lanes: how many lanes are arenas.
         s: the settings.
         requested: the result, one row: see `workspace.requested_slots_of`.
@@ -96,16 +98,16 @@ def choose(
             none.
     """
     for lane in range(lanes):
-        rank = ranks[lane]
+        rank = choices[lane, seat]
         shown = (rank > 0) & (rank <= s.targets_seen)
         slot = slot_at_rank(order, select(shown, rank - 1, 0), lane)
         seen = shown & (slot != ABSENT)
-        at = np.uint64(select(seen, slot, 0)) * np.uint64(s.slot_size) + np.uint64(lane)
+        at = select(seen, slot, 0) * s.slot_size + lane
         unseen = select(rank > 0, float(MALFORMED_REQUEST), float(NO_TARGET))
         requested[lane] = select(seen, float(slot), unseen)
-        goals[lane] = targets[np.uint64(TARGET_X) + at]
-        goals[LANES + lane] = targets[np.uint64(TARGET_Y) + at]
-        goals[2 * LANES + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[np.uint64(NUMBER) + at], 0.0)
+        goals[lane] = targets[TARGET_X + at]
+        goals[LANES + lane] = targets[TARGET_Y + at]
+        goals[2 * LANES + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[NUMBER + at], 0.0)
 
 
 @phase
@@ -193,22 +195,23 @@ def mark_active(me: Block, goals: Block, width: Width) -> None:
 
 @phase
 def drive_by_command(
-    me: Block, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits, requested: Block
+    me: Block, seat: int, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits, requested: Block
 ) -> None:
     """R2.5, R4.4: velocities as fractions of the limits; a request for a rank without a target makes the hunter hold
     (R5.2).
 
     Args:
         me: the rows of the seat; its velocities are written.
-        commands: (lanes, 2), speed and turn rate as fractions of the limits in [-1, 1].
+        seat: which hunter.
+        commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
         width: how many lanes a group has.
         lanes: how many lanes are arenas.
         limits: the seat's own.
         requested: one row: see `workspace.requested_slots_of`.
     """
     for lane in range(lanes):
-        me[SPEED + lane] = np.float64(commands[lane, 0]) * limits.max_speed
-        me[TURN_RATE + lane] = np.float64(commands[lane, 1]) * limits.max_turn_rate
+        me[SPEED + lane] = np.float64(commands[lane, seat, 0]) * limits.max_speed
+        me[TURN_RATE + lane] = np.float64(commands[lane, seat, 1]) * limits.max_turn_rate
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         holds = (requested[lane] == float(MALFORMED_REQUEST)) | (me[WITHDRAWN + lane] > 0.0)
@@ -218,7 +221,7 @@ def drive_by_command(
         me[TURN_RATE + lane] = select(holds, 0.0, turn_rate)
 
 
-@inlined
+@phase
 def steer_seat(
     me: Block,
     order: Block,
@@ -253,15 +256,15 @@ def steer_seat(
         goals: room for three rows: see `choose`.
     """
     if control == TARGET_CONTROL:
-        choose(me, order, targets, choices[:, seat], lanes, s, requested, goals)
+        choose(me, order, targets, seat, choices, lanes, s, requested, goals)
         drive_to_goal(me, goals, width, s, limits, requested)
     elif control == VELOCITY_CONTROL:
         request_nearest(me, order, targets, lanes, s, limits, requested)
-        drive_by_command(me, commands[:, seat], width, lanes, limits, requested)
+        drive_by_command(me, seat, commands, width, lanes, limits, requested)
     else:
-        choose(me, order, targets, choices[:, seat], lanes, s, requested, goals)
+        choose(me, order, targets, seat, choices, lanes, s, requested, goals)
         mark_active(me, goals, width)
-        drive_by_command(me, commands[:, seat], width, lanes, limits, requested)
+        drive_by_command(me, seat, commands, width, lanes, limits, requested)
 
 
 @outlined
@@ -321,7 +324,7 @@ def differ(controls: NDArray[np.int8], seat: int) -> bool:
     return found
 
 
-@inlined
+@phase
 def apply_actions(
     block: Block,
     s: Settings,

@@ -5,7 +5,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, outlined, phase
+from catch_arena.core.jit import Block, outlined, phase
 from catch_arena.core.math import PI, TAU, sincos, wrap
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey import begin_prey, write_prey_records
@@ -128,7 +128,7 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
         begin_prey(block, s, lane)
 
 
-@inlined
+@phase
 def end_test(block: Block, s: Settings, width: Width) -> None:
     """R1.1, R1.5, R12.6, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
     for first in range(0, span(width), len(width)):
@@ -174,7 +174,7 @@ def take_snapshot(block: Block, snapshot: Block) -> None:
         snapshot[i] = block[i]
 
 
-@inlined
+@phase
 def restore_finished(
     block: Block, s: Settings, lanes: int, scratch: Scratch, rewards: Rewards, breakdowns: Breakdowns
 ) -> None:
@@ -218,7 +218,7 @@ def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
             last_seen[agent, column] = seen[agent, column]
 
 
-@inlined
+@phase
 def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sections) -> None:
     """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins.
 

@@ -176,15 +176,10 @@ def rule(function: F) -> F:
 
 
 def phase(function: F) -> F:
-    """A phase: one block, a loop over its lanes."""
-    return cast(F, numba.njit(forceinline=True, **_INNER)(function))
-
-
-def inlined(function: F) -> F:
-    """Phases in their order, or a name for a part of the memory."""
-    if not USABLE:  # Numba's own way lets no function return a part of an array without `_nrt`: it is copied instead
-        return cast(F, numba.njit(inline="always", **_INNER)(function))
-    return phase(function)
+    """A phase: one block, a loop over its lanes; or phases in their order, or a name for a part of the memory. LLVM
+    decides whether it is written out where it is called.
+    """
+    return cast(F, numba.njit(**_INNER)(function))
 
 
 def outlined(function: F) -> F:

@@ -8,19 +8,18 @@ It begins with its directory: for each field of `Sections` where the section beg
 import contextlib
 import itertools
 import mmap
-from collections.abc import Iterator
 from typing import Annotated, Any, Final, NamedTuple, get_args
 
-import numba.core.types
 import numpy as np
 from llvmlite import ir
+from numba import types
+from numba.extending import models, register_model
 from numba.np import numpy_support
 from numpy.typing import NDArray
 
+from catch_arena.core.addresses import ArrayAt, product
+from catch_arena.core.extending import INT64, compiled_as, constant_at, fields_as, packed
 from catch_arena.core.state import Options, PlainSettings, Settings
-from catch_arena.core.vectors import compiled_as
-
-types: Any = numba.core.types  # numba has annotations for a part of it only, and not for what is used here
 
 Bytes = NDArray[np.uint8]
 
@@ -209,61 +208,92 @@ def settings_in(numbers: NDArray[np.float64], options: Options) -> Settings:
     return Settings(*(kind(number) for kind, number in zip(kinds, numbers.tolist(), strict=True)))
 
 
-# ---- for the compiler ----
+# ---- for the compiler: settings and sections are where their memory is, and each is read where it is asked for ----
 
-_INT64: Final = ir.IntType(64)
-_SECTIONS: Final = types.NamedTuple(
-    [
-        types.Array(numpy_support.from_dtype(dtype), ndim, "C")
-        for dtype, ndim in zip(DTYPES.values(), NDIMS, strict=True)
-    ],
-    Sections,
-)
-_NUMBERS: Final = [types.int64 if kind is int else types.float64 for kind in Settings.__annotations__.values()]
-_SETTINGS: Final = types.NamedTuple(_NUMBERS, Settings)
-_PLAIN_SETTINGS: Final = types.NamedTuple(_NUMBERS, PlainSettings)
+_NUMBERS: Final = ir.DoubleType().as_pointer()
+_BYTES: Final = ir.IntType(8).as_pointer()
+_DIRECTORY_AT: Final = INT64.as_pointer()
+
+
+class SettingsAt(types.Type):
+    """`Settings`, or `PlainSettings`."""
+
+    def __init__(self, fields: type[Settings]) -> None:
+        known = PlainSettings.ZERO if fields is PlainSettings else ()
+        self.zero = {name: Settings.__annotations__[name]() for name in known}
+        """What is 0, or 0.0: see `compiler`."""
+        super().__init__(fields.__name__)
+
+
+class SectionsAt(types.Type):
+    """`Sections`."""
+
+
+SECTIONS: Final = SectionsAt("Sections")
+
+
+@register_model(SettingsAt)
+class _SettingsModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, of: SettingsAt) -> None:
+        super().__init__(manager, of, _NUMBERS)
+
+
+@register_model(SectionsAt)
+class _SectionsModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, of: SectionsAt) -> None:
+        super().__init__(manager, of, _BYTES)
+
+
+def _type_of_setting(_settings: Any, name: str) -> Any:
+    kinds: Any = {int: types.int64, float: types.float64}
+    return kinds.get(Settings.__annotations__.get(name))
+
+
+@fields_as(SettingsAt, _type_of_setting)
+def _(_context: Any, builder: Any, _of: Any, settings: Any, name: str) -> Any:
+    number = constant_at(builder, builder.gep(settings, [INT64(Settings._fields.index(name))]))
+    return builder.fptosi(number, INT64) if Settings.__annotations__[name] is int else number
+
+
+def _type_of_settings(numbers: Any, options: Any) -> Any:
+    return SettingsAt(Settings if len(options) else PlainSettings)(numbers, options)
+
+
+@compiled_as(settings_in, _type_of_settings, 2)
+def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+    return builder.extract_value(arguments[0], 0)
 
 
 def _type_of_sections(memory: Any) -> Any:
-    return _SECTIONS(memory)
+    return SECTIONS(memory)
 
 
 @compiled_as(sections_of, _type_of_sections, 1)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    memory = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-    numbers = _numbers_at(builder, builder.bitcast(memory, _INT64.as_pointer()), _DIRECTORY)
-    sections = []
-    for kind in _SECTIONS:
-        begin, *shape = (next(numbers) for _ in range(1 + kind.ndim))
-        strides = [context.get_constant(types.intp, kind.dtype.bitwidth // 8)]
-        for extent in shape[:0:-1]:
-            strides.insert(0, builder.mul(strides[0], extent))
-        array = context.make_array(kind)(context, builder)
-        context.populate_array(
-            array,
-            data=builder.bitcast(builder.gep(memory, [begin]), array.data.type),
-            shape=shape,
-            strides=strides,
-            itemsize=strides[-1],
-            meminfo=None,
-        )
-        sections.append(array._getvalue())  # noqa: SLF001
-    return context.make_tuple(builder, signature.return_type, sections)
+    return context.make_array(signature.args[0])(context, builder, arguments[0]).data
 
 
-def _type_of_settings(numbers: Any, options: Any) -> Any:
-    return (_SETTINGS if len(options) else _PLAIN_SETTINGS)(numbers, options)
+def type_of_section(name: str) -> Any:
+    """What a section is, or None where there is none of that name."""
+    if name not in DTYPES:
+        return None
+    return ArrayAt(numpy_support.from_dtype(DTYPES[name]), NDIMS[list(DTYPES).index(name)])
 
 
-@compiled_as(settings_in, _type_of_settings, 2)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    numbers = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-    settings = [
-        number if kind is types.float64 else builder.fptosi(number, _INT64)
-        for kind, number in zip(_SETTINGS, _numbers_at(builder, numbers, len(_SETTINGS)), strict=True)
-    ]
-    return context.make_tuple(builder, signature.return_type, settings)
+def section_at(context: Any, builder: Any, memory: Any, name: str, thread: Any = None) -> Any:
+    """A section, or of a section of scratch memory what one thread has."""
+    of = type_of_section(name)
+    directory = builder.bitcast(memory, _DIRECTORY_AT)
+    places = range(_INDICES[name], _INDICES[name] + 1 + of.ndim)
+    begin, *shape = (constant_at(builder, builder.gep(directory, [INT64(place)])) for place in places)
+    if thread is not None:
+        of, shape = of.row, shape[1:]
+        size = builder.mul(product(builder, shape), INT64(of.dtype.bitwidth // 8))
+        begin = builder.add(begin, builder.mul(thread, size))
+    numbers = context.get_value_type(types.CPointer(of.dtype))
+    return packed(context, builder, of, [builder.bitcast(builder.gep(memory, [begin]), numbers), *shape])
 
 
-def _numbers_at(builder: Any, pointer: Any, count: int) -> Iterator[Any]:
-    return (builder.load(builder.gep(pointer, [_INT64(index)])) for index in range(count))
+@fields_as(SectionsAt, lambda _sections, name: type_of_section(name))
+def _(context: Any, builder: Any, _of: Any, sections: Any, name: str) -> Any:
+    return section_at(context, builder, sections, name)

@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core.addresses import flat
 from catch_arena.core.features import (
     in_frame_of,
     moving_target_seen,
@@ -14,7 +15,7 @@ from catch_arena.core.features import (
     team_rival_seen,
     time_left_at,
 )
-from catch_arena.core.jit import Block, inlined, outlined, phase, rule
+from catch_arena.core.jit import Block, outlined, phase, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey_views import observe_as_prey
@@ -78,7 +79,7 @@ from catch_arena.core.transfers import (
     take_half_tile,
     take_tile,
 )
-from catch_arena.core.vectors import Width, flat, group
+from catch_arena.core.vectors import Width, group
 from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
 from catch_arena.core.workspace import Scratch, rival_order_of
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
@@ -391,7 +392,7 @@ def prefetch_part(ahead: Block, part: int, parts: int) -> None:
         prefetch(ahead, at)
 
 
-@inlined
+@phase
 def write(
     block: Block,
     s: Settings,
@@ -442,7 +443,7 @@ def write(
             )
 
 
-@inlined
+@phase
 def block_after(blocks: NDArray[np.float64], first: int) -> Block:
     """The block that is played next, if it has to come from the memory and is not large; or nothing.
 
@@ -455,7 +456,7 @@ def block_after(blocks: NDArray[np.float64], first: int) -> Block:
     return flat(blocks)[begin : begin + (size if blocks.size > _CACHED and size < _LARGE else 0)]
 
 
-@inlined
+@phase
 def observe(
     block: Block, s: Settings, width: Width, first: int, last: int, sections: Sections, scratch: Scratch
 ) -> None:

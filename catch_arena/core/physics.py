@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from catch_arena.core.jit import Block, inlined, outlined, phase, rule
+from catch_arena.core.jit import Block, outlined, phase, rule
 from catch_arena.core.math import clamp, sincos, wrap
 from catch_arena.core.state import (
     AT_WALL,
@@ -148,7 +148,7 @@ def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
     return int(fewest), int(most)
 
 
-@inlined
+@phase
 def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, counts: Block) -> None:
     """R1.3: all ticks in (t, t + period], one after the other.
 

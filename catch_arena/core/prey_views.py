@@ -9,8 +9,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core.addresses import flat
 from catch_arena.core.features import body_seen, observer_of, time_left_at
-from catch_arena.core.jit import Block, inlined, outlined, phase
+from catch_arena.core.jit import Block, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import (
     FAR,
@@ -47,7 +48,7 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile, tile_index
 from catch_arena.core.transfers import Place, put_rows, take_tile
-from catch_arena.core.vectors import Width, flat, group, long, select
+from catch_arena.core.vectors import Width, group, long, select
 from catch_arena.core.workspace import GATHERED_SIZE, Scratch, gathered_of
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
@@ -98,7 +99,7 @@ class Bodies(NamedTuple):
     """Whether the last rank is copied only so far as it goes, since nothing is written behind it."""
 
 
-@inlined
+@phase
 def bodies_of(block: Block, s: Settings, of_hunters: bool, index: int, gathered_prey: Block) -> Bodies:
     """R12.4: the hunters, or the prey, as one prey looks at them.
 
@@ -122,7 +123,7 @@ def bodies_of(block: Block, s: Settings, of_hunters: bool, index: int, gathered_
     )
 
 
-@inlined
+@phase
 def body_in(bodies: Bodies, item: int) -> Block:
     """The rows of one of them."""
     return bodies.rows[item * bodies.size : (item + 1) * bodies.size]

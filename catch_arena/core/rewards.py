@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, outlined, phase
+from catch_arena.core.jit import Block, outlined, phase
 from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
     ABSENT,
@@ -320,7 +320,7 @@ def write_team_scores(
             scores[lane, team] = row[lane]
 
 
-@inlined
+@phase
 def reward(
     block: Block,
     s: Settings,

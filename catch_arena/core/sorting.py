@@ -10,7 +10,8 @@ from typing import Any, Final, TypeVar
 from numba import types
 from numba.core import cgutils
 
-from catch_arena.core.vectors import compiled_as, select
+from catch_arena.core.extending import compiled_as
+from catch_arena.core.vectors import select
 
 EIGHT: Final = 8
 Eight = tuple[int, int, int, int, int, int, int, int]

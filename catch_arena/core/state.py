@@ -13,7 +13,7 @@ from typing import ClassVar, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, inlined, phase, rule
+from catch_arena.core.jit import Block, phase, rule
 from catch_arena.core.vectors import Width, bits_of, number_of
 from catch_arena.verdicts import Verdict
 
@@ -143,7 +143,7 @@ class Settings(NamedTuple):
     """The config as the core reads it: scalars, each in the unit that its name ends in; flags are 0 or 1.
 
     They are handed on as a parameter of their own, and never within another tuple: what `PlainSettings.ZERO` names is
-    left out only where a field of a parameter is read (`compiler._Zeros`).
+    left out only where a field of a parameter is read (`compiler._Substitute`).
     """
 
     hunters: int
@@ -292,13 +292,13 @@ def regions_of(s: Settings) -> Regions:
     return Regions(hunters, targets, target_orders, prey, counters, counters + s.hunters * s.counters_size)
 
 
-@inlined
+@phase
 def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
     """What one hunter can, from the section of all."""
     return SeatLimits(limits[seat, 0], limits[seat, 1], limits[seat, 2], limits[seat, 3], limits[seat, 4])
 
 
-@inlined
+@phase
 def targets_of(block: Block, s: Settings) -> Block:
     """The target slots of a block: slot n begins at n * s.slot_size."""
     regions = regions_of(s)
@@ -314,7 +314,7 @@ def most_alive(block: Block, lanes: int) -> int:
     return int(most)
 
 
-@inlined
+@phase
 def body_of(targets: Block, slot: int, s: Settings) -> Block:
     """The body of the target in one slot, where targets move."""
     first = slot * s.slot_size + BODY
@@ -327,21 +327,21 @@ def seat_at(seat: int) -> int:
     return ARENA_ROWS * LANES + seat * SEAT_SIZE
 
 
-@inlined
+@phase
 def seat_of(block: Block, seat: int) -> Block:
     """The rows of one seat."""
     first = seat_at(seat)
     return block[first : first + SEAT_SIZE]
 
 
-@inlined
+@phase
 def prey_of(block: Block, index: int, s: Settings) -> Block:
     """The rows of one prey."""
     first = regions_of(s).prey + index * PREY_SIZE
     return block[first : first + PREY_SIZE]
 
 
-@inlined
+@phase
 def target_order_of(block: Block, seat: int, s: Settings) -> Block:
     """The targets in the order in which one seat sees them: see `slot_at_rank`."""
     size = target_order_rows(s.targets_seen) * LANES
@@ -420,7 +420,7 @@ def targets_ranked(block: Block, order: Block, s: Settings, lane: int) -> int:
     return count
 
 
-@inlined
+@phase
 def counters_of(block: Block, seat: int, s: Settings) -> Block:
     """What is counted of one seat: see `count`."""
     first = regions_of(s).counters + seat * s.counters_size

@@ -6,7 +6,7 @@ Blocks of LANES arenas; metres, radians, seconds.
 from typing import Final
 
 from catch_arena.core.arbiter import measure_um
-from catch_arena.core.jit import Block, inlined, outlined, phase, rule
+from catch_arena.core.jit import Block, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.random import seed_of, threat_lot, wander_draw
 from catch_arena.core.state import (
@@ -219,7 +219,7 @@ def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, th
         targets[BODY + TURN_RATE + at] = select(alive, turn_rate, 0.0)
 
 
-@inlined
+@phase
 def command_targets(block: Block, s: Settings, width: Width, lanes: int, targets: Block, threats: Block) -> None:
     """R3.8: what every target that moves does in this step.
 

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core.addresses import by_address
 from catch_arena.core.arbiter import RequestTable
 from catch_arena.core.catching import resolve_requests, write_answers
 from catch_arena.core.controllers import apply_actions
@@ -16,7 +17,7 @@ from catch_arena.core.episodes import (
     take_snapshot,
     write_ends,
 )
-from catch_arena.core.jit import Block, entry, inlined
+from catch_arena.core.jit import Block, entry, phase
 from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.observations import observe
 from catch_arena.core.physics import move
@@ -29,7 +30,7 @@ from catch_arena.core.vectors import Width
 from catch_arena.core.workspace import Scratch, scratch_of
 
 
-@inlined
+@phase
 def play(
     block: Block,
     s: Settings,
@@ -120,6 +121,7 @@ def run(
     sections = sections_of(memory)
     s = settings_in(sections.settings, options)
     scratch = scratch_of(sections, thread)
+    ranks, velocities, table = by_address(choices), by_address(commands), by_address(given_requests)
     for i in range(len(resets)):
         arena = int(resets[i, 0])
         begin(sections.blocks[arena // LANES], s, arena % LANES, sections.start_poses, resets[i, 1])
@@ -128,7 +130,7 @@ def run(
         first = index * LANES
         last = min(first + LANES, len(sections.ends))
         if playing:
-            play(block, s, width, first, last, choices, commands, given_requests, sections, scratch)
+            play(block, s, width, first, last, ranks, velocities, table, sections, scratch)
         renewing = playing and len(sections.records) > 0 and some_ended(block, last - first)
         # where episodes have ended, the first pass observes their last states, the second the new ones; in a loop, so
         # that `observe` is compiled once

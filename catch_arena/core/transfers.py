@@ -13,7 +13,8 @@ from numba import types
 from numba.core import cgutils
 from numpy.typing import NDArray
 
-from catch_arena.core.vectors import INT32, Vector, compiled_as, like, low_level, pointer_to, select, shuffle
+from catch_arena.core.extending import INT32, compiled_as
+from catch_arena.core.vectors import Vector, like, low_level, pointer_to, select, shuffle
 
 STREAMED: Final = 8
 """How many numbers `stream_eight` copies."""

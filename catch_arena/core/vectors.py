@@ -19,8 +19,10 @@ from llvmlite import binding, ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typeconv.castgraph import Conversion
-from numba.extending import lower_builtin, lower_cast, models, register_model, type_callable
-from numpy.typing import NDArray
+from numba.extending import lower_builtin, lower_cast, models, register_model
+
+from catch_arena.core.addresses import ArrayAt
+from catch_arena.core.extending import INT32, Emitter, compiled_as, unpacked
 
 Width = tuple[int, ...]
 """How many lanes a group has: as many as the tuple is long, which the compiler knows."""
@@ -91,11 +93,6 @@ def long(value: int) -> int:
     return cast("int", np.asarray(value).astype(np.int64)[()])
 
 
-def flat(array: NDArray[Any]) -> NDArray[Any]:
-    """All numbers of a C-contiguous array in one dimension; compiled, without Numba's questions whether it can be."""
-    return array.reshape(-1)
-
-
 def bits_of(value: float) -> int:
     """The bits of a float64, as an int64."""
     return cast("int", np.asarray(value).view(np.int64)[()])
@@ -129,7 +126,6 @@ class Lanes(types.Type):
         super().__init__(f"Lanes({count})")
 
 
-INT32: Final = ir.IntType(32)
 _LOW_LEVEL: Final = {
     types.float64: ir.DoubleType(),
     types.float32: ir.FloatType(),
@@ -185,18 +181,6 @@ def _round(_context: Any, builder: Any, given: Vector, made: Vector, value: Any)
 def shuffle(builder: Any, a: Any, b: Any, chosen: list[int]) -> Any:
     """A vector of chosen lanes: those of `a` count from 0, those of `b` follow."""
     return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(INT32, len(chosen)), chosen))
-
-
-Typer = Callable[..., Any]
-Emitter = Callable[..., Any]
-
-
-def compiled_as(function: Callable[..., Any], typer: Typer, arity: int, *formal: Any) -> Callable[[Emitter], Emitter]:
-    """What a function is for the compiler: `typer` gives its signature, or None where it is not for these types; what
-    is decorated emits its code.
-    """
-    type_callable(function)(lambda _context: typer)
-    return cast("Callable[[Emitter], Emitter]", lower_builtin(function, *(formal or (types.Any,) * arity)))
 
 
 def _common(a: Any, b: Any) -> Any:
@@ -278,21 +262,25 @@ def _(_context: Any, builder: Any, _signature: Any, both: Any) -> Any:
 
 def pointer_to(context: Any, builder: Any, array_type: Any, array: Any, first: Any, of: Any) -> Any:
     """Where one or more numbers of an array stand; `first` is not negative."""
-    view = context.make_array(array_type)(context, builder, array)
+    if isinstance(array_type, ArrayAt):
+        data, size = unpacked(builder, array)
+    else:
+        view = context.make_array(array_type)(context, builder, array)
+        data, (size,) = view.data, cgutils.unpack_tuple(builder, view.shape)
     if context.enable_boundscheck:
-        (size,) = cgutils.unpack_tuple(builder, view.shape)
         last = builder.add(first, first.type(of.count - 1 if isinstance(of, Vector) else 0))
         for index in (first, last):
             cgutils.do_boundscheck(context, builder, index, size)
-    return builder.bitcast(builder.gep(view.data, [first]), low_level(of).as_pointer())
+    return builder.bitcast(builder.gep(data, [first]), low_level(of).as_pointer())
 
 
 def _type_of_load(row: Any, lane: Any) -> Any:
-    if isinstance(row, types.Array) and isinstance(lane, Lanes):
+    if isinstance(row, types.Array | ArrayAt) and isinstance(lane, Lanes):
         return Vector(row.dtype, lane.count)(row, lane)
     return None
 
 
+@lower_builtin(operator.getitem, ArrayAt, Lanes)
 @compiled_as(operator.getitem, _type_of_load, 2, types.Array, Lanes)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     vector = signature.return_type
@@ -302,11 +290,12 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 def _type_of_store(row: Any, lane: Any, _value: Any) -> Any:
-    if isinstance(row, types.Array) and isinstance(lane, Lanes):
+    if isinstance(row, types.Array | ArrayAt) and isinstance(lane, Lanes):
         return types.void(row, lane, Vector(row.dtype, lane.count))
     return None
 
 
+@lower_builtin(operator.setitem, ArrayAt, Lanes, Vector)
 @compiled_as(operator.setitem, _type_of_store, 3, types.Array, Lanes, Vector)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     row, lane, value = arguments
@@ -336,24 +325,6 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return first
     counted = ir.Constant(low_level(lanes), list(range(lanes.count)))
     return builder.add(_spread(context, builder, types.int64, lanes, first), counted)
-
-
-# arrays
-
-
-def _type_of_flat(array: Any) -> Any:
-    return array.copy(ndim=1)(array) if isinstance(array, types.Array) and array.layout == "C" else None
-
-
-@compiled_as(flat, _type_of_flat, 1)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    whole = context.make_array(signature.args[0])(context, builder, arguments[0])
-    made = context.make_array(signature.return_type)(context, builder)
-    shape, strides = [whole.nitems], [whole.itemsize]
-    context.populate_array(
-        made, data=whole.data, shape=shape, strides=strides, itemsize=whole.itemsize, meminfo=whole.meminfo
-    )
-    return made._getvalue()  # noqa: SLF001
 
 
 # functions of numbers

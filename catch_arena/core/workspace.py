@@ -1,13 +1,16 @@
 """What the core needs besides the arenas: scratch memory. Nothing here outlives a step."""
 
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
+from numba import types
+from numba.extending import models, register_model
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
-from catch_arena.core.jit import Block, inlined
-from catch_arena.core.memory import Sections
+from catch_arena.core.extending import compiled_as, fields_as, packed, unpacked
+from catch_arena.core.jit import Block, phase
+from catch_arena.core.memory import SECTIONS, Sections, section_at, type_of_section
 from catch_arena.core.state import LANES, MOST, PART_NAMES, RANKS_PER_WORD, WITHDRAWN
 from catch_arena.core.transfers import STREAMED, TILE
 from catch_arena.core.vectors import WIDE
@@ -76,39 +79,24 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
     }
 
 
-@inlined
 def scratch_of(sections: Sections, thread: int) -> Scratch:
     """The scratch memory of one thread."""
-    return Scratch(
-        keys=sections.keys[thread],
-        target_tiles=sections.target_tiles[thread],
-        body_tiles=sections.body_tiles[thread],
-        staging=sections.staging[thread],
-        requests=sections.requests[thread],
-        rows=sections.rows[thread],
-        requested_slots=sections.requested_slots[thread],
-        rival_orders=sections.rival_orders[thread],
-        progress_references=sections.progress_references[thread],
-        team_rows=sections.team_rows[thread],
-        prey_references=sections.prey_references[thread],
-        gathered_prey=sections.gathered_prey[thread],
-        snapshot=sections.snapshot[thread],
-    )
+    return Scratch(*(getattr(sections, name)[thread] for name in Scratch._fields))
 
 
-@inlined
+@phase
 def requested_slots_of(scratch: Scratch, seat: int) -> Block:
     """What one seat asks for in this step, one row: a slot, NO_TARGET or MALFORMED_REQUEST."""
     return scratch.requested_slots[LANES * seat : LANES * (seat + 1)]
 
 
-@inlined
+@phase
 def rival_order_of(scratch: Scratch, seat: int) -> Block:
     """R7.1: the rivals of one seat, nearest first, as `state.slot_at_rank` reads them."""
     return scratch.rival_orders[_ORDER_ROWS * LANES * seat : _ORDER_ROWS * LANES * (seat + 1)]
 
 
-@inlined
+@phase
 def progress_reference_of(scratch: Scratch, seat: int) -> Block:
     """R6.2's progress of one seat, three rows: where the target is that was nearest after the commit, x and y [m], and
     how far it was [m], -1 for none.
@@ -116,13 +104,45 @@ def progress_reference_of(scratch: Scratch, seat: int) -> Block:
     return scratch.progress_references[_REFERENCE_ROWS * LANES * seat : _REFERENCE_ROWS * LANES * (seat + 1)]
 
 
-@inlined
+@phase
 def prey_reference_of(scratch: Scratch, index: int) -> Block:
     """R12.5's gain of one prey, four rows: see `prey.IN_PLAY` and those that follow."""
     return scratch.prey_references[_PREY_REFERENCE_ROWS * LANES * index : _PREY_REFERENCE_ROWS * LANES * (index + 1)]
 
 
-@inlined
+@phase
 def gathered_of(scratch: Scratch, index: int) -> Block:
     """R12.4: the body of one prey, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
     return scratch.gathered_prey[GATHERED_SIZE * index : GATHERED_SIZE * (index + 1)]
+
+
+# ---- for the compiler: see `memory` ----
+
+
+class _ScratchAt(types.Type):
+    """`Scratch`."""
+
+
+_SCRATCH: Final = _ScratchAt("Scratch")
+
+
+@register_model(_ScratchAt)
+class _ScratchModel(models.StructModel):
+    def __init__(self, manager: Any, of: _ScratchAt) -> None:
+        super().__init__(manager, of, (("memory", SECTIONS), ("thread", types.int64)))
+
+
+@compiled_as(scratch_of, lambda sections, _thread: _SCRATCH(sections, types.int64), 2)
+def _(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+    return packed(context, builder, _SCRATCH, arguments)
+
+
+def _type_of_scratch(_scratch: Any, name: str) -> Any:
+    of = type_of_section(name) if name in Scratch._fields else None
+    return None if of is None else of.row
+
+
+@fields_as(_ScratchAt, _type_of_scratch)
+def _(context: Any, builder: Any, _of: Any, scratch: Any, name: str) -> Any:
+    memory, thread = unpacked(builder, scratch)
+    return section_at(context, builder, memory, name, thread)

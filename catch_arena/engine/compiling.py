@@ -23,7 +23,7 @@ _LINE_S: Final = 5.0
 """How often a line is printed where there is no terminal to draw a bar in."""
 _SAMPLE: Final = 30
 """Functions: what it takes to judge this machine's speed."""
-_SAMPLE_S: Final = 0.52
+_SAMPLE_S: Final = 0.34
 """How long the second to the last of them take on the machine on which `_Usual` was measured."""
 _KEPT: Final = (
     "kept for later starts"
@@ -41,8 +41,8 @@ class _Usual(NamedTuple):
     """After another variant, which shares many functions with this one."""
 
 
-_COMMON: Final = _Usual(first_s=6.8, later_s=4.8)
-_ALL: Final = _Usual(first_s=10.7, later_s=8.0)
+_COMMON: Final = _Usual(first_s=3.8, later_s=2.2)
+_ALL: Final = _Usual(first_s=5.6, later_s=3.5)
 
 
 class Variant(NamedTuple):

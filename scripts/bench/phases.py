@@ -1,6 +1,6 @@
 """Where a step's time goes, phase by phase, and how far the batch is from the machine's limit.
 
-The phases are compiled into one function, so a phase's time is measured as what the step gains when it is compiled
+The phases are compiled as one piece, so a phase's time is measured as what the step gains when it is compiled
 without that phase. Every call starts from the same saved state, in the middle of an episode.
 """
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 import catch_arena
 from catch_arena.core import observations, tick
-from catch_arena.core.jit import Block, inlined, phase, unkept_entry
+from catch_arena.core.jit import Block, phase, unkept_entry
 from catch_arena.core.ranking import Keys
 from catch_arena.core.state import LANES, Settings, span
 from catch_arena.core.vectors import Width
@@ -79,19 +79,19 @@ _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
 """What stands in each phase's place."""
 _CALLER = "run"
 """What the engine calls."""
-_WRITTEN_OUT = ("play", "observe")
-"""What it has written out in itself, with all other phases in these two."""
+_CALLED = ("play", "observe")
+"""What that calls; and these call all phases."""
 
 
 def _compiled_without(title: str) -> Any:
     """The step without that phase. Numba reads the names in a module when it compiles, at the first call; what it has
-    compiled it keeps, so that all that has the phase written out is made anew.
+    compiled it keeps, so that all that calls the phase is made anew.
     """
     module, stand_ins = _PHASES[title]
     for name, stand_in in stand_ins.items():
         setattr(module, name, stand_in)
-    for name in _WRITTEN_OUT:
-        setattr(tick, name, inlined(getattr(tick, name).py_func))
+    for name in _CALLED:
+        setattr(tick, name, phase(getattr(tick, name).py_func))
     setattr(tick, _CALLER, unkept_entry(getattr(tick, _CALLER).py_func))
     return getattr(tick, _CALLER)
 
@@ -139,7 +139,7 @@ def _in_this_process(batches: Sequence[Played], *, quick: bool) -> list[dict[str
     titles = list(_PHASES)[:1] if quick else list(_PHASES)
     small = Played("33 arenas", 33)
     _at_play(small)  # the whole step is compiled, and kept for other processes, before anything stands in for a phase
-    changed = [(tick, name) for name in (*_WRITTEN_OUT, _CALLER)]
+    changed = [(tick, name) for name in (*_CALLED, _CALLER)]
     changed += [(module, name) for module, stand_ins in _PHASES.values() for name in stand_ins]
     originals = [(module, name, getattr(module, name)) for module, name in changed]
     variants = {"": getattr(tick, _CALLER)}

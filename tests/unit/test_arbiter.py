@@ -17,7 +17,7 @@ from catch_arena.core.arbiter import (
     REQUEST_VERDICT,
     REQUEST_WINNER,
     is_preferred,
-    judge,
+    judge_alone,
 )
 from catch_arena.core.jit import entry
 from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED
@@ -52,7 +52,7 @@ def judged(*rows):
         flags = {REQUEST_INACTIVE: 0, REQUEST_KILL_REFUSED: 0}
         for column, value in (usual | flags | TARGET_7 | row).items():
             line[column] = value
-    judge(table, NEAREST, np.uint64(1), 0, False, True)
+    judge_alone(table, NEAREST, np.uint64(1), 0, False, True)
     return table
 
 

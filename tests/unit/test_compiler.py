@@ -6,14 +6,22 @@ import sys
 from pathlib import Path
 from threading import Event, Thread
 from types import SimpleNamespace
-from typing import NamedTuple
 
 import numba
+import numpy as np
 import pytest
 from llvmlite import binding as llvm
 
-from catch_arena.core import compiler
+from catch_arena.config import ArenaConfig
+from catch_arena.core import compiler, tick
+from catch_arena.core.addresses import by_address
+from catch_arena.core.arbiter import REQUEST_COLUMNS
 from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
+from catch_arena.core.memory import settings_in
+from catch_arena.core.state import ALL_OPTIONS, NO_OPTIONS
+from catch_arena.core.vectors import HALF, WIDE
+from catch_arena.engine import Engine
+from catch_arena.engine.core_settings import settings_of
 
 ROOT = Path(__file__).parents[2]
 SMALL = """
@@ -21,13 +29,14 @@ import sys
 import numpy as np
 import catch_arena.core.compiler as compiler
 compiler.USABLE = compiler.USABLE and "numba's own way" not in sys.argv
-from catch_arena.core.jit import entry, inlined, phase, outlined, rule
+from catch_arena.core.addresses import by_address
+from catch_arena.core.jit import entry, phase, outlined, rule
 
 @rule
 def thrice(value):
     return 3.0 * value + 0.1
 
-@inlined
+@phase
 def part_of(block, which):
     return block[4 * which : 4 * which + 4]
 
@@ -50,12 +59,13 @@ def sum_up(block):
     return total
 
 @entry
-def work(block):
+def work(given):
+    block = by_address(given)
     for which in range(len(block) // 4):
         fill(block, which)
     if block[0] < 100.0:
         turn_round(block)
-    return sum_up(block)
+    return sum_up(given)
 
 block = np.linspace(0.3, 7.7, 16)
 with compiler.quick_typing():
@@ -112,24 +122,14 @@ def test_what_is_cached_is_loaded_without_the_compiler_s_libraries(tmp_path):
     assert first[1].removeprefix("True") == second[1].removeprefix("False")
 
 
-class Numbers(NamedTuple):
-    usual: int
-    extra: int
-    rate: float
-
-
-class Plain(Numbers):
-    ZERO = ("extra", "rate")
-
-
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 @pytest.mark.parametrize(
     "part",
     [
-        lambda numbers: numbers.missing if numbers.extra > 0 else numbers.usual,
-        lambda numbers: numbers.usual if numbers.rate == 0.0 else numbers.missing,
-        lambda numbers: numbers.missing if numbers.extra else numbers.usual,
-        lambda numbers: numbers.missing if numbers.extra and numbers.usual > 1 else numbers.usual,
+        lambda s: s.missing if s.prey > 0 else s.hunters,
+        lambda s: s.hunters if s.dropout_rate == 0.0 else s.missing,
+        lambda s: s.missing if s.has_teams else s.hunters,
+        lambda s: s.missing if s.has_teams and s.hunters > 1 else s.hunters,
     ],
 )
 def test_a_branch_that_is_taken_for_numbers_above_zero_alone_is_not_compiled_where_they_are_zero(part):
@@ -137,12 +137,38 @@ def test_a_branch_that_is_taken_for_numbers_above_zero_alone_is_not_compiled_whe
     inner = phase(part)
 
     @unkept_entry
-    def whole(numbers):
-        return inner(numbers)
+    def whole(numbers, options):
+        return inner(settings_in(by_address(numbers), options))
 
-    assert whole(Plain(3, 0, 0.0)) == 3
+    numbers = np.array(settings_of(ArenaConfig(hunters=3), with_parts=False), dtype=np.float64)
+    assert whole(numbers, NO_OPTIONS) == 3
     with pytest.raises(numba.TypingError, match="missing"):
-        whole(Numbers(3, 0, 0.0))
+        whole(numbers, ALL_OPTIONS)
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+@pytest.mark.parametrize("options", [NO_OPTIONS, ALL_OPTIONS])
+def test_nothing_that_is_called_can_fail(options):
+    """Calls are compiled without asking whether they have: LLVM finds that each function returns 0, always."""
+    engine = Engine(ArenaConfig(), 2)
+    with compiler.quick_typing():
+        step = unkept_entry(tick.run.py_func)
+        nothing = np.zeros((0, 0), dtype=np.int64), np.zeros((0, 0, 2), dtype=np.float32)
+        requests = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
+        resets = np.zeros((0, 2), dtype=np.uint64)
+        given = HALF, WIDE, options, engine._memory, 0, 0, 0, resets, False, *nothing, requests
+        step.compile(tuple(map(numba.typeof, given)))
+    library = step.overloads[step.signatures[0]].library
+    module = llvm.parse_assembly(library.get_llvm_str())
+    returned = {
+        str(instruction).strip()
+        for function in module.functions
+        if "catch_arena" in function.name and not function.name.startswith(("_ZN7cpython", "cfunc"))
+        for block in function.blocks
+        for instruction in block.instructions
+        if instruction.opcode == "ret"
+    }
+    assert returned == {"ret i32 0"}
 
 
 def patched():

@@ -18,6 +18,7 @@ from catch_arena.core import jit
 ROOT = Path(__file__).parents[2]
 BEYOND = """
 import numpy as np
+from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import CACHE_DIRECTORY, entry, phase
 
 @phase
@@ -26,7 +27,7 @@ def write(block, place):
 
 @entry
 def write_beyond(block, place):
-    write(block[:place], place)
+    write(by_address(block)[:place], place)
 
 try:
     write_beyond(np.zeros(8), 4)

@@ -6,7 +6,8 @@ import os
 import numpy as np
 import pytest
 
-from catch_arena.core.jit import INTERPRETED, unkept_entry
+from catch_arena.core.addresses import by_address
+from catch_arena.core.jit import unkept_entry
 from catch_arena.core.memory import (
     CACHE_LINE,
     DTYPES,
@@ -18,7 +19,7 @@ from catch_arena.core.memory import (
     settings_in,
     zeros,
 )
-from catch_arena.core.state import ALL_OPTIONS, NO_OPTIONS, Settings
+from catch_arena.core.state import ALL_OPTIONS, NO_OPTIONS, PlainSettings, Settings
 
 
 def some_sections() -> Sections:
@@ -55,7 +56,9 @@ def test_compiled_code_finds_the_same_sections():
         found = sections_of(memory)
         shapes[0, 0], shapes[0, 1], shapes[0, 2] = found.requests.shape
         shapes[1, 0], shapes[1, 1] = found.blocks.shape
-        total = found.requests[-1, -1, -1] + found.blocks[-1, -1] + found.masks[-1, -1, -1] + found.rewards[-1, -1]
+        (tables, seats, numbers), (rows, columns) = found.requests.shape, found.rewards.shape
+        total = found.requests[tables - 1, seats - 1, numbers - 1] + found.blocks[shapes[1, 0] - 1, shapes[1, 1] - 1]
+        total += found.masks[len(found.masks) - 1, 2, 4] + found.rewards[rows - 1, columns - 1]
         found.rewards[0, 1] = 77.0
         found.masks[0, 2, 1] = 7
         return total
@@ -71,19 +74,24 @@ def test_compiled_code_finds_the_same_sections():
 
 @pytest.mark.parametrize("options", [NO_OPTIONS, ALL_OPTIONS])
 def test_settings_come_back_as_they_were_whatever_their_order(options):
-    """Whole numbers as whole numbers, compiled and interpreted."""
+    """Whole numbers as whole numbers, compiled and interpreted; what is left out without options was 0."""
+    plain = options == NO_OPTIONS
     numbers = np.arange(len(Settings._fields)) + 0.5
+    if plain:
+        numbers[[Settings._fields.index(name) for name in PlainSettings.ZERO]] = 0.0
+    source = "\n".join(f"    found[{place}] = s.{name}" for place, name in enumerate(Settings._fields))
+    made = {"settings_in": settings_in, "by_address": by_address}
+    whole = f"def read(given, options, found):\n    s = settings_in(by_address(given), options)\n{source}\n"
+    exec(whole, made)  # noqa: S102 - compiled code asks for a setting by its name, written out
+    found = np.full(len(numbers), -1.0)
+    unkept_entry(made["read"])(numbers, options, found)
 
-    @unkept_entry
-    def read(numbers, options):
-        return settings_in(numbers, options)
-
-    for settings in (settings_in(numbers, options), read(numbers, options)):
-        assert isinstance(settings, Settings)
-        for kind, number, setting in zip(Settings.__annotations__.values(), numbers, settings, strict=True):
-            assert type(setting) is kind
-            assert setting == kind(number)
-    assert INTERPRETED or read.signatures
+    settings = settings_in(numbers, options)
+    assert isinstance(settings, Settings)
+    assert found.tolist() == list(settings)
+    for kind, number, setting in zip(Settings.__annotations__.values(), numbers, settings, strict=True):
+        assert type(setting) is kind
+        assert setting == kind(number)
 
 
 def test_a_section_of_another_type_is_refused():

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from catch_arena.config import ArenaConfig
+from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import unkept_entry
 from catch_arena.core.ranking import (
     count_ranks,
@@ -71,12 +72,14 @@ def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round()
 
 @unkept_entry
 def count(block, seat, width, s, teams, keys, ranks, packed):
+    block, keys, ranks, packed = by_address(block), by_address(keys), by_address(ranks), by_address(packed)
     measure_rivals(block, seat, width, s, 0.0, keys)
     count_ranks(block, seat, width, s, teams, keys, ranks, packed)
 
 
 @unkept_entry
 def sort(block, seat, width, lanes, s, teams, keys, packed):
+    block, keys, packed = by_address(block), by_address(keys), by_address(packed)
     measure_rivals(block, seat, width, s, 0.0, keys)
     sort_keys(keys, s.hunters, s.hunters_seen + 1, width)
     resolve_ties(block, seat, width, lanes, s, teams, keys)

@@ -11,7 +11,6 @@ from catch_arena.core.vectors import (
     WIDE,
     any_of,
     bits_of,
-    flat,
     floor,
     group,
     long,
@@ -181,24 +180,3 @@ def test_a_place_outside_the_row_is_noticed_where_places_are_tested():
     assert not checked(row, WIDE, 4)
     with pytest.raises(IndexError):
         checked(row, WIDE, 5)
-
-
-def sum_flat(array):
-    total = 0.0
-    for value in flat(array):
-        total = 2.0 * total + value
-    return total
-
-
-@pytest.mark.parametrize("shape", [(5,), (2, 3), (2, 0, 3), (2, 3, 4)])
-def test_a_flat_array_has_all_numbers_in_their_order(shape):
-    array = np.arange(np.prod(shape), dtype=np.float64).reshape(shape)
-    compiled = sum_flat if INTERPRETED else numba.njit(**FLAGS)(sum_flat)
-    assert compiled(array) == sum_flat(array)
-    assert flat(array).tolist() == array.ravel().tolist()
-
-
-@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
-def test_an_array_that_is_not_contiguous_is_refused_by_the_compiler():
-    with pytest.raises(numba.TypingError, match="flat"):
-        numba.njit(**FLAGS)(sum_flat)(np.zeros((4, 4))[:, ::2])

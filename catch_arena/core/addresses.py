@@ -1,0 +1,171 @@
+"""Arrays by their addresses: what compiled code has in the place of Numba's own.
+
+Of an array Numba hands over seven numbers or more, and asks at each index whether it is negative. An `ArrayAt` is where
+the numbers of a C-contiguous array begin, and its shape; indices and slices count from the front alone. That is half of
+the code that LLVM gets, and it compiles as much faster. For Python both are NumPy's, and rules and phases take both.
+"""
+
+import operator
+from typing import Any
+
+import numba.core.types
+from numba.core import cgutils
+from numba.extending import lower_builtin, models, register_model
+from numpy.typing import NDArray
+
+from catch_arena.core.extending import compiled_as, fields_as, packed, unpacked, whole_number
+
+types: Any = numba.core.types  # Numba has annotations for a part of it only, and not for what is used here
+
+# ---- for Python ----
+
+
+def by_address(array: NDArray[Any]) -> NDArray[Any]:
+    """The same array, which must be C-contiguous: what an entry is given becomes what phases hand on."""
+    return array
+
+
+def flat(array: NDArray[Any]) -> NDArray[Any]:
+    """All numbers of an array of more dimensions in one."""
+    return array.reshape(-1)
+
+
+# ---- for the compiler ----
+
+
+class ArrayAt(types.Type):  # type: ignore[misc]
+    """`ndim` dimensions of numbers of one type."""
+
+    def __init__(self, dtype: Any, ndim: int) -> None:
+        self.dtype, self.ndim = dtype, ndim
+        super().__init__(f"ArrayAt({dtype} x {ndim})")
+
+    @property
+    def row(self) -> "ArrayAt":
+        """What one index of several gives."""
+        return ArrayAt(self.dtype, self.ndim - 1)
+
+
+@register_model(ArrayAt)
+class _ArrayAtModel(models.StructModel):
+    def __init__(self, manager: Any, of: ArrayAt) -> None:
+        shape = [(f"extent_{axis}", types.int64) for axis in range(of.ndim)]
+        super().__init__(manager, of, [("first", types.CPointer(of.dtype)), *shape])
+
+
+def product(builder: Any, numbers: list[Any]) -> Any:
+    """Of one or more."""
+    result, *others = numbers
+    for number in others:
+        result = builder.mul(result, number)
+    return result
+
+
+def _least(builder: Any, a: Any, b: Any) -> Any:
+    return builder.select(builder.icmp_signed("<", a, b), a, b)
+
+
+def _find(context: Any, builder: Any, array: Any, indices: list[Any]) -> Any:
+    """Where the numbers at these indices begin; there may be fewer than dimensions."""
+    first, *shape = unpacked(builder, array)
+    offset = indices[0].type(0)
+    for axis, extent in enumerate(shape):
+        if axis > 0:
+            offset = builder.mul(offset, extent)
+        if axis < len(indices):
+            if context.enable_boundscheck:
+                cgutils.do_boundscheck(context, builder, indices[axis], extent, axis)
+            offset = builder.add(offset, indices[axis])
+    return builder.gep(first, [offset])
+
+
+def _indices(context: Any, builder: Any, index: Any, of: Any) -> list[Any]:
+    if not isinstance(of, types.BaseTuple):
+        return [whole_number(context, builder, index, of)]
+    each = cgutils.unpack_tuple(builder, index, len(of))
+    return [whole_number(context, builder, one, kind) for one, kind in zip(each, of, strict=True)]
+
+
+def _indexes(index: Any) -> int:
+    """How many dimensions an index is of; 0 for what is none."""
+    each = list(index) if isinstance(index, types.BaseTuple) else [index]
+    return len(each) if all(isinstance(one, types.Integer) for one in each) else 0
+
+
+def _type_of_item(array: Any, index: Any) -> Any:
+    if not isinstance(array, ArrayAt):
+        return None
+    if isinstance(index, types.SliceType):
+        return None if index.has_step else array(array, index)
+    if _indexes(index) == array.ndim:
+        return array.dtype(array, index)
+    return array.row(array, index) if _indexes(index) == 1 else None
+
+
+@lower_builtin(operator.getitem, ArrayAt, types.BaseTuple)
+@compiled_as(operator.getitem, _type_of_item, 2, ArrayAt, types.Integer)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    (array, index), (of, of_index) = arguments, signature.args
+    found = _find(context, builder, array, _indices(context, builder, index, of_index))
+    if isinstance(signature.return_type, ArrayAt):
+        _, _, *inner = unpacked(builder, array)
+        return packed(context, builder, signature.return_type, [found, *inner])
+    return context.unpack_value(builder, of.dtype, found)
+
+
+@lower_builtin(operator.getitem, ArrayAt, types.SliceType)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    (array, bounds), of = arguments, signature.return_type
+    begin, end, _ = unpacked(builder, bounds)
+    first, extent, *inner = unpacked(builder, array)
+    end = _least(builder, end, extent)  # where nothing is said, it is the largest number
+    begin = _least(builder, begin, end)
+    first = builder.gep(first, [product(builder, [begin, *inner])])
+    return packed(context, builder, of, [first, builder.sub(end, begin), *inner])
+
+
+def _type_of_put(array: Any, index: Any, _value: Any) -> Any:
+    if isinstance(array, ArrayAt) and _indexes(index) == array.ndim:
+        return types.void(array, index, array.dtype)
+    return None
+
+
+@lower_builtin(operator.setitem, ArrayAt, types.BaseTuple, types.Any)
+@compiled_as(operator.setitem, _type_of_put, 3, ArrayAt, types.Integer, types.Any)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    (array, index, value), (of, of_index, of_value) = arguments, signature.args
+    found = _find(context, builder, array, _indices(context, builder, index, of_index))
+    context.pack_value(builder, of.dtype, context.cast(builder, value, of_value, of.dtype), found)
+    return context.get_dummy_value()
+
+
+@compiled_as(len, lambda array: types.intp(array) if isinstance(array, ArrayAt) else None, 1, ArrayAt)
+def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+    return builder.extract_value(arguments[0], 1)
+
+
+@fields_as(ArrayAt, lambda of, name: {"shape": types.UniTuple(types.intp, of.ndim), "size": types.intp}.get(name))
+def _(context: Any, builder: Any, of: ArrayAt, array: Any, name: str) -> Any:
+    _, *shape = unpacked(builder, array)
+    if name == "size":
+        return product(builder, shape)
+    return context.make_tuple(builder, types.UniTuple(types.intp, of.ndim), shape)
+
+
+def _type_by_address(array: Any) -> Any:
+    if isinstance(array, types.Array) and array.layout == "C":
+        return ArrayAt(array.dtype, array.ndim)(array)
+    return None
+
+
+@compiled_as(by_address, _type_by_address, 1)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    array = context.make_array(signature.args[0])(context, builder, arguments[0])
+    shape = cgutils.unpack_tuple(builder, array.shape)
+    return packed(context, builder, signature.return_type, [array.data, *shape])
+
+
+@compiled_as(flat, lambda array: ArrayAt(array.dtype, 1)(array) if isinstance(array, ArrayAt) else None, 1)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    first, *shape = unpacked(builder, arguments[0])
+    return packed(context, builder, signature.return_type, [first, product(builder, shape)])

@@ -1,0 +1,63 @@
+"""What the compiler is told of our own functions and types, over Numba's extension interface."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final, cast
+
+from llvmlite import ir
+from numba import types
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, lower_builtin, lower_getattr_generic, type_callable
+
+Typer = Callable[..., Any]
+Emitter = Callable[..., Any]
+
+INT32: Final = ir.IntType(32)
+INT64: Final = ir.IntType(64)
+
+
+def compiled_as(function: Callable[..., Any], typer: Typer, arity: int, *formal: Any) -> Callable[[Emitter], Emitter]:
+    """What a function is for the compiler: `typer` gives its signature, or None where it is not for these types; what
+    is decorated emits its code.
+    """
+    type_callable(function)(lambda _context: typer)
+    return cast("Callable[[Emitter], Emitter]", lower_builtin(function, *(formal or (types.Any,) * arity)))
+
+
+def fields_as(of: Any, type_of: Typer) -> Callable[[Emitter], Emitter]:
+    """The same of the fields of a type: `type_of` a type and a name gives the field's type, or None where there is no
+    such field; what is decorated emits the code that reads it.
+    """
+
+    class Fields(AttributeTemplate):
+        key = of
+
+        def generic_resolve(self, one: Any, name: str) -> Any:  # type: ignore[override]
+            return type_of(one, name)
+
+    infer_getattr(Fields)
+    return cast("Callable[[Emitter], Emitter]", lower_getattr_generic(of))
+
+
+def packed(context: Any, builder: Any, of: Any, members: Sequence[Any]) -> Any:
+    """The members of a type that is made of some."""
+    whole = ir.Constant(context.get_value_type(of), ir.Undefined)
+    for place, member in enumerate(members):
+        whole = builder.insert_value(whole, member, place)
+    return whole
+
+
+def unpacked(builder: Any, whole: Any) -> list[Any]:
+    """And back."""
+    return [builder.extract_value(whole, place) for place in range(len(whole.type.elements))]
+
+
+def constant_at(builder: Any, pointer: Any) -> Any:
+    """What stands there. Nothing that is compiled together with this writes it, so that LLVM reads it once."""
+    value = builder.load(pointer)
+    value.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return value
+
+
+def whole_number(context: Any, builder: Any, value: Any, of: Any) -> Any:
+    """A bound or an index, as an int64."""
+    return context.cast(builder, value, types.unliteral(of), types.int64)

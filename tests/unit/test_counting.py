@@ -1,0 +1,90 @@
+"""The compiler's `range` goes through the numbers of Python's."""
+
+import itertools
+
+import numba
+import numpy as np
+import pytest
+
+from catch_arena.core.compiler import USABLE
+from catch_arena.core.counting import count_through
+from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
+
+BOUNDS = (-7, -1, 0, 1, 2, 8)
+STEPS = (-9, -3, -1, 1, 2, 5)
+
+
+@unkept_entry
+def visit(found, start, stop, step):
+    count = 0
+    for number in count_through(start, stop, step):
+        found[count] = number
+        count += 1
+    return count
+
+
+@unkept_entry
+def visit_between(found, start, stop):
+    count = 0
+    for number in count_through(start, stop):
+        found[count] = number
+        count += 1
+    return count
+
+
+@unkept_entry
+def visit_up_to(found, stop):
+    count = 0
+    for number in count_through(stop):
+        found[count] = number
+        count += 1
+    return count
+
+
+def test_it_goes_through_the_same_numbers():
+    found = np.zeros(100, dtype=np.int64)
+    for start, stop in itertools.product(BOUNDS, BOUNDS):
+        for step in STEPS:
+            assert found[: visit(found, start, stop, step)].tolist() == list(range(start, stop, step))
+        assert found[: visit_between(found, start, stop)].tolist() == list(range(start, stop))
+        assert found[: visit_up_to(found, np.int32(stop))].tolist() == list(range(stop))
+
+
+@phase
+def nest(found, rows, columns):
+    count = 0
+    for row in range(rows):
+        for column in range(row, columns):
+            if column == 5:
+                break
+            if column % 2 == 1:
+                continue
+            found[count] = 10 * row + column
+            count += 1
+            column = -1  # the loop goes on as if nothing had been said  # noqa: PLW2901
+        else:
+            found[count] = -row
+            count += 1
+    return count
+
+
+@unkept_entry
+def begin(found, rows, columns):
+    return nest(found, rows, columns)
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(0, 4), (3, 4), (4, 9), (2, 0)])
+def test_loops_in_loops_are_left_and_go_on_as_in_python(rows, columns):
+    """Where the core says `range`, this is meant."""
+    found, expected = np.zeros((2, 100), dtype=np.int64)
+    assert begin(found, rows, columns) == getattr(nest, "py_func", nest)(expected, rows, columns)
+    assert found.tolist() == expected.tolist()
+    if USABLE and not INTERPRETED:
+        (compiled,) = nest.overloads.values()
+        assert "Counter" in str([*compiled.type_annotation.typemap.values()])
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+def test_what_is_no_whole_number_is_refused_by_the_compiler():
+    with pytest.raises(numba.TypingError, match="count_through"):
+        visit_up_to(np.zeros(3, dtype=np.int64), 2.0)
