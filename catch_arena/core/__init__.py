@@ -15,5 +15,5 @@ blocks.
 - math, random: functions and random numbers with the same bits on every machine.
 - vectors, transfers: several arenas in one instruction, and numbers moved between arrays.
 - jit, compiler: how it is compiled. extending: how the compiler is told of functions and types of ours; addresses,
-  counting: arrays and `range` as it has them.
+  builtin_functions: arrays, and `range` and its like, as it has them.
 """

@@ -1,4 +1,4 @@
-"""The compiler's `range` goes through the numbers of Python's."""
+"""What the compiler has in place of `range`, `min`, `max` and `int` does as Python's do."""
 
 import itertools
 
@@ -6,8 +6,8 @@ import numba
 import numpy as np
 import pytest
 
+from catch_arena.core.builtin_functions import count_through, greatest, least, whole
 from catch_arena.core.compiler import USABLE
-from catch_arena.core.counting import count_through
 from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
 
 BOUNDS = (-7, -1, 0, 1, 2, 8)
@@ -88,3 +88,37 @@ def test_loops_in_loops_are_left_and_go_on_as_in_python(rows, columns):
 def test_what_is_no_whole_number_is_refused_by_the_compiler():
     with pytest.raises(numba.TypingError, match="count_through"):
         visit_up_to(np.zeros(3, dtype=np.int64), 2.0)
+
+
+NUMBERS = (-3, 0, 5, 2**40, -0.0, 0.0, 2.5, -2.5, float("inf"), float("nan"))
+
+
+@unkept_entry
+def choose_least(a, b):
+    return least(a, b)
+
+
+@unkept_entry
+def choose_greatest(a, b):
+    return greatest(a, b)
+
+
+def test_the_least_and_the_greatest_of_two_are_pythons():
+    """Of 0.0 and -0.0, and of a number and a NaN, too: the first."""
+    for a, b in itertools.product(NUMBERS, NUMBERS):
+        kind = float if float in (type(a), type(b)) else int
+        for ours, pythons in ((choose_least, min), (choose_greatest, max)):
+            found = ours(a, b)
+            assert INTERPRETED or type(found) is kind
+            assert np.float64(found).tobytes() == np.float64(pythons(a, b)).tobytes()
+
+
+@unkept_entry
+def make_whole(value):
+    return whole(value)
+
+
+def test_a_number_loses_its_fraction():
+    for number in (-2.9, -0.1, 0.0, 0.9, 7.0, 1e15 + 0.5, 3, True, np.int8(-7), np.uint64(9)):
+        assert make_whole(number) == int(number)
+        assert INTERPRETED or type(make_whole(number)) is int

@@ -1,22 +1,49 @@
-"""`range`, for the compiler: Numba's own makes two objects for each loop, works out beforehand how often it will go
-round, and takes a third of all the code that LLVM gets.
+"""What Python's `range`, `min`, `max` and `int` are for the compiler, which `compiler` puts in their place.
+
+Numba's own `range` makes two objects for each loop, works out beforehand how often it will go round, and takes a third
+of all the code that LLVM gets. Its other three are functions that it compiles, optimises and emits, each for each type.
 """
 
-from typing import Any, Final
+from collections.abc import Callable
+from typing import Any, Final, TypeVar
 
 import numba.core.types
 from numba.core import cgutils
 from numba.core.imputils import RefType, iternext_impl
 from numba.extending import lower_builtin, models, register_model
 
-from catch_arena.core.extending import INT64, compiled_as, packed, unpacked, whole_number
+from catch_arena.core.extending import INT64, Emitter, compiled_as, packed, unpacked, whole_number
 
 types: Any = numba.core.types  # Numba has annotations for a part of it only, and not for what is used here
 
+Number = TypeVar("Number", int, float)
+
+# ---- for Python ----
+
 
 def count_through(start: int, stop: int | None = None, step: int = 1) -> range:
-    """`range` of the same arguments; the step is not 0. `compiler` puts it where the core says `range`."""
+    """`range` of the same arguments; the step is not 0."""
     return range(start) if stop is None else range(start, stop, step)
+
+
+def least(a: Number, b: Number) -> Number:
+    """`min` of two."""
+    return min(a, b)
+
+
+def greatest(a: Number, b: Number) -> Number:
+    """`max` of two."""
+    return max(a, b)
+
+
+def whole(value: float) -> int:
+    """`int` of a number."""
+    return int(value)
+
+
+IN_PLACE_OF: Final[dict[Any, Callable[..., Any]]] = {range: count_through, min: least, max: greatest, int: whole}
+
+# ---- for the compiler ----
 
 
 class _Counter(types.SimpleIteratorType):  # type: ignore[misc]
@@ -82,3 +109,36 @@ def _(_context: Any, builder: Any, _signature: Any, arguments: Any, result: Any)
     result.set_valid(more)
     result.yield_(here)
     builder.store(builder.add(here, step, flags=["nsw"]), place)
+
+
+def _type_of_choice(a: Any, b: Any) -> Any:
+    if not isinstance(a, types.Integer | types.Float) or not isinstance(b, types.Integer | types.Float):
+        return None
+    both = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else types.int64
+    return both(both, both)
+
+
+def _choice(symbol: str) -> Emitter:
+    """The second of two numbers where it is less, or greater, and else the first: as Python does, which shows with
+    zeros and NaN.
+    """
+
+    def emit(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        a, b = arguments
+        compare = builder.fcmp_ordered if signature.return_type == types.float64 else builder.icmp_signed
+        return builder.select(compare(symbol, b, a), b, a)
+
+    return emit
+
+
+compiled_as(least, _type_of_choice, 2)(_choice("<"))
+compiled_as(greatest, _type_of_choice, 2)(_choice(">"))
+
+
+def _type_of_whole(value: Any) -> Any:
+    return types.int64(value) if isinstance(value, types.Integer | types.Float | types.Boolean) else None
+
+
+@compiled_as(whole, _type_of_whole, 1)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return whole_number(context, builder, arguments[0], signature.args[0])
