@@ -14,7 +14,7 @@ from catch_arena.agents.intercept import LONGEST_LEAD_S, LOOKS
 from catch_arena.agents.patrol import BRAKE_GAIN, GRID, SPAWN_LOW_M, SPAWN_WALL_M, TURN_GAIN
 from catch_arena.agents.triage import lost_by_s
 from catch_arena.batch_policy import BatchView
-from catch_arena.core.jit import entry, phase
+from catch_arena.core.jit import entry, rule
 from catch_arena.core.math import PI, atan2, clamp
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures
 from catch_arena.policy import Limits, first_rival_column, rival_features, target_features
@@ -185,7 +185,7 @@ def _intercept(seen: Seen, rules: Rules, commands: NDArray[np.float64]) -> None:
         commands[row, 0], commands[row, 1] = drive(goal[0], goal[1], rules)
 
 
-@phase
+@rule
 def nearest_rival_m2(seen: Seen, row: int, forward: float, left: float, rules: Rules) -> float:
     """`contested.nearest_rival_m`, squared."""
     least = math.inf
@@ -197,7 +197,7 @@ def nearest_rival_m2(seen: Seen, row: int, forward: float, left: float, rules: R
     return least
 
 
-@phase
+@rule
 def best_race(seen: Seen, row: int, first: int, lost_by_s: float, rules: Rules) -> int:
     """`contested_by_time.best_race`, from the target in the column `first` on; none that is lost by `lost_by_s`."""
     soonest, closest = math.inf, lost_by_s
@@ -219,7 +219,7 @@ def best_race(seen: Seen, row: int, first: int, lost_by_s: float, rules: Rules) 
     return lost if won == _NONE else won
 
 
-@phase
+@rule
 def rivals_arrival_s(seen: Seen, row: int, forward: float, left: float, mine: float, rules: Rules) -> float:
     """`contested_by_time.rivals_arrival_s`; where that is not sooner than `mine`, it is `mine`, and found sooner."""
     soonest = mine
@@ -234,7 +234,7 @@ def rivals_arrival_s(seen: Seen, row: int, forward: float, left: float, mine: fl
     return soonest
 
 
-@phase
+@rule
 def rivals_way_s(seen: Seen, row: int, forward: float, left: float, rules: Rules) -> float:
     """What `intercept.cost_s` takes rivals to need."""
     least = math.inf
@@ -245,19 +245,19 @@ def rivals_way_s(seen: Seen, row: int, forward: float, left: float, rules: Rules
     return math.sqrt(least) / rules.speed_mps
 
 
-@phase
+@rule
 def arrival_s(forward: float, left: float, rules: Rules) -> float:
     """`contested_by_time.arrival_s`."""
     return way_s(forward, left, rules) + 0.5 * abs(atan2(left, forward)) / rules.turn_rate_radps
 
 
-@phase
+@rule
 def way_s(forward: float, left: float, rules: Rules) -> float:
     """Its part without the turn."""
     return max(0.0, math.sqrt(forward * forward + left * left) - rules.reach_m) / rules.speed_mps
 
 
-@phase
+@rule
 def as_good_as_caught(seen: Seen, row: int, rules: Rules) -> bool:
     """`triage.as_good_as_caught`."""
     if seen[row, rules.first_target + _PRESENT] == 0.0:
@@ -267,7 +267,7 @@ def as_good_as_caught(seen: Seen, row: int, rules: Rules) -> bool:
     return bool(squared < rules.reach_m * rules.reach_m and squared < nearest_rival_m2(seen, row, forward, left, rules))
 
 
-@phase
+@rule
 def meeting_point(seen: Seen, row: int, target: int, rules: Rules) -> Point:
     """`intercept.meeting_point`."""
     forward = ahead = seen[row, target + _FORWARD]
@@ -281,7 +281,7 @@ def meeting_point(seen: Seen, row: int, target: int, rules: Rules) -> Point:
     return forward, left
 
 
-@phase
+@rule
 def rest(seen: Seen, row: int, rules: Rules) -> Point:
     """`patrol.rest`."""
     forward, left = middle_of_own_ground(seen, row, rules)
@@ -289,7 +289,7 @@ def rest(seen: Seen, row: int, rules: Rules) -> Point:
     return min(speed, rules.brake_gain * math.sqrt(forward * forward + left * left) / rules.speed_mps), turn
 
 
-@phase
+@rule
 def drive(forward: float, left: float, rules: Rules) -> Point:
     """`patrol.drive`."""
     bearing = atan2(left, forward)
@@ -302,7 +302,7 @@ def drive(forward: float, left: float, rules: Rules) -> Point:
     return min(1.0, rules.turn_rate_radps * diameter / 2 / rules.speed_mps), turn
 
 
-@phase
+@rule
 def middle_of_own_ground(seen: Seen, row: int, rules: Rules) -> Point:
     """`patrol.middle_of_own_ground`."""
     step = (rules.side_m - rules.spawn_low_m - rules.spawn_wall_m) / rules.grid
