@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, phase, rule
-from catch_arena.core.vectors import Width, bits_of, number_of
+from catch_arena.core.vectors import Width, bits_of, floor, number_of
 from catch_arena.verdicts import Verdict
 
 LANES: Final = 32
@@ -363,13 +363,13 @@ def evidence_of(distance_um: float, winner: float) -> float:
 @rule
 def distance_in(evidence: float) -> float:
     """The distance of `evidence_of`."""
-    return evidence // _SEATS - 1.0
+    return floor(evidence / _SEATS) - 1.0
 
 
 @rule
 def winner_in(evidence: float) -> float:
     """The winner of `evidence_of`."""
-    return evidence % _SEATS - 1.0
+    return evidence - floor(evidence / _SEATS) * _SEATS - 1.0
 
 
 @rule

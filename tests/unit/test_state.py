@@ -159,3 +159,19 @@ def test_counters_share_rows_and_never_spill(steps):
     assert np.isfinite(rows).all()
     _count(rows, state.COUNTERS - 1, 3, s)
     assert (rows.view(np.int64) == full).all()
+
+
+@unkept_entry
+def packed_and_back(distance_um: float, winner: float) -> tuple[float, float]:
+    evidence = state.evidence_of(distance_um, winner)
+    return state.distance_in(evidence), state.winner_in(evidence)
+
+
+def test_r5_6_a_verdict_s_evidence_comes_back_as_it_was() -> None:
+    """Of every seat and of none, at all kinds of distances in the largest arena."""
+    farthest = int(np.ceil(5000.0 * np.sqrt(2.0) * 1e6))
+    distances = [-1, 0, 1, 299_999, 300_000, farthest - 1, farthest]
+    distances += np.random.default_rng(1).integers(0, farthest, 200).tolist()
+    for distance in distances:
+        for winner in range(-1, MAX_HUNTERS):
+            assert packed_and_back(float(distance), float(winner)) == (distance, winner)
