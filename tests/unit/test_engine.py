@@ -35,6 +35,7 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     assert (engine.rewards[row] == 0).all()
     assert (engine.parts[row] == 0).all()
     assert {ruling.verdict for ruling in engine.rulings(row)} == {Verdict.MATCH_OVER}
+    assert engine.answers[row].tolist() == [[0, Verdict.MATCH_OVER, -1, -1]] * engine.config.hunters
     assert all(engine.digest(r) not in others for r in range(5) if not engine.ends[r])
 
     engine.reset([77], arenas=[row])
