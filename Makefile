@@ -108,7 +108,6 @@ format: $(VENV)/ready-dev ## put the sources into form
 	$(DENO) lint --fix
 
 bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs/performance.md)
-	@mkdir -p out
 	$(BIN)/python scripts/bench $(if $(PUFFERLIB),--pufferlib '$(PUFFERLIB)') --json out/bench.json --page docs/performance.md
 
 card: $(VENV)/ready ## measure all shipped agents in the suite, and write docs/card.md; goes on where it was (out/card)

@@ -22,6 +22,9 @@ import against
 from checkout import CheckoutError, current
 from puffer import HEADER
 
+from catch_arena.errors import OutputError
+from catch_arena.files import prepare_folder
+
 # before numpy, torch and jax load, which read these once
 os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
 os.environ |= {
@@ -94,9 +97,11 @@ def parse() -> Args:
         parser.error("the benchmark needs compiled code: unset NUMBA_DISABLE_JIT")
     if args.pufferlib and not (args.pufferlib / HEADER).is_file():
         parser.error(f"--pufferlib must be PufferLib's unpacked source package, and {args.pufferlib} has no {HEADER}")
-    for path in (args.json, args.page):
-        if path is not None and not path.parent.is_dir():
-            parser.error(f"{path.parent} must be a folder")
+    if args.json:
+        try:
+            prepare_folder(args.json.parent)
+        except OutputError as error:
+            parser.error(str(error))
     begin, end = args.marks
     if args.page and not (args.page.is_file() and begin in (text := args.page.read_text()) and end in text):
         parser.error(f"{args.page} must be a page that holds {begin} and {end}")

@@ -198,7 +198,7 @@ def test_the_page_keeps_what_is_written_by_hand(run):
         (("--pufferlib", "docs"), "docs has no pufferlib/ocean/target/target.h"),
         (("--against", "HEAD", "--page", "README.md"), "README.md must be a page that holds"),
         (("--rounds", 0), "--rounds must be at least 1"),
-        (("--json", "no/such/folder.json"), "no/such must be a folder"),
+        (("--json", "README.md/figures.json"), "README.md: cannot be written: is a file, not a folder"),
         (("--page", "README.md"), "README.md must be a page that holds"),
         (("--page", "no.md"), "no.md must be a page"),
     ],
