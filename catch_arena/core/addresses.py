@@ -1,8 +1,8 @@
 """Arrays by their addresses: what compiled code has in the place of Numba's own.
 
 Of an array Numba hands over seven numbers or more, and asks at each index whether it is negative. An `ArrayAt` is where
-the numbers of a C-contiguous array begin, and its shape; indices and slices count from the front alone. That is half of
-the code that LLVM gets, and it compiles as much faster. For Python both are NumPy's, and rules and phases take both.
+the numbers of a C-contiguous array begin, and its shape; indices and slices count from the front alone. With these
+LLVM gets half as much code. For Python both are NumPy's, and rules and phases take both.
 """
 
 import operator
@@ -54,7 +54,7 @@ class _ArrayAtModel(models.StructModel):
 
 
 def product(builder: Any, numbers: list[Any]) -> Any:
-    """Of one or more."""
+    """The product of one or more numbers."""
     result, *others = numbers
     for number in others:
         result = builder.mul(result, number)
@@ -120,6 +120,8 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     first, extent, *inner = unpacked(builder, array)
     end = _least(builder, end, extent)  # where nothing is said, it is the largest number
     begin = _least(builder, begin, end)
+    if context.enable_boundscheck:  # counted from the back it would be before the front
+        cgutils.do_boundscheck(context, builder, begin, builder.add(extent, extent.type(1)), 0)
     first = builder.gep(first, [product(builder, [begin, *inner])])
     return packed(context, builder, of, [first, builder.sub(end, begin), *inner])
 

@@ -21,27 +21,27 @@ Number = TypeVar("Number", int, float)
 # ---- for Python ----
 
 
-def count_through(start: int, stop: int | None = None, step: int = 1) -> range:
+def range_of(start: int, stop: int | None = None, step: int = 1) -> range:
     """`range` of the same arguments; the step is not 0."""
     return range(start) if stop is None else range(start, stop, step)
 
 
-def least(a: Number, b: Number) -> Number:
+def min_of(a: Number, b: Number) -> Number:
     """`min` of two."""
     return min(a, b)
 
 
-def greatest(a: Number, b: Number) -> Number:
+def max_of(a: Number, b: Number) -> Number:
     """`max` of two."""
     return max(a, b)
 
 
-def whole(value: float) -> int:
-    """`int` of a number."""
+def int_of(value: float) -> int:
+    """`int` of a number that an int64 holds."""
     return int(value)
 
 
-IN_PLACE_OF: Final[dict[Any, Callable[..., Any]]] = {range: count_through, min: least, max: greatest, int: whole}
+IN_PLACE_OF: Final[dict[Any, Callable[..., Any]]] = {range: range_of, min: min_of, max: max_of, int: int_of}
 
 # ---- for the compiler ----
 
@@ -87,9 +87,9 @@ def _emit_count(context: Any, builder: Any, signature: Any, arguments: Any) -> A
     return packed(context, builder, _COUNTED, bounds if len(bounds) == 3 else [*bounds, INT64(1)])
 
 
-compiled_as(count_through, _type_of_count, 1)(_emit_count)
+compiled_as(range_of, _type_of_count, 1)(_emit_count)
 for _arity in (2, 3):
-    lower_builtin(count_through, *(types.Any,) * _arity)(_emit_count)
+    lower_builtin(range_of, *(types.Any,) * _arity)(_emit_count)
 
 
 @lower_builtin("getiter", _Counted)
@@ -111,8 +111,13 @@ def _(_context: Any, builder: Any, _signature: Any, arguments: Any, result: Any)
     builder.store(builder.add(here, step, flags=["nsw"]), place)
 
 
+def _is_number(of: Any) -> bool:
+    """Whether a float64 or an int64 holds it: not a uint64, which Python would compare as it is."""
+    return isinstance(of, types.Float) or (isinstance(of, types.Integer) and (of.signed or of.bitwidth < 64))
+
+
 def _type_of_choice(a: Any, b: Any) -> Any:
-    if not isinstance(a, types.Integer | types.Float) or not isinstance(b, types.Integer | types.Float):
+    if not _is_number(a) or not _is_number(b):
         return None
     both = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else types.int64
     return both(both, both)
@@ -131,14 +136,14 @@ def _choice(symbol: str) -> Emitter:
     return emit
 
 
-compiled_as(least, _type_of_choice, 2)(_choice("<"))
-compiled_as(greatest, _type_of_choice, 2)(_choice(">"))
+compiled_as(min_of, _type_of_choice, 2)(_choice("<"))
+compiled_as(max_of, _type_of_choice, 2)(_choice(">"))
 
 
-def _type_of_whole(value: Any) -> Any:
+def _type_of_int(value: Any) -> Any:
     return types.int64(value) if isinstance(value, types.Integer | types.Float | types.Boolean) else None
 
 
-@compiled_as(whole, _type_of_whole, 1)
+@compiled_as(int_of, _type_of_int, 1)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return whole_number(context, builder, arguments[0], signature.args[0])

@@ -11,10 +11,11 @@ the library below, what `_Substitute` writes into, how parts call each other, an
 where Numba has not what they need, and then all is compiled in Numba's own way.
 """
 
+import signal
+import threading
 from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
-from threading import RLock
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numba._dynfunc
 import numba.core.caching
@@ -28,6 +29,7 @@ import numba.core.typed_passes
 import numba.core.types
 import numba.core.untyped_passes
 from numba.core import cgutils
+from numba.core.errors import UnsupportedError
 from numba.core.targetconfig import ConfigStack
 
 from catch_arena.core.builtin_functions import IN_PLACE_OF
@@ -45,6 +47,7 @@ untyped_passes: Any = numba.core.untyped_passes
 _machinery: Any = numba.core.compiler_machinery
 _flags_on_top: Any = ConfigStack.top_or_none
 
+_ENDING: Final = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 _Library: Any = codegen.JITCodeLibrary
 _NEEDED: Final[dict[Any, str]] = {
     _Library: "add_linking_library add_llvm_module enable_object_caching finalize get_function get_pointer_to_function "
@@ -54,6 +57,7 @@ _NEEDED: Final[dict[Any, str]] = {
     compiler.CompilerBase: "define_pipelines",
     compiler.DefaultPassBuilder: "define_nopython_lowering_pipeline define_typed_pipeline define_untyped_pipeline",
     compiler.Flags: "no_compile __hash__",
+    ir: "Assign Const Expr Global Raise SetItem",
     ir_utils: "get_definition guard",
     cpu.CPUContext: "insert_func_defn insert_user_function install_registry load_additional_registries",
     types.functions.BaseFunction: "get_call_type",
@@ -64,6 +68,26 @@ _NEEDED: Final[dict[Any, str]] = {
 }
 USABLE: Final = all(hasattr(owner, name) for owner, names in _NEEDED.items() for name in names.split())
 """Whether this Numba has what is needed here."""
+
+
+@contextmanager
+def interrupts_held() -> Iterator[None]:
+    """Signals that end a program are handled behind this block. LLVM calls back into Python as soon as it has made the
+    machine code; what is raised there is lost, and so is the code. Until then no signal would be handled anyway.
+    """
+    heard: list[tuple[Any, tuple[Any, ...]]] = []
+    held = []
+    if threading.current_thread() is threading.main_thread():  # no other one handles signals
+        held = [(number, handler) for number in _ENDING if callable(handler := signal.getsignal(number))]
+    try:
+        for number, handler in held:
+            signal.signal(number, lambda *arguments, handler=handler: heard.append((handler, arguments)))
+        yield
+    finally:
+        for number, handler in held:
+            signal.signal(number, handler)
+        for handler, arguments in heard:
+            handler(*arguments)
 
 
 class _Translated(_Library):  # type: ignore[misc]
@@ -115,7 +139,8 @@ class Whole(_Translated):
         manager, builder = self._codegen._module_pass_manager(opt=2, loop_vectorize=False, slp_vectorize=False)  # noqa: SLF001
         manager.run(self._final_module, builder)
         self._final_module.verify()
-        self._finalize_final_module()
+        with interrupts_held():
+            self._finalize_final_module()
 
 
 @_machinery.register_pass(mutates_CFG=False, analysis_only=False)
@@ -147,6 +172,38 @@ class _Substitute(_machinery.FunctionPass):  # type: ignore[misc]
             source = ir_utils.guard(ir_utils.get_definition, function, value.value)
             zero = getattr(parameters[source.index], "zero", {}) if isinstance(source, ir.Arg) else {}
             return ir.Const(zero[value.attr], value.loc) if value.attr in zero else None
+        return None
+
+
+@_machinery.register_pass(mutates_CFG=False, analysis_only=True)
+class _Refuse(_machinery.FunctionPass):  # type: ignore[misc]
+    """What compiled parts would do otherwise than Python: nobody who calls one looks whether it has failed, and an
+    index that is negative would be one of the memory before the array.
+    """
+
+    _name = "catch_arena_refuse"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        for block in state.func_ir.blocks.values():
+            for statement in block.body:
+                fault = self._fault_of(statement, state.func_ir)
+                if fault:
+                    raise UnsupportedError(fault, statement.loc)
+        return False
+
+    def _fault_of(self, statement: Any, function: Any) -> str | None:
+        if isinstance(statement, ir.Raise):
+            return "rules and phases must not raise or assert"
+        value = statement.value if isinstance(statement, ir.Assign) else statement
+        if isinstance(value, ir.Global) and value.value is print:
+            return "rules and phases must not print, unless NUMBA_DISABLE_JIT is 1"
+        if isinstance(value, ir.SetItem) or (isinstance(value, ir.Expr) and value.op == "getitem"):
+            index = ir_utils.guard(ir_utils.get_definition, function, value.index)
+            if isinstance(index, ir.Const) and isinstance(index.value, int) and index.value < 0:
+                return f"rules and phases must count indices from the front, got {index.value}"
         return None
 
 
@@ -232,6 +289,8 @@ class _LowerOutlined(_LowerPart):
 class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
     lowering: Any
     """The last of the passes."""
+    is_part: ClassVar[bool] = True
+    """Whether others of ours call it."""
 
     def define_pipelines(self) -> list[Any]:
         """Numba's passes, but for those that the core does not need, with one more, and ours in place of the last."""
@@ -244,6 +303,8 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
         ):
             for step, description in part.passes:
                 if step is untyped_passes.RewriteSemanticConstants:
+                    if self.is_part:
+                        manager.add_pass(_Refuse, "what parts must not do")
                     manager.add_pass(_Substitute, "what we have in place of something")
                 if step is typed_passes.NativeLowering:
                     manager.add_pass(self.lowering, description)
@@ -269,9 +330,10 @@ class WholeCompiler(_Compiler):
     """For what Python calls."""
 
     lowering = _LowerWhole
+    is_part = False
 
 
-_patching: Final = RLock()
+_patching: Final = threading.RLock()
 
 
 @contextmanager

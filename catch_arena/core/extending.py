@@ -47,7 +47,7 @@ def packed(context: Any, builder: Any, of: Any, members: Sequence[Any]) -> Any:
 
 
 def unpacked(builder: Any, whole: Any) -> list[Any]:
-    """And back."""
+    """The members of what `packed` has made."""
     return [builder.extract_value(whole, place) for place in range(len(whole.type.elements))]
 
 

@@ -244,9 +244,14 @@ class _SectionsModel(models.PrimitiveModel):
         super().__init__(manager, of, _BYTES)
 
 
+_KINDS: Final = {int: types.int64, float: types.float64}
+for _name, _kind in Settings.__annotations__.items():
+    if _kind not in _KINDS:
+        raise TypeError(f"Settings.{_name} must be an int or a float, got {_kind}")
+
+
 def _type_of_setting(_settings: Any, name: str) -> Any:
-    kinds: Any = {int: types.int64, float: types.float64}
-    return kinds.get(Settings.__annotations__.get(name))
+    return _KINDS[Settings.__annotations__[name]] if name in Settings._fields else None
 
 
 @fields_as(SettingsAt, _type_of_setting)

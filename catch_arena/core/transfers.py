@@ -137,7 +137,7 @@ def _transposed_doubles(builder: Any, columns: list[Any]) -> list[Any]:
 
 
 def _columns_of_doubles(builder: Any, rows: list[Any], count: int) -> list[Any]:
-    """And back."""
+    """Eight rows of four or eight numbers, as columns."""
     if count == 8:
         return _exchanged(builder, rows, (4, 2, 1))
     both = [shuffle(builder, rows[lane], rows[lane + 4], list(range(8))) for lane in range(4)]
@@ -162,7 +162,7 @@ def _put(function: Callable[..., Any], pieces_of: Callable[[int], list[tuple[int
         ]
         if not isinstance(number, Vector):
             for index, part in enumerate(parts):
-                builder.store(part, pointer_to(context, builder, array, out, builder.add(at, at.type(index)), number))
+                builder.store(part, pointer_to(context, builder, out, builder.add(at, at.type(index)), number))
             return context.get_dummy_value()
         transposed = _transposed if array.dtype == types.float32 else _transposed_doubles
         nothing = ir.Constant(low_level(number), None)
@@ -172,7 +172,7 @@ def _put(function: Callable[..., Any], pieces_of: Callable[[int], list[tuple[int
             row = Vector(array.dtype, count)
             offset = builder.add(at, at.type(first))
             for value in transposed(builder, some):
-                pointer = pointer_to(context, builder, array, out, offset, row)
+                pointer = pointer_to(context, builder, out, offset, row)
                 builder.store(value, pointer, align=array.dtype.bitwidth // 8)
                 offset = builder.add(offset, stride)
         return context.get_dummy_value()
@@ -194,19 +194,17 @@ def _take(function: Callable[..., Any], count: int) -> None:
 
     @compiled_as(function, typer, 2)
     def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        (tiles, index), (array, of_index) = arguments, signature.args
+        (tiles, index), of_index = arguments, signature.args[1]
         if isinstance(of_index, Vector):
             row = Vector(types.float64, count)
             scaled = builder.shl(index, ir.Constant(index.type, [3] * of_index.count))
             places = [builder.extract_element(scaled, INT32(lane)) for lane in range(of_index.count)]
-            rows = [builder.load(pointer_to(context, builder, array, tiles, place, row), align=8) for place in places]
+            rows = [builder.load(pointer_to(context, builder, tiles, place, row), align=8) for place in places]
             columns = _columns_of_doubles(builder, rows, count)
         else:
             first = builder.mul(index, index.type(TILE))
             places = [builder.add(first, first.type(number)) for number in range(count)]
-            columns = [
-                builder.load(pointer_to(context, builder, array, tiles, place, types.float64)) for place in places
-            ]
+            columns = [builder.load(pointer_to(context, builder, tiles, place, types.float64)) for place in places]
         return context.make_tuple(builder, signature.return_type, columns)
 
 
@@ -233,19 +231,19 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 @compiled_as(stream_eight, lambda out, _at, source, _start: types.void(out, types.int64, source, types.int64), 4)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+def _(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
     (out, at, source, start), eight = arguments, Vector(types.float32, STREAMED)
-    numbers = builder.load(pointer_to(context, builder, signature.args[2], source, start, eight), align=32)
-    stored = builder.store(numbers, pointer_to(context, builder, signature.args[0], out, at, eight), align=32)
+    numbers = builder.load(pointer_to(context, builder, source, start, eight), align=32)
+    stored = builder.store(numbers, pointer_to(context, builder, out, at, eight), align=32)
     stored.set_metadata("nontemporal", builder.module.add_metadata([INT32(1)]))
     return context.get_dummy_value()
 
 
 @compiled_as(prefetch, lambda numbers, _at: types.void(numbers, types.int64), 2)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+def _(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
     byte = ir.IntType(8).as_pointer()
     array, at = arguments
-    line = builder.bitcast(pointer_to(context, builder, signature.args[0], array, at, types.float64), byte)
+    line = builder.bitcast(pointer_to(context, builder, array, at, types.float64), byte)
     kind = ir.FunctionType(ir.VoidType(), [byte, INT32, INT32, INT32])
     function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8")
     to_read, second_cache, data = INT32(0), INT32(2), INT32(1)

@@ -19,7 +19,7 @@ from llvmlite import binding, ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typeconv.castgraph import Conversion
-from numba.extending import lower_builtin, lower_cast, models, register_model
+from numba.extending import lower_cast, models, register_model
 
 from catch_arena.core.addresses import ArrayAt
 from catch_arena.core.extending import INT32, Emitter, compiled_as, unpacked
@@ -71,11 +71,6 @@ def floor(value: float) -> float:
 def sqrt(value: float) -> float:
     """The square root, rounded to nearest."""
     return cast("float", np.sqrt(value))
-
-
-def single(value: float) -> float:
-    """Rounded to float32."""
-    return cast("float", np.float32(value))
 
 
 def single_bits(value: float) -> int:
@@ -260,13 +255,9 @@ def _(_context: Any, builder: Any, _signature: Any, both: Any) -> Any:
     return builder.add(*both)
 
 
-def pointer_to(context: Any, builder: Any, array_type: Any, array: Any, first: Any, of: Any) -> Any:
-    """Where one or more numbers of an array stand; `first` is not negative."""
-    if isinstance(array_type, ArrayAt):
-        data, size = unpacked(builder, array)
-    else:
-        view = context.make_array(array_type)(context, builder, array)
-        data, (size,) = view.data, cgutils.unpack_tuple(builder, view.shape)
+def pointer_to(context: Any, builder: Any, array: Any, first: Any, of: Any) -> Any:
+    """Where one or more numbers of an `ArrayAt` stand; `first` is not negative."""
+    data, size = unpacked(builder, array)
     if context.enable_boundscheck:
         last = builder.add(first, first.type(of.count - 1 if isinstance(of, Vector) else 0))
         for index in (first, last):
@@ -275,32 +266,30 @@ def pointer_to(context: Any, builder: Any, array_type: Any, array: Any, first: A
 
 
 def _type_of_load(row: Any, lane: Any) -> Any:
-    if isinstance(row, types.Array | ArrayAt) and isinstance(lane, Lanes):
+    if isinstance(row, ArrayAt) and isinstance(lane, Lanes):
         return Vector(row.dtype, lane.count)(row, lane)
     return None
 
 
-@lower_builtin(operator.getitem, ArrayAt, Lanes)
-@compiled_as(operator.getitem, _type_of_load, 2, types.Array, Lanes)
+@compiled_as(operator.getitem, _type_of_load, 2, ArrayAt, Lanes)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     vector = signature.return_type
     row, lane = arguments
-    pointer = pointer_to(context, builder, signature.args[0], row, lane, vector)
+    pointer = pointer_to(context, builder, row, lane, vector)
     return builder.load(pointer, align=vector.dtype.bitwidth // 8)
 
 
 def _type_of_store(row: Any, lane: Any, _value: Any) -> Any:
-    if isinstance(row, types.Array | ArrayAt) and isinstance(lane, Lanes):
+    if isinstance(row, ArrayAt) and isinstance(lane, Lanes):
         return types.void(row, lane, Vector(row.dtype, lane.count))
     return None
 
 
-@lower_builtin(operator.setitem, ArrayAt, Lanes, Vector)
-@compiled_as(operator.setitem, _type_of_store, 3, types.Array, Lanes, Vector)
+@compiled_as(operator.setitem, _type_of_store, 3, ArrayAt, Lanes, Vector)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     row, lane, value = arguments
     vector = signature.args[2]
-    pointer = pointer_to(context, builder, signature.args[0], row, lane, vector)
+    pointer = pointer_to(context, builder, row, lane, vector)
     builder.store(value, pointer, align=vector.dtype.bitwidth // 8)
     return context.get_dummy_value()
 
@@ -336,7 +325,9 @@ def _type_of_select(condition: Any, a: Any, b: Any) -> Any:
         dtype = dtype if isinstance(a, Vector) or isinstance(b, Vector) else types.float64
         vector = like(condition, dtype)
         return vector(condition, vector, vector)
-    number = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else a
+    number = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else types.unliteral(a)
+    if number != types.float64 and number != types.unliteral(b):
+        return None  # such as True or 3, of which Python gives one or the other
     return number(types.boolean, number, number)
 
 
@@ -393,7 +384,6 @@ def _convert(function: Callable[..., Any], source: Any, dtype: Any, *instruction
         return value
 
 
-_convert(single, types.float64, types.float32, ("fptrunc", types.float32))
 _convert(single_bits, types.float64, types.int32, ("fptrunc", types.float32), ("bitcast", types.int32))
 _convert(truncate, types.float64, types.int32, ("fptosi", types.int32))
 _convert(long, types.int32, types.int64, ("sext", types.int64))

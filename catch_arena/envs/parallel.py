@@ -25,6 +25,7 @@ from catch_arena.engine.block_views import row_of
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.global_state import state_vector
 from catch_arena.envs.infos import LazyInfos
+from catch_arena.envs.saved import require_memory
 from catch_arena.envs.spaces import (
     action_space,
     checked_action,
@@ -472,7 +473,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             observations and infos of `agents`, as they were; after the end, when there are none, empty dicts.
 
         Raises:
-            ConfigError: for what `save` did not give, or did for another config.
+            ConfigError: for what `save` did not give, or did for another config or in another version.
         """
         if not isinstance(saved, SavedEpisode):
             raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
@@ -480,8 +481,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             raise ConfigError(
                 f"saved must come from an arena of equal config, {self._config_digest}, got {saved.config}"
             )
+        memory = require_memory(self._engine, saved.memory, alone=True)
+        if not set(saved.agents) <= set(self.possible_agents):
+            raise ConfigError(f"saved must have agents of {self.possible_agents}, got {in_short(list(saved.agents))}")
         self._seed = saved.seed
-        self._engine.restore_row(0, saved.memory)
+        self._engine.restore_row(0, memory)
         self._set_agents(list(saved.agents))
         self._over = saved.over
         self._leaving = dict(saved.leaving)

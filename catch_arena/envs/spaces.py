@@ -86,6 +86,10 @@ def _whole_number(action: object) -> int | None:
     return int(action) if isinstance(action, int) and not isinstance(action, bool) else None
 
 
+def _is_number(given: object) -> bool:
+    return isinstance(given, int | float | np.integer | np.floating) and not isinstance(given, bool)
+
+
 def checked_command(agent: str, what: str, action: Any) -> tuple[float, float]:
     """Two numbers in [-1, 1].
 
@@ -99,7 +103,11 @@ def checked_command(agent: str, what: str, action: Any) -> tuple[float, float]:
             legal = -1.0 <= speed <= 1.0 and -1.0 <= turn_rate <= 1.0
         except (TypeError, ValueError):
             legal = False
-        if legal and type(speed) is not bool and type(turn_rate) is not bool:
+        if (
+            legal
+            and (type(speed) is float or _is_number(speed))
+            and (type(turn_rate) is float or _is_number(turn_rate))
+        ):
             return speed, turn_rate
     raise ActionError(f"{agent}: {what} must be two numbers in [-1, 1], got {in_short(action)}")
 

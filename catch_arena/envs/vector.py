@@ -14,6 +14,7 @@ from catch_arena.core import episodes, prey, state
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
+from catch_arena.envs.saved import require_memory
 from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, velocity_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.scenarios import scenario as arena_config
@@ -270,10 +271,11 @@ class VectorArena:
         of the last reset, and from `steps`.
 
         Args:
-            hunters: (n, H, 4), of n arenas: x, y [m], heading [rad], linear velocity [m/s]. A row of NaN takes no part:
-                it stands still, and nobody sees it (R1.6).
-            targets: (n, T, 5), T up to max_targets: x, y [m], heading [rad], linear velocity [m/s] (of targets that
-                stand still, 0), age [s]. A row of NaN is no target. They are numbered from 1, the oldest first.
+            hunters: (n, H, 4), of n arenas: x, y [m], heading [rad], from -1000 to 1000, linear velocity [m/s]. A row
+                of NaN takes no part: it stands still, and nobody sees it (R1.6).
+            targets: (n, T, 5), T up to max_targets: x, y [m], heading [rad], likewise, linear velocity [m/s] (of
+                targets that stand still, 0), age [s]. A row of NaN is no target. They are numbered from 1, the oldest
+                first.
             steps: how many have been played, (n,) or one number; the time follows from it, and with that the spawns.
             arenas: the rows, as for `reset`; all without it.
 
@@ -281,8 +283,8 @@ class VectorArena:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for a body outside the arena, a velocity above its limit, an age above the time that has
-                passed, and an arena with prey.
+            ConfigError: for a body outside the arena, a heading or a velocity beyond its limits, an age above the time
+                that has passed, and an arena with prey.
             EpisodeError: before the first reset.
         """
         self._require_begun("place")
@@ -311,7 +313,7 @@ class VectorArena:
         absent, side = np.isnan(x), self.config.side_m
         inside = (x >= 0.0) & (x <= side) & (y >= 0.0) & (y <= side)
         _require(name, f"at places in the arena, from 0 to {side} m", bodies, absent | inside)
-        _require(name, "of finite headings", bodies, absent | np.isfinite(heading))
+        _require(name, "of headings from -1000 to 1000 rad", bodies, absent | (np.abs(heading) <= 1000.0))
         _require(name, "of velocities within their limits", bodies, absent | ((speed >= slowest) & (speed <= fastest)))
 
     def _begun_with(self) -> Begun:
@@ -524,12 +526,12 @@ class VectorArena:
         if saved.num_envs != num_envs:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
-        sizes = self._engine.saved_sizes(alone=num_envs is None)
-        if len(saved.memory) not in sizes:  # kept by another version of this package
-            raise ConfigError(f"a saved state must have {sizes[-1]} bytes, got {len(saved.memory)}")
+        memory = require_memory(self._engine, saved.memory, alone=num_envs is None)
+        if np.shape(saved.controls) != controls.shape:
+            raise ConfigError(f"a saved state must have controls {controls.shape}, got {np.shape(saved.controls)}")
         if (saved.controls != controls).any():
             self._require_any_control()
-        return saved.memory
+        return memory
 
     def clone(self) -> "VectorArena":
         """An arena of its own in the same state, as `copy.deepcopy` makes it too."""

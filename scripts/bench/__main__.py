@@ -197,6 +197,10 @@ def main() -> None:
     except KeyboardInterrupt:
         print("bench: interrupted", file=sys.stderr)
         sys.exit(130)
+    if args.quick:
+        tables = (
+            f"Measured with `--quick`: all sizes are tiny, whatever the rows say; the figures mean nothing.\n\n{tables}"
+        )
     print(tables)
     if args.json:
         args.json.write_text(json.dumps(figures, indent=2) + "\n")

@@ -46,7 +46,7 @@ print(json.dumps({"passes": spent, "whole": time.process_time() - begin}))
 """
 _EMIT = ("catch_arena_lower_whole",)
 _TRANSLATE = ("catch_arena_lower_part", "catch_arena_lower_outlined")
-_TYPE = ("catch_arena_typing",)
+_TYPE = ("nopython_type_inference",)
 
 
 def limits(*, quick: bool) -> dict[str, Any]:
@@ -162,7 +162,7 @@ def cold() -> dict[str, float]:
     passes: Mapping[str, float] = found["passes"]
 
     def of(names: Sequence[str]) -> float:
-        return sum(passes.get(name, 0.0) for name in names)
+        return sum(passes[name] for name in names)
 
     parts = {
         "LLVM optimises the whole and makes machine code": of(_EMIT),

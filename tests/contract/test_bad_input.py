@@ -140,6 +140,9 @@ BAD_ACTIONS = {
         3,
         "ab",
         "a",
+        (0.0, True),
+        (np.True_, 0.0),
+        [np.array([0.5]), 0.5],
     ],
     "full": [
         3,

@@ -1,6 +1,7 @@
 """R10.2: what is saved, copied or pickled goes on bit for bit, at any point of a run."""
 
 import copy
+import dataclasses
 import pickle
 from random import Random
 
@@ -256,3 +257,36 @@ def test_what_an_aec_env_cannot_go_on_from_is_refused():
     with pytest.raises(ConfigError, match="saved must come from an arena of equal config"):
         env.restore(other.save())
     assert (env.digest(), env.agent_selection) == (before, "hunter_1")
+
+
+def test_what_another_version_has_kept_is_refused_before_anything_changes():
+    """Of another length, or of other agents; a state of another length was taken, and half of it."""
+    env, batch = catch_arena.parallel_env("duel"), catch_arena.VectorArena("duel", 2)
+    env.reset(seed=1)
+    batch.reset(seed=1)
+    before = env.digest(), batch.digest(0), batch.digest(1)
+    episode, both, row = env.save(), batch.save(), batch.save_row(0)
+    other = [lambda memory: memory[:-8], lambda memory: memory[:0], lambda memory: np.concatenate((memory, memory))]
+    for change in other:
+        with pytest.raises(
+            ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"
+        ):
+            env.restore(dataclasses.replace(episode, memory=change(episode.memory)))
+        with pytest.raises(
+            ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"
+        ):
+            batch.restore(both._replace(memory=change(both.memory)))
+        with pytest.raises(
+            ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"
+        ):
+            batch.restore_row(1, row._replace(memory=change(row.memory)))
+    for memory, found in ((None, "NoneType"), (row.memory.astype(np.float64), r"one of float64 \(\d+,\)")):
+        with pytest.raises(ConfigError, match=rf"must be an array of uint8 \(\d+,\), got {found}$"):
+            env.restore(dataclasses.replace(episode, memory=memory))
+        with pytest.raises(ConfigError, match=rf"must be an array of uint8 \(\d+,\), got {found}$"):
+            batch.restore_row(1, row._replace(memory=memory))
+    with pytest.raises(ConfigError, match=r"saved must have agents of \['hunter_0', 'hunter_1'\], got \['x'\]$"):
+        env.restore(dataclasses.replace(episode, agents=("x",)))
+    with pytest.raises(ConfigError, match=r"a saved state must have controls \(2, 2\), got \(3,\)$"):
+        batch.restore(both._replace(controls=np.zeros(3, np.int8)))
+    assert (env.digest(), batch.digest(0), batch.digest(1)) == before

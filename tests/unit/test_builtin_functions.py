@@ -6,7 +6,7 @@ import numba
 import numpy as np
 import pytest
 
-from catch_arena.core.builtin_functions import count_through, greatest, least, whole
+from catch_arena.core.builtin_functions import int_of, max_of, min_of, range_of
 from catch_arena.core.compiler import USABLE
 from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
 
@@ -17,7 +17,7 @@ STEPS = (-9, -3, -1, 1, 2, 5)
 @unkept_entry
 def visit(found, start, stop, step):
     count = 0
-    for number in count_through(start, stop, step):
+    for number in range_of(start, stop, step):
         found[count] = number
         count += 1
     return count
@@ -26,7 +26,7 @@ def visit(found, start, stop, step):
 @unkept_entry
 def visit_between(found, start, stop):
     count = 0
-    for number in count_through(start, stop):
+    for number in range_of(start, stop):
         found[count] = number
         count += 1
     return count
@@ -35,7 +35,7 @@ def visit_between(found, start, stop):
 @unkept_entry
 def visit_up_to(found, stop):
     count = 0
-    for number in count_through(stop):
+    for number in range_of(stop):
         found[count] = number
         count += 1
     return count
@@ -86,7 +86,7 @@ def test_loops_in_loops_are_left_and_go_on_as_in_python(rows, columns):
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_what_is_no_whole_number_is_refused_by_the_compiler():
-    with pytest.raises(numba.TypingError, match="count_through"):
+    with pytest.raises(numba.TypingError, match="range_of"):
         visit_up_to(np.zeros(3, dtype=np.int64), 2.0)
 
 
@@ -95,12 +95,12 @@ NUMBERS = (-3, 0, 5, 2**40, -0.0, 0.0, 2.5, -2.5, float("inf"), float("nan"))
 
 @unkept_entry
 def choose_least(a, b):
-    return least(a, b)
+    return min_of(a, b)
 
 
 @unkept_entry
 def choose_greatest(a, b):
-    return greatest(a, b)
+    return max_of(a, b)
 
 
 def test_the_least_and_the_greatest_of_two_are_pythons():
@@ -115,10 +115,19 @@ def test_the_least_and_the_greatest_of_two_are_pythons():
 
 @unkept_entry
 def make_whole(value):
-    return whole(value)
+    return int_of(value)
 
 
 def test_a_number_loses_its_fraction():
     for number in (-2.9, -0.1, 0.0, 0.9, 7.0, 1e15 + 0.5, 3, True, np.int8(-7), np.uint64(9)):
         assert make_whole(number) == int(number)
         assert INTERPRETED or type(make_whole(number)) is int
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+def test_the_least_of_what_no_int64_holds_is_refused_by_the_compiler():
+    """Python compares numbers from 2**63 on as they are; as an int64 they would be negative."""
+    large = np.uint64(2**63 + 5)
+    for fail in (lambda: choose_least(large, np.uint64(7)), lambda: choose_greatest(1, large)):
+        with pytest.raises(numba.TypingError, match="uint64"):
+            fail()

@@ -1,6 +1,7 @@
 """The core compiled as one piece: the same results as in Numba's own way and in plain Python."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -178,6 +179,61 @@ def patched():
     return [getattr(owner, name) for owner, name in zip(owners, names, strict=True)]
 
 
+@phase
+def asserts(numbers):
+    assert numbers[0] > 5.0
+    return numbers[0]
+
+
+@phase
+def raises(numbers):
+    if numbers[0] > 5.0:
+        raise ValueError
+    return numbers[0]
+
+
+@phase
+def prints(numbers):
+    print(numbers[0])  # noqa: T201
+    return numbers[0]
+
+
+@phase
+def reads_from_the_back(numbers):
+    return numbers[-1]
+
+
+@phase
+def writes_from_the_back(numbers):
+    numbers[-1] = 1.0
+    return numbers[0]
+
+
+@pytest.mark.skipif(INTERPRETED or not compiler.USABLE, reason="Numba's own way, or Python's")
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        (asserts, "rules and phases must not raise or assert"),
+        (raises, "rules and phases must not raise or assert"),
+        (prints, "rules and phases must not print, unless NUMBA_DISABLE_JIT is 1"),
+        (reads_from_the_back, "rules and phases must count indices from the front, got -1"),
+        (writes_from_the_back, "rules and phases must count indices from the front, got -1"),
+    ],
+    ids=lambda given: getattr(given, "__name__", ""),
+)
+def test_what_compiled_parts_would_do_otherwise_than_python_is_refused(part, message):
+    """It would end the process without a word, or read the memory before an array; the error has the line."""
+
+    @unkept_entry
+    def call(numbers):
+        return part(by_address(numbers))
+
+    with pytest.raises(
+        numba.core.errors.UnsupportedError, match=f"(?s){message}.*test_compiler.py.*def {part.__name__}"
+    ):
+        call(np.zeros(3))
+
+
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_numba_is_left_as_it_was():
     """Also where compiling fails: others use it too."""
@@ -204,6 +260,37 @@ def test_an_interrupt_while_llvm_takes_over_a_module_lets_nobody_free_it_again()
     with pytest.raises(KeyboardInterrupt):
         compiler._Translated.add_llvm_module(library, linked)
     assert linked.closed
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_while_llvm_makes_machine_code_counts_behind_it(monkeypatch, number):
+    """LLVM calls back into Python then, where what is raised is lost: the program played on, and was told that nothing
+    can be kept.
+    """
+
+    class Ended(BaseException):
+        pass
+
+    def end(*_):
+        raise Ended
+
+    made = []
+
+    def interrupted(self):
+        signal.raise_signal(number)
+        finish(self)
+        made.append(self)
+
+    finish = compiler.Whole._finalize_final_module
+    monkeypatch.setattr(compiler.Whole, "_finalize_final_module", interrupted)
+    before = signal.signal(number, end)
+    try:
+        with pytest.raises(Ended):
+            unkept_entry(lambda value: value + 1.0)(2.0)
+        assert len(made) == 1
+        assert signal.getsignal(number) is end
+    finally:
+        signal.signal(number, before)
 
 
 def test_numba_is_left_as_it_was_by_two_threads_at_once():

@@ -1,10 +1,11 @@
 """Numbers moved between arrays: compiled and interpreted, they arrive where they should, and nowhere else."""
 
-import numba
 import numpy as np
 import pytest
 
 from catch_arena.core import observations
+from catch_arena.core.addresses import by_address
+from catch_arena.core.jit import phase, unkept_entry
 from catch_arena.core.state import LANES
 from catch_arena.core.tiles import BodyTile, MotionTile, TargetTile
 from catch_arena.core.transfers import (
@@ -18,10 +19,8 @@ from catch_arena.core.transfers import (
     take_tile,
     where_there,
 )
-from catch_arena.core.vectors import SINGLE, WIDE, group, single
+from catch_arena.core.vectors import SINGLE, WIDE, group
 
-FLAGS = {"nogil": True, "error_model": "numpy", "_nrt": False}
-"""Those of the core."""
 SIZE = 64
 NUMBERS = np.random.default_rng(5).normal(scale=1e3, size=SIZE)
 OTHERS = np.random.default_rng(6).normal(scale=1e3, size=SIZE)
@@ -32,16 +31,17 @@ def interpreted(function):
     return getattr(function, "py_func", function)
 
 
-both_ways = pytest.mark.parametrize("made", [lambda f: f, numba.njit(**FLAGS)], ids=["interpreted", "compiled"])
+both_ways = pytest.mark.parametrize("made", [lambda f: f, unkept_entry], ids=["interpreted", "compiled"])
 
 
 def write_rows(a, b, out, width):
     """Columns as rows: five, seven and ten of them."""
+    a, b, out = by_address(a), by_address(b), by_address(out)
     for first in range(0, SIZE, len(width)):
         lane = group(first, width)
         x, y = a[lane], b[lane]
         at = first * 32
-        put_rows(out, at, 32, (x, y, 1.0, single(y), x))
+        put_rows(out, at, 32, (x, y, 1.0, y, x))
         put_rows(out, at + 5, 32, (y, x, x, x, y, y, x))
         put_rows(out, at + 12, 32, (x, y, y, y, x, x, 0.5, y, x, y))
 
@@ -57,10 +57,10 @@ def test_columns_become_rows(made, width):
     assert np.array_equal(out.reshape(SIZE, 32)[:, :22], np.transpose(columns), equal_nan=True)
 
 
-def columns_of(made, count):
+def columns_of(count):
     """A function of a lane that gives so many columns: row by row of eight lanes."""
     numbers = ", ".join(f"a[{column} * 8 + lane]" for column in range(count))
-    return made(eval(f"lambda a, lane: ({numbers},)"))  # noqa: S307 - a tuple whose length the compiler knows
+    return phase(eval(f"lambda a, lane: ({numbers},)"))  # noqa: S307 - a tuple whose length the compiler knows
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -69,9 +69,10 @@ def columns_of(made, count):
 @both_ways
 def test_any_number_of_columns_is_put_and_nothing_else_is_written(made, count, width, dtype):
     """Exactly, or up to the next four."""
-    columns = columns_of(made, count)
+    columns = columns_of(count) if made is unkept_entry else interpreted(columns_of(count))
 
     def put(a, width, exact, whole):
+        a, exact, whole = by_address(a), by_address(exact), by_address(whole)
         put_exactly(exact, 3, 24, columns(a, group(0, width)))
         put_rows(whole, 3, 24, columns(a, group(0, width)))
 
@@ -94,6 +95,7 @@ def test_a_tile_is_taken_from_another_place_in_each_lane(made, width):
     numbers, indices = source.normal(size=(20, TILE)), source.permutation(20)[:8]
 
     def take(tiles, indices, width, out):
+        tiles, indices, out = by_address(tiles), by_address(indices), by_address(out)
         index = indices[group(0, width)]
         there = index < 12
         put_exactly(out, 0, 12, (*take_half_tile(tiles, index), *where_there(there, take_tile(tiles, index))))
@@ -119,7 +121,7 @@ def test_eight_numbers_are_streamed(made):
     memory = np.zeros((2, 64), dtype=np.float32)
     source, out = (row[-row.ctypes.data % 32 // 4 :][:40] for row in memory)
     source[:] = np.arange(40)
-    made(lambda source, out: stream_eight(out, 24, source, 8))(source, out)
+    made(lambda source, out: stream_eight(by_address(out), 24, by_address(source), 8))(source, out)
     assert (out[24:32] == np.arange(8, 16)).all()
     assert not out[:24].any()
     assert not out[32:].any()
@@ -128,7 +130,7 @@ def test_eight_numbers_are_streamed(made):
 @both_ways
 def test_prefetching_changes_nothing(made):
     numbers = np.arange(3.0 * PREFETCHED)
-    made(lambda numbers: prefetch(numbers, 2 * PREFETCHED))(numbers)
+    made(lambda numbers: prefetch(by_address(numbers), 2 * PREFETCHED))(numbers)
     assert (numbers == np.arange(3.0 * PREFETCHED)).all()
 
 

@@ -4,7 +4,8 @@ import numba
 import numpy as np
 import pytest
 
-from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.addresses import by_address
+from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
 from catch_arena.core.vectors import (
     HALF,
     SINGLE,
@@ -22,8 +23,6 @@ from catch_arena.core.vectors import (
 )
 
 WIDTHS = {"one": SINGLE, "four": HALF, "eight": WIDE}
-FLAGS = {"nogil": True, "error_model": "numpy", "_nrt": False}
-"""Those of the core."""
 SPECIAL = (
     0.0,
     -0.0,
@@ -50,6 +49,7 @@ SIZE = len(NUMBERS)
 
 def calculate(a, b, out, width):
     """Every operation of float64, a row for each."""
+    a, b, out = by_address(a), by_address(b), by_address(out)
     for first in range(0, SIZE, len(width)):
         lane = group(first, width)
         x, y = a[lane], b[lane]
@@ -102,6 +102,7 @@ def expected():
 
 def calculate_keys(a, keys, width):
     """Every operation of int32, a row for each."""
+    a, keys = by_address(a), by_address(keys)
     for first in range(0, SIZE, len(width)):
         lane = group(first, width)
         bits = single_bits(a[lane])
@@ -119,7 +120,7 @@ def same_bits(one, other):
     )
 
 
-both_ways = pytest.mark.parametrize("made", [lambda f: f, numba.njit(**FLAGS)], ids=["interpreted", "compiled"])
+both_ways = pytest.mark.parametrize("made", [lambda f: f, unkept_entry], ids=["interpreted", "compiled"])
 at_every_width = pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
 
 
@@ -159,11 +160,11 @@ def test_int32(made, width):
 @pytest.mark.parametrize("mistake", [lambda row, lane: row[1.5 + lane], lambda row, lane: row[lane] + "text"])
 def test_what_is_no_place_and_no_number_is_refused_by_the_compiler(mistake):
     """Where lanes are an index, whole numbers are added to them, and numbers to what is read there."""
-    inner = numba.njit(**FLAGS)(mistake)
+    inner = phase(mistake)
 
-    @numba.njit(**FLAGS)
+    @unkept_entry
     def read(row, width):
-        return any_of(inner(row, group(0, width)) > 0.0)
+        return any_of(inner(by_address(row), group(0, width)) > 0.0)
 
     with pytest.raises(numba.TypingError, match="No implementation of function"):
         read(np.zeros(16), WIDE)
@@ -173,9 +174,9 @@ def test_a_place_outside_the_row_is_noticed_where_places_are_tested():
     """NUMBA_BOUNDSCHECK=1 looks at both ends of a group."""
 
     def read(row, width, first):
-        return any_of(row[group(first, width)] > 0.0)
+        return any_of(by_address(row)[group(first, width)] > 0.0)
 
-    checked = numba.njit(boundscheck=True, **FLAGS)(read)
+    checked = numba.njit(boundscheck=True, error_model="numpy", _nrt=False)(read)
     row = np.zeros(12)
     assert not checked(row, WIDE, 4)
     with pytest.raises(IndexError):

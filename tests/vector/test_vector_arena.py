@@ -574,7 +574,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
         arena.restore_row(0, larger.save())
     with pytest.raises(ConfigError, match="a saved state must be one of 3 arenas here, got one of a single row"):
         arena.restore(arena.save_row(0))
-    with pytest.raises(ConfigError, match=r"a saved state must have \d+ bytes, got \d+$"):
+    with pytest.raises(ConfigError, match=r"must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"):
         arena.restore(arena.save()._replace(memory=larger.save().memory))
     with pytest.raises(ConfigError, match="seat must be a whole number from 0 to 1, or 'hunter', got 2"):
         arena.action_space(2)
