@@ -61,7 +61,7 @@ _NEEDED: Final[dict[Any, str]] = {
     ir_utils: "get_definition guard",
     cpu.CPUContext: "insert_func_defn insert_user_function install_registry load_additional_registries",
     types.functions.BaseFunction: "get_call_type",
-    typed_passes: "InlineOverloads NativeLowering NopythonRewrites",
+    typed_passes: "IRLegalization InlineOverloads NativeLowering NopythonRewrites",
     untyped_passes: "FindLiterallyCalls InlineClosureLikes InlineInlinables LiteralPropagationSubPipelinePass "
     "LiteralUnroll MakeFunctionToJitFunction RewriteDynamicRaises RewriteSemanticConstants WithLifting",
     _dynfunc: "make_function",
@@ -256,6 +256,7 @@ class _LowerWhole(typed_passes.NativeLowering):  # type: ignore[misc]
 
 
 _SKIPPED: Final = {
+    typed_passes.IRLegalization,
     typed_passes.InlineOverloads,
     typed_passes.NopythonRewrites,
     untyped_passes.FindLiterallyCalls,
@@ -268,7 +269,8 @@ _SKIPPED: Final = {
     untyped_passes.WithLifting,
 }
 """The core has no closures, contexts and exceptions, nothing that is inlined before it is translated, no loops over
-literals and no arithmetic with whole arrays.
+literals and no arithmetic with whole arrays; and nothing that is counted and freed, for which Numba notes where each
+variable is used last.
 """
 
 

@@ -36,13 +36,17 @@ class Played(NamedTuple):
     title: str
     envs: int
     settings: Mapping[str, Any] = {}
+    age: int = 100
+    """How many steps it has played; an episode has 600."""
 
 
+_MANY: Mapping[str, Any] = {"hunters": 64, "initial_targets": 16, "spawn_frequency_hz": 10.0}
 _BATCHES = (
     Played("1,024 arenas", 1024),
     Played("16,384 arenas", _LARGE),
     Played("full control", _LARGE, {"control": "full"}),
-    Played("64 hunters", 1024, {"hunters": 64, "initial_targets": 16, "spawn_frequency_hz": 10.0}),
+    Played("64 hunters", 1024, _MANY),
+    Played("64 hunters, late", 1024, _MANY, age=550),
 )
 
 
@@ -176,7 +180,7 @@ def _in_this_process(batches: Sequence[Played], *, quick: bool) -> list[dict[str
 
 
 def _at_play(batch: Played) -> tuple[catch_arena.Engine, Callable[[], None]]:
-    """A batch in the middle of an episode, and its step; of many hunters each chases a rank of its own."""
+    """A batch within an episode, and its step; of many hunters each chases a rank of its own."""
     config = catch_arena.scenario("standard", **batch.settings)
     engine = catch_arena.Engine(config, batch.envs, with_infos=False)
     engine.reset(range(batch.envs))
@@ -190,7 +194,7 @@ def _at_play(batch: Played) -> tuple[catch_arena.Engine, Callable[[], None]]:
     def step() -> None:
         engine.step(choices, commands)
 
-    for _ in range(100):
+    for _ in range(batch.age):
         step()
     return engine, step
 
