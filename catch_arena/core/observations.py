@@ -372,11 +372,8 @@ def write_seat(
     write_self(seat_of(block, seat), scratch.rows[:LANES], first, width, place)
     targets = Place(place.out, place.at + SELF_WIDTH, place.stride)
     write_targets(block, seat, s, first, width, scratch.target_tiles, targets)
-    rivals, order = (
-        Place(place.out, targets.at + s.targets_seen * target_width(s), place.stride),
-        rival_order_of(scratch, seat),
-    )
-    write_rivals(block, seat, order, s, first, width, teams, scratch.body_tiles, rivals)
+    rivals = Place(place.out, targets.at + s.targets_seen * target_width(s), place.stride)
+    write_rivals(block, seat, rival_order_of(scratch, seat), s, first, width, teams, scratch.body_tiles, rivals)
 
 
 @phase

@@ -140,7 +140,7 @@ def pack_order(keys: Keys, there: int, ranks: int, width: Width, packed: Block) 
     for rank in range(0, ranks, RANKS_PER_WORD):
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
-            word = long(keys[lane] & 0)
+            word = long(keys[lane] & 0)  # 0 in each lane
             for next_rank in range(RANKS_PER_WORD):
                 if rank + next_rank < min(there, ranks):
                     item = long(item_of(keys[(rank + next_rank) * LANES + lane]))
@@ -253,7 +253,7 @@ def count_ranks(
                 rank = rank + select(ahead, 1.0, 0.0)
                 ranks[other * LANES + lane] = ranks[other * LANES + lane] + select(ahead, 0.0, 1.0)
             ranks[one * LANES + lane] = rank
-        word = long(keys[lane] & 0)
+        word = long(keys[lane] & 0)  # 0 in each lane
         for one in range(s.hunters):
             shift = long(truncate(RANK_BITS * ranks[one * LANES + lane]))
             word = word | (long(item_of(keys[one * LANES + lane])) << shift)

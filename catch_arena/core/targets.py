@@ -156,6 +156,7 @@ def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Setti
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         x, y = targets[slot * s.slot_size + TARGET_X + lane], targets[slot * s.slot_size + TARGET_Y + lane]
+        # times 0: a number for each lane, as the loop below has them
         nearest, second, east, north = 0.0 * x + _NO_THREAT, 0.0 * x + _NO_THREAT, 0.0 * x, 0.0 * x
         for seat in range(s.hunters):
             me = seat_of(block, seat)
