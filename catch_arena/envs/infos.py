@@ -2,7 +2,11 @@
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Any
+from threading import RLock
+from typing import Any, Final
+
+_filling: Final = RLock()
+"""One thread at a time fills infos."""
 
 
 class MaterializedInfos(dict[str, Any]):
@@ -29,18 +33,21 @@ class LazyInfos(MaterializedInfos):
 
     __slots__ = ()
 
-    def _fill(self) -> None:
-        super().update(self.make(*self.arguments))
-        del self.make, self.arguments  # with the arrays that they hold
-        self.__class__ = MaterializedInfos  # type: ignore[assignment]  # of the same layout
+
+def _fill(infos: LazyInfos) -> None:
+    with _filling:
+        if type(infos) is LazyInfos:  # no other thread has filled it meanwhile
+            dict.update(infos, infos.make(*infos.arguments))
+            del infos.make, infos.arguments  # with the arrays that they hold
+            infos.__class__ = MaterializedInfos  # type: ignore[assignment]  # of the same layout
 
 
-def _filling(name: str) -> Callable[..., Any]:
+def _filled_by(name: str) -> Callable[..., Any]:
     method = getattr(dict, name)
 
     @wraps(method)
     def filled(self: LazyInfos, *arguments: Any, **named: Any) -> Any:
-        self._fill()
+        _fill(self)
         return method(self, *arguments, **named)
 
     return filled
@@ -52,4 +59,4 @@ for _name in (
     *("__len__", "__lt__", "__ne__", "__or__", "__repr__", "__reversed__", "__ror__", "__setitem__"),
     *("clear", "copy", "get", "items", "keys", "pop", "popitem", "setdefault", "update", "values"),
 ):
-    setattr(LazyInfos, _name, _filling(_name))
+    setattr(LazyInfos, _name, _filled_by(_name))

@@ -3,6 +3,9 @@
 import copy
 import json
 import pickle
+import time
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event
 
 import pytest
 
@@ -108,3 +111,24 @@ def test_infos_tell_of_their_own_step():
 
     assert [json.dumps(infos, default=lambda array: array.tolist()) for infos in kept] == seen
     assert len(set(seen)) == 60
+
+
+def test_two_threads_may_be_the_first_to_read():
+    """One makes the infos, and the other waits for them."""
+    infos, begun, made = untold(), Event(), []
+    make = infos.make
+
+    def slow(content):
+        made.append(content)
+        begun.set()
+        time.sleep(0.1)
+        return make(content)
+
+    infos.make = slow
+    with ThreadPoolExecutor(2) as pool:
+        first = pool.submit(infos.get, "hunter_1")
+        begun.wait()
+        second = pool.submit(READERS["items"], infos)
+        assert first.result() == CONTENT["hunter_1"]
+        assert second.result()
+    assert len(made) == 1
