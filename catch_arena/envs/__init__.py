@@ -2,6 +2,7 @@
 
 - parallel: PettingZoo's parallel environment; aec: the same hunter by hunter. vector: VectorArena.
 - spaces: the spaces, and the check of an action against them. infos: made when somebody asks for them.
+  saved: the check of a saved state.
 - global_state: R7.3's view of a whole arena.
 
 Importing this package registers every scenario with PettingZoo: `pettingzoo.make("parallel",
