@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import unkept_entry
 from catch_arena.core.ranking import FAR, sort_keys
 from catch_arena.core.sorting import merged, sorted_bitonic, sorted_eight
@@ -32,7 +33,7 @@ def test_two_eights_become_the_smaller_half_in_order_and_a_rest_that_can_be_sort
 
 @unkept_entry
 def sort(keys, count, ranks, width):
-    sort_keys(keys, count, ranks, width)
+    sort_keys(by_address(keys), count, ranks, width)
 
 
 @pytest.mark.parametrize("width", [SINGLE, HALF, WIDE], ids=["one", "four", "eight"])
