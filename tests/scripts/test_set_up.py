@@ -10,6 +10,7 @@ import signal
 import socket
 import subprocess
 import sys
+import sysconfig
 import threading
 import time
 from pathlib import Path
@@ -19,7 +20,8 @@ import pytest
 ROOT = Path(__file__).parents[2]
 SET_UP = ROOT / "scripts" / "set_up"
 PYTHON = Path(sys.base_prefix) / "bin" / "python3"
-WHEELS = Path(ensurepip.__file__).parent / "_bundled"
+WHEELS = Path(sysconfig.get_config_var("WHEEL_PKG_DIR") or Path(ensurepip.__file__).parent / "_bundled")
+"""Those of ensurepip, which Debian keeps elsewhere."""
 """pip's own wheel, which Python carries: an index of one package."""
 
 ABSENT = """
