@@ -21,8 +21,7 @@ ROOT = Path(__file__).parents[2]
 SET_UP = ROOT / "scripts" / "set_up"
 PYTHON = Path(sys.base_prefix) / "bin" / "python3"
 WHEELS = Path(sysconfig.get_config_var("WHEEL_PKG_DIR") or Path(ensurepip.__file__).parent / "_bundled")
-"""Those of ensurepip, which Debian keeps elsewhere."""
-"""pip's own wheel, which Python carries: an index of one package."""
+"""pip's own wheel, which Python carries, and Debian's in another place: an index of one package."""
 
 ABSENT = """
 import sys
