@@ -262,6 +262,7 @@ def test_an_interrupt_while_llvm_takes_over_a_module_lets_nobody_free_it_again()
     assert linked.closed
 
 
+@pytest.mark.skipif(INTERPRETED or not compiler.USABLE, reason="LLVM makes nothing of ours")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_while_llvm_makes_machine_code_counts_behind_it(monkeypatch, number):
     """LLVM calls back into Python then, where what is raised is lost: the program played on, and was told that nothing
