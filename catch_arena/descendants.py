@@ -81,7 +81,13 @@ def end(roots: Collection[int]) -> None:
     patience = time.monotonic() + _GRACE_S
     while (left := list(filter(_lives, doomed))) and time.monotonic() < patience:
         time.sleep(_PAUSE_S)
-    kill_all(lambda: filter(_lives, _by_generation(*left)), _GRACE_S)
+
+    def living() -> list[int]:
+        nonlocal left
+        left = list(filter(_lives, _by_generation(*left)))  # once its parent is dead, nobody else knows of a process
+        return left
+
+    kill_all(living, _GRACE_S)
 
 
 def state(pid: int) -> str:

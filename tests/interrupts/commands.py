@@ -15,8 +15,6 @@ PATIENCE_S = 60.0
 """What takes longer hangs."""
 PROMISED_S = 3.0
 """From the first signal to the end (docs/tournaments.md)."""
-LAST_S = 1.0
-"""How long what it has begun to start may outlive it: a worker ends when it sees that nobody is at its channel."""
 START_S = 0.1
 """How long Python takes to start and end, at most, where nobody else is at work."""
 PROGRESS = re.compile(r"^(playing|isolation): .+\n", re.MULTILINE)
@@ -37,7 +35,7 @@ class Ended:
     said: str
     errors: str
     left: list[str]
-    """The processes that it left behind, by their commands: those that are there LAST_S later."""
+    """The processes that it left behind, by their commands."""
     seconds: float | None
     """From the first signal to the end; None where it had ended, or none came."""
 
@@ -82,10 +80,6 @@ class Command:
             self.process.wait(PATIENCE_S)
             seconds = None if self._interrupted_s is None else time.monotonic() - self._interrupted_s
             left = self._left()
-            begun = time.monotonic()
-            while left and time.monotonic() < begun + LAST_S:
-                time.sleep(0.05)
-                left = self._left()
             errors = PROGRESS.sub("", self.process.stderr.read())
             return Ended(self.process.returncode, self.process.stdout.read(), errors, left, seconds)
         finally:
